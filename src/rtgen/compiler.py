@@ -133,11 +133,17 @@ def read(
         )
     results += _read_by_plugins(project)
     result = results[0] if len(results) == 1 else together(results)
-    if project.adapters and not has_errors(result.diagnostics):
-        from rtgen.adapters import with_adapters
+    if has_errors(result.diagnostics):
+        return result
+    from rtgen.lowering import stage
 
-        result = with_adapters(result, project.adapters)
-    return result
+    lowerings = stage.LOWERINGS if lowered else stage.DEFINITIONS
+    made = stage.lowered(result.model, project.lowering, lowerings)
+    return replace(
+        result,
+        model=made.model,
+        diagnostics=(*result.diagnostics, *made.diagnostics),
+    )
 
 
 def _read_by_plugins(project: Project) -> Iterator[FrontendResult]:
@@ -261,7 +267,7 @@ def _checked(
     if has_errors(definitions.diagnostics):
         found = [d for each in profiles for d in system_checks.check_properties(each)]
         return profiles, found
-    models = component_models(definitions.model, options)
+    models = component_models(definitions.model)
     named = systems.as_defined(profiles, models)
     return named, list(systems.checked(named, models))
 
@@ -331,11 +337,9 @@ def _with_systems(
     )
 
 
-def component_models(model: Model, options: Options) -> list[Model]:
-    """The models that have the components of a project: its own, and those of TECS boards."""
-    from rtgen.backends.tecs.backend import rtc_packages
-
-    return [model, *(package.model for package in rtc_packages(model, options))]
+def component_models(model: Model) -> list[Model]:
+    """The models that have the components of a project: its own, and those of its packages."""
+    return [model, *(package.model for package in model.packages)]
 
 
 def backends() -> Iterator[Backend]:

@@ -19,6 +19,8 @@ from rtgen.backends.tecs import BACKEND
 from rtgen.diagnostics import has_errors
 from rtgen.frontends.cdl import load
 from rtgen.layouts.signature_digest import signature_digest, signature_text
+from rtgen.lowering.settings import Settings
+from rtgen.lowering.stage import lowered
 from rtgen.model import Model
 from rtgen.model.tecs import Signature, TecsUnit
 
@@ -54,7 +56,9 @@ def _digests(folder: Path, text: str) -> list[str]:
 def _generate(folder: Path, text: str = BOARD) -> tuple[TecsUnit, dict[str, str]]:
     """The unit of a CDL file, and what rtgen makes of it, by the names of the files."""
     model = _model(folder, text)
-    emission = BACKEND.emit(model, Options("robots", "nodes", "0.1.0"))
+    made = lowered(model, Settings())
+    assert not has_errors(made.diagnostics), made.diagnostics
+    emission = BACKEND.emit(made.model, Options("robots", "nodes", "0.1.0"))
     assert not has_errors(emission.diagnostics), emission.diagnostics
     return model.tecs[0], {
         Path(artifact.path).name: artifact.text

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Protocol
@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 from rtgen.diagnostics import Diagnostic
 
 if TYPE_CHECKING:  # a run from the cache makes artifacts without the model
-    from rtgen.model import Model
+    from rtgen.model import Model, Package
 
 
 class Owner(StrEnum):
@@ -70,6 +70,20 @@ class Options:
     def folder(self) -> str:
         """The folder of the package, below the output folder."""
         return self.package.replace(".", "/")
+
+    def inside(self, package: Package) -> Options:
+        """The options for a package below the project's own.
+
+        Its values are marshalled only where CORBA or an `any` carries them.
+        """
+        corba = self.tecs_corba or self.target == "openrtm"
+        return replace(
+            self,
+            package=f"{self.package}.{package.name}",
+            lazy=True,
+            marshalled=corba or package.any_values,
+            external=package.types,
+        )
 
     @property
     def skeleton_prefix(self) -> str:

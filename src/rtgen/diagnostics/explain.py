@@ -16,7 +16,7 @@ MODULES = (
     "rtgen.backends.openrtm.rules",
     "rtgen.backends.openrtm.system_rules",
     "rtgen.backends.small.rules",
-    "rtgen.backends.tecs.rules",
+    "rtgen.lowering.tecs.rules",
     "rtgen.backends.types.rules",
     "rtgen.frontends.bus.rules",
     "rtgen.frontends.cdl.rules",
@@ -28,7 +28,7 @@ MODULES = (
     "rtgen.frontends.rts_profile",
     "rtgen.lint.rules",
     "rtgen.project.rules",
-    "rtgen.adapter_rules",
+    "rtgen.lowering.adapter_rules",
     "rtgen.systems.checks",
     "rtgen.systems.rules",
 )

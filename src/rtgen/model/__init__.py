@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
 
 from rtgen.facts.primitives import Primitive
 from rtgen.model.can_bus import Bus
@@ -99,6 +99,7 @@ __all__ = [
     "NamedType",
     "Native",
     "Operation",
+    "Package",
     "Parameter",
     "Port",
     "PortKind",
@@ -144,7 +145,8 @@ class SourceFile:
 class Model:
     """Everything that was read: files (included before includer) and declarations in order.
 
-    Each main CDL file is a separate unit in `tecs`; see `rtgen.model.tecs`.
+    Each main CDL file is a separate unit in `tecs`; see `rtgen.model.tecs`. `packages` are made
+    by lowerings.
     """
 
     files: tuple[SourceFile, ...] = ()
@@ -154,6 +156,7 @@ class Model:
     devices: tuple[Device, ...] = ()
     buses: tuple[Bus, ...] = ()
     adapters: tuple[Adapter, ...] = ()
+    packages: tuple[Package, ...] = ()
     _by_name: dict[ScopedName, Declaration] = field(
         init=False, repr=False, compare=False, default_factory=dict
     )
@@ -193,3 +196,32 @@ class Model:
     def of_file(self, name: str) -> Iterable[Declaration]:
         """The declarations in a file, by its displayed path."""
         return (d for d in self.declarations if d.file == name)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Package:
+    """Declarations with names of their own, in a package `name` below the project's.
+
+    `types` maps the displayed path of a file to the module that has what it declares, where the
+    package has not; `conversions` to the package below the project's that has its conversions to
+    a middleware. `sources` are the files that decide the package. `any_values`: values of the
+    types travel in an `any`.
+    """
+
+    name: str
+    model: Model
+    sources: tuple[SourceFile, ...]
+    types: Mapping[str, str] = field(default_factory=dict)
+    conversions: Mapping[str, str] = field(default_factory=dict)
+    any_values: bool = False
+
+    @property
+    def own(self) -> Model:
+        """The model without what other modules have."""
+        return replace(
+            self.model,
+            files=tuple(f for f in self.model.files if f.name not in self.types),
+            declarations=tuple(
+                d for d in self.model.declarations if d.file not in self.types
+            ),
+        )

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rtgen.diagnostics import Diagnostic, InputError, Span
+from rtgen.lowering.settings import AdapterEntry, Settings
 from rtgen.project.kinds import (
     FILE_NAME,
     SUFFIXES,
@@ -39,17 +40,6 @@ KCODES = ("auto", "euc", "sjis", "utf8", "none")
 """The encodings of CDL files."""
 
 _RESERVED_PACKAGES = frozenset({"generated", "RTC", "rtgen"})
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class AdapterEntry:
-    """`[adapter.NAME]`: scoped names of structs, and which member of `source` fills which."""
-
-    name: str
-    source: str
-    target: str
-    mapping: tuple[tuple[str, str], ...]
-    span: Span
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -89,6 +79,11 @@ class Project:
     lint: tuple[tuple[str, str, Span], ...] = ()
     plugins: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     node_id: int | None = None
+
+    @property
+    def lowering(self) -> Settings:
+        """What lowerings take from rtgen.toml."""
+        return Settings(adapters=self.adapters)
 
     @property
     def skeleton_package(self) -> str:

@@ -11,8 +11,12 @@ from types import ModuleType
 
 from rtgen.backends import Artifact, Emission, Options, Owner
 from rtgen.backends.tecs import BACKEND
+from rtgen.backends.types import BACKEND as TYPES
 from rtgen.diagnostics import Diagnostic, has_errors
 from rtgen.frontends.cdl import load
+from rtgen.lowering.settings import Settings
+from rtgen.lowering.stage import lowered
+from rtgen.model import Model
 
 SERVER = """\
 signature sServer {
@@ -87,9 +91,21 @@ def emit(folder: Path, files: dict[str, str]) -> tuple[Emission, list[Diagnostic
         (folder / name).write_text(text, encoding="utf-8")
     read = load([folder / name for name in files], root=folder)
     assert not has_errors(read.diagnostics), read.diagnostics
-    options = Options("robots", "nodes", "0.1.0")
-    emission = BACKEND.emit(read.model, options)
-    return emission, list(emission.diagnostics)
+    return emitted(read.model)
+
+
+def emitted(model: Model) -> tuple[Emission, list[Diagnostic]]:
+    """What the back ends give for the model of CDL files."""
+    made = lowered(model, Settings())
+    findings = list(made.diagnostics)
+    artifacts: list[Artifact] = []
+    for backend in () if has_errors(findings) else (TYPES, BACKEND):
+        emission = backend.emit(made.model, Options("robots", "nodes", "0.1.0"))
+        artifacts += emission.artifacts
+        findings += emission.diagnostics
+    if has_errors(findings):
+        artifacts.clear()
+    return Emission(artifacts, findings), findings
 
 
 def texts(artifacts: Sequence[Artifact]) -> dict[str, str]:

@@ -6,12 +6,12 @@ import sys
 from types import ModuleType
 from typing import Any
 
-from rtgen.backends.tecs.options import RtcOptions
-from rtgen.backends.tecs.plan import Service as Planned
 from rtgen.backends.tecs.proxies import proxy_class
 from rtgen.backends.tecs.server_module import server_module
 from rtgen.backends.tecs.service_text import ServiceText
 from rtgen.cli.rpc.codecs import Service
+from rtgen.lowering.tecs.options import RtcOptions
+from rtgen.lowering.tecs.plan import Service as Planned
 
 PROXY_HEAD = """from __future__ import annotations
 from rtgen.runtime.opaque_rpc import Channel

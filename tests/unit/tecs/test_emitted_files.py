@@ -12,10 +12,10 @@ import pytest
 from boards import MOTOR, SERVER, emit, imported, joined, texts, write
 from lxml import etree
 
-from rtgen.backends.tecs.communication import communication_model
-from rtgen.backends.tecs.idl_model import idl_side
-from rtgen.backends.tecs.plan import packages
 from rtgen.frontends import cdl, idl
+from rtgen.lowering.tecs.communication import communication_model
+from rtgen.lowering.tecs.idl_model import idl_side
+from rtgen.lowering.tecs.plan import packages
 from rtgen.model import Interface, Struct
 
 ROOT = Path(__file__).parents[3]

@@ -11,9 +11,9 @@ from typing import Any
 import pytest
 
 from rtgen.backends import Options
-from rtgen.backends.tecs.communication import communication_model
 from rtgen.backends.types import BACKEND
 from rtgen.frontends import idl
+from rtgen.lowering.tecs.communication import communication_model
 from rtgen.model import Component, Interface, Model, SourceFile
 from rtgen.runtime.calls import Client, Server, calls_of
 from rtgen.runtime.descriptors import difference

@@ -8,9 +8,9 @@ from typing import ClassVar
 import pytest
 from boards import SERVER, emit, imported, joined, texts, write
 
-from rtgen.backends.tecs.options import RtcOptions
-from rtgen.backends.tecs.rules import UNKNOWN_OPTION
 from rtgen.facts.opaque_rpc import FIRST_PORT, LONGEST_TIMEOUT
+from rtgen.lowering.tecs.options import RtcOptions
+from rtgen.lowering.tecs.rules import UNKNOWN_OPTION
 from rtgen.runtime.opaque_rpc import (
     REQUEST_LIMIT,
     Codec,

@@ -11,8 +11,8 @@ from rtgen.backends.components.checks import check, check_modules, components_of
 from rtgen.backends.components.imports import import_from
 from rtgen.backends.components.places import (
     components_folder,
+    factory,
     heading,
-    imported_from,
     package_folder,
     source_of,
 )
@@ -23,7 +23,7 @@ from rtgen.backends.rendering import render
 from rtgen.diagnostics import has_errors
 from rtgen.model import Component, Model, SourceFile
 from rtgen.typemap.idl_python import PythonNames
-from rtgen.typemap.python_names import identifier, module_name
+from rtgen.typemap.python_names import module_name
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,12 +109,4 @@ def _header(options: Options, sources: Sequence[SourceFile]) -> str:
 
 
 def _entry(component: Component, options: Options) -> _Entry:
-    name = component.name[-1]
-    if component.factory:
-        return _Entry(name, *imported_from(options, component.factory))
-    return _Entry(name, _skeleton_module(options, name), identifier(name))
-
-
-def _skeleton_module(options: Options, name: str) -> str:
-    """The module of a component's skeleton; top-level without a package."""
-    return f"{options.skeleton_prefix}{module_name(name)}"
+    return _Entry(component.name[-1], *factory(component, options))

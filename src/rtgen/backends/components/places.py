@@ -5,7 +5,7 @@ from __future__ import annotations
 from rtgen.backends import Options
 from rtgen.model import Component, Model, SourceFile
 from rtgen.typemap import profile_texts
-from rtgen.typemap.python_names import module_name
+from rtgen.typemap.python_names import identifier, module_name
 
 
 def package_folder(options: Options, component: Component) -> str:
@@ -22,6 +22,14 @@ def imported_from(options: Options, target: str) -> tuple[str, str]:
     """Module and name of `module:name`; a module with a dot in front is below the package."""
     module, _, name = target.partition(":")
     return f"{options.package}{module}" if module.startswith(".") else module, name
+
+
+def factory(component: Component, options: Options) -> tuple[str, str]:
+    """Module and name of what makes a component: its own, else the class of its skeleton."""
+    name = component.name[-1]
+    if component.factory:
+        return imported_from(options, component.factory)
+    return f"{options.skeleton_prefix}{module_name(name)}", identifier(name)
 
 
 def source_of(model: Model, component: Component) -> SourceFile:

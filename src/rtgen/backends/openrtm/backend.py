@@ -12,7 +12,6 @@ from rtgen.backends.openrtm.conversions import conversions
 from rtgen.backends.openrtm.plan import ROOT, Unit, plans
 from rtgen.backends.openrtm.systems import system_artifacts
 from rtgen.backends.openrtm.wire_idl import WireIdl
-from rtgen.backends.tecs.backend import rtc_packages
 from rtgen.diagnostics import has_errors
 from rtgen.model import Model
 
@@ -26,7 +25,7 @@ class OpenRtmBackend:
         """All files of all components; nothing where anything is wrong."""
         if has_errors(check(model)):
             return Emission()
-        units = [Unit(model, options, options.factories), *_of_tecs(model, options)]
+        units = list(_units(model, options))
         planned, findings = plans(units)
         if planned and options.package == ROOT:
             findings.append(
@@ -60,12 +59,13 @@ run/
 """
 
 
-def _of_tecs(model: Model, options: Options) -> Iterator[Unit]:
-    for found in rtc_packages(model, options):
-        yield Unit(
-            found.model,
-            found.options,
-            {**found.factories, **options.factories},
-            found.external,
-            found.types,
-        )
+def _units(model: Model, options: Options) -> Iterator[Unit]:
+    """The project's own package, and those below it."""
+    yield Unit(model, options, options.factories)
+    for package in model.packages:
+        conversions = {
+            file: f"{options.package}.{name}"
+            for file, name in package.conversions.items()
+        }
+        inside = options.inside(package)
+        yield Unit(package.model, inside, options.factories, conversions, package.types)

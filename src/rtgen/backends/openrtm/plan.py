@@ -12,7 +12,7 @@ from pathlib import PurePosixPath
 from rtgen.backends import Options
 from rtgen.backends.components.checks import components_of
 from rtgen.backends.components.members import attributes_of
-from rtgen.backends.components.places import imported_from, source_of
+from rtgen.backends.components.places import factory, imported_from, source_of
 from rtgen.backends.openrtm import rules
 from rtgen.backends.quoting.properties import is_conf_key, is_conf_value
 from rtgen.diagnostics import Diagnostic, Related
@@ -36,7 +36,7 @@ from rtgen.typemap.openrtm_ports import (
     known_name,
     names_of,
 )
-from rtgen.typemap.python_names import identifier, module_name
+from rtgen.typemap.python_names import identifier
 
 ROOT = "openrtm"
 """The folder of all modules and systems, below the output folder."""
@@ -253,11 +253,10 @@ class ComponentPlan:
     def behaviour(self) -> tuple[str, str]:
         """Module and name of the factory of the behaviour."""
         options = self.unit.options
-        factory = self.unit.factories.get(self.name) or self.component.factory
-        if factory:
-            return imported_from(options, factory)
-        module = f"{options.skeleton_prefix}{module_name(self.name)}"
-        return module, identifier(self.name)
+        named = self.unit.factories.get(self.name)
+        return (
+            imported_from(options, named) if named else factory(self.component, options)
+        )
 
     @cached_property
     def idl_files(self) -> tuple[IdlFile, ...]:

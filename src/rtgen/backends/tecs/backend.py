@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
 
 from rtgen.backends import Artifact, Emission, Options, Owner, rtc_profile
-from rtgen.backends.components.checks import check
+from rtgen.backends.components.checks import check, components_of
+from rtgen.backends.components.places import factory
 from rtgen.backends.components.skeleton import skeleton_module
 from rtgen.backends.idl_text import idl_text
 from rtgen.backends.python_text import header, header_comment
@@ -18,60 +18,55 @@ from rtgen.backends.tecs.build_files import (
     tecsgen_plugin,
 )
 from rtgen.backends.tecs.codec import codec_texts
-from rtgen.backends.tecs.communication import (
-    FACTORY,
-    FILE,
-    RUNTIME,
-    communication_model,
-)
-from rtgen.backends.tecs.idl_model import IdlService, IdlSide, idl_side
 from rtgen.backends.tecs.marshaller_module import marshaller_module
-from rtgen.backends.tecs.plan import FOLDER, Service, TecsPackage, packages
 from rtgen.backends.tecs.rtc_text import client_module
-from rtgen.backends.tecs.rules import NOT_TRANSFERRED
 from rtgen.backends.tecs.server_module import server_module
 from rtgen.backends.tecs.service_text import ServiceText
 from rtgen.backends.tecs.types_module import types_text
 from rtgen.backends.tecs.views_module import views_module
-from rtgen.backends.types import BACKEND as TYPES
-from rtgen.diagnostics import Diagnostic, has_errors
-from rtgen.facts import opaque_rpc as facts
-from rtgen.layouts.tdr import SignatureLayout, TransferError
-from rtgen.layouts.tdr_messages import layout_of, problems
+from rtgen.diagnostics import has_errors
+from rtgen.lowering.tecs.boards import BoardPackage, boards
+from rtgen.lowering.tecs.idl_model import IdlService
+from rtgen.lowering.tecs.plan import FOLDER, Service, TecsPackage
 from rtgen.model import Component, Declaration, Model, SourceFile
 from rtgen.model.tecs import TecsConst
 from rtgen.typemap.idl_python import PythonNames, is_emitted
-from rtgen.typemap.python_names import identifier, module_name
+from rtgen.typemap.python_names import module_name
 
 
 class TecsBackend:
-    """Makes a package for each CDL file with a join through `RTCPlugin`, and what they share."""
+    """Makes what a package of a CDL file has beside types: codecs, RTCs, files for tecsgen."""
 
     name = "tecs"
 
     def emit(self, model: Model, options: Options) -> Emission:
         """All files of all packages; none where anything has errors."""
-        tecs, findings = _read(model)
-        if tecs is None or has_errors(findings):
+        found = list(boards(model))
+        findings = [finding for board in found for finding in check(board.model)]
+        if not found or has_errors(findings):
             return Emission((), findings)
-        sources = tecs.sources
-        shared = _options(options, FOLDER)
+        [shared] = (p for p in model.packages if p.name == FOLDER)
+        inside = options.inside(shared)
         artifacts: list[Artifact] = []
         if not any(
             is_emitted(d) or isinstance(d, Component) for d in model.declarations
         ):
-            artifacts += _package(options, "What is made of CDL files.", sources)
+            title = "What is made of CDL files."
+            artifacts += _package(options, title, shared.sources)
         title = "TECS boards, a package for each CDL file."
-        artifacts += _package(shared, title, sources)
-        entries = {facts.COMPONENT: FACTORY}
+        artifacts += _package(inside, title, shared.sources)
+        entries: dict[str, str] = {}
         skeletons: dict[str, Artifact] = {}
-        for package, side, layouts in tecs.sides:
-            writer = _Writer(package, side, layouts, options)
-            artifacts += writer.artifacts([other for other, _, _ in tecs.sides])
+        for package in (shared, *found):
+            for component in components_of(package.own) or components_of(package.model):
+                target = ":".join(factory(component, options.inside(package)))
+                entries.setdefault(component.name[-1], target)
+        for board in found:
+            writer = _Writer(board, options.inside(board))
+            artifacts += writer.artifacts([other.plan for other in found])
             for skeleton in writer.skeletons():
                 skeletons.setdefault(skeleton.path, skeleton)
-            entries = {**_entries(package, writer.options), **entries}
-        artifacts.append(_entry_points(entries, shared, sources))
+        artifacts.append(_entry_points(entries, inside, shared.sources))
         artifacts += skeletons.values()
         return Emission(artifacts, findings)
 
@@ -90,129 +85,18 @@ def _package(
     yield Artifact(f"{options.folder}/py.typed", "", origin)
 
 
-@dataclass(frozen=True, slots=True)
-class RtcPackage:
-    """The RTCs of a package and their IDL as a model; `factories` has `module:name` by type.
-
-    `external` maps the displayed path of a file whose conversions another package has to that
-    one, `types` that of a file whose types another package has.
-    """
-
-    model: Model
-    options: Options
-    factories: Mapping[str, str]
-    external: Mapping[str, str]
-    types: Mapping[str, str]
-
-
-def rtc_packages(model: Model, options: Options) -> list[RtcPackage]:
-    """The packages with RTCs that `emit` makes; none where anything has errors."""
-    tecs, findings = _read(model)
-    if tecs is None or has_errors(findings):
-        return []
-    shared = _options(options, FOLDER)
-    types = {FILE: RUNTIME}
-    found = [RtcPackage(tecs.communication, shared, {}, {}, types)]
-    external = {FILE: shared.package}
-    for package, side, _ in tecs.sides:
-        own = _options(options, package.name)
-        entries = _entries(package, own)
-        found.append(RtcPackage(side.model, own, entries, external, types))
-    return found
-
-
-@dataclass(frozen=True, slots=True)
-class _Tecs:
-    """The packages of a project, each with its IDL side, and what they share."""
-
-    sources: tuple[SourceFile, ...]
-    communication: Model
-    sides: tuple[tuple[TecsPackage, IdlSide, list[SignatureLayout]], ...]
-
-
-def _read(model: Model) -> tuple[_Tecs | None, list[Diagnostic]]:
-    """What a project has of TECS, None without a join; and what is wrong with it."""
-    planned, findings = packages(model)
-    if not planned:
-        return None, findings
-    sources = tuple(dict.fromkeys(s for p in planned for s in p.sources))
-    communication = communication_model(sources)
-    sides = []
-    for package in planned:
-        side, found = idl_side(package, communication)
-        layouts, untransferable = _layouts(package, side)
-        findings += [*found, *untransferable]
-        sides.append((package, side, layouts))
-        if not has_errors(findings):
-            findings += check(side.model)
-    return _Tecs(sources, communication, tuple(sides)), findings
-
-
-def _options(options: Options, name: str, *, anys: bool = False) -> Options:
-    """The options for the IDL of a package below the project's own.
-
-    Only CORBA and `any` marshal its values.
-    """
-    return replace(
-        options,
-        package=f"{options.package}.{name}",
-        lazy=True,
-        marshalled=anys or options.tecs_corba or options.target == "openrtm",
-    )
-
-
-def _entries(package: TecsPackage, options: Options) -> dict[str, str]:
-    """The factories of a package's components; `options` are those of the package."""
-    found = {}
-    for service in package.services:
-        marshaller, client = f"{service.name}Marshaller", f"{service.name}Client"
-        module = f"{options.package}.{service.module}_marshaller"
-        found[marshaller] = f"{module}:{identifier(marshaller)}"
-        module = f"{options.skeleton_prefix}{module_name(client)}"
-        found[client] = f"{module}:{identifier(client)}"
-    return found
-
-
-def _layouts(
-    package: TecsPackage, side: IdlSide
-) -> tuple[list[SignatureLayout], list[Diagnostic]]:
-    """The layouts of all signatures; and what OpaqueRPC cannot carry, though IDL can."""
-    layouts = []
-    found = []
-    for service in package.services:
-        signature = service.signature
-        try:
-            layouts.append(layout_of(package.unit, signature))
-        except TransferError:
-            kept = [f for f in signature.functions if f.span not in side.refused]
-            sound = replace(signature, functions=tuple(kept))
-            for p in problems(package.unit, sound):
-                found.append(NOT_TRANSFERRED.at(p.span, p.reason, hint=p.hint))
-    return layouts, found
-
-
 class _Writer:
-    def __init__(
-        self,
-        package: TecsPackage,
-        side: IdlSide,
-        layouts: Sequence[SignatureLayout],
-        options: Options,
-    ) -> None:
-        self._package = package
-        self._layouts = layouts
-        self._side = side
-        anys = any(s.options.array == "any" for s in package.services)
-        self.options = replace(
-            _options(options, package.name, anys=anys), external={FILE: RUNTIME}
-        )
-        self._sources = [source.key for source in package.sources]
+    def __init__(self, board: BoardPackage, options: Options) -> None:
+        self._package = board.plan
+        self._layouts = board.layouts
+        self._side = board.side
+        self.options = options
+        self._sources = [source.key for source in board.sources]
         self._header = header_comment(options.version, self._sources)
 
     def artifacts(self, packages: Sequence[TecsPackage]) -> Iterator[Artifact]:
         """The files of the package, which is one of these."""
         package, side = self._package, self._side
-        yield from _types(side.model, self.options, package.sources)
         for idl in side.services:
             yield self._artifact(idl.file, self._idl(idl))
         yield from self._modules()
@@ -305,22 +189,6 @@ class _Writer:
 def _profile_name(package: TecsPackage, name: str) -> str:
     first = package.services[0].name == name
     return "RTC.xml" if first else f"{name}.RTC.xml"
-
-
-def _types(
-    model: Model, options: Options, sources: Sequence[SourceFile]
-) -> Iterator[Artifact]:
-    """The Python package of a model's types and interfaces."""
-    origin = tuple(source.key for source in sources)
-    inner = replace(
-        model,
-        files=tuple(f for f in model.files if f.name not in options.external),
-        declarations=tuple(
-            d for d in model.declarations if d.file not in options.external
-        ),
-    )
-    for artifact in TYPES.emit(inner, options).artifacts:
-        yield replace(artifact, origin=origin)
 
 
 def _entry_points(

@@ -7,9 +7,9 @@ from collections.abc import Iterable, Sequence
 from rtgen.backends import Options
 from rtgen.backends.python_text import header, header_comment
 from rtgen.backends.rendering import render
-from rtgen.backends.tecs.options import NETWORK_WIDTHS, PC_OPTIONS, RtcOptions
-from rtgen.backends.tecs.plan import RtcJoin, TecsPackage
 from rtgen.layouts.signature_digest import DIGITS, SPELLINGS, signature_digest
+from rtgen.lowering.tecs.options import NETWORK_WIDTHS, PC_OPTIONS, RtcOptions
+from rtgen.lowering.tecs.plan import RtcJoin, TecsPackage
 
 
 def _sources(package: TecsPackage) -> list[str]:

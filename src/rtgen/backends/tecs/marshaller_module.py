@@ -9,10 +9,7 @@ from rtgen.backends.components.members import attributes_of
 from rtgen.backends.python_text import fit_text
 from rtgen.backends.quoting.python import docstring, string_literal
 from rtgen.backends.rendering import render
-from rtgen.backends.tecs.communication import FILE
-from rtgen.backends.tecs.communication import RUNTIME as CHANNEL
 from rtgen.backends.tecs.function_text import LOCALS, tuple_type
-from rtgen.backends.tecs.idl_model import IdlService
 from rtgen.backends.tecs.proxies import proxy_class
 from rtgen.backends.tecs.rtc_text import RUNTIME, rtc_class
 from rtgen.backends.tecs.service_text import (
@@ -23,6 +20,9 @@ from rtgen.backends.tecs.service_text import (
 )
 from rtgen.backends.tecs.views import to_codec, to_idl, used_structs
 from rtgen.layouts.tdr import FunctionLayout, Item
+from rtgen.lowering.tecs.communication import FILE
+from rtgen.lowering.tecs.communication import RUNTIME as CHANNEL
+from rtgen.lowering.tecs.idl_model import IdlService
 from rtgen.model import (
     VOID,
     Component,

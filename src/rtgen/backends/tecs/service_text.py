@@ -16,9 +16,9 @@ from rtgen.backends.tecs.function_text import (
     shown,
     struct_classes,
 )
-from rtgen.backends.tecs.options import RtcOptions
-from rtgen.backends.tecs.plan import Service
 from rtgen.layouts.tdr import FunctionLayout, SignatureLayout
+from rtgen.lowering.tecs.options import RtcOptions
+from rtgen.lowering.tecs.plan import Service
 from rtgen.typemap.idl_python import distinct
 from rtgen.typemap.python_names import identifier
 from rtgen.typemap.tecs_python import codec_class, codec_module

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from rtgen.backends.components.imports import Imports
 from rtgen.backends.python_text import fit_text
 from rtgen.backends.rendering import render
-from rtgen.backends.tecs.idl_model import IdlSide
 from rtgen.backends.tecs.views import struct_views
 from rtgen.layouts.tdr import Record
+from rtgen.lowering.tecs.idl_model import IdlSide
 from rtgen.model import Struct
 from rtgen.typemap.idl_python import PythonNames
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from rtgen.backends import Artifact, Emission, Options
 from rtgen.backends.python_text import header_comment
@@ -43,6 +43,16 @@ class TypesBackend:
 
     def emit(self, model: Model, options: Options) -> Emission:
         """All modules and packages; nothing but diagnostics if there are errors."""
+        emission = self._emit(model, options)
+        artifacts, findings = [*emission.artifacts], [*emission.diagnostics]
+        for package in model.packages:
+            origin = tuple(source.key for source in package.sources)
+            made = self._emit(package.own, options.inside(package))
+            artifacts += (replace(each, origin=origin) for each in made.artifacts)
+            findings += made.diagnostics
+        return Emission(artifacts, findings)
+
+    def _emit(self, model: Model, options: Options) -> Emission:
         if not any(
             is_emitted(d) or isinstance(d, Component) for d in model.declarations
         ):

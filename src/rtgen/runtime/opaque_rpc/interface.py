@@ -7,26 +7,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar, Final, TypeAlias
 
+from rtgen.runtime import idl
 from rtgen.runtime.cdr import UserException
-from rtgen.runtime.descriptors import (
-    AliasDescriptor,
-    ExceptionDescriptor,
-    InterfaceDescriptor,
-    MemberDescriptor,
-    PrimitiveDescriptor,
-    SequenceDescriptor,
-    StringDescriptor,
-)
+from rtgen.runtime.descriptors import InterfaceDescriptor
 from rtgen.runtime.services import Servant, Skeleton, Stub, operation
 
 IDL: Final = Path(__file__).with_name("OpaqueRpc.idl")
 """The definition of the interface."""
 
-OCTETS: Final = AliasDescriptor(
-    "IDL:OpaqueRpc/Octets:1.0",
-    "OpaqueRpc::Octets",
-    SequenceDescriptor(PrimitiveDescriptor("octet")),
-)
+OCTETS: Final = idl.alias("OpaqueRpc::Octets", idl.sequence(idl.OCTET))
 """The typedef `OpaqueRpc::Octets`."""
 
 
@@ -34,13 +23,8 @@ OCTETS: Final = AliasDescriptor(
 class OpaqueRpcFailed(UserException):
     """The channel failed; `code` is the kernel's, as `E_TMOUT`."""
 
-    _descriptor_: ClassVar[ExceptionDescriptor] = ExceptionDescriptor(
-        "IDL:OpaqueRpc/Failed:1.0",
-        "OpaqueRpc::Failed",
-        (
-            MemberDescriptor("code", PrimitiveDescriptor("long")),
-            MemberDescriptor("reason", StringDescriptor()),
-        ),
+    _descriptor_: ClassVar = idl.exception(
+        "OpaqueRpc::Failed", code=idl.LONG, reason=idl.STRING
     )
 
     code: int = 0

@@ -1,4 +1,4 @@
-"""Calls of `OpaqueRpc` as the octets of GIOP bodies (CORBA 3.3 part 2, 9.4), which is XCDR1."""
+"""Calls of `OpaqueRpc` as the octets of GIOP bodies (CORBA 3.3 part 2, 9.4)."""
 
 from __future__ import annotations
 
@@ -14,7 +14,10 @@ class _BeginRequest(Aggregated):
     """Arguments of `OpaqueRpc::begin`."""
 
     _descriptor_: ClassVar = idl.struct(
-        "OpaqueRpc.begin request", request=OCTETS, first=idl.UNSIGNED_LONG
+        "OpaqueRpc.begin request",
+        idl.traits(repository_id=""),
+        request=OCTETS,
+        first=idl.UNSIGNED_LONG,
     )
 
     request: bytes = b""
@@ -25,7 +28,9 @@ class _MoreRequest(Aggregated):
     """Arguments of `OpaqueRpc::more`."""
 
     _descriptor_: ClassVar = idl.struct(
-        "OpaqueRpc.more request", count=idl.UNSIGNED_LONG
+        "OpaqueRpc.more request",
+        idl.traits(repository_id=""),
+        count=idl.UNSIGNED_LONG,
     )
 
     count: int = 0
@@ -34,16 +39,22 @@ class _MoreRequest(Aggregated):
 class _OctetsReply(Aggregated):
     """Results of `OpaqueRpc::begin` and `OpaqueRpc::more`."""
 
-    _descriptor_: ClassVar = idl.struct("OpaqueRpc octets reply", _result=OCTETS)
+    _descriptor_: ClassVar = idl.struct(
+        "OpaqueRpc octets reply", idl.traits(repository_id=""), _result=OCTETS
+    )
 
     _result: bytes = b""
 
 
 class _FailedReply(Aggregated):
-    """The reply that represents the exception `OpaqueRpc::Failed`."""
+    """The reply that tells of `OpaqueRpc::Failed`."""
 
     _descriptor_: ClassVar = idl.struct(
-        "OpaqueRpc.Failed raised", _id=idl.STRING, code=idl.LONG, reason=idl.STRING
+        "OpaqueRpc.Failed raised",
+        idl.traits(repository_id="IDL:OpaqueRpc/Failed:1.0"),
+        _id=idl.STRING,
+        code=idl.LONG,
+        reason=idl.STRING,
     )
 
     _id: str = ""

@@ -6,14 +6,14 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import PurePosixPath
 
-from rtgen.backends.tecs.options import RtcOptions, read_options
-from rtgen.backends.tecs.rules import (
+from rtgen.diagnostics import Diagnostic, Related, Span
+from rtgen.facts.opaque_rpc import FIRST_PORT
+from rtgen.lowering.tecs.options import RtcOptions, read_options
+from rtgen.lowering.tecs.rules import (
     DIFFERENT_OPTIONS,
     SAME_COMPONENT,
     SAME_NAME,
 )
-from rtgen.diagnostics import Diagnostic, Related, Span
-from rtgen.facts.opaque_rpc import FIRST_PORT
 from rtgen.model import Model, ScopedName, SourceFile, TecsUnit
 from rtgen.model.tecs import Cell, Join, Signature, Through
 from rtgen.typemap.python_names import identifier, module_name

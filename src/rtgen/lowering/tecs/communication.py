@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from rtgen.backends.tecs.rtc_components import COMMUNICATION
 from rtgen.diagnostics import Span
 from rtgen.facts import opaque_rpc as facts
+from rtgen.lowering.tecs.rtc_components import COMMUNICATION
 from rtgen.model import (
     VOID,
     Component,

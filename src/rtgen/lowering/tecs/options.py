@@ -10,9 +10,9 @@ from dataclasses import dataclass, field, fields
 from difflib import get_close_matches
 from typing import Any
 
-from rtgen.backends.tecs.rules import BAD_OPTION, UNKNOWN_OPTION
 from rtgen.diagnostics import Diagnostic
 from rtgen.facts.opaque_rpc import LONGEST_TIMEOUT, TIMEOUT
+from rtgen.lowering.tecs.rules import BAD_OPTION, UNKNOWN_OPTION
 from rtgen.model.tecs import PluginOption, Through
 from rtgen.typemap.tecs_idl import Widths
 

@@ -6,11 +6,11 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeVar
 
-from rtgen.backends.tecs.idl_names import AnonymousTypes, IdlNames, common_fields
-from rtgen.backends.tecs.plan import Service, TecsPackage
-from rtgen.backends.tecs.rtc_components import COMMUNICATION, RTCS, components_of
-from rtgen.backends.tecs.rules import NOT_IN_IDL
 from rtgen.diagnostics import Diagnostic, Span
+from rtgen.lowering.tecs.idl_names import AnonymousTypes, IdlNames, common_fields
+from rtgen.lowering.tecs.plan import Service, TecsPackage
+from rtgen.lowering.tecs.rtc_components import COMMUNICATION, RTCS, components_of
+from rtgen.lowering.tecs.rules import NOT_IN_IDL
 from rtgen.model import (
     VOID,
     Component,

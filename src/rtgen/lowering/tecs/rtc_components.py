@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from rtgen.backends.tecs.plan import Service
+from rtgen.lowering.tecs.plan import Service
 from rtgen.model import Component, Interface, NamedType, Port, PortKind
+from rtgen.typemap.python_names import identifier
 
 COMMUNICATION = ("OpaqueRpc",)
 """The interface of the communication RTC."""
@@ -42,7 +43,9 @@ def components_of(
             doc=doc,
         )
 
-    def component(name: str, ports: tuple[Port, ...], doc: str) -> Component:
+    def component(
+        name: str, ports: tuple[Port, ...], doc: str, factory: str = ""
+    ) -> Component:
         return Component(
             name=(name,),
             repository_id=f"IDL:{name}:1.0",
@@ -55,6 +58,7 @@ def components_of(
             description=doc.rstrip("."),
             rate=10.0,
             max_instances=0,
+            factory=factory,
         )
 
     yield component(
@@ -69,6 +73,7 @@ def components_of(
             ),
         ),
         f"Carries calls of {scoped} to a TECS board.",
+        f".{service.module}_marshaller:{identifier(f'{service.name}Marshaller')}",
     )
     yield component(
         f"{service.name}Client",

@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from hashlib import sha256
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
-from rtgen.adapter_rules import (
+from rtgen.diagnostics import Diagnostic, InputError, Rule
+from rtgen.facts.primitives import INTEGER_RANGES
+from rtgen.lowering.adapter_rules import (
     ADAPTER_MEMBER,
     ADAPTER_NAME,
     ADAPTER_TYPE,
     ADAPTER_VALUE,
 )
-from rtgen.diagnostics import Diagnostic, InputError, Rule
-from rtgen.facts.primitives import INTEGER_RANGES
-from rtgen.frontends import FrontendResult
+from rtgen.lowering.settings import AdapterEntry, Settings
+from rtgen.lowering.stage import Lowered
 from rtgen.model import (
     Adapter,
     Component,
@@ -34,9 +35,6 @@ from rtgen.model import (
 )
 from rtgen.typemap.python_names import module_name
 
-if TYPE_CHECKING:
-    from rtgen.project import AdapterEntry
-
 _NAME: Final = re.compile(r"[A-Za-z]\w*", re.ASCII)
 _HELD: Final = {
     **INTEGER_RANGES,
@@ -46,16 +44,11 @@ _HELD: Final = {
 """From where to where a type holds every integer."""
 
 
-def with_adapters(
-    result: FrontendResult, entries: Sequence[AdapterEntry]
-) -> FrontendResult:
-    """What was read, with the adapters and their components.
-
-    Adapters are left out where the definitions themselves have errors, and so types are missing.
-    """
+def lower(model: Model, settings: Settings) -> Lowered:
+    """The model with the project's adapters and their components."""
+    entries = settings.adapters
     if not entries:
-        return result
-    model = result.model
+        return Lowered(model)
     findings: list[Diagnostic] = []
     adapters: list[Adapter] = []
     for entry in entries:
@@ -68,16 +61,13 @@ def with_adapters(
     file = SourceFile(
         name=name, key=name, sha256=sha256(text.encode()).hexdigest(), main=True
     )
-    return replace(
-        result,
-        model=replace(
-            model,
-            files=(*model.files, file),
-            declarations=(*model.declarations, *map(_component, adapters)),
-            adapters=tuple(adapters),
-        ),
-        diagnostics=(*result.diagnostics, *findings),
+    made = replace(
+        model,
+        files=(*model.files, file),
+        declarations=(*model.declarations, *map(_component, adapters)),
+        adapters=tuple(adapters),
     )
+    return Lowered(made, tuple(findings))
 
 
 def _component(adapter: Adapter) -> Component:

@@ -1,0 +1,63 @@
+"""The stage: what a lowering takes and gives, and the list of all."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from importlib import import_module
+from typing import Final, TypeAlias
+
+from rtgen.diagnostics import Diagnostic
+from rtgen.lowering.settings import Settings
+from rtgen.model import Model
+
+
+@dataclass(frozen=True, slots=True)
+class Lowered:
+    """The model with what was made of it, and the findings."""
+
+    model: Model
+    diagnostics: tuple[Diagnostic, ...] = ()
+
+
+Lower: TypeAlias = Callable[[Model, Settings], Lowered]
+"""What a lowering is: a pure function."""
+
+
+@dataclass(frozen=True, slots=True)
+class Lowering:
+    """A lowering: its module has `lower`, and is imported when the model has something for it."""
+
+    module: str
+    needed: Callable[[Model, Settings], bool]
+
+    def __call__(self, model: Model, settings: Settings) -> Lowered:
+        """The model with what was made; itself if nothing is to be lowered."""
+        if not self.needed(model, settings):
+            return Lowered(model)
+        lower: Lower = import_module(self.module).lower
+        return lower(model, settings)
+
+
+DEFINITIONS: Final = (
+    Lowering("rtgen.lowering.adapters", lambda _, settings: bool(settings.adapters)),
+)
+"""The lowerings whose results count as definitions of the project: `inspect` shows them."""
+
+LOWERINGS: Final = (
+    *DEFINITIONS,
+    Lowering("rtgen.lowering.tecs.boards", lambda model, _: bool(model.tecs)),
+)
+"""All lowerings, in order."""
+
+
+def lowered(
+    model: Model, settings: Settings, lowerings: Sequence[Lowering] = LOWERINGS
+) -> Lowered:
+    """The model after these lowerings, each of which sees what those before it made."""
+    found: list[Diagnostic] = []
+    for lower in lowerings:
+        made = lower(model, settings)
+        model = made.model
+        found += made.diagnostics
+    return Lowered(model, tuple(found))

@@ -1,0 +1,83 @@
+"""CDL files with joins through `RTCPlugin`, as packages of interfaces and components.
+
+RTM-TECS, 5.1 and Table 1: a marshaller RTC and a client RTC for each signature that is joined.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+from rtgen.diagnostics import Diagnostic
+from rtgen.layouts.tdr import SignatureLayout, TransferError
+from rtgen.layouts.tdr_messages import layout_of, problems
+from rtgen.lowering.settings import Settings
+from rtgen.lowering.stage import Lowered
+from rtgen.lowering.tecs.communication import FILE, RUNTIME, communication_model
+from rtgen.lowering.tecs.idl_model import IdlSide, idl_side
+from rtgen.lowering.tecs.plan import FOLDER, TecsPackage, packages
+from rtgen.lowering.tecs.rules import NOT_TRANSFERRED
+from rtgen.model import Model, Package
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BoardPackage(Package):
+    """The package of a CDL file: what is planned, its signatures in IDL and on the wire."""
+
+    plan: TecsPackage
+    side: IdlSide
+    layouts: tuple[SignatureLayout, ...]
+
+
+def lower(model: Model, settings: Settings) -> Lowered:
+    """The model with a package for what all boards share, and one for each CDL file with a join."""
+    planned, findings = packages(model)
+    if not planned:
+        return Lowered(model, tuple(findings))
+    sources = tuple(dict.fromkeys(s for p in planned for s in p.sources))
+    communication = communication_model(sources)
+    types = {FILE: RUNTIME}
+    made = [Package(name=FOLDER, model=communication, sources=sources, types=types)]
+    for plan in planned:
+        side, found = idl_side(plan, communication)
+        layouts, untransferable = _layouts(plan, side)
+        findings += [*found, *untransferable]
+        made.append(
+            BoardPackage(
+                name=plan.name,
+                model=side.model,
+                sources=plan.sources,
+                types=types,
+                conversions={FILE: FOLDER},
+                any_values=any(s.options.array == "any" for s in plan.services),
+                plan=plan,
+                side=side,
+                layouts=tuple(layouts),
+            )
+        )
+    return Lowered(replace(model, packages=tuple(made)), tuple(findings))
+
+
+def boards(model: Model) -> Iterator[BoardPackage]:
+    """The packages of CDL files."""
+    for package in model.packages:
+        if isinstance(package, BoardPackage):
+            yield package
+
+
+def _layouts(
+    package: TecsPackage, side: IdlSide
+) -> tuple[list[SignatureLayout], list[Diagnostic]]:
+    """The layouts of all signatures; and what OpaqueRPC cannot carry, though IDL can."""
+    layouts = []
+    found = []
+    for service in package.services:
+        signature = service.signature
+        try:
+            layouts.append(layout_of(package.unit, signature))
+        except TransferError:
+            kept = [f for f in signature.functions if f.span not in side.refused]
+            sound = replace(signature, functions=tuple(kept))
+            for p in problems(package.unit, sound):
+                found.append(NOT_TRANSFERRED.at(p.span, p.reason, hint=p.hint))
+    return layouts, found
