@@ -399,31 +399,36 @@ class _Parameters(_Signature):
                 parameter.good = False
 
     def _pointers(self, parameter: _Parameter) -> None:
-        """Levels of pointers, and what is const, against the specifiers."""
-        name, type_, given = parameter.name, parameter.type, parameter.given
-        direction = parameter.direction
-        assert direction is not None
-        found = resolve(type_)
-        is_pointer = isinstance(found, CPointerType)
-        if not is_pointer and not given and direction is TecsDirection.IN:
+        """Check levels of pointers, and what is const, against the specifiers."""
+        is_pointer = isinstance(resolve(parameter.type), CPointerType)
+        plain = not is_pointer and not parameter.given
+        if plain and parameter.direction is TecsDirection.IN:
             return
+        if not is_pointer:
+            self._pointer_words(parameter)
+        if not parameter.good or not self._levels(parameter):
+            return
+        target = _target(parameter.type)
+        if is_pointer:
+            self._constness(parameter, target)
+        self._void(parameter, target)
+        self._combinations(parameter)
+
+    def _pointer_words(self, parameter: _Parameter) -> None:
+        """Report specifiers of pointers on what is no pointer."""
         for word in (*_LENGTHS, "nullable"):
-            if word in given and not is_pointer:
-                message = f"'{word}' is about pointers, and '{name.text}' is none"
-                self._tell(rules.SIZE_OF_SCALAR, given[word], message)
+            if word in parameter.given:
+                name = parameter.name.text
+                message = f"'{word}' is about pointers, and '{name}' is none"
+                self._tell(rules.SIZE_OF_SCALAR, parameter.given[word], message)
                 parameter.good = False
-        if not parameter.good:
-            return
-        depth = pointer_depth(type_)
-        size = "size_is" in given or "count_is" in given
-        string = "string" in given
-        needed = 0 if direction is TecsDirection.IN else 1
-        if size or string:
-            needed = 2 if size and string else 1
-        if direction is TecsDirection.RECEIVE:
-            needed += 1
+
+    def _levels(self, parameter: _Parameter) -> bool:
+        """Check the number of pointer levels; False if there are too few."""
+        name, depth = parameter.name, pointer_depth(parameter.type)
+        needed = _needed_levels(parameter)
         most = max(needed, 1)
-        if "size_is" in given and _leads_to_struct(type_):
+        if "size_is" in parameter.given and _leads_to_struct(parameter.type):
             most += 1
         if depth < needed:
             more = "a pointer" if needed == 1 else f"{needed} levels of pointers"
@@ -431,31 +436,34 @@ class _Parameters(_Signature):
             hint = f"write '{'*' * needed}{name.text}'"
             self._tell(rules.TOO_FEW_POINTERS, name, message, hint)
             parameter.good = False
-            return
-        if is_pointer and depth > most and not self.deviate:
+            return False
+        if depth > most and not self.deviate:
             message = f"'{name.text}' has {depth} levels of pointers, {most} would do"
             self._tell(rules.TOO_MANY_POINTERS, name, message)
-        target = type_
-        for _ in range(depth):
-            inner = resolve(target)
-            assert isinstance(inner, CPointerType)
-            target = inner.target
-        if is_pointer:
-            self._constness(parameter, target)
-        sized = depth - (direction is TecsDirection.RECEIVE and depth > 1)
-        if (string or (size and sized == 1)) and is_void(target):
+        return True
+
+    def _void(self, parameter: _Parameter, target: CType) -> None:
+        """Report sizes of what a pointer to void leads to."""
+        given, depth = parameter.given, pointer_depth(parameter.type)
+        received = parameter.direction is TecsDirection.RECEIVE and depth > 1
+        size = "size_is" in given or "count_is" in given
+        if ("string" in given or (size and depth - received == 1)) and is_void(target):
             words = " and ".join(word for word in _LENGTHS if word in given)
             message = f"{words} cannot apply to a pointer to void"
-            self._tell(rules.SIZE_OF_VOID, name, message)
+            self._tell(rules.SIZE_OF_VOID, parameter.name, message)
             parameter.good = False
+
+    def _combinations(self, parameter: _Parameter) -> None:
+        """Report specifiers that do not go together."""
+        name, given = parameter.name, parameter.given
         if "nullable" in given and "size_is" in given:
             message = "an array cannot be nullable"
             hint = "a NULL array has size 0"
             self._tell(rules.NULLABLE_SIZE, given["nullable"], message, hint)
             parameter.good = False
-        unsized = string and not given["string"].arguments
-        if unsized and direction in (TecsDirection.OUT, TecsDirection.INOUT):
-            message = f"the {direction} string '{name.text}' has no length"
+        unsized = "string" in given and not given["string"].arguments
+        if unsized and parameter.direction in (TecsDirection.OUT, TecsDirection.INOUT):
+            message = f"the {parameter.direction} string '{name.text}' has no length"
             hint = "write string( n )"
             self._tell(rules.STRING_LENGTH, given["string"], message, hint)
 
@@ -606,6 +614,26 @@ def _tecsgen_knows(size: object) -> bool:
         case tree.Chain(first=first, rest=rest):
             return all(m in "+-*/%" for m, _ in rest) and _tecsgen_knows(first)
     return False
+
+
+def _needed_levels(parameter: _Parameter) -> int:
+    """How many levels of pointers the direction and the specifiers of a parameter need."""
+    given = parameter.given
+    size = "size_is" in given or "count_is" in given
+    string = "string" in given
+    needed = 0 if parameter.direction is TecsDirection.IN else 1
+    if size or string:
+        needed = 2 if size and string else 1
+    return needed + (parameter.direction is TecsDirection.RECEIVE)
+
+
+def _target(type_: CType) -> CType:
+    """What all pointers of a type lead to."""
+    for _ in range(pointer_depth(type_)):
+        inner = resolve(type_)
+        assert isinstance(inner, CPointerType)
+        type_ = inner.target
+    return type_
 
 
 def _leads_to_struct(type_: CType) -> bool:
