@@ -1,4 +1,4 @@
-"""How far a round body gets along an arc before it touches something."""
+"""Free distance of a round body along an arc until it touches an obstacle."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Poses as messages have them."""
+"""Converts poses to and from messages."""
 
 from __future__ import annotations
 

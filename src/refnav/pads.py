@@ -1,4 +1,4 @@
-"""Game pads: what a script says, or what a hand does with a real one."""
+"""Game pads: scripted, or a real one through pygame."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where the base was lately: for measurements that come later than what they measure."""
+"""Recent poses of the base, for measurements that arrive late."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What installed packages add to rtgen, by entry points; docs/extending.md describes each group."""
+"""Plug-ins of installed packages, by entry points; docs/extending.md describes each group."""
 
 from __future__ import annotations
 

@@ -1,8 +1,9 @@
-"""What is written to a node before it is started, in an order that every device takes.
+"""The SDO writes that configure a node before it is started, in an order safe for all devices.
 
-Communication comes first, the node's heartbeat (1017h) before those that it consumes (1016h), then
-the PDOs (CiA 301, 7.5.2.36): a PDO that changes is switched off (bit 31 of its COB-ID), its mapping
-emptied, written and counted, and the PDO switched on at last. The other objects follow by index.
+Communication comes first, the node's heartbeat (1017h) before those that it consumes (1016h),
+then the PDOs (CiA 301, 7.5.2.36): a PDO that changes is switched off (bit 31 of its COB-ID), its
+mapping emptied, written and counted, and the PDO switched on at last. The other objects follow by
+index.
 """
 
 from __future__ import annotations

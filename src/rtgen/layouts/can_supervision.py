@@ -1,4 +1,4 @@
-"""How a node of a network is supervised: by its heartbeat, else by node guarding.
+"""Supervision of a network's nodes: by heartbeat, falling back on node guarding.
 
 Times are in ms, 0 for none.
 """

@@ -1,4 +1,4 @@
-"""What annotations, and defaults where none stand, say of the representation of types."""
+"""Data representations of types (DDS-XTypes 1.3, 7.3.1.2), from annotations and defaults."""
 
 from __future__ import annotations
 

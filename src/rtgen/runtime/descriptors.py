@@ -1,4 +1,4 @@
-"""What a generated type says of itself: repository id and structure, as data.
+"""Descriptors of generated types: repository id and structure, as data.
 
 Descriptors serve the check when two ports are connected, and the search for the place of a value
 that could not be marshalled; the codecs of XCDR are compiled from them. Those of classic CDR do

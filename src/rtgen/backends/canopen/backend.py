@@ -1,4 +1,4 @@
-"""Which files the CANopen devices and networks of a project give, beside those of their IDL."""
+"""The files of a project's CANopen devices and networks, in addition to their IDL."""
 
 from __future__ import annotations
 

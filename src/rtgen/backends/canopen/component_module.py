@@ -1,4 +1,4 @@
-"""What the modules `proxy` and `device` share: names of types, ports and members, and imports."""
+"""Common parts of the modules `proxy` and `device`: names of types, ports, members; imports."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which kinds of device a project has: those of its bus files, and each file beside them."""
+"""The kinds of device in a project: those of its bus files, and one for each other file."""
 
 from __future__ import annotations
 

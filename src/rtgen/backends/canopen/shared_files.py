@@ -1,4 +1,4 @@
-"""What a project with CANopen devices has once: the IDL that all devices need, and the manager."""
+"""Files generated once for a project with CANopen devices: shared IDL, and the manager."""
 
 from __future__ import annotations
 

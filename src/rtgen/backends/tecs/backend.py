@@ -1,4 +1,4 @@
-"""Which files the joins of a project through `RTCPlugin` give."""
+"""The files of a project's joins through `RTCPlugin`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is no Python: build scripts, configuration files, the plug-in for real tecsgen."""
+"""Generated files other than Python: build scripts, configuration, tecsgen's plug-in."""
 
 from __future__ import annotations
 

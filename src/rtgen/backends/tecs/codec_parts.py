@@ -1,4 +1,4 @@
-"""What the methods of a codec share: its compiled runs and helpers, names, sizes."""
+"""Common parts of a codec's methods: compiled runs, helpers, names, sizes."""
 
 from __future__ import annotations
 

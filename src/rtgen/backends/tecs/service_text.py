@@ -1,4 +1,4 @@
-"""What the modules of a service have in common: names, methods, the codec."""
+"""Common parts of a service's modules: names, methods, the codec."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the template of an interface needs: servant, stub and skeleton."""
+"""Data for the template of an interface: servant, stub and skeleton."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the template of a union needs."""
+"""Data for the template of a union."""
 
 from __future__ import annotations
 

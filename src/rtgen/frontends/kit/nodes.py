@@ -1,4 +1,4 @@
-"""What the nodes of all syntax trees have in common."""
+"""Common base of the nodes of all syntax trees."""
 
 from __future__ import annotations
 

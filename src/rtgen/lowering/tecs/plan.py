@@ -1,4 +1,4 @@
-"""What is made of a project's CDL files: packages, services in them, joins with their options."""
+"""Plan of the back end: packages of CDL files, their services, joins with their options."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How single values are converted: an expression for its atom, and the way back."""
+"""Conversions of single values: the expression that encodes a value, and its inverse."""
 
 from __future__ import annotations
 

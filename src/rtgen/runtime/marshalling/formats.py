@@ -1,4 +1,4 @@
-"""What a codec is compiled for: classic CDR, or a version of XCDR."""
+"""Formats that codecs are compiled for: classic CDR, or a version of XCDR."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a compiled function refers to: classes, functions, and other compiled functions."""
+"""Objects that a compiled function refers to: classes, functions, other compiled functions."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is known of celltypes, composites, cells and joins while a unit is read."""
+"""Entities of a unit under analysis: celltypes, composites, cells and joins."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a cell leaves open: call ports without joins, attributes without values."""
+"""Finds unconnected call ports, and attributes without values."""
 
 from __future__ import annotations
 
