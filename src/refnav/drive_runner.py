@@ -9,7 +9,7 @@ from refnav.axis import Axis
 from refnav.drive_402 import Drive
 from rtgen.runtime import RTC_OK, SECOND, ReturnCode_t
 from rtgen.runtime.canopen.description import ObjectValue
-from rtgen.runtime.canopen.device import CanopenDevice
+from rtgen.runtime.canopen.node.device import CanopenDevice
 
 _CONTROLWORD: Final = 0x6040, 0
 

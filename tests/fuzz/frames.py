@@ -19,10 +19,10 @@ from refrobots.canopen.networks.rh3_beego import NETWORK
 from rtgen.cli.can.decoding import Decoder
 from rtgen.cli.can.node_index import NodeIndex, read_node_index
 from rtgen.runtime import System
-from rtgen.runtime.canopen.frames import MILLISECOND, Frame
-from rtgen.runtime.canopen.links import simulated_bus
-from rtgen.runtime.canopen.manager_station import ManagerStation
-from rtgen.runtime.canopen.node import DeviceNode
+from rtgen.runtime.canopen.bus.links import simulated_bus
+from rtgen.runtime.canopen.master.manager_station import ManagerStation
+from rtgen.runtime.canopen.node.node import DeviceNode
+from rtgen.runtime.canopen.wire.frames import MILLISECOND, Frame
 from rtgen.runtime.clocks import SECOND
 
 ROOT = Path(__file__).parents[2]

@@ -24,11 +24,11 @@ from rtgen.runtime import (
     SampleRecord,
     System,
 )
-from rtgen.runtime.canopen.canopen_network import shared
+from rtgen.runtime.canopen.bus.canopen_network import shared
+from rtgen.runtime.canopen.bus.links import open_link
+from rtgen.runtime.canopen.bus.real_link import RealLink
 from rtgen.runtime.canopen.errors import LinkError
-from rtgen.runtime.canopen.frames import Frame
-from rtgen.runtime.canopen.links import open_link
-from rtgen.runtime.canopen.real_link import RealLink
+from rtgen.runtime.canopen.wire.frames import Frame
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "unit" / "canopen"))
 from stations import Recorder

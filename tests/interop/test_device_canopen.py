@@ -42,12 +42,13 @@ from canopen.objectdictionary import (
 )
 
 from rtgen.runtime import RealClock
-from rtgen.runtime.canopen import sdo, values
+from rtgen.runtime.canopen import values
+from rtgen.runtime.canopen.bus.link import Link
+from rtgen.runtime.canopen.bus.links import open_link
 from rtgen.runtime.canopen.description import DeviceDescription, Kind, ObjectValue
-from rtgen.runtime.canopen.link import Link
-from rtgen.runtime.canopen.links import open_link
-from rtgen.runtime.canopen.nmt import NmtState
-from rtgen.runtime.canopen.node import DeviceNode
+from rtgen.runtime.canopen.node.node import DeviceNode
+from rtgen.runtime.canopen.wire import sdo
+from rtgen.runtime.canopen.wire.nmt import NmtState
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "unit" / "canopen"))
 from device_bench import DEVICE, NODE_ID, number_of

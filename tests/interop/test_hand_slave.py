@@ -30,7 +30,7 @@ from rtgen.runtime import (
     SampleRecord,
     System,
 )
-from rtgen.runtime.canopen.sdo import SdoAbort
+from rtgen.runtime.canopen.wire.sdo import SdoAbort
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "unit" / "canopen"))
 from hub_process import HubProcess

@@ -19,11 +19,11 @@ from canopen.objectdictionary import (
 )
 
 from rtgen.runtime import RealClock
+from rtgen.runtime.canopen.bus.links import open_link
 from rtgen.runtime.canopen.description import Network, NodeDescription, Write
-from rtgen.runtime.canopen.links import open_link
-from rtgen.runtime.canopen.managed_node import ManagedNode, NodePhase
-from rtgen.runtime.canopen.manager_station import ManagerStation
-from rtgen.runtime.canopen.nmt import NmtCommand, NmtState
+from rtgen.runtime.canopen.master.managed_node import ManagedNode, NodePhase
+from rtgen.runtime.canopen.master.manager_station import ManagerStation
+from rtgen.runtime.canopen.wire.nmt import NmtCommand, NmtState
 
 CHANNELS = count()
 IDENTITY = (0x20192, 0x9A, 0x1234, 0x00010002, 77)

@@ -9,10 +9,10 @@ import can
 import canopen
 import pytest
 
-from rtgen.runtime.canopen.frames import Frame
-from rtgen.runtime.canopen.sdo import NO_OBJECT, SdoAbort
-from rtgen.runtime.canopen.sdo_client import SdoClient
-from rtgen.runtime.canopen.sdo_server import SdoServer
+from rtgen.runtime.canopen.wire.frames import Frame
+from rtgen.runtime.canopen.wire.sdo import NO_OBJECT, SdoAbort
+from rtgen.runtime.canopen.wire.sdo_client import SdoClient
+from rtgen.runtime.canopen.wire.sdo_server import SdoServer
 
 NODE = 5
 SIZES = [1, 4, 5, 8, 889, 890, 3000]

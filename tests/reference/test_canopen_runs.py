@@ -34,8 +34,8 @@ from rtgen.runtime import (
     StateRecord,
     System,
 )
-from rtgen.runtime.canopen.frames import Frame
-from rtgen.runtime.canopen.links import open_link
+from rtgen.runtime.canopen.bus.links import open_link
+from rtgen.runtime.canopen.wire.frames import Frame
 from rtgen.systems.timeline import assignment, parse
 
 CANOPEN = NAVIGATION.parent / "canopen"

@@ -21,9 +21,9 @@ from rtgen.runtime import (
     SimulatedClock,
     System,
 )
-from rtgen.runtime.canopen.device import CanopenDevice
-from rtgen.runtime.canopen.frames import Frame
-from rtgen.runtime.canopen.links import open_link
+from rtgen.runtime.canopen.bus.links import open_link
+from rtgen.runtime.canopen.node.device import CanopenDevice
+from rtgen.runtime.canopen.wire.frames import Frame
 
 NODE = 5
 

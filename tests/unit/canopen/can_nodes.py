@@ -11,10 +11,10 @@ from typing import Any
 from rtgen.backends.canopen.objects_module import objects_text
 from rtgen.frontends import eds
 from rtgen.model.can_bus import kind_of
+from rtgen.runtime.canopen.bus.link import Link
+from rtgen.runtime.canopen.bus.links import open_link
 from rtgen.runtime.canopen.description import DeviceDescription
-from rtgen.runtime.canopen.link import Link
-from rtgen.runtime.canopen.links import open_link
-from rtgen.runtime.canopen.node import DeviceNode
+from rtgen.runtime.canopen.node.node import DeviceNode
 from rtgen.runtime.clocks import RealClock
 from rtgen.typemap.canopen_names import field_names
 

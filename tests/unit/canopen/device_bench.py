@@ -12,11 +12,11 @@ from rtgen.runtime.canopen.description import (
     ObjectValue,
     PdoDescription,
 )
-from rtgen.runtime.canopen.frames import MILLISECOND, SDO_REQUEST, Frame
-from rtgen.runtime.canopen.nmt import NmtCommand, command_frame
-from rtgen.runtime.canopen.node import DeviceNode
-from rtgen.runtime.canopen.sdo import SdoAbort
-from rtgen.runtime.canopen.sdo_client import SdoClient
+from rtgen.runtime.canopen.node.node import DeviceNode
+from rtgen.runtime.canopen.wire.frames import MILLISECOND, SDO_REQUEST, Frame
+from rtgen.runtime.canopen.wire.nmt import NmtCommand, command_frame
+from rtgen.runtime.canopen.wire.sdo import SdoAbort
+from rtgen.runtime.canopen.wire.sdo_client import SdoClient
 
 NODE_ID = 5
 

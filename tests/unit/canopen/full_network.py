@@ -9,18 +9,18 @@ from hashlib import sha256
 from device_bench import pdo, pdo_objects, var
 
 from rtgen.runtime import System
+from rtgen.runtime.canopen.bus.links import simulated_bus
 from rtgen.runtime.canopen.description import (
     DeviceDescription,
     Network,
     NodeDescription,
     Write,
 )
-from rtgen.runtime.canopen.frames import Frame
-from rtgen.runtime.canopen.links import simulated_bus
-from rtgen.runtime.canopen.managed_node import NodePhase
-from rtgen.runtime.canopen.manager_station import ManagerStation
-from rtgen.runtime.canopen.node import DeviceNode
-from rtgen.runtime.canopen.node_events import NodeEvents
+from rtgen.runtime.canopen.master.managed_node import NodePhase
+from rtgen.runtime.canopen.master.manager_station import ManagerStation
+from rtgen.runtime.canopen.node.node import DeviceNode
+from rtgen.runtime.canopen.node.node_events import NodeEvents
+from rtgen.runtime.canopen.wire.frames import Frame
 
 MS = 1_000_000
 SECOND = 1000 * MS

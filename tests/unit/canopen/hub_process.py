@@ -10,8 +10,8 @@ import sys
 from types import TracebackType
 
 from rtgen.runtime import RealClock
-from rtgen.runtime.canopen.link import Link
-from rtgen.runtime.canopen.links import open_link
+from rtgen.runtime.canopen.bus.link import Link
+from rtgen.runtime.canopen.bus.links import open_link
 
 
 class HubProcess:

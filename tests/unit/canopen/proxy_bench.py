@@ -21,7 +21,9 @@ from rtgen.runtime import (
     StateRecord,
     System,
 )
-from rtgen.runtime.canopen import sdo
+from rtgen.runtime.canopen.bus.link import Link
+from rtgen.runtime.canopen.bus.links import open_link
+from rtgen.runtime.canopen.bus.simulated_bus import SimulatedCanBus
 from rtgen.runtime.canopen.description import (
     DeviceDescription,
     ObjectDescription,
@@ -29,29 +31,27 @@ from rtgen.runtime.canopen.description import (
     ObjectValue,
     PdoDescription,
 )
-from rtgen.runtime.canopen.frames import (
+from rtgen.runtime.canopen.hooks import Receiver, Sender
+from rtgen.runtime.canopen.master.proxy import CanopenProxy
+from rtgen.runtime.canopen.pdo import outside
+from rtgen.runtime.canopen.port_samples import unread
+from rtgen.runtime.canopen.wire import sdo
+from rtgen.runtime.canopen.wire.frames import (
     ERROR_CONTROL,
     MILLISECOND,
     NMT,
     SDO_REQUEST,
     Frame,
 )
-from rtgen.runtime.canopen.heartbeat import HeartbeatProducer
-from rtgen.runtime.canopen.hooks import Receiver, Sender
-from rtgen.runtime.canopen.link import Link
-from rtgen.runtime.canopen.links import open_link
-from rtgen.runtime.canopen.nmt import (
+from rtgen.runtime.canopen.wire.heartbeat import HeartbeatProducer
+from rtgen.runtime.canopen.wire.nmt import (
     NmtSlave,
     NmtState,
     Service,
     decode_command,
 )
-from rtgen.runtime.canopen.pdo import outside
-from rtgen.runtime.canopen.port_samples import unread
-from rtgen.runtime.canopen.proxy import CanopenProxy
-from rtgen.runtime.canopen.sdo import SdoAbort
-from rtgen.runtime.canopen.sdo_server import SdoServer
-from rtgen.runtime.canopen.simulated_bus import SimulatedCanBus
+from rtgen.runtime.canopen.wire.sdo import SdoAbort
+from rtgen.runtime.canopen.wire.sdo_server import SdoServer
 
 NODE = 5
 MS = MILLISECOND

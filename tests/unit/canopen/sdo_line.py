@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterable
 
-from rtgen.runtime.canopen import sdo
-from rtgen.runtime.canopen.frames import Frame
-from rtgen.runtime.canopen.sdo import SdoAbort
-from rtgen.runtime.canopen.sdo_client import SdoClient
-from rtgen.runtime.canopen.sdo_server import SdoServer
+from rtgen.runtime.canopen.wire import sdo
+from rtgen.runtime.canopen.wire.frames import Frame
+from rtgen.runtime.canopen.wire.sdo import SdoAbort
+from rtgen.runtime.canopen.wire.sdo_client import SdoClient
+from rtgen.runtime.canopen.wire.sdo_server import SdoServer
 
 LOST, ONCE, TWICE = range(3)
 MS = 1_000_000

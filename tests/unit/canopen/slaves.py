@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 
-from rtgen.runtime.canopen import sdo
-from rtgen.runtime.canopen.frames import SDO_REQUEST, Frame
-from rtgen.runtime.canopen.heartbeat import HeartbeatProducer
-from rtgen.runtime.canopen.nmt import NmtCommand, NmtSlave, NmtState, Service
-from rtgen.runtime.canopen.sdo import SdoAbort
-from rtgen.runtime.canopen.sdo_server import SdoServer
+from rtgen.runtime.canopen.wire import sdo
+from rtgen.runtime.canopen.wire.frames import SDO_REQUEST, Frame
+from rtgen.runtime.canopen.wire.heartbeat import HeartbeatProducer
+from rtgen.runtime.canopen.wire.nmt import NmtCommand, NmtSlave, NmtState, Service
+from rtgen.runtime.canopen.wire.sdo import SdoAbort
+from rtgen.runtime.canopen.wire.sdo_server import SdoServer
 
 MS = 1_000_000
 Number = tuple[int, int]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 
-from rtgen.runtime.canopen.frames import Frame
+from rtgen.runtime.canopen.wire.frames import Frame
 
 
 class Recorder:

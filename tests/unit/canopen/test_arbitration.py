@@ -8,13 +8,13 @@ from hypothesis import strategies as st
 
 from rtgen.layouts.can_timing import Message
 from rtgen.layouts.can_timing import frame_bits as worst_case
-from rtgen.runtime.canopen.arbitration import (
+from rtgen.runtime.canopen.bus.arbitration import (
     Arbiter,
     frame_bits,
     priority,
     transmission_time,
 )
-from rtgen.runtime.canopen.frames import Frame
+from rtgen.runtime.canopen.wire.frames import Frame
 
 FRAMES = st.builds(
     lambda extended, id_, data, remote: Frame(

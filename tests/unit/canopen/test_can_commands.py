@@ -28,11 +28,11 @@ from rtgen.cli.can import lss_scan
 from rtgen.cli.can.frame_parsing import frame_of_text
 from rtgen.cli.can.node_index import read_node_index
 from rtgen.cli.common import Refusal
-from rtgen.runtime.canopen.links import open_link
-from rtgen.runtime.canopen.lss import LssAddress
-from rtgen.runtime.canopen.lss_master import Procedure
-from rtgen.runtime.canopen.nmt import NmtCommand
-from rtgen.runtime.canopen.node import DeviceNode
+from rtgen.runtime.canopen.bus.links import open_link
+from rtgen.runtime.canopen.node.node import DeviceNode
+from rtgen.runtime.canopen.wire.lss import LssAddress
+from rtgen.runtime.canopen.wire.lss_master import Procedure
+from rtgen.runtime.canopen.wire.nmt import NmtCommand
 from rtgen.runtime.clocks import RealClock
 
 LINKED = str(SPECS / "pdo_linking.toml")

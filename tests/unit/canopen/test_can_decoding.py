@@ -14,9 +14,9 @@ from rtgen.cli.can.node_index import NodeIndex, number_of, read_node_index
 from rtgen.cli.can.sdo_decoding import MAX_VALUE, SdoFollower
 from rtgen.cli.common import Refusal
 from rtgen.diagnostics import InputError
-from rtgen.runtime.canopen.frames import Frame, rpdo, tpdo
-from rtgen.runtime.canopen.nmt import NmtCommand, command_frame
-from rtgen.runtime.canopen.sync import time_frame
+from rtgen.runtime.canopen.wire.frames import Frame, rpdo, tpdo
+from rtgen.runtime.canopen.wire.nmt import NmtCommand, command_frame
+from rtgen.runtime.canopen.wire.sync import time_frame
 
 SPECS = Path(__file__).parents[3] / "specs" / "canopen"
 LINKED = read_node_index(SPECS / "pdo_linking.toml", [])

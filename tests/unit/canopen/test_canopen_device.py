@@ -24,12 +24,12 @@ from rtgen.runtime import (
     SimulatedClock,
     System,
 )
+from rtgen.runtime.canopen.bus.links import simulated_bus
 from rtgen.runtime.canopen.description import DeviceDescription, ObjectNumber
-from rtgen.runtime.canopen.device import CanopenDevice
-from rtgen.runtime.canopen.frames import MILLISECOND, Frame
 from rtgen.runtime.canopen.hooks import Getter, Incoming, Outgoing, Setter
-from rtgen.runtime.canopen.links import simulated_bus
-from rtgen.runtime.canopen.nmt import NmtCommand, NmtState, command_frame
+from rtgen.runtime.canopen.node.device import CanopenDevice
+from rtgen.runtime.canopen.wire.frames import MILLISECOND, Frame
+from rtgen.runtime.canopen.wire.nmt import NmtCommand, NmtState, command_frame
 
 BOOT_UP = Frame(0x700 + NODE_ID, b"\0")
 TPDO1 = 0x180 + NODE_ID

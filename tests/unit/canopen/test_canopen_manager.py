@@ -24,11 +24,11 @@ from rtgen.runtime import (
     ReturnCode_t,
     System,
 )
-from rtgen.runtime.canopen.links import simulated_bus
-from rtgen.runtime.canopen.managed_node import NodePhase, NodeReport
-from rtgen.runtime.canopen.manager import CanopenManager
+from rtgen.runtime.canopen.bus.links import simulated_bus
+from rtgen.runtime.canopen.master.managed_node import NodePhase, NodeReport
+from rtgen.runtime.canopen.master.manager import CanopenManager
 from rtgen.runtime.canopen.networks import UnknownNetworkError, load_network
-from rtgen.runtime.canopen.nmt import NmtCommand, NmtState
+from rtgen.runtime.canopen.wire.nmt import NmtCommand, NmtState
 from rtgen.runtime.services import Servant, Skeleton
 
 SECOND = 1000 * MS

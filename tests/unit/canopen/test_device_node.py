@@ -7,14 +7,14 @@ from dataclasses import replace
 import pytest
 from device_bench import DEVICE, NODE_ID, Bench, var
 
-from rtgen.runtime.canopen import sdo
-from rtgen.runtime.canopen.frames import MILLISECOND, Frame
-from rtgen.runtime.canopen.heartbeat import HeartbeatNews
-from rtgen.runtime.canopen.nmt import NmtCommand, NmtState, Transition
-from rtgen.runtime.canopen.node import DeviceNode
-from rtgen.runtime.canopen.node_events import NodeEvents
-from rtgen.runtime.canopen.sdo import SdoAbort
-from rtgen.runtime.canopen.sync import time_frame
+from rtgen.runtime.canopen.node.node import DeviceNode
+from rtgen.runtime.canopen.node.node_events import NodeEvents
+from rtgen.runtime.canopen.wire import sdo
+from rtgen.runtime.canopen.wire.frames import MILLISECOND, Frame
+from rtgen.runtime.canopen.wire.heartbeat import HeartbeatNews
+from rtgen.runtime.canopen.wire.nmt import NmtCommand, NmtState, Transition
+from rtgen.runtime.canopen.wire.sdo import SdoAbort
+from rtgen.runtime.canopen.wire.sync import time_frame
 
 HEARTBEAT = 0x700 + NODE_ID
 EMERGENCY = 0x80 + NODE_ID

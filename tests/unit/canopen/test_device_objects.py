@@ -8,11 +8,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from test_object_values import BOUNDARIES
 
-from rtgen.runtime.canopen import sdo, values
+from rtgen.runtime.canopen import values
 from rtgen.runtime.canopen.description import DeviceDescription, Kind, ObjectValue
-from rtgen.runtime.canopen.node import DeviceNode
-from rtgen.runtime.canopen.sdo import SdoAbort
+from rtgen.runtime.canopen.node.node import DeviceNode
 from rtgen.runtime.canopen.values import ObjectValueError
+from rtgen.runtime.canopen.wire import sdo
+from rtgen.runtime.canopen.wire.sdo import SdoAbort
 
 
 def refused(bench: Bench, index: int, subindex: int = 0) -> int:

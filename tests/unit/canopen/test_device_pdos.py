@@ -22,13 +22,14 @@ from hypothesis import strategies as st
 from test_object_values import BOUNDARIES
 
 from rtgen.facts.canopen import KIND_BITS
-from rtgen.runtime.canopen import sdo, values
+from rtgen.runtime.canopen import values
 from rtgen.runtime.canopen.description import Kind, ObjectNumber, ObjectValue
-from rtgen.runtime.canopen.frames import MILLISECOND, Frame
-from rtgen.runtime.canopen.nmt import NmtCommand
-from rtgen.runtime.canopen.node import DeviceNode
-from rtgen.runtime.canopen.pdo_mapping import MappedField, Mapping, entry_of
-from rtgen.runtime.canopen.sdo import SdoAbort
+from rtgen.runtime.canopen.node.node import DeviceNode
+from rtgen.runtime.canopen.node.pdo_mapping import MappedField, Mapping, entry_of
+from rtgen.runtime.canopen.wire import sdo
+from rtgen.runtime.canopen.wire.frames import MILLISECOND, Frame
+from rtgen.runtime.canopen.wire.nmt import NmtCommand
+from rtgen.runtime.canopen.wire.sdo import SdoAbort
 
 TPDO1, TPDO2 = 0x180 + NODE_ID, 0x280 + NODE_ID
 RPDO1, RPDO2 = 0x200 + NODE_ID, 0x300 + NODE_ID

@@ -7,13 +7,13 @@ import logging
 import pytest
 from proxy_bench import MS, NODE, Bench
 
-from rtgen.runtime.canopen.emergency import (
+from rtgen.runtime.canopen.wire.emergency import (
     DEFAULT_STOPS,
     Emergency,
     EmergencyPolicy,
     ErrorRegister,
 )
-from rtgen.runtime.canopen.nmt import NmtCommand, NmtState
+from rtgen.runtime.canopen.wire.nmt import NmtCommand, NmtState
 
 
 def emergency(code: int) -> Emergency:

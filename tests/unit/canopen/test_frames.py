@@ -6,15 +6,15 @@ from datetime import UTC, datetime
 
 import pytest
 
-from rtgen.runtime.canopen import frames
-from rtgen.runtime.canopen.emergency import (
+from rtgen.runtime.canopen.wire import frames
+from rtgen.runtime.canopen.wire.emergency import (
     Emergency,
     ErrorRegister,
     code_text,
     decode_emergency,
 )
-from rtgen.runtime.canopen.frames import CobId, Frame
-from rtgen.runtime.canopen.sync import (
+from rtgen.runtime.canopen.wire.frames import CobId, Frame
+from rtgen.runtime.canopen.wire.sync import (
     SyncProducer,
     decode_time,
     sync_counter,

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 from full_network import HEARD, SLAVES, FullNetwork
 
-from rtgen.runtime.canopen.managed_node import NodePhase
-from rtgen.runtime.canopen.nmt import NmtState
+from rtgen.runtime.canopen.master.managed_node import NodePhase
+from rtgen.runtime.canopen.wire.nmt import NmtState
 
 
 @pytest.mark.slow

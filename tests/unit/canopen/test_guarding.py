@@ -16,15 +16,15 @@ from slaves import IDENTITY, Slave
 from stations import Recorder
 
 from rtgen.runtime import System
-from rtgen.runtime.canopen import sdo
+from rtgen.runtime.canopen.bus.links import simulated_bus
 from rtgen.runtime.canopen.description import Network, NodeDescription
-from rtgen.runtime.canopen.frames import ERROR_CONTROL, Frame
-from rtgen.runtime.canopen.guarding import TOGGLE, NodeGuard
-from rtgen.runtime.canopen.links import simulated_bus
-from rtgen.runtime.canopen.managed_node import NodePhase
-from rtgen.runtime.canopen.manager_station import ManagerStation
-from rtgen.runtime.canopen.nmt import NmtState
-from rtgen.runtime.canopen.node import DeviceNode
+from rtgen.runtime.canopen.master.managed_node import NodePhase
+from rtgen.runtime.canopen.master.manager_station import ManagerStation
+from rtgen.runtime.canopen.node.node import DeviceNode
+from rtgen.runtime.canopen.wire import sdo
+from rtgen.runtime.canopen.wire.frames import ERROR_CONTROL, Frame
+from rtgen.runtime.canopen.wire.guarding import TOGGLE, NodeGuard
+from rtgen.runtime.canopen.wire.nmt import NmtState
 
 REQUEST = Frame(ERROR_CONTROL + NODE, remote=True)
 

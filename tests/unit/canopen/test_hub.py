@@ -23,10 +23,8 @@ from stations import Recorder
 
 from rtgen.cli import run
 from rtgen.runtime import RealClock
-from rtgen.runtime.canopen.arbitration import transmission_time
-from rtgen.runtime.canopen.errors import LinkError
-from rtgen.runtime.canopen.frames import Frame
-from rtgen.runtime.canopen.hub import (
+from rtgen.runtime.canopen.bus.arbitration import transmission_time
+from rtgen.runtime.canopen.bus.hub import (
     Carried,
     Hub,
     HubBus,
@@ -34,9 +32,11 @@ from rtgen.runtime.canopen.hub import (
     Port,
     SocketcandPort,
 )
-from rtgen.runtime.canopen.link import Link
-from rtgen.runtime.canopen.links import open_link
-from rtgen.runtime.canopen.real_link import RealLink
+from rtgen.runtime.canopen.bus.link import Link
+from rtgen.runtime.canopen.bus.links import open_link
+from rtgen.runtime.canopen.bus.real_link import RealLink
+from rtgen.runtime.canopen.errors import LinkError
+from rtgen.runtime.canopen.wire.frames import Frame
 
 SECOND = 1_000_000_000
 
@@ -491,8 +491,8 @@ def test_links_of_two_processes(hub: HubProcess) -> None:
     script = f"""
 import sys
 from rtgen.runtime import RealClock
-from rtgen.runtime.canopen.frames import Frame
-from rtgen.runtime.canopen.links import open_link
+from rtgen.runtime.canopen.wire.frames import Frame
+from rtgen.runtime.canopen.bus.links import open_link
 sys.path.insert(0, {sys.path[0]!r})
 from stations import Recorder
 link = open_link(RealClock(), "socketcand", "two", 0, {hub.options()!r})
@@ -651,7 +651,7 @@ def test_the_end(hub: HubProcess) -> None:
 
 
 def test_too_many_clients(monkeypatch: pytest.MonkeyPatch) -> None:
-    from rtgen.runtime.canopen import hub as module
+    from rtgen.runtime.canopen.bus import hub as module
 
     monkeypatch.setattr(module, "MAX_CLIENTS", 1)
     told: list[str] = []

@@ -14,9 +14,8 @@ from can.interfaces.socketcand.socketcand import (
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rtgen.runtime.canopen.frames import Frame
-from rtgen.runtime.canopen.hub_faults import Fault, Faults, fault_of, times_off
-from rtgen.runtime.canopen.hub_text import (
+from rtgen.runtime.canopen.bus.hub_faults import Fault, Faults, fault_of, times_off
+from rtgen.runtime.canopen.bus.hub_text import (
     Elements,
     Lines,
     Malformed,
@@ -26,6 +25,7 @@ from rtgen.runtime.canopen.hub_text import (
     slcan_frame,
     slcan_text,
 )
+from rtgen.runtime.canopen.wire.frames import Frame
 
 FRAMES = st.builds(
     lambda extended, id_, data: Frame(

@@ -7,10 +7,10 @@ from typing import TypeVar
 
 import pytest
 
-from rtgen.runtime.canopen import lss
-from rtgen.runtime.canopen.frames import LSS_RESPONSE, Frame
-from rtgen.runtime.canopen.lss import LssAddress, LssCommand
-from rtgen.runtime.canopen.lss_master import (
+from rtgen.runtime.canopen.wire import lss
+from rtgen.runtime.canopen.wire.frames import LSS_RESPONSE, Frame
+from rtgen.runtime.canopen.wire.lss import LssAddress, LssCommand
+from rtgen.runtime.canopen.wire.lss_master import (
     Assigned,
     LssError,
     LssMaster,
@@ -25,7 +25,7 @@ from rtgen.runtime.canopen.lss_master import (
     set_bit_rate,
     switch,
 )
-from rtgen.runtime.canopen.lss_slave import LssSlave
+from rtgen.runtime.canopen.wire.lss_slave import LssSlave
 
 T = TypeVar("T")
 MS = 1_000_000

@@ -11,12 +11,12 @@ from device_bench import DEVICE, Bench
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rtgen.runtime.canopen.frames import LSS_REQUEST, LSS_RESPONSE, Frame
-from rtgen.runtime.canopen.lss import BIT_RATES, UNCONFIGURED, LssAddress
-from rtgen.runtime.canopen.lss_slave import LssSlave
-from rtgen.runtime.canopen.nmt import NmtCommand, NmtState
-from rtgen.runtime.canopen.node import DeviceNode
-from rtgen.runtime.canopen.node_events import NodeEvents
+from rtgen.runtime.canopen.node.node import DeviceNode
+from rtgen.runtime.canopen.node.node_events import NodeEvents
+from rtgen.runtime.canopen.wire.frames import LSS_REQUEST, LSS_RESPONSE, Frame
+from rtgen.runtime.canopen.wire.lss import BIT_RATES, UNCONFIGURED, LssAddress
+from rtgen.runtime.canopen.wire.lss_slave import LssSlave
+from rtgen.runtime.canopen.wire.nmt import NmtCommand, NmtState
 
 ADDRESS = LssAddress(0x00FFFF01, 0x4242, 0x00010002, 77)
 ALL = 0

@@ -9,14 +9,14 @@ import pytest
 from device_bench import DEVICE
 
 from rtgen.runtime import System
+from rtgen.runtime.canopen.bus.links import simulated_bus
 from rtgen.runtime.canopen.description import Network, NodeDescription, Write
-from rtgen.runtime.canopen.links import simulated_bus
-from rtgen.runtime.canopen.managed_node import NodePhase, NodeReport
-from rtgen.runtime.canopen.manager_station import ManagerStation
-from rtgen.runtime.canopen.nmt import NmtCommand, NmtState
-from rtgen.runtime.canopen.node import DeviceNode
-from rtgen.runtime.canopen.node_control import NodeControl, NodeError
-from rtgen.runtime.canopen.proxied_node import ProxiedNode
+from rtgen.runtime.canopen.master.managed_node import NodePhase, NodeReport
+from rtgen.runtime.canopen.master.manager_station import ManagerStation
+from rtgen.runtime.canopen.master.node_control import NodeControl, NodeError
+from rtgen.runtime.canopen.master.proxied_node import ProxiedNode
+from rtgen.runtime.canopen.node.node import DeviceNode
+from rtgen.runtime.canopen.wire.nmt import NmtCommand, NmtState
 
 SECOND = 1_000_000_000
 UNCONFIGURED = 255

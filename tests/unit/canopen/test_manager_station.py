@@ -11,14 +11,14 @@ from slaves import IDENTITY, MS, Slave
 from stations import Recorder
 
 from rtgen.runtime import System
-from rtgen.runtime.canopen import sdo
+from rtgen.runtime.canopen.bus.links import simulated_bus
 from rtgen.runtime.canopen.description import Network, NodeDescription, Write
-from rtgen.runtime.canopen.emergency import Emergency, ErrorRegister
-from rtgen.runtime.canopen.frames import Frame
-from rtgen.runtime.canopen.links import simulated_bus
-from rtgen.runtime.canopen.managed_node import ManagedNode, NodePhase, NodeReport
-from rtgen.runtime.canopen.manager_station import ManagerStation
-from rtgen.runtime.canopen.nmt import NmtCommand, NmtState
+from rtgen.runtime.canopen.master.managed_node import ManagedNode, NodePhase, NodeReport
+from rtgen.runtime.canopen.master.manager_station import ManagerStation
+from rtgen.runtime.canopen.wire import sdo
+from rtgen.runtime.canopen.wire.emergency import Emergency, ErrorRegister
+from rtgen.runtime.canopen.wire.frames import Frame
+from rtgen.runtime.canopen.wire.nmt import NmtCommand, NmtState
 
 SECOND = 1000 * MS
 START, STOP, PRE, RESET_NODE, RESET_COMMUNICATION = NmtCommand

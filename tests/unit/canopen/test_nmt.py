@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import pytest
 
-from rtgen.runtime.canopen.frames import Frame
-from rtgen.runtime.canopen.heartbeat import (
+from rtgen.runtime.canopen.wire.frames import Frame
+from rtgen.runtime.canopen.wire.heartbeat import (
     HeartbeatConsumer,
     HeartbeatEvent,
     HeartbeatNews,
     HeartbeatProducer,
 )
-from rtgen.runtime.canopen.nmt import (
+from rtgen.runtime.canopen.wire.nmt import (
     NmtCommand,
     NmtSlave,
     NmtState,

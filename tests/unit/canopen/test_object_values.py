@@ -11,9 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rtgen.facts.canopen import KIND_BITS, SIGNED_KINDS, UNSIGNED_KINDS
-from rtgen.runtime.canopen import sdo, values
+from rtgen.runtime.canopen import values
 from rtgen.runtime.canopen.description import Kind, ObjectValue
 from rtgen.runtime.canopen.values import ObjectValueError, decode, encode
+from rtgen.runtime.canopen.wire import sdo
 
 BOUNDARIES: list[tuple[Kind, ObjectValue, str]] = [
     ("bool", False, "00"),

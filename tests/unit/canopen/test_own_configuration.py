@@ -12,8 +12,8 @@ from rtgen.backends.canopen.objects_module import objects_text
 from rtgen.frontends import eds
 from rtgen.model.can_bus import kind_of
 from rtgen.runtime.canopen.description import DeviceDescription, Write
-from rtgen.runtime.canopen.frames import Frame
-from rtgen.runtime.canopen.node import DeviceNode
+from rtgen.runtime.canopen.node.node import DeviceNode
+from rtgen.runtime.canopen.wire.frames import Frame
 from rtgen.typemap.canopen_names import field_names
 
 HEAD = """

@@ -13,9 +13,9 @@ from device_bench import DEVICE, NODE_ID, Bench
 from test_canopen_device import Slave
 
 from rtgen.runtime import InitializationError, System
-from rtgen.runtime.canopen.nmt import NmtCommand
-from rtgen.runtime.canopen.node import DeviceNode
-from rtgen.runtime.canopen.parameter_file import ParameterFile, ParameterFileError
+from rtgen.runtime.canopen.node.node import DeviceNode
+from rtgen.runtime.canopen.node.parameter_file import ParameterFile, ParameterFileError
+from rtgen.runtime.canopen.wire.nmt import NmtCommand
 
 NAME = "drive.json"
 SAVE, LOAD = b"save", b"load"

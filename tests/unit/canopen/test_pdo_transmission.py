@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rtgen.runtime.canopen.frames import Frame
-from rtgen.runtime.canopen.pdo_transmission import (
+from rtgen.runtime.canopen.wire.frames import Frame
+from rtgen.runtime.canopen.wire.pdo_transmission import (
     PdoParameters,
     Received,
     RpdoReceiver,

@@ -11,13 +11,13 @@ from proxy_bench import NODE, SECOND, Bench, DriveProxy
 
 from refrobots.rtc import Time, TimedLong
 from rtgen.runtime import Component
-from rtgen.runtime.canopen import sdo
 from rtgen.runtime.canopen.description import Write
 from rtgen.runtime.canopen.errors import LinkError
-from rtgen.runtime.canopen.frames import Frame
-from rtgen.runtime.canopen.nmt import NmtCommand, NmtState
-from rtgen.runtime.canopen.proxied_node import QUEUE
-from rtgen.runtime.canopen.sdo import SdoAbort
+from rtgen.runtime.canopen.master.proxied_node import QUEUE
+from rtgen.runtime.canopen.wire import sdo
+from rtgen.runtime.canopen.wire.frames import Frame
+from rtgen.runtime.canopen.wire.nmt import NmtCommand, NmtState
+from rtgen.runtime.canopen.wire.sdo import SdoAbort
 
 
 def ready(**settings: object) -> Bench:

@@ -10,9 +10,9 @@ from test_canopen_device import Slave
 from test_proxy_and_node import SlaveProxy
 
 from rtgen.runtime import RTC_ERROR, SECOND, System
-from rtgen.runtime.canopen.frames import EMERGENCY, ERROR_CONTROL, NMT
-from rtgen.runtime.canopen.links import open_link
-from rtgen.runtime.canopen.nmt import NmtCommand, command_frame
+from rtgen.runtime.canopen.bus.links import open_link
+from rtgen.runtime.canopen.wire.frames import EMERGENCY, ERROR_CONTROL, NMT
+from rtgen.runtime.canopen.wire.nmt import NmtCommand, command_frame
 
 START, STOP, PREOP, RESET = 0x01, 0x02, 0x80, 0x81
 PROXY, DEVICE_NAME = "Slave0", "slave"

@@ -14,15 +14,16 @@ from test_object_values import BOUNDARIES
 
 from rtgen.facts.canopen import SIGNED_KINDS, UNSIGNED_KINDS
 from rtgen.runtime import LifeCycleState, System
-from rtgen.runtime.canopen import sdo, values
+from rtgen.runtime.canopen import values
+from rtgen.runtime.canopen.bus.links import open_link
+from rtgen.runtime.canopen.bus.simulated_bus import SimulatedCanBus
 from rtgen.runtime.canopen.description import Kind, ObjectNumber, ObjectValue
-from rtgen.runtime.canopen.frames import MILLISECOND, Frame
 from rtgen.runtime.canopen.hooks import Receiver, Sender
-from rtgen.runtime.canopen.links import open_link
-from rtgen.runtime.canopen.nmt import NmtState
-from rtgen.runtime.canopen.node import DeviceNode
-from rtgen.runtime.canopen.sdo import SdoAbort
-from rtgen.runtime.canopen.simulated_bus import SimulatedCanBus
+from rtgen.runtime.canopen.node.node import DeviceNode
+from rtgen.runtime.canopen.wire import sdo
+from rtgen.runtime.canopen.wire.frames import MILLISECOND, Frame
+from rtgen.runtime.canopen.wire.nmt import NmtState
+from rtgen.runtime.canopen.wire.sdo import SdoAbort
 
 SECOND = 1000 * MILLISECOND
 

@@ -19,10 +19,10 @@ from rtgen.runtime.canopen.description import (
     PdoDescription,
     Write,
 )
-from rtgen.runtime.canopen.frames import Frame
-from rtgen.runtime.canopen.manager_station import ManagerStation
-from rtgen.runtime.canopen.nmt import NmtCommand, NmtState
-from rtgen.runtime.canopen.proxied_node import wiring
+from rtgen.runtime.canopen.master.manager_station import ManagerStation
+from rtgen.runtime.canopen.master.proxied_node import wiring
+from rtgen.runtime.canopen.wire.frames import Frame
+from rtgen.runtime.canopen.wire.nmt import NmtCommand, NmtState
 
 RAMP = Write(0x6083, 0, struct.pack("<I", 77))
 BEAT = Write(0x1017, 0, struct.pack("<H", 50))

@@ -9,11 +9,11 @@ import pytest
 from proxy_bench import DESCRIPTION, MS, NODE, SECOND, Bench, DriveProxy, Objects
 
 from rtgen.runtime import PRECONDITION_NOT_MET, SimulatedClock
-from rtgen.runtime.canopen import sdo
 from rtgen.runtime.canopen.description import ObjectDescription
-from rtgen.runtime.canopen.emergency import Emergency, ErrorRegister
-from rtgen.runtime.canopen.frames import Frame
-from rtgen.runtime.canopen.nmt import NmtCommand, NmtState, command_frame
+from rtgen.runtime.canopen.wire import sdo
+from rtgen.runtime.canopen.wire.emergency import Emergency, ErrorRegister
+from rtgen.runtime.canopen.wire.frames import Frame
+from rtgen.runtime.canopen.wire.nmt import NmtCommand, NmtState, command_frame
 
 START, STOP, PREOP, RESET = (
     (command, NODE)
@@ -492,7 +492,7 @@ def test_two_nodes_of_the_same_id_that_answer() -> None:
 
 
 def test_a_bus_that_cannot_be_opened() -> None:
-    from rtgen.runtime.canopen.links import open_link
+    from rtgen.runtime.canopen.bus.links import open_link
 
     clock = SimulatedClock()
     bench = Bench(clock, settings={"bitrate": 500_000, "channel": "can1"})

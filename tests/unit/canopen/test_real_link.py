@@ -13,12 +13,12 @@ import pytest
 from stations import Recorder
 
 from rtgen.runtime import RealClock
+from rtgen.runtime.canopen.bus.link import Link
+from rtgen.runtime.canopen.bus.links import open_link
+from rtgen.runtime.canopen.bus.python_can import bus_address
+from rtgen.runtime.canopen.bus.real_link import RealLink
 from rtgen.runtime.canopen.errors import LinkError
-from rtgen.runtime.canopen.frames import Frame
-from rtgen.runtime.canopen.link import Link
-from rtgen.runtime.canopen.links import open_link
-from rtgen.runtime.canopen.python_can import bus_address
-from rtgen.runtime.canopen.real_link import RealLink
+from rtgen.runtime.canopen.wire.frames import Frame
 
 SECOND = 1_000_000_000
 NUMBERS = count()
@@ -325,7 +325,7 @@ def test_bus_off_that_the_controller_tells(
 
 
 def test_bus_off_in_error_frames(channel: str) -> None:
-    from rtgen.runtime.canopen.python_can import OpenBus
+    from rtgen.runtime.canopen.bus.python_can import OpenBus
 
     with can.Bus(interface="virtual", channel=channel) as bus:
         opened = OpenBus(bus, bus_address("socketcand", channel))

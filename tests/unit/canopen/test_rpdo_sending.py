@@ -12,7 +12,7 @@ from proxy_bench import DESCRIPTION, MS, NODE, Bench, DriveProxy
 
 from refrobots.rtc import Time, TimedLong
 from rtgen.runtime import Component
-from rtgen.runtime.canopen.frames import SYNC, Frame
+from rtgen.runtime.canopen.wire.frames import SYNC, Frame
 
 
 @pytest.fixture

@@ -7,11 +7,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from sdo_line import LOST, ONCE, TWICE, Values, line
 
-from rtgen.runtime.canopen import sdo
-from rtgen.runtime.canopen.frames import Frame
-from rtgen.runtime.canopen.sdo import SdoAbort
-from rtgen.runtime.canopen.sdo_client import SdoClient
-from rtgen.runtime.canopen.sdo_server import SdoServer
+from rtgen.runtime.canopen.wire import sdo
+from rtgen.runtime.canopen.wire.frames import Frame
+from rtgen.runtime.canopen.wire.sdo import SdoAbort
+from rtgen.runtime.canopen.wire.sdo_client import SdoClient
+from rtgen.runtime.canopen.wire.sdo_server import SdoServer
 
 SIZES = [0, 1, 2, 3, 4, 5, 7, 8, 14, 127 * 7, 127 * 7 + 1, 2000]
 

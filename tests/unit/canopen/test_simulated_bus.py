@@ -8,11 +8,11 @@ import pytest
 from stations import Recorder
 
 from rtgen.runtime import RTC_OK, Component, ReturnCode_t, SimulatedClock, System
-from rtgen.runtime.canopen.arbitration import transmission_time
+from rtgen.runtime.canopen.bus.arbitration import transmission_time
+from rtgen.runtime.canopen.bus.links import open_link, simulated_bus
+from rtgen.runtime.canopen.bus.simulated_bus import SimulatedCanBus
 from rtgen.runtime.canopen.errors import LinkError
-from rtgen.runtime.canopen.frames import Frame
-from rtgen.runtime.canopen.links import open_link, simulated_bus
-from rtgen.runtime.canopen.simulated_bus import SimulatedCanBus
+from rtgen.runtime.canopen.wire.frames import Frame
 
 MS = 1_000_000
 

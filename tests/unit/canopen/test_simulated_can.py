@@ -11,10 +11,10 @@ import pytest
 from stations import Recorder
 
 from rtgen.runtime import System
-from rtgen.runtime.canopen.frames import Frame
-from rtgen.runtime.canopen.links import simulated_bus
-from rtgen.runtime.canopen.simulated_bus import SimulatedCanBus
-from rtgen.runtime.canopen.simulated_can import SimulatedBus
+from rtgen.runtime.canopen.bus.links import simulated_bus
+from rtgen.runtime.canopen.bus.simulated_bus import SimulatedCanBus
+from rtgen.runtime.canopen.bus.simulated_can import SimulatedBus
+from rtgen.runtime.canopen.wire.frames import Frame
 
 MS = 1_000_000
 

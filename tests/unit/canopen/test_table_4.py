@@ -23,7 +23,7 @@ from rtgen.runtime import (
     RealClock,
     SimulatedClock,
 )
-from rtgen.runtime.canopen.nmt import NmtCommand
+from rtgen.runtime.canopen.wire.nmt import NmtCommand
 
 
 @pytest.fixture(scope="module")

@@ -1,9 +1,9 @@
 """The names that ports cannot have, against the runtime that has them."""
 
 from rtgen.runtime import Component
-from rtgen.runtime.canopen.device import CanopenDevice
-from rtgen.runtime.canopen.manager import CanopenManager
-from rtgen.runtime.canopen.proxy import CanopenProxy
+from rtgen.runtime.canopen.master.manager import CanopenManager
+from rtgen.runtime.canopen.master.proxy import CanopenProxy
+from rtgen.runtime.canopen.node.device import CanopenDevice
 from rtgen.typemap.component_actions import ACTIONS
 from rtgen.typemap.component_names import CANOPEN_NAMES, COMPONENT_NAMES
 

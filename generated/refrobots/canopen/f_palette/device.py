@@ -7,8 +7,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from rtgen.runtime.canopen.device import CanopenDevice
 from rtgen.runtime.canopen.hooks import Getter, Incoming, Outgoing, Setter
+from rtgen.runtime.canopen.node.device import CanopenDevice
 
 from ... import fpalette, rtc
 from .objects import DESCRIPTION, FPaletteObjects

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from rtgen.runtime import ComponentProfile, ParameterProfile, PortProfile
-from rtgen.runtime.canopen.manager import CanopenManager
+from rtgen.runtime.canopen.master.manager import CanopenManager
 
 from ... import canopen
 

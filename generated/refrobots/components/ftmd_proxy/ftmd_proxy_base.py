@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from rtgen.runtime import ComponentProfile, ParameterProfile, PortProfile
-from rtgen.runtime.canopen.proxy import CanopenProxy
+from rtgen.runtime.canopen.master.proxy import CanopenProxy
 
 from ... import canopen, ftmd
 

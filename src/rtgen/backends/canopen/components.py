@@ -37,7 +37,7 @@ from rtgen.typemap.canopen_ports import (
 )
 from rtgen.typemap.canopen_texts import line, told
 
-PROXY_BASE = "rtgen.runtime.canopen.proxy:CanopenProxy"
+PROXY_BASE = "rtgen.runtime.canopen.master.proxy:CanopenProxy"
 SERVICE_PORT = "sdo"
 """The service port of a proxy."""
 
@@ -57,7 +57,7 @@ def manager(component: Component, buses: Sequence[Bus]) -> Component:
             replace(each, default=only) if each.name == "network" else each
             for each in component.configuration
         ),
-        runtime_base="rtgen.runtime.canopen.manager:CanopenManager",
+        runtime_base="rtgen.runtime.canopen.master.manager:CanopenManager",
         factory=".canopen.manager:CanopenManager",
     )
 

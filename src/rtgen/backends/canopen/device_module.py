@@ -51,7 +51,7 @@ class _DeviceModule(ComponentModule):
 
     def device(self, header: str, networks: str) -> str:
         """The whole module."""
-        self.use("rtgen.runtime.canopen.device", "CanopenDevice")
+        self.use("rtgen.runtime.canopen.node.device", "CanopenDevice")
         self.use("collections.abc", "Mapping")
         self.use(_HOOKS, "Incoming")
         self.use(_HOOKS, "Outgoing")

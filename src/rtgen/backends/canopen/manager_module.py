@@ -39,8 +39,8 @@ def manager_text(
     head = [
         "from __future__ import annotations",
         "",
-        "from rtgen.runtime.canopen.managed_node import NodeReport",
-        "from rtgen.runtime.canopen.nmt import NmtCommand",
+        "from rtgen.runtime.canopen.master.managed_node import NodeReport",
+        "from rtgen.runtime.canopen.wire.nmt import NmtCommand",
         "",
         *sorted(imports, key=lambda line: line.split()[1].lower()),
         "",

@@ -30,7 +30,7 @@ def service_text(
         "from __future__ import annotations",
         "",
         "from rtgen.runtime.canopen.hooks import ProxyHooks",
-        "from rtgen.runtime.canopen.sdo_service import SdoAccess",
+        "from rtgen.runtime.canopen.master.sdo_service import SdoAccess",
         "",
         *types.lines(),
         "",

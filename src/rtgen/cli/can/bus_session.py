@@ -8,12 +8,12 @@ from typing import Protocol
 
 from rtgen.cli.can.live_bus import send
 from rtgen.diagnostics import ToolError
-from rtgen.runtime.canopen import sdo
+from rtgen.runtime.canopen.bus.python_can import OpenBus, frame_of
 from rtgen.runtime.canopen.errors import LinkError
-from rtgen.runtime.canopen.frames import SECOND, Frame
-from rtgen.runtime.canopen.python_can import OpenBus, frame_of
-from rtgen.runtime.canopen.sdo import SdoAbort
-from rtgen.runtime.canopen.sdo_client import SdoClient
+from rtgen.runtime.canopen.wire import sdo
+from rtgen.runtime.canopen.wire.frames import SECOND, Frame
+from rtgen.runtime.canopen.wire.sdo import SdoAbort
+from rtgen.runtime.canopen.wire.sdo_client import SdoClient
 
 _LONGEST = 0.1
 """Longest wait for a frame in seconds, so that Ctrl-C is noticed."""

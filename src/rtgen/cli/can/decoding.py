@@ -12,8 +12,8 @@ from rtgen.cli.can.pdo_fields import Route, object_of, routes
 from rtgen.cli.can.sdo_decoding import SdoFollower, SdoStep
 from rtgen.cli.rpc.values import Json
 from rtgen.model.canopen import INVALID, PdoDirection
-from rtgen.runtime.canopen.emergency import Emergency, ErrorRegister
-from rtgen.runtime.canopen.frames import (
+from rtgen.runtime.canopen.wire.emergency import Emergency, ErrorRegister
+from rtgen.runtime.canopen.wire.frames import (
     EMERGENCY,
     ERROR_CONTROL,
     LSS_REQUEST,
@@ -27,8 +27,8 @@ from rtgen.runtime.canopen.frames import (
     CobId,
     Frame,
 )
-from rtgen.runtime.canopen.nmt import NmtCommand, NmtState
-from rtgen.runtime.canopen.sync import decode_time, sync_counter
+from rtgen.runtime.canopen.wire.nmt import NmtCommand, NmtState
+from rtgen.runtime.canopen.wire.sync import decode_time, sync_counter
 
 _FAILSAFE = 0x001
 _SDO = 8

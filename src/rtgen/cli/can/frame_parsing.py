@@ -10,9 +10,9 @@ from rtgen.cli.can.node_index import DescribedNode, NodeIndex
 from rtgen.cli.can.pdo_fields import Route, routes
 from rtgen.cli.can.value_parsing import parsed_value
 from rtgen.cli.common import Refusal
-from rtgen.runtime.canopen.frames import SYNC, Frame
-from rtgen.runtime.canopen.nmt import NmtCommand, command_frame
 from rtgen.runtime.canopen.values import ObjectValueError, to_bits
+from rtgen.runtime.canopen.wire.frames import SYNC, Frame
+from rtgen.runtime.canopen.wire.nmt import NmtCommand, command_frame
 
 FORMS = "ID#HEX, ID#R, sync, nmt COMMAND NODE, or NODE.rpdoN OBJECT=VALUE ..."
 

@@ -12,12 +12,12 @@ import click
 
 from rtgen.cli.common import OK, Console, with_console, write_out
 from rtgen.diagnostics import ToolError
-from rtgen.runtime.canopen.hub import QUEUE, Hub, HubSettings
-from rtgen.runtime.canopen.hub_faults import Fault, fault_of
-from rtgen.runtime.canopen.python_can import SOCKETCAND_PORT
+from rtgen.runtime.canopen.bus.hub import QUEUE, Hub, HubSettings
+from rtgen.runtime.canopen.bus.hub_faults import Fault, fault_of
+from rtgen.runtime.canopen.bus.python_can import SOCKETCAND_PORT
 
 if TYPE_CHECKING:
-    from rtgen.runtime.canopen.hub_pty import SlcanPty
+    from rtgen.runtime.canopen.bus.hub_pty import SlcanPty
 
 
 def _faults(
@@ -145,7 +145,7 @@ async def _serve(
 
 def _pseudo_terminal(hub: Hub, channel: str) -> SlcanPty:
     try:
-        from rtgen.runtime.canopen.hub_pty import SlcanPty
+        from rtgen.runtime.canopen.bus.hub_pty import SlcanPty
     except ImportError as error:
         raise ToolError("this system has no pseudo-terminals") from error
     bus = hub.bus(channel)

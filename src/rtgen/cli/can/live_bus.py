@@ -15,9 +15,9 @@ from rtgen.cli.can.common import require_python_can
 from rtgen.cli.can.options import BusAccess
 from rtgen.cli.signals import handled, terminable
 from rtgen.diagnostics import ToolError
+from rtgen.runtime.canopen.bus.python_can import OpenBus, open_bus
 from rtgen.runtime.canopen.errors import LinkError
-from rtgen.runtime.canopen.frames import Frame
-from rtgen.runtime.canopen.python_can import OpenBus, open_bus
+from rtgen.runtime.canopen.wire.frames import Frame
 
 if TYPE_CHECKING:
     from can import BusABC, Message

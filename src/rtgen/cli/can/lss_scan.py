@@ -5,9 +5,9 @@ from __future__ import annotations
 import time
 
 from rtgen.cli.can.bus_session import BusSession
-from rtgen.runtime.canopen import lss
-from rtgen.runtime.canopen.lss import LssAddress
-from rtgen.runtime.canopen.lss_master import (
+from rtgen.runtime.canopen.wire import lss
+from rtgen.runtime.canopen.wire.lss import LssAddress
+from rtgen.runtime.canopen.wire.lss_master import (
     LssError,
     LssMaster,
     Procedure,

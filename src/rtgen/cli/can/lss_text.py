@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Final
 
-from rtgen.runtime.canopen import lss
-from rtgen.runtime.canopen.lss import LssCommand
+from rtgen.runtime.canopen.wire import lss
+from rtgen.runtime.canopen.wire.lss import LssCommand
 
 _PARTS: Final = ("vendor", "product", "revision", "serial number")
 _BIT_RATES: Final = {index: rate for rate, index in lss.BIT_RATES.items()}

@@ -9,8 +9,8 @@ from datetime import UTC, datetime
 from rtgen.cli.can.node_index import DescribedNode, DescribedObject, written
 from rtgen.cli.rpc.values import Json
 from rtgen.runtime.canopen.description import Kind, ObjectValue
-from rtgen.runtime.canopen.frames import SECOND
 from rtgen.runtime.canopen.values import ObjectValueError, decode, size
+from rtgen.runtime.canopen.wire.frames import SECOND
 
 _SHOWN = 24
 """Octets of a value that are shown in text."""

@@ -12,7 +12,7 @@ import click
 
 from rtgen.cli.can.node_index import NodeIndex, read_node_index
 from rtgen.cli.common import FiniteRange, Refusal
-from rtgen.runtime.canopen.python_can import BusAddress, Option, option
+from rtgen.runtime.canopen.bus.python_can import BusAddress, Option, option
 
 P = ParamSpec("P")
 R = TypeVar("R")

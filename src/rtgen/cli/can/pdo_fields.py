@@ -17,8 +17,8 @@ from rtgen.model.canopen import (
     Access,
     PdoDirection,
 )
-from rtgen.runtime.canopen.frames import MAX_DATA, CobId
 from rtgen.runtime.canopen.values import ObjectValueError, from_bits
+from rtgen.runtime.canopen.wire.frames import MAX_DATA, CobId
 
 _FIRST_OBJECT = 0x1000
 """Lower indices are those of data types and stand for gaps (dummy mapping)."""

@@ -14,7 +14,7 @@ from rtgen.cli.can.node_index import NodeIndex
 from rtgen.cli.can.options import BusAccess, Described, with_bus, with_nodes
 from rtgen.cli.can.scanning import Found, scanned
 from rtgen.cli.common import NO, OK, Console, FiniteRange, with_console, write_out
-from rtgen.runtime.canopen.lss import LssAddress
+from rtgen.runtime.canopen.wire.lss import LssAddress
 
 
 @dataclass(slots=True)

@@ -6,17 +6,17 @@ import time
 from dataclasses import dataclass
 
 from rtgen.cli.can.bus_session import BusSession
-from rtgen.runtime.canopen.frames import (
+from rtgen.runtime.canopen.bus.python_can import OpenBus
+from rtgen.runtime.canopen.wire.frames import (
     ERROR_CONTROL,
     MAX_NODE_ID,
     SDO_RESPONSE,
     SECOND,
     Frame,
 )
-from rtgen.runtime.canopen.nmt import NmtState
-from rtgen.runtime.canopen.python_can import OpenBus
-from rtgen.runtime.canopen.sdo import TIMED_OUT, SdoAbort
-from rtgen.runtime.canopen.sdo_client import SdoClient
+from rtgen.runtime.canopen.wire.nmt import NmtState
+from rtgen.runtime.canopen.wire.sdo import TIMED_OUT, SdoAbort
+from rtgen.runtime.canopen.wire.sdo_client import SdoClient
 
 _DEVICE_TYPE = (0x1000, 0)
 _IDENTITY = tuple((0x1018, part) for part in (1, 2, 3, 4))

@@ -29,9 +29,9 @@ from rtgen.diagnostics import ToolError
 from rtgen.model.canopen import Access
 from rtgen.project.rules import SUPERVISED
 from rtgen.runtime.canopen.description import Kind
-from rtgen.runtime.canopen.frames import ERROR_CONTROL, SDO_REQUEST, SECOND, Frame
-from rtgen.runtime.canopen.sdo import SdoAbort
 from rtgen.runtime.canopen.values import ObjectValueError, encode
+from rtgen.runtime.canopen.wire.frames import ERROR_CONTROL, SDO_REQUEST, SECOND, Frame
+from rtgen.runtime.canopen.wire.sdo import SdoAbort
 
 _WATCH = 0.3
 """Seconds to watch for a manager if no bus file gives its heartbeat period."""

@@ -6,8 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final, TypeAlias
 
-from rtgen.runtime.canopen import sdo
-from rtgen.runtime.canopen.sdo import Target
+from rtgen.runtime.canopen.wire import sdo
+from rtgen.runtime.canopen.wire.sdo import Target
 
 MAX_VALUE: Final = 1 << 16
 """Length in octets up to which a value is assembled; longer ones are only counted."""

@@ -15,7 +15,7 @@ from rtgen.cli.can.live_bus import drained, opened, send, until_interrupted
 from rtgen.cli.can.options import BusAccess, Described, with_bus, with_nodes
 from rtgen.cli.can.sequences import Step, read_sequence
 from rtgen.cli.common import OK, Console, FiniteRange, with_console
-from rtgen.runtime.canopen.python_can import OpenBus
+from rtgen.runtime.canopen.bus.python_can import OpenBus
 
 
 @click.command("send")

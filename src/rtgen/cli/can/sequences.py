@@ -11,7 +11,7 @@ from rtgen.cli.can.frame_parsing import frame_of_text
 from rtgen.cli.can.node_index import NodeIndex
 from rtgen.cli.common import Refusal
 from rtgen.diagnostics import ToolError
-from rtgen.runtime.canopen.frames import Frame
+from rtgen.runtime.canopen.wire.frames import Frame
 
 _LINE = re.compile(r"(?:(?P<plus>\+?)(?P<time>\d+(?:\.\d*)?)\s+)?(?P<frame>.+)")
 

@@ -7,8 +7,8 @@ from datetime import UTC, datetime
 from rtgen.cli.can.node_index import DescribedObject
 from rtgen.cli.common import Refusal
 from rtgen.runtime.canopen.description import Kind, ObjectValue
-from rtgen.runtime.canopen.frames import SECOND
 from rtgen.runtime.canopen.values import ObjectValueError, limits
+from rtgen.runtime.canopen.wire.frames import SECOND
 
 _BOOLEANS = {"true": True, "1": True, "false": False, "0": False}
 

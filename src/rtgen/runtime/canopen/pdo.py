@@ -6,7 +6,7 @@ from struct import Struct
 from typing import TYPE_CHECKING, cast
 
 from rtgen.facts.canopen import DAY, EPOCH, MAX_DAYS, milliseconds_of
-from rtgen.runtime.canopen.frames import SECOND
+from rtgen.runtime.canopen.wire.frames import SECOND
 
 if TYPE_CHECKING:
     from rtgen.runtime.component import Time

@@ -28,8 +28,8 @@ from rtgen.facts.canopen import (
     visible_text,
 )
 from rtgen.facts.primitives import FLOAT_LIMITS, Primitive
-from rtgen.runtime.canopen import sdo
 from rtgen.runtime.canopen.description import ObjectValue
+from rtgen.runtime.canopen.wire import sdo
 
 _TIMES: Final[tuple[Kind, ...]] = ("time_of_day", "time_difference")
 _REALS: Final[dict[Kind, tuple[struct.Struct, float]]] = {

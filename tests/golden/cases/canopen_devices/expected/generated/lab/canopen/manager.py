@@ -4,8 +4,8 @@
 
 from __future__ import annotations
 
-from rtgen.runtime.canopen.managed_node import NodeReport
-from rtgen.runtime.canopen.nmt import NmtCommand
+from rtgen.runtime.canopen.master.managed_node import NodeReport
+from rtgen.runtime.canopen.wire.nmt import NmtCommand
 
 from .. import canopen, rtc
 from ..components.canopen_manager import CanopenManagerBase

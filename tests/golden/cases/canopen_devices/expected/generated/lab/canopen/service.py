@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from rtgen.runtime.canopen.hooks import ProxyHooks
-from rtgen.runtime.canopen.sdo_service import SdoAccess
+from rtgen.runtime.canopen.master.sdo_service import SdoAccess
 
 from .. import canopen
 

@@ -8,8 +8,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from rtgen.runtime.canopen import pdo as _pdo
-from rtgen.runtime.canopen.device import CanopenDevice
 from rtgen.runtime.canopen.hooks import Getter, Incoming, Outgoing, Setter
+from rtgen.runtime.canopen.node.device import CanopenDevice
 
 from ... import rtc, sampler
 from .objects import DESCRIPTION, SamplerObjects

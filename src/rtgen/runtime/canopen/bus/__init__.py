@@ -1,0 +1,1 @@
+"""Access to a CAN bus: python-can, simulated buses, the hub."""

@@ -1,0 +1,192 @@
+"""One bus for typed components and scripts of the package `canopen`: its `Network`, shared.
+
+A program that has a `canopen.Network` shares it under a name; components whose parameters are
+`interface=canopen` and `channel=NAME` then use its bus instead of one of their own. Needs
+python-can; `canopen` itself is the program's.
+"""
+
+from __future__ import annotations
+
+import copy
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from queue import Empty, SimpleQueue
+from typing import TYPE_CHECKING, Any, Final
+
+import can
+
+from rtgen.runtime.canopen.wire.frames import SDO_REQUEST, SDO_RESPONSE, Frame
+from rtgen.runtime.failures import log
+
+if TYPE_CHECKING:
+    import canopen
+
+INTERFACE: Final = "canopen"
+"""The parameter `interface` of components on a shared network."""
+
+_NODES: Final = range(1, 128)
+_SDO_ANSWERS: Final = frozenset(SDO_RESPONSE + node for node in _NODES)
+
+
+class _Registry:
+    """The shared networks of the process by name."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._networks: dict[str, canopen.Network] = {}
+
+    def add(self, name: str, network: canopen.Network) -> None:
+        with self._lock:
+            if name in self._networks:
+                raise ValueError(f"a network is shared as {name!r} already")
+            if any(other is network for other in self._networks.values()):
+                raise ValueError("this network is shared already, by another name")
+            self._networks[name] = network
+
+    def remove(self, name: str) -> None:
+        with self._lock:
+            del self._networks[name]
+
+    def get(self, name: str) -> canopen.Network | None:
+        with self._lock:
+            return self._networks.get(name)
+
+
+_REGISTRY: Final = _Registry()
+
+
+@contextmanager
+def shared(network: canopen.Network, name: str = "can0") -> Iterator[None]:
+    """Shares a network as the channel `name` of the interface `canopen`.
+
+    Components can join it once it is connected. A network that is disconnected is a lost bus to
+    them, until it is connected again. It belongs to its program: components never close it.
+    Raises ValueError if the name is taken, or the network shared already.
+    """
+    _REGISTRY.add(name, network)
+    try:
+        yield
+    finally:
+        _REGISTRY.remove(name)
+
+
+class NetworkBus(can.BusABC):
+    """The bus of a shared network as a python-can bus.
+
+    What it sends reaches the callbacks of the network, too, and what the network sends is
+    received here, periodic messages included that python-can sends from a thread. Answers to SDO
+    requests of the network are withheld, since whoever asked for nothing counts them as foreign.
+    Raises CanError if the network is not shared or not connected.
+    """
+
+    def __init__(self, name: str) -> None:
+        network = _REGISTRY.get(name)
+        if network is None:
+            raise can.CanInitializationError(
+                f"no canopen.Network is shared as {name!r}; "
+                "use rtgen.runtime.canopen.bus.canopen_network.shared"
+            )
+        bus, notifier = network.bus, network.notifier
+        if bus is None or notifier is None:
+            raise can.CanInitializationError("the network is not connected")
+        super().__init__(channel=name)
+        self.channel_info = f"canopen.Network {name}"
+        self.shared_bus = bus
+        """The network's own bus."""
+        self._name = name
+        self._network = network
+        self._notifier = notifier
+        self._received: SimpleQueue[can.Message] = SimpleQueue()
+        self._asked: set[int] = set()
+        """Nodes whose last SDO request was the network's."""
+        self._own_send: Any = vars(bus).get("send")
+        self._send = bus.send
+        self._hook = self._sent_by_network
+        vars(bus)["send"] = self._hook
+        self._listener = _Listener(self)
+        notifier.add_listener(self._listener)
+
+    def send(self, msg: can.Message, timeout: float | None = None) -> None:
+        """See `can.BusABC`. Callbacks of the network that fail are logged."""
+        self._check()
+        with self._network.send_lock:
+            self._send(msg, timeout)
+        self._asked.discard(msg.arbitration_id - SDO_REQUEST)
+        if not (msg.is_remote_frame or msg.arbitration_id in _SDO_ANSWERS):
+            self._notify(msg.arbitration_id, msg.data)
+
+    def queued(self, frame: Frame) -> None:
+        """Notify the network of an SDO answer that is about to be sent.
+
+        Who asked has it at the same time: later, the network would take it for the answer to a
+        request that it has made since.
+        """
+        if frame.can_id in _SDO_ANSWERS:
+            self._notify(frame.can_id, frame.data)
+
+    def _notify(self, can_id: int, data: bytes | bytearray) -> None:
+        try:
+            self._network.notify(can_id, bytearray(data), time.time())
+        except Exception:
+            log.exception("a callback of the canopen.Network %s failed", self._name)
+
+    def _sent_by_network(self, msg: can.Message, timeout: float | None = None) -> None:
+        node = msg.arbitration_id - SDO_REQUEST
+        if node in _NODES and not msg.is_extended_id:
+            self._asked.add(node)
+        self._send(msg, timeout)
+        self._received.put(copy.deepcopy(msg))
+
+    def take(self, message: can.Message) -> None:
+        """Take what the network's notifier has received."""
+        if message.arbitration_id - SDO_RESPONSE not in self._asked:
+            self._received.put(message)
+
+    def _recv_internal(self, timeout: float | None) -> tuple[can.Message | None, bool]:
+        try:
+            return self._received.get(timeout != 0, timeout), True
+        except Empty:
+            self._check()
+            return None, True
+
+    def _check(self) -> None:
+        if _REGISTRY.get(self._name) is not self._network:
+            raise can.CanOperationError("the network is not shared any more")
+        if self._network.bus is not self.shared_bus:
+            raise can.CanOperationError("the network was disconnected")
+        if self._notifier.exception is not None:
+            raise can.CanOperationError(str(self._notifier.exception))
+
+    @property
+    def state(self) -> can.BusState:
+        """See `can.BusABC`."""
+        return self.shared_bus.state
+
+    @state.setter
+    def state(self, new_state: can.BusState) -> None:
+        self.shared_bus.state = new_state
+
+    def shutdown(self) -> None:
+        """Leave the network, whose bus stays open."""
+        super().shutdown()
+        if self._listener in self._notifier.listeners:
+            self._notifier.remove_listener(self._listener)
+        attributes = vars(self.shared_bus)
+        if attributes.get("send") is self._hook:
+            if self._own_send is None:
+                del attributes["send"]
+            else:
+                attributes["send"] = self._own_send
+
+
+class _Listener(can.Listener):
+    def __init__(self, bus: NetworkBus) -> None:
+        self._bus = bus
+
+    def on_message_received(self, msg: can.Message) -> None:
+        self._bus.take(msg)
+
+    def stop(self) -> None:
+        """Called when the network is disconnected; `NetworkBus` finds that out itself."""

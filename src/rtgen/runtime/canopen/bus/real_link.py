@@ -1,0 +1,316 @@
+"""A link in real time: a python-can bus with threads for reception, transmission and timers."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Iterable
+from contextlib import AbstractContextManager
+from queue import SimpleQueue
+from typing import Final
+
+from rtgen.runtime.canopen.bus.link import Station
+from rtgen.runtime.canopen.bus.python_can import BusAddress, OpenBus, frame_of, open_bus
+from rtgen.runtime.canopen.bus.shared_link import Seat, SharedLink
+from rtgen.runtime.canopen.errors import LinkError
+from rtgen.runtime.canopen.wire.frames import SECOND, Frame
+from rtgen.runtime.failures import log
+
+_QUEUE: Final = 4096
+"""Capacity of the transmit queue in frames."""
+_BATCH: Final = 64
+"""Maximum number of frames received before they are delivered."""
+_LOCAL_BURST: Final = 16384
+"""Maximum number of frames exchanged within the process in response to one frame."""
+_LOOK: Final = 0.05
+"""Seconds after which a waiting thread checks whether the link is closed."""
+_PATIENCE: Final = 1.0
+"""Seconds for queued frames to be sent when the link is closed."""
+_FIRST_PAUSE, _LAST_PAUSE = 0.1, 2.0
+"""Seconds between attempts to reopen a lost bus: initially, and at most."""
+
+
+class RealLink(SharedLink):
+    """A process's link to a python-can bus, for all its stations.
+
+    Reception, transmission and timers have a thread each, because a bus may block anywhere;
+    stations are called in the thread that has an event for them, with `lock` held. A lost bus is
+    reopened, with increasing pauses. Time is the machine's monotonic clock.
+    """
+
+    def __init__(
+        self,
+        address: BusAddress,
+        on_attached: Callable[[], None],
+        may_close: Callable[[], bool],
+    ) -> None:
+        """Open the bus. Raises LinkError.
+
+        `on_attached` is called for every station; `may_close` when the last one has left.
+        """
+        super().__init__(str(address))
+        self.address = address
+        self._on_attached = on_attached
+        self._may_close = may_close
+        self.ignored = 0
+        """Messages that were no frames of classical CAN."""
+        bus = open_bus(address)
+        self._bus: OpenBus | None = bus
+        self.carries_remote_frames = bus.carries_remote_frames
+        self._up = True
+        self._closing = threading.Event()
+        self._lock = threading.RLock()
+        self._news = threading.Condition(self._lock)
+        self._waiters = 0
+        self._alarm = threading.Event()
+        self._alarm_at: int | None = None
+        self._outgoing: SimpleQueue[Frame | None] = SimpleQueue()
+        self._local: deque[tuple[Frame, Seat | None]] = deque()
+        self._delivering = False
+        self._failure: LinkError | None = None
+        """Why the bus cannot be used, as found by the transmitting thread."""
+        self._threads = [
+            threading.Thread(target=run, name=f"rtgen {address} {what}", daemon=True)
+            for what, run in (
+                ("receive", self._receive),
+                ("transmit", self._transmit),
+                ("timers", self._watch_time),
+            )
+        ]
+        for thread in self._threads:
+            thread.start()
+
+    @property
+    def lock(self) -> AbstractContextManager[object]:
+        """See `Link`."""
+        return self._lock
+
+    @property
+    def up(self) -> bool:
+        """See `Link`."""
+        return self._up
+
+    @property
+    def closed(self) -> bool:
+        """Whether the link is closed for good."""
+        return self._closing.is_set()
+
+    def now(self) -> int:
+        """See `Link`."""
+        return time.monotonic_ns()
+
+    def attach(self, station: Station) -> None:
+        """See `SharedLink`. Raises LinkError if the link is closed."""
+        with self._lock:
+            if self.closed:
+                raise LinkError(f"{self.bus} is closed")
+            super().attach(station)
+        self._on_attached()
+
+    def wait(self, until: Callable[[], bool], timeout: int) -> bool:
+        """See `Link`."""
+        if threading.current_thread() in self._threads:
+            raise RuntimeError("a station must not wait for its link")
+        end = self.now() + timeout
+        with self._news:
+            self._waiters += 1
+            try:
+                while not until():
+                    rest = end - self.now()
+                    if rest <= 0 or self.closed:
+                        return False
+                    # The condition may also depend on other events.
+                    self._news.wait(min(rest / SECOND, _LOOK))
+                return True
+            finally:
+                self._waiters -= 1
+
+    def close(self) -> None:
+        """Send queued frames, then end the threads and close the bus.
+
+        Called when the last station is detached; call it directly only for a link without
+        stations.
+        """
+        if self.closed:
+            return
+        self._closing.set()
+        self._outgoing.put(None)
+        self._alarm.set()
+        if threading.current_thread() in self._threads:
+            threading.Thread(target=self._end, name=f"rtgen {self.bus} end").start()
+        else:
+            self._end()
+
+    def _close(self) -> None:
+        if self._may_close():
+            self.close()
+
+    def _end(self) -> None:
+        receive, transmit, timers = self._threads
+        transmit.join(_PATIENCE)
+        bus = self._bus
+        if transmit.is_alive() and bus is not None:
+            bus.interrupt()
+        for thread in (receive, transmit, timers):
+            thread.join()
+        if self._bus is not None:
+            self._bus.close()
+            self._bus = None
+        self._up = False
+
+    # Transmission
+
+    def _put(self, frames: Iterable[Frame], seat: Seat | None) -> None:
+        bus = self._bus
+        for frame in frames:
+            if not self._up or self.closed or self._outgoing.qsize() >= _QUEUE:
+                self.lost += 1
+                continue
+            self._outgoing.put(frame)
+            if bus is not None and bus.on_queued is not None:
+                bus.on_queued(frame)
+            self._local.append((frame, seat))
+        if not self._delivering:
+            self._deliver()
+
+    def _deliver(self) -> None:
+        """Deliver sent frames to the other stations of this process."""
+        self._delivering = True
+        try:
+            for _ in range(_LOCAL_BURST):
+                if not self._local:
+                    return
+                frame, seat = self._local.popleft()
+                self._give(frame, seat, self.now())
+            log.warning("%s: its stations answer each other without end", self.bus)
+            self._local.clear()
+        finally:
+            self._delivering = False
+            self._notice()
+
+    def _notice(self) -> None:
+        """Update timers and wake waiting threads after stations were called."""
+        self._timers_changed()
+        if self._waiters:
+            self._news.notify_all()
+
+    def _timers_changed(self) -> None:
+        deadline = self._seats.deadline
+        if deadline is not None and (
+            self._alarm_at is None or deadline < self._alarm_at
+        ):
+            self._alarm_at = deadline
+            self._alarm.set()
+
+    def _failed(self, seat: Seat, error: Exception) -> None:
+        log.error("%s: %r failed", self.bus, seat.station, exc_info=error)
+
+    # Threads
+
+    def _enter(self) -> bool:
+        """Take the lock; False if the link is closed, even if another thread holds the lock."""
+        while not self._lock.acquire(timeout=_LOOK):
+            if self.closed:
+                return False
+        if self.closed:
+            self._lock.release()
+            return False
+        return True
+
+    def _receive(self) -> None:
+        while (bus := self._bus) is not None and not self.closed:
+            try:
+                while not self.closed:
+                    self._receive_from(bus)
+            except LinkError as error:
+                self._open_again(bus, error)
+
+    def _receive_from(self, bus: OpenBus) -> None:
+        messages = bus.receive_some(_LOOK, _BATCH)
+        if self._failure is not None:
+            raise self._failure
+        if not messages and not self._up and bus.has_returned:
+            self._turn_all(True)
+        frames: list[Frame] = []
+        for message in messages:
+            if message.is_error_frame:
+                self._take(frames)
+                frames.clear()
+                off = bus.went_off(message)
+                if off is not None:
+                    self._turn_all(not off)
+            elif (frame := frame_of(message)) is None:
+                self.ignored += 1
+            else:
+                frames.append(frame)
+        self._take(frames)
+
+    def _take(self, frames: list[Frame]) -> None:
+        """Deliver received frames to the stations."""
+        if not frames or not self._enter():
+            return
+        try:
+            if not self._up:
+                self._turn_all(True)
+            self._local += [(frame, None) for frame in frames]
+            self._deliver()
+        finally:
+            self._lock.release()
+
+    def _open_again(self, bus: OpenBus, error: LinkError) -> None:
+        log.warning("%s; it is tried again", error)
+        self._turn_all(False)
+        self._bus = None
+        bus.interrupt()
+        bus.close()
+        pause = _FIRST_PAUSE
+        while not self._closing.wait(pause):
+            try:
+                self._bus = open_bus(self.address)
+            except LinkError:
+                pause = min(2 * pause, _LAST_PAUSE)
+                continue
+            self._failure = None
+            log.warning("%s: open again", self.bus)
+            self._turn_all(True)
+            return
+
+    def _turn_all(self, up: bool) -> None:
+        """Notify all stations that the bus is lost or available again."""
+        if not self._enter():
+            return
+        try:
+            self._up = up
+            for seat in self._seats:
+                self._turn(seat, up, self.now())
+            self._notice()
+        finally:
+            self._lock.release()
+
+    def _transmit(self) -> None:
+        while (frame := self._outgoing.get()) is not None:
+            bus = self._bus
+            if bus is None or not self._up:
+                self.lost += 1
+                continue
+            try:
+                self.lost += not bus.send(frame)
+            except LinkError as error:
+                self.lost += 1
+                self._failure = error
+
+    def _watch_time(self) -> None:
+        while self._enter():
+            try:
+                deadline = self._seats.deadline
+                now = self.now()
+                if deadline is not None and deadline <= now:
+                    self._poll(now)
+                    self._notice()
+                    continue
+                self._alarm.clear()
+                self._alarm_at = deadline
+            finally:
+                self._lock.release()
+            self._alarm.wait(None if deadline is None else (deadline - now) / SECOND)

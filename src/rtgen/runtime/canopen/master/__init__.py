@@ -1,0 +1,1 @@
+"""The other end of CANopen devices: managers (NMT master, SDO client) and proxies."""

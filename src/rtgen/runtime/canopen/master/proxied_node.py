@@ -1,0 +1,361 @@
+"""A node as seen by its proxy: a station that receives PDOs, heartbeats and emergencies."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Final, Protocol
+
+from rtgen.runtime.canopen.description import (
+    DeviceDescription,
+    Network,
+    NodeDescription,
+    PdoDescription,
+)
+from rtgen.runtime.canopen.hooks import Receiver
+from rtgen.runtime.canopen.wire.emergency import Emergency, decode_emergency
+from rtgen.runtime.canopen.wire.frames import (
+    EMERGENCY,
+    ERROR_CONTROL,
+    NMT,
+    SYNC,
+    CobId,
+    Frame,
+)
+from rtgen.runtime.canopen.wire.guarding import NodeGuard
+from rtgen.runtime.canopen.wire.heartbeat import HeartbeatConsumer, HeartbeatNews
+from rtgen.runtime.canopen.wire.nmt import NmtState, decode_command
+from rtgen.runtime.canopen.wire.pdo_transmission import (
+    EVENT_PROFILE,
+    SYNC_ACYCLIC,
+    PdoParameters,
+    TpdoTransmitter,
+    is_synchronous,
+)
+from rtgen.runtime.canopen.wire.sync import sync_counter
+
+QUEUE: Final = 4096
+"""Capacity of the queue of PDOs for the proxy's next tick; the oldest are dropped."""
+_FLIPS: Final = 4
+"""Number of alternating states within two heartbeat periods that indicates a second node."""
+
+
+@dataclass(frozen=True, slots=True)
+class Wiring:
+    """The PDOs of a node by number: those that its proxy receives and those it sends.
+
+    `unsent` gives the reason why the proxy does not send the others.
+    """
+
+    received: Mapping[int, PdoDescription]
+    sent: Mapping[int, PdoDescription]
+    unsent: Mapping[int, str]
+
+
+def wiring(
+    description: DeviceDescription, node_id: int, network: Network | None = None
+) -> Wiring:
+    """The PDOs of the network, falling back to those of the device description.
+
+    An RPDO with the COB-ID of another node's TPDO is linked to that TPDO, and not sent by the
+    proxy.
+    """
+    node = None if network is None else network.node(node_id)
+    pdos = description.pdos if node is None else node.pdos
+    others = set() if network is None else _transmitted(network, node)
+    received: dict[int, PdoDescription] = {}
+    sent: dict[int, PdoDescription] = {}
+    unsent: dict[int, str] = {}
+    for pdo in pdos:
+        value = pdo.cob_id_of(node_id)
+        if value is None or CobId(value).bit31:
+            if pdo.direction == "rpdo":
+                unsent[pdo.number] = "it is not valid"
+            continue
+        cob_id = CobId(value)
+        if pdo.direction == "tpdo":
+            received[pdo.number] = pdo
+        elif (cob_id.can_id, cob_id.extended) in others:
+            unsent[pdo.number] = "another node sends it"
+        else:
+            sent[pdo.number] = pdo
+    return Wiring(received, sent, unsent)
+
+
+def _transmitted(
+    network: Network, but: NodeDescription | None
+) -> set[tuple[int, bool]]:
+    """The PDOs that other nodes send: identifiers, and whether they have 29 bits."""
+    found = set()
+    for node in network.nodes:
+        for pdo in node.pdos if node is not but else ():
+            value = pdo.cob_id_of(node.id)
+            if pdo.direction == "tpdo" and value is not None:
+                cob_id = CobId(value)
+                if not cob_id.bit31:
+                    found.add((cob_id.can_id, cob_id.extended))
+    return found
+
+
+def transmitter_of(pdo: PdoDescription, node_id: int) -> TpdoTransmitter:
+    """The transmitter of an RPDO of the node.
+
+    A synchronous RPDO is sent with its latest value at each SYNC, since the node applies one per
+    SYNC. Others are sent for every value, or with the latest when the inhibit time is over.
+    """
+    synchronous = is_synchronous(pdo.transmission_type)
+    return TpdoTransmitter(
+        PdoParameters(
+            cob_id=pdo.cob_id_of(node_id) or 0,
+            transmission_type=SYNC_ACYCLIC if synchronous else EVENT_PROFILE,
+            inhibit_time=pdo.inhibit_time,
+        )
+    )
+
+
+class Watcher(Protocol):
+    """Receives events of a node; called with the link's lock held."""
+
+    def timeout(self) -> int:
+        """The current heartbeat time-out in ns; 0 for none."""
+
+    def received(self) -> None:
+        """A PDO was received."""
+
+    def booted(self, node: ProxiedNode) -> None:
+        """The boot-up message was received."""
+
+    def beat(self, node: ProxiedNode, state: NmtState) -> None:
+        """A heartbeat was received."""
+
+    def lost(self, node: ProxiedNode) -> None:
+        """The heartbeat is overdue."""
+
+    def clashed(self, node: ProxiedNode) -> None:
+        """Heartbeats contradict each other."""
+
+    def on_emergency(self, node: ProxiedNode, emergency: Emergency) -> None:
+        """An emergency message was received."""
+
+    def cut_off(self, node: ProxiedNode) -> None:
+        """The bus is lost."""
+
+
+@dataclass(slots=True)
+class _Received:
+    """A TPDO of the device."""
+
+    receiver: Receiver
+    extended: bool
+    size: int
+    too_short: int = field(default=0)
+    too_long: int = field(default=0)
+
+
+class ProxiedNode:
+    """The station of one node. `transmitters` are those of its RPDOs.
+
+    While `listening`, PDOs are queued in `queue` with their receivers and times. `boots` counts
+    boot-up messages, `emergencies` emergency messages; `emergency` is the latest one that has not
+    been cleared. `dropped` counts PDOs lost because the queue was full.
+    """
+
+    deadline: int | None
+
+    def __init__(
+        self,
+        node_id: int,
+        received: Mapping[int, PdoDescription],
+        receivers: Mapping[int, Receiver],
+        watcher: Watcher,
+        transmitters: Collection[TpdoTransmitter] = (),
+        sync_id: int = SYNC,
+    ) -> None:
+        self.node_id = node_id
+        self.queue: deque[tuple[Receiver, bytes, int]] = deque(maxlen=QUEUE)
+        self.listening = False
+        self.dropped = 0
+        self.boots = 0
+        self.emergencies = 0
+        self.emergency: Emergency | None = None
+        self._watcher = watcher
+        self._consumer = HeartbeatConsumer(node_id, 0)
+        self._guard = NodeGuard(node_id)
+        self.guarded = False
+        """Whether it is polled by node guarding, or was when it was lost."""
+        self._heartbeat_id = ERROR_CONTROL + node_id
+        self._emergency_id = EMERGENCY + node_id
+        self._flips: deque[int] = deque(maxlen=_FLIPS)
+        self._pdos: dict[int, _Received] = {}
+        for number, pdo in received.items():
+            value = pdo.cob_id_of(node_id)
+            if number in receivers and value is not None:
+                cob_id = CobId(value)
+                bits = sum(bits for _, _, bits in pdo.mapping)
+                self._pdos[cob_id.can_id] = _Received(
+                    receivers[number], cob_id.extended, (bits + 7) // 8
+                )
+        self._transmitters = tuple(transmitters)
+        self._at_sync = tuple(t for t in transmitters if t.synchronous)
+        self._sync_id = sync_id
+        syncs = (sync_id,) if self._at_sync else ()
+        self.identifiers = frozenset(
+            (NMT, self._heartbeat_id, self._emergency_id, *self._pdos, *syncs)
+        )
+        self.deadline = None
+
+    @property
+    def state(self) -> NmtState | None:
+        """The last reported NMT state; None before the first, and when the node is lost."""
+        return self._consumer.state
+
+    @property
+    def timeout(self) -> int:
+        """The time-out of the supervision in ns; 0 without supervision."""
+        return self._consumer.timeout
+
+    @property
+    def too_short(self) -> int:
+        """PDOs that were dropped because they were too short."""
+        return sum(pdo.too_short for pdo in self._pdos.values())
+
+    @property
+    def too_long(self) -> int:
+        """PDOs that were truncated because they were too long."""
+        return sum(pdo.too_long for pdo in self._pdos.values())
+
+    @property
+    def overwritten(self) -> int:
+        """Values of RPDOs that were replaced by newer ones before they were sent."""
+        return sum(transmitter.overwritten for transmitter in self._transmitters)
+
+    def listen(self, now: int) -> None:
+        """Start to receive and send PDOs."""
+        if not self.listening:
+            self.queue.clear()
+            self.listening = True
+            for transmitter in self._transmitters:
+                transmitter.start(now)
+
+    def pause(self) -> None:
+        """Stop to receive and send PDOs; unsent values are dropped."""
+        self.listening = False
+        for transmitter in self._transmitters:
+            transmitter.stop()
+        self._set_deadline()
+
+    def guard(self, period: int, now: int) -> None:
+        """Poll the node by node guarding, every `period` ns, until it boots or is lost."""
+        self.guarded = True
+        self._guard.start(period, now)
+        self._consumer.configure(self._watcher.timeout(), now)
+        self._consumer.watch(now)
+        self._set_deadline()
+
+    def transmit(
+        self, values: Iterable[tuple[TpdoTransmitter, bytes]], now: int
+    ) -> list[Frame]:
+        """Set values of RPDOs; return the frames to send immediately."""
+        frames = [transmitter.update(data, now) for transmitter, data in values]
+        self._set_deadline()
+        return [frame for frame in frames if frame is not None]
+
+    def command_sent(self) -> None:
+        """Note that an NMT command was sent, so that a change of state is expected."""
+        self._flips.clear()
+
+    def receive(self, frame: Frame, now: int) -> Iterable[Frame]:
+        """See `Station`."""
+        can_id = frame.can_id
+        pdo = self._pdos.get(can_id)
+        if pdo is not None:
+            if self.listening and frame.extended is pdo.extended and not frame.remote:
+                self._take(pdo, frame.data, now)
+        elif can_id == self._heartbeat_id:
+            self._on_heartbeat(frame, now)
+        elif can_id == self._emergency_id:
+            self._on_emergency(frame)
+        elif can_id == NMT:
+            command = decode_command(frame)
+            if command is not None and command[1] in (0, self.node_id):
+                self.command_sent()
+        elif can_id == self._sync_id and sync_counter(frame) is not None:
+            frames = (t.sync(0, now) for t in self._at_sync)
+            return [each for each in frames if each is not None]
+        return ()
+
+    def poll(self, now: int) -> Iterable[Frame]:
+        """See `Station`."""
+        event = self._consumer.poll(now)
+        if event is not None:
+            self._guard.stop()
+        frames = [self._guard.poll(now), *(t.poll(now) for t in self._transmitters)]
+        self._set_deadline()
+        if event is not None:
+            self._watcher.lost(self)
+        return [frame for frame in frames if frame is not None]
+
+    def link_changed(self, up: bool, now: int) -> Iterable[Frame]:
+        """See `Station`: the known state of the node becomes invalid."""
+        self._consumer = HeartbeatConsumer(self.node_id, 0)
+        self._guard.stop()
+        self._set_deadline()
+        if not up:
+            self._watcher.cut_off(self)
+        return ()
+
+    def _take(self, pdo: _Received, data: bytes, now: int) -> None:
+        if len(data) != pdo.size:
+            if len(data) < pdo.size:
+                pdo.too_short += 1
+                return
+            pdo.too_long += 1
+            data = data[: pdo.size]
+        queue = self.queue
+        if len(queue) == QUEUE:
+            self.dropped += 1
+        queue.append((pdo.receiver, data, now))
+        self._watcher.received()
+
+    def _set_deadline(self) -> None:
+        times = [self._consumer.deadline, self._guard.deadline]
+        times += [transmitter.deadline for transmitter in self._transmitters]
+        self.deadline = min((t for t in times if t is not None), default=None)
+
+    def _on_heartbeat(self, frame: Frame, now: int) -> None:
+        if frame.remote or not self._guard.accepts(frame):
+            return
+        before = self._consumer.state
+        self._consumer.configure(self._watcher.timeout(), now)
+        event = self._consumer.receive(frame, now)
+        if event is not None and event.news is HeartbeatNews.BOOT_UP:
+            self._guard.stop()
+            self._set_deadline()
+            self.boots += 1
+            self._flips.clear()
+            self._watcher.booted(self)
+            return
+        self._set_deadline()
+        state = self._consumer.state
+        if state is None or frame.extended:
+            return
+        operational = NmtState.OPERATIONAL
+        if before is not None and (before is operational) != (state is operational):
+            self._flips.append(now)
+            if self._contradictory():
+                self._watcher.clashed(self)
+                return
+        self._watcher.beat(self, state)
+
+    def _contradictory(self) -> bool:
+        flips = self._flips
+        return len(flips) == _FLIPS and 3 * (flips[-1] - flips[0]) < 2 * self.timeout
+
+    def _on_emergency(self, frame: Frame) -> None:
+        decoded = decode_emergency(frame)
+        if decoded is None:
+            return
+        self.emergencies += 1
+        self.emergency = None if decoded[1].cleared else decoded[1]
+        self._watcher.on_emergency(self, decoded[1])

@@ -1,0 +1,66 @@
+"""Locates a proxy's node in a network, with defaults from the device description."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from rtgen.runtime.canopen.description import (
+    DeviceDescription,
+    Network,
+    NodeDescription,
+)
+from rtgen.runtime.canopen.master.node_control import NodeError
+from rtgen.runtime.canopen.networks import UnknownNetworkError, load_network
+from rtgen.runtime.canopen.wire.frames import SYNC, CobId
+
+BOOT_TIMEOUT: Final = 2000
+"""Default of the parameter `boot_timeout` in ms; overridden by the network, or by 1F89h."""
+_BOOT_TIME: Final = (0x1F89, 0)
+_COB_ID_SYNC: Final = (0x1005, 0)
+
+
+def place(
+    networks: str, name: str, node_id: int, module: str
+) -> tuple[Network | None, NodeDescription | None]:
+    """Find a network by name, and the node in it; (None, None) for an empty name.
+
+    `networks` is the package of the generated networks, `module` that of the device. Raises
+    NodeError if either is unknown, or the node is of another kind.
+    """
+    if not name:
+        return None, None
+    try:
+        network = load_network(networks, name)
+    except UnknownNetworkError as error:
+        raise NodeError(str(error)) from None
+    node = network.node(node_id)
+    if node is None:
+        raise NodeError(f"the network {name} has no node {node_id}")
+    if node.module != module:
+        raise NodeError(
+            f"node {node.id} of the network {name} is no {module}, but {node.module}"
+        )
+    return network, node
+
+
+def default_boot_timeout(
+    description: DeviceDescription, placed: NodeDescription | None
+) -> int:
+    """Boot time-out in ms: the network's, else 1F89h of the device (CiA 302-2), else 2 s."""
+    if placed is not None:
+        return placed.boot_timeout
+    return _number(description, _BOOT_TIME, 0) or BOOT_TIMEOUT
+
+
+def sync_id(description: DeviceDescription, node_id: int) -> int:
+    """The identifier of SYNC from the device's 1005h, or the predefined one."""
+    cob_id = _number(description, _COB_ID_SYNC, node_id)
+    return CobId(cob_id).can_id if cob_id else SYNC
+
+
+def _number(
+    description: DeviceDescription, number: tuple[int, int], node_id: int
+) -> int:
+    described = description.by_number.get(number)
+    value = None if described is None else described.initial(node_id)
+    return value if isinstance(value, int) else 0

@@ -1,0 +1,95 @@
+"""Generic part of the SDO service of a generated proxy."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from rtgen.facts.canopen import UNSIGNED_KINDS
+from rtgen.runtime.canopen.description import ObjectValue
+from rtgen.runtime.canopen.errors import LinkError
+from rtgen.runtime.canopen.hooks import ProxyHooks
+from rtgen.runtime.canopen.pdo import unscaled
+from rtgen.runtime.canopen.wire import sdo
+
+
+def value_kind(value: ObjectValue, *, unsigned: bool) -> int:
+    """Which enumerator of CANopen::ValueKind a value has."""
+    match value:
+        case bool():
+            return 0
+        case int():
+            return 2 if unsigned else 1
+        case float():
+            return 3
+        case str():
+            return 4
+    return 5
+
+
+class SdoAccess:
+    """Reads and writes objects for the generated servant, and reports errors as its IDL does.
+
+    `aborted` and `gone` construct the exceptions CANopen::SdoAbort and CANopen::BusGone. With a
+    factor, values are physical: factor * value.
+    """
+
+    def __init__(
+        self,
+        proxy: ProxyHooks,
+        aborted: Callable[[int, str], Exception],
+        gone: Callable[[str], Exception],
+    ) -> None:
+        self._proxy = proxy
+        self._aborted = aborted
+        self._gone = gone
+
+    def get(self, index: int, subindex: int, factor: float | None = None) -> Any:
+        """The value of an object."""
+        with self._idl_exceptions():
+            value: Any = self._proxy.read_object(index, subindex)
+        return value if factor is None else value * factor
+
+    def typed(self, index: int, subindex: int) -> tuple[int, ObjectValue]:
+        """The value of an object, behind its CANopen::ValueKind."""
+        value: ObjectValue = self.get(index, subindex)
+        described = self._proxy.description.by_number.get((index, subindex))
+        unsigned = described is not None and described.kind in UNSIGNED_KINDS
+        return value_kind(value, unsigned=unsigned), value
+
+    def set(
+        self, index: int, subindex: int, value: Any, factor: float | None = None
+    ) -> None:
+        """Sets the value of an object."""
+        with self._idl_exceptions():
+            if factor is not None:
+                described = self._proxy.description.by_number[index, subindex]
+                real = described.kind in ("r32", "r64")
+                value = (
+                    value / factor if real else unscaled(described.name, value, factor)
+                )
+            self._proxy.write_object(index, subindex, value)
+
+    def read(self, index: int, subindex: int) -> bytes:
+        """The octets of an object."""
+        with self._idl_exceptions():
+            return self._proxy.read_octets(index, subindex)
+
+    def write(self, index: int, subindex: int, value: bytes) -> None:
+        """Sets the octets of an object."""
+        with self._idl_exceptions():
+            self._proxy.write_octets(index, subindex, value)
+
+    @contextmanager
+    def _idl_exceptions(self) -> Iterator[None]:
+        """Convert errors to exceptions of the IDL; an invalid value becomes a local SDO abort."""
+        try:
+            yield
+        except sdo.SdoAbort as error:
+            raise self._aborted(error.code, str(error)) from error
+        except LinkError as error:
+            raise self._gone(str(error)) from error
+        except ValueError as error:
+            code = getattr(error, "code", sdo.VALUE_INVALID)
+            raise self._aborted(code, str(error)) from error

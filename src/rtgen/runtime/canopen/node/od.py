@@ -1,0 +1,239 @@
+"""The object dictionary of a device (CiA 301, 7.4): values with access, lengths and limits."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Iterable
+from typing import Final, TypeAlias
+
+from rtgen.runtime.canopen import values
+from rtgen.runtime.canopen.description import (
+    DeviceDescription,
+    ObjectDescription,
+    ObjectNumber,
+    ObjectValue,
+)
+from rtgen.runtime.canopen.values import ObjectValueError
+from rtgen.runtime.canopen.wire import sdo
+from rtgen.runtime.canopen.wire.sdo import SdoAbort
+
+log = logging.getLogger("rtgen.runtime")
+
+WriteHook: TypeAlias = Callable[[ObjectValue], None]
+"""Receives a value that came over the bus, before it is stored; raises SdoAbort to reject it."""
+
+ReadHook: TypeAlias = Callable[[], ObjectValue]
+"""Returns the current value of an object; raises SdoAbort if there is none."""
+
+Guard: TypeAlias = Callable[[ObjectNumber, ObjectValue], None]
+"""A WriteHook for all sub-indices of an index."""
+
+COMMUNICATION: Final = range(0x1000, 0x2000)
+"""The communication profile area, which reset communication also resets."""
+
+
+class DeviceDictionary:
+    """The values of a device's objects.
+
+    SDO uses `read`, `writable_size` and `write`, PDOs use `octets` and `take`, the device itself
+    `get` and `set`. `changed` is called for every object whose value has changed.
+    """
+
+    def __init__(
+        self, description: DeviceDescription, changed: Callable[[ObjectNumber], None]
+    ) -> None:
+        self.description = description
+        self._objects = description.by_number
+        self._indices = frozenset(index for index, _ in self._objects)
+        self._octets: dict[ObjectNumber, bytes] = {}
+        self._initial: dict[ObjectNumber, bytes] = {}
+        self._changed = changed
+        self._guards: dict[int, Guard] = {}
+        self._commands: dict[int, Guard] = {}
+        self._read_guards: dict[int, Callable[[ObjectNumber], None]] = {}
+        self._write_hooks: dict[ObjectNumber, WriteHook] = {}
+        self._read_hooks: dict[ObjectNumber, ReadHook] = {}
+
+    def __contains__(self, number: ObjectNumber) -> bool:
+        return number in self._objects
+
+    def describe(self, number: ObjectNumber) -> ObjectDescription:
+        """The description of an object. Raises SdoAbort if it does not exist."""
+        found = self._objects.get(number)
+        if found is None:
+            known = number[0] in self._indices
+            raise SdoAbort(sdo.NO_SUBINDEX if known else sdo.NO_OBJECT)
+        return found
+
+    def subindices(self, index: int) -> list[int]:
+        """The sub-indices of an index, ascending."""
+        return sorted(sub for found, sub in self._objects if found == index)
+
+    # Hooks
+
+    def on_write(self, number: ObjectNumber, hook: WriteHook) -> None:
+        """Set the hook for values received by SDO or PDO. Raises KeyError for an unknown object."""
+        self._write_hooks[self._known(number)] = hook
+
+    def on_read(self, number: ObjectNumber, hook: ReadHook) -> None:
+        """Set a source for an object's value, called on each access. Raises KeyError, as above."""
+        self._read_hooks[self._known(number)] = hook
+
+    def guard(self, indices: Iterable[int], guard: Guard) -> None:
+        """Set a check for SDO writes to these indices."""
+        self._guards.update(dict.fromkeys(indices, guard))
+
+    def command(self, indices: Iterable[int], action: Guard) -> None:
+        """Set an action for SDO writes to these indices; the objects keep their values."""
+        self._commands.update(dict.fromkeys(indices, action))
+
+    def guard_reading(self, index: int, guard: Callable[[ObjectNumber], None]) -> None:
+        """Set a check for SDO reads of an index."""
+        self._read_guards[index] = guard
+
+    # SDO
+
+    def read(self, index: int, subindex: int) -> bytes:
+        """See `sdo_server.ObjectDictionary`."""
+        number = index, subindex
+        if not self.describe(number).readable:
+            raise SdoAbort(sdo.WRITE_ONLY)
+        if index in self._read_guards:
+            self._read_guards[index](number)
+        return self.octets(number)
+
+    def writable_size(self, index: int, subindex: int) -> int:
+        """See `sdo_server.ObjectDictionary`."""
+        described = self.describe((index, subindex))
+        if not described.writable:
+            raise SdoAbort(sdo.READ_ONLY)
+        wanted = values.size(described.kind)
+        return sdo.MAX_SIZE if wanted is None else wanted
+
+    def write(self, index: int, subindex: int, value: bytes) -> None:
+        """See `sdo_server.ObjectDictionary`."""
+        number = index, subindex
+        if not self.describe(number).writable:
+            raise SdoAbort(sdo.READ_ONLY)
+        if index in self._commands:
+            self._commands[index](number, self._decoded(number, value))
+        else:
+            self._take(number, value, self._guards.get(index))
+
+    # PDO
+
+    def octets(self, number: ObjectNumber) -> bytes:
+        """The value of an existing object. Raises SdoAbort if its read hook does."""
+        hook = self._read_hooks.get(number)
+        if hook is not None:
+            try:
+                value = hook()
+                octets = values.encode(self._objects[number].kind, value)
+            except ObjectValueError as error:
+                log.warning("%04X:%02X: %s", *number, error)
+                raise SdoAbort(error.code) from None
+            except SdoAbort:
+                raise
+            except Exception:
+                log.exception("read hook of %04X:%02X", *number)
+                raise SdoAbort(sdo.GENERAL_ERROR) from None
+            # Reading is no event; otherwise a TPDO would trigger itself forever.
+            self._octets[number] = octets
+        return self._octets[number]
+
+    def last(self, number: ObjectNumber) -> bytes:
+        """The last stored value, without calling a read hook."""
+        return self._octets[number]
+
+    def take(self, number: ObjectNumber, octets: bytes) -> None:
+        """Store a value received by a PDO. Raises SdoAbort for an invalid value."""
+        self._take(number, octets, None)
+
+    def _take(self, number: ObjectNumber, octets: bytes, guard: Guard | None) -> None:
+        value = self._decoded(number, octets)
+        if guard is not None:
+            guard(number, value)
+        hook = self._write_hooks.get(number)
+        if hook is not None:
+            try:
+                hook(value)
+            except SdoAbort:
+                raise
+            except Exception:
+                log.exception("write hook of %04X:%02X", *number)
+                raise SdoAbort(sdo.GENERAL_ERROR) from None
+        self.put(number, octets)
+
+    def _decoded(self, number: ObjectNumber, octets: bytes) -> ObjectValue:
+        described = self._objects[number]
+        try:
+            value = values.decode(described.kind, octets)
+            return values.checked(described.kind, value, described.low, described.high)
+        except ObjectValueError as error:
+            raise SdoAbort(error.code) from None
+
+    # Device
+
+    def get(self, number: ObjectNumber) -> ObjectValue:
+        """A value. Raises KeyError for an unknown object, SdoAbort if its read hook does."""
+        described = self._objects[self._known(number)]
+        return values.decode(described.kind, self.octets(number))
+
+    def number(self, number: ObjectNumber, absent: int = 0) -> int:
+        """The last stored value of an integer object; `absent` if the object does not exist."""
+        if number not in self._objects:
+            return absent
+        return int.from_bytes(self._octets[number], "little")
+
+    def set(self, number: ObjectNumber, value: ObjectValue) -> None:
+        """Set a value regardless of its access type; hooks are not called.
+
+        Raises KeyError for an unknown object, ObjectValueError for an invalid value.
+        """
+        described = self._objects[self._known(number)]
+        values.checked(described.kind, value, described.low, described.high)
+        self.put(number, values.encode(described.kind, value))
+
+    def put(self, number: ObjectNumber, octets: bytes) -> None:
+        """Set the octets of a value, without a check."""
+        if self._octets[number] != octets:
+            self._octets[number] = octets
+            self._changed(number)
+
+    # Resets
+
+    def load(self, node_id: int, indices: range = range(0x10000)) -> None:
+        """Reset these objects to their defaults without calling `changed`."""
+        for number, described in self._objects.items():
+            if number[0] in indices:
+                self.preset(number, described.initial(node_id))
+
+    def preset(self, number: ObjectNumber, value: ObjectValue | None) -> None:
+        """Replace the default of an object; an invalid one counts as none."""
+        kind = self._objects[number].kind
+        try:
+            octets = values.encode(kind, values.zero(kind) if value is None else value)
+        except ObjectValueError:
+            octets = values.encode(kind, values.zero(kind))
+        self._octets[number] = self._initial[number] = octets
+
+    def restore(self, number: ObjectNumber, octets: bytes) -> None:
+        """Restore a stored value, after `load`."""
+        if number in self._objects:
+            self._octets[number] = octets
+
+    def altered(self, indices: range) -> dict[ObjectNumber, bytes]:
+        """The writable values of these indices that differ from their defaults."""
+        return {
+            number: self._octets[number]
+            for number, described in self._objects.items()
+            if number[0] in indices
+            and described.writable
+            and self._octets[number] != self._initial[number]
+        }
+
+    def _known(self, number: ObjectNumber) -> ObjectNumber:
+        if number not in self._objects:
+            name = self.description.name
+            raise KeyError(f"{name} has no object {number[0]:04X}h:{number[1]:02X}")
+        return number

@@ -1,0 +1,161 @@
+"""PDO mapping: packs and unpacks objects as bit fields (CiA 301, 7.5.2.36 and .38)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final, Literal, TypeAlias
+
+from rtgen.facts.canopen import KIND_BITS, SIGNED_KINDS, Kind
+from rtgen.runtime.canopen import values
+from rtgen.runtime.canopen.description import DeviceDescription, ObjectNumber
+from rtgen.runtime.canopen.wire import sdo
+from rtgen.runtime.canopen.wire.sdo import SdoAbort
+
+Direction: TypeAlias = Literal["tpdo", "rpdo"]
+
+MAX_BITS: Final = 64
+NOT_MAPPABLE: Final = 0x06040041
+TOO_LONG: Final = 0x06040042
+
+_DUMMY_BITS: Final = {1: 1, 2: 8, 3: 16, 4: 32, 5: 8, 6: 16, 7: 32}
+_GAP: Final = 0x20
+"""Indices below are data types."""
+_DIRECTIONS: Final[dict[str, tuple[Direction, ...]]] = {
+    "ro": ("tpdo",),
+    "const": ("tpdo",),
+    "rwr": ("tpdo",),
+    "wo": ("rpdo",),
+    "rww": ("rpdo",),
+}
+"""Which PDOs an access allows; others allow both (CiA 306)."""
+
+
+def entry_of(index: int, subindex: int, bits: int) -> int:
+    """An entry as the mapping parameter has it."""
+    return index << 16 | subindex << 8 | bits
+
+
+@dataclass(frozen=True, slots=True)
+class MappedField:
+    """A field of a PDO: the variable in it, None for a gap."""
+
+    number: ObjectNumber | None
+    kind: Kind
+    bits: int
+
+
+def checked_field(
+    description: DeviceDescription, direction: Direction, entry: int
+) -> MappedField:
+    """The field of a mapping entry. Raises SdoAbort if the device cannot map that."""
+    number = entry >> 16, entry >> 8 & 0xFF
+    bits = entry & 0xFF
+    if number[0] < _GAP and number[0]:
+        dummy = number[0] in description.dummies and not number[1]
+        if direction == "tpdo" or not dummy or bits != _DUMMY_BITS.get(number[0], bits):
+            raise SdoAbort(NOT_MAPPABLE)
+        _check_granularity(description, bits)
+        return MappedField(None, "octets", bits)
+    described = description.by_number.get(number)
+    if described is None:
+        raise SdoAbort(sdo.NO_OBJECT)
+    allowed = direction in _DIRECTIONS.get(described.access, ("tpdo", "rpdo"))
+    if not (described.mappable and allowed and _fits(described.kind, bits)):
+        raise SdoAbort(NOT_MAPPABLE)
+    _check_granularity(description, bits)
+    return MappedField(number, described.kind, bits)
+
+
+def own_field(description: DeviceDescription, entry: int) -> MappedField:
+    """The field of a default mapping entry; an unknown object becomes a gap."""
+    number = entry >> 16, entry >> 8 & 0xFF
+    described = description.by_number.get(number)
+    if described is None:
+        return MappedField(None, "octets", entry & 0xFF)
+    return MappedField(number, described.kind, entry & 0xFF)
+
+
+def _fits(kind: Kind, bits: int) -> bool:
+    if kind == "bool":
+        return bits in (1, 8)
+    if kind in KIND_BITS:
+        return bits == KIND_BITS[kind]
+    return 0 < bits <= MAX_BITS and bits % 8 == 0
+
+
+def _check_granularity(description: DeviceDescription, bits: int) -> None:
+    if not description.granularity or bits % description.granularity:
+        raise SdoAbort(NOT_MAPPABLE)
+
+
+class Mapping:
+    """The fields of a PDO. Raises SdoAbort if they are too long."""
+
+    def __init__(self, fields: Sequence[MappedField] = ()) -> None:
+        self.fields = tuple(fields)
+        self.bits = sum(field.bits for field in fields)
+        if self.bits > MAX_BITS:
+            raise SdoAbort(TOO_LONG)
+        # Fields of whole octets are joined and sliced instead of shifted.
+        self._whole = all(map(_is_whole, self.fields))
+
+    @property
+    def size(self) -> int:
+        """Length of the PDO in octets."""
+        return (self.bits + 7) // 8
+
+    @cached_property
+    def numbers(self) -> frozenset[ObjectNumber]:
+        """The mapped objects."""
+        return frozenset(f.number for f in self.fields if f.number is not None)
+
+    def pack(self, octets: Callable[[ObjectNumber], bytes]) -> bytes:
+        """Pack the data; `octets` returns the value of an object."""
+        if self._whole:
+            return b"".join([octets(f.number) for f in self.fields if f.number])
+        raw = offset = 0
+        for field in self.fields:
+            if field.number is not None:
+                signed = field.kind in SIGNED_KINDS
+                value = int.from_bytes(octets(field.number), "little", signed=signed)
+                raw |= (value & (1 << field.bits) - 1) << offset
+            offset += field.bits
+        return raw.to_bytes(self.size, "little")
+
+    def unpack(self, data: bytes) -> Iterator[tuple[ObjectNumber, bytes | None]]:
+        """Unpack at least `size` octets; the value is None if the object's type is too small."""
+        if self._whole:
+            yield from self._cut(data)
+            return
+        raw = int.from_bytes(data[: self.size], "little")
+        for field in self.fields:
+            if field.number is not None:
+                value = raw & (1 << field.bits) - 1
+                yield field.number, _octets(field, value)
+            raw >>= field.bits
+
+    def _cut(self, data: bytes) -> Iterator[tuple[ObjectNumber, bytes]]:
+        offset = 0
+        for field in self.fields:
+            end = offset + field.bits // 8
+            if field.number is not None:
+                yield field.number, data[offset:end]
+            offset = end
+
+
+def _is_whole(field: MappedField) -> bool:
+    """Whether a field consists of all octets of an object."""
+    size = values.size(field.kind)
+    return field.number is not None and field.bits == 8 * (size or 0)
+
+
+def _octets(field: MappedField, raw: int) -> bytes | None:
+    if 8 * (values.size(field.kind) or 0) == field.bits:
+        return raw.to_bytes(field.bits // 8, "little")
+    try:
+        value = values.from_bits(field.kind, raw, field.bits)
+        return values.encode(field.kind, value)
+    except values.ObjectValueError:
+        return None

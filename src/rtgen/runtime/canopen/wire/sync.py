@@ -1,0 +1,80 @@
+"""SYNC and TIME (CiA 301, 7.2.5 and 7.2.6; objects 1005h, 1006h, 1012h and 1019h)."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from rtgen.facts.canopen import (
+    DAY,
+    EPOCH,
+    MAX_DAYS,
+    MILLISECOND,
+    SYNC,
+    TIME,
+    milliseconds_of,
+)
+from rtgen.runtime.canopen.wire.frames import Frame
+
+MAX_SYNC_OVERFLOW: Final = 240
+
+
+class SyncProducer:
+    """SYNC producer with a period in ns; `overflow` (2 to 240) is the highest counter.
+
+    `deadline` is when `poll` has a SYNC to send. SYNCs that are late by more than a period are
+    skipped.
+    """
+
+    def __init__(self, period: int, overflow: int = 0, can_id: int = SYNC) -> None:
+        if period <= 0:
+            raise ValueError(f"period {period}: it is at least 1 ns")
+        if overflow and not 2 <= overflow <= MAX_SYNC_OVERFLOW:
+            raise ValueError(
+                f"overflow {overflow}: it is 0, or 2 to {MAX_SYNC_OVERFLOW}"
+            )
+        self._period = period
+        self._overflow = overflow
+        self._can_id = can_id
+        self._counter = 0
+        self.deadline: int | None = None
+
+    def start(self, now: int) -> None:
+        """Start immediately, with counter 1 (also when leaving STOPPED: CiA 301, 7.2.5.2)."""
+        self._counter = 0
+        self.deadline = now
+
+    def stop(self) -> None:
+        """Stop."""
+        self.deadline = None
+
+    def poll(self, now: int) -> Frame | None:
+        """The SYNC, if due."""
+        if self.deadline is None or now < self.deadline:
+            return None
+        self.deadline += self._period * (1 + (now - self.deadline) // self._period)
+        if not self._overflow:
+            return Frame(self._can_id)
+        self._counter = self._counter % self._overflow + 1
+        return Frame(self._can_id, bytes((self._counter,)))
+
+
+def sync_counter(frame: Frame) -> int | None:
+    """The counter of a SYNC, 0 without one; None for any other length (EMCY 8240h)."""
+    if len(frame.data) > 1:
+        return None
+    return frame.data[0] if frame.data else 0
+
+
+def time_frame(now: int) -> Frame:
+    """The TIME message for a time in ns of UTC since 1970 (1984 to 2163, else ValueError)."""
+    days, milliseconds = divmod(now // MILLISECOND - EPOCH, DAY)
+    if not 0 <= days <= MAX_DAYS:
+        raise ValueError("TIME goes from 1984 on, for 65536 days")
+    return Frame(TIME, milliseconds.to_bytes(4, "little") + days.to_bytes(2, "little"))
+
+
+def decode_time(frame: Frame) -> int | None:
+    """The time in a TIME message, in ns of UTC since 1970; None for any other frame."""
+    if frame.can_id != TIME or frame.extended or frame.remote or len(frame.data) != 6:
+        return None
+    return (EPOCH + milliseconds_of(int.from_bytes(frame.data, "little"))) * MILLISECOND
