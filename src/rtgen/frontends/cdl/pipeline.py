@@ -7,7 +7,7 @@ import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from rtgen.diagnostics import Diagnostic, Span, in_order
+from rtgen.diagnostics import Diagnostic, in_order
 from rtgen.frontends import FrontendResult
 from rtgen.frontends.cdl.c_headers.file import HeaderFile
 from rtgen.frontends.cdl.names.table import Table
@@ -20,7 +20,7 @@ from rtgen.frontends.cdl.syntax.unit import Unit
 from rtgen.frontends.cdl.text.source import Source
 from rtgen.frontends.kit.findings import Findings
 from rtgen.frontends.kit.library import Library, absolute_path
-from rtgen.frontends.kit.suggestions import nearest
+from rtgen.frontends.kit.main_files import open_main
 from rtgen.model import Model, SourceFile
 from rtgen.model.tecs import TecsUnit
 
@@ -118,25 +118,15 @@ class _Run:
                 self._report(files.SAME_STEM.at(span, message, hint="rename one"))
 
     def _open(self, path: Path) -> Source | None:
-        shown = self._shown[str(path)]
-        span = Span(shown, 1, 1, 1, 1)
-        try:
-            source = self._library.open(path)
-        except (OSError, ValueError) as error:
-            reason = getattr(error, "strerror", None) or error
-            message = f"{shown} cannot be read: {reason}"
-            self._report(files.UNREADABLE.at(span, message))
-            return None
-        if source is None:
-            there = path.exists()
-            state = "is no regular file" if there else "does not exist"
-            message = f"{shown} {'is a folder' if path.is_dir() else state}"
-            near = nearest(
-                path.name, (p.name for p in path.parent.glob("*.cdl") if p.is_file())
-            )
-            hint = f"did you mean {near}?" if near and not there else None
-            self._report(files.MISSING_FILE.at(span, message, hint=hint))
-        return source
+        return open_main(
+            self._library,
+            path,
+            self._shown[str(path)],
+            self._report,
+            missing=files.MISSING_FILE,
+            unreadable=files.UNREADABLE,
+            suffix=".cdl",
+        )
 
     def unit(self, source: Source) -> TecsUnit:
         """The unit of a main file."""

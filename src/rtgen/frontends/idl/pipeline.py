@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rtgen.diagnostics import Diagnostic, Related, Span, in_order
+from rtgen.diagnostics import Diagnostic, Related, in_order
 from rtgen.frontends import FrontendResult
 from rtgen.frontends.idl.lowering.lower import Lowering
 from rtgen.frontends.idl.meaning import checks
@@ -27,7 +27,7 @@ from rtgen.frontends.idl.text.source import Library, Source
 from rtgen.frontends.idl.text.unit import Inclusion, Unit
 from rtgen.frontends.kit.findings import Findings
 from rtgen.frontends.kit.library import VirtualFile, absolute_path
-from rtgen.frontends.kit.suggestions import nearest
+from rtgen.frontends.kit.main_files import open_main
 from rtgen.model import (
     Declaration,
     Interface,
@@ -131,25 +131,15 @@ class _Run:
         )
 
     def _open(self, path: Path) -> Source | None:
-        shown = self._shown[str(path)]
-        try:
-            source = self._library.open(path)
-        except (OSError, ValueError) as error:
-            reason = getattr(error, "strerror", None) or error
-            message = f"{shown} cannot be read: {reason}"
-            self._report(lexical.UNREADABLE.at(Span(shown, 1, 1, 1, 1), message))
-            return None
-        if source is None:
-            there = path.exists()
-            state = "is no regular file" if there else "does not exist"
-            message = f"{shown} {'is a folder' if path.is_dir() else state}"
-            found = nearest(
-                path.name, (p.name for p in path.parent.glob("*.idl") if p.is_file())
-            )
-            hint = f"did you mean {found}?" if found and not there else None
-            span = Span(shown, 1, 1, 1, 1)
-            self._report(lexical.MISSING_FILE.at(span, message, hint=hint))
-        return source
+        return open_main(
+            self._library,
+            path,
+            self._shown[str(path)],
+            self._report,
+            missing=lexical.MISSING_FILE,
+            unreadable=lexical.UNREADABLE,
+            suffix=".idl",
+        )
 
     def _declares(self, name: str, unit: Unit) -> str | None:
         """The file near a unit that declares an unknown name."""

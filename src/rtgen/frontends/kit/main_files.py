@@ -1,0 +1,42 @@
+"""The files that a command names: read, or reported as missing or unreadable."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from rtgen.diagnostics import Diagnostic, Rule, Span
+from rtgen.frontends.kit.library import F, Library
+from rtgen.frontends.kit.suggestions import nearest
+
+
+def open_main(
+    library: Library[F],
+    path: Path,
+    shown: str,
+    report: Callable[[Diagnostic], None],
+    *,
+    missing: Rule,
+    unreadable: Rule,
+    suffix: str,
+) -> F | None:
+    """The file of a path, displayed as `shown`; None if it cannot be read, which is reported.
+
+    The hint for a missing file is a near name with the `suffix` in its folder.
+    """
+    span = Span(shown, 1, 1, 1, 1)
+    try:
+        source = library.open(path)
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        report(unreadable.at(span, f"{shown} cannot be read: {reason}"))
+        return None
+    if source is None:
+        there = path.exists()
+        state = "is no regular file" if there else "does not exist"
+        message = f"{shown} {'is a folder' if path.is_dir() else state}"
+        beside = path.parent.glob(f"*{suffix}")
+        near = nearest(path.name, (p.name for p in beside if p.is_file()))
+        hint = f"did you mean {near}?" if near and not there else None
+        report(missing.at(span, message, hint=hint))
+    return source
