@@ -23,7 +23,7 @@ from rtgen.cli.common import Console
 from rtgen.cli.factories import FactoryImportError
 from rtgen.diagnostics import Diagnostic, Related, Rule, Span
 from rtgen.project import shown
-from rtgen.runtime import BlockedError, Failure, ObservableError, ReturnValueError
+from rtgen.runtime import BlockedError, CallbackError, Failure, ObservableError
 from rtgen.runtime.failures import described, ends_run
 from rtgen.runtime.places import is_rtgens, is_users
 from rtgen.runtime.watchdog import Call, calls_under_way
@@ -284,7 +284,7 @@ def traceback_text(error: BaseException, form: str) -> str:
 
 def _frames(error: BaseException) -> list[FrameSummary]:
     match error:
-        case ReturnValueError(code=code) if code is not None:
+        case CallbackError(code=code) if code is not None:
             return [FrameSummary(code.co_filename, code.co_firstlineno, code.co_name)]
         case BlockedError():
             return [FrameSummary(error.file, error.line, error.callback)]

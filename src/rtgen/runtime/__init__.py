@@ -24,6 +24,7 @@ from rtgen.runtime.data_ports import (
 from rtgen.runtime.descriptors import DataType
 from rtgen.runtime.errors import (
     BlockedError,
+    CallbackError,
     ConfFileError,
     ConfigurationError,
     ConnectError,
@@ -34,6 +35,7 @@ from rtgen.runtime.errors import (
     DuplicatePortError,
     InitializationError,
     ObservableError,
+    ParametersError,
     ParameterValueError,
     PolarityError,
     PortTypeError,
@@ -122,6 +124,7 @@ __all__ = [
     "BlockedError",
     "BufferSettings",
     "CallTimeout",
+    "CallbackError",
     "Clock",
     "CommunicationFailure",
     "Component",
@@ -154,6 +157,7 @@ __all__ = [
     "OutPort",
     "ParameterProfile",
     "ParameterValueError",
+    "ParametersError",
     "Participant",
     "PolarityError",
     "PortProfile",

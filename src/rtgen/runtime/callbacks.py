@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from types import CodeType
 from typing import Protocol
 
-from rtgen.runtime.errors import ReturnValueError
+from rtgen.runtime.errors import ParametersError, ReturnValueError
 from rtgen.runtime.failures import described
 from rtgen.runtime.return_codes import RTC_ERROR, RTC_OK, ReturnCode_t
 
@@ -44,6 +45,10 @@ def note_exception(
 ) -> None:
     """Report that a callback raised."""
     _keep_answer(component, callback, RTC_ERROR)
+    trace = error.__traceback__
+    if isinstance(error, TypeError) and trace is not None and trace.tb_next is None:
+        # The call itself failed, so no frame of the callback shows where it is.
+        error = ParametersError(str(error), _code(component, callback))
     component._failed(callback, f"{callback}: {described(error)}", error)
 
 
@@ -53,9 +58,14 @@ def note_answer(component: CallbackOwner, callback: str, code: object) -> None:
     if isinstance(code, ReturnCode_t) or (type(code) is int and code in _CODES):
         component._failed(callback, f"{callback}: returned {ReturnCode_t(code).name}")
         return
-    function = getattr(component, callback, None)
-    error = ReturnValueError(repr(code), getattr(function, "__code__", None))
+    error = ReturnValueError(repr(code), _code(component, callback))
     component._failed(callback, f"{callback}: returned {code!r}", error)
+
+
+def _code(component: CallbackOwner, callback: str) -> CodeType | None:
+    function = getattr(component, callback, None)
+    found: CodeType | None = getattr(function, "__code__", None)
+    return found
 
 
 def _keep_answer(component: CallbackOwner, callback: str, code: object) -> None:

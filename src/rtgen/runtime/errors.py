@@ -15,14 +15,26 @@ class InitializationError(RtcError):
     """`on_initialize` failed, so the component cannot be added to a system."""
 
 
-class ReturnValueError(RtcError, TypeError):
-    """A callback returned a value that is no ReturnCode_t; `code` is the value."""
+class CallbackError(RtcError, TypeError):
+    """A callback has another signature than the life cycle's; `code` is the callback's code."""
+
+    def __init__(self, what: str, code: CodeType | None = None) -> None:
+        self.code = code
+        super().__init__(what)
+
+
+class ParametersError(CallbackError):
+    """A callback cannot be called with the arguments of the life cycle."""
+
+
+class ReturnValueError(CallbackError):
+    """A callback returned a value that is no ReturnCode_t."""
 
     def __init__(self, returned: str, code: CodeType | None = None) -> None:
-        self.code = code
         super().__init__(
             f"the callback returned {returned}, which is no ReturnCode_t: "
-            "does it end with 'return RTC_OK'?"
+            "does it end with 'return RTC_OK'?",
+            code,
         )
 
 

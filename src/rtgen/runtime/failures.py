@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import TextIO
 
 from rtgen.runtime.clocks import SECOND
-from rtgen.runtime.errors import ReturnValueError
+from rtgen.runtime.errors import CallbackError
 
 log = logging.getLogger("rtgen.runtime")
 
@@ -23,7 +23,7 @@ ON_ERROR = "on_error"
 class Failure:
     """A call of a component's own code that failed, at `time` [ns since the start].
 
-    `error` is the exception, a ReturnValueError for a callback that returned no ReturnCode_t, and
+    `error` is the exception, a CallbackError for a callback of another signature, and
     None for a callback that returned a ReturnCode_t other than RTC_OK. `repeated`: the callback
     failed in the same way the last time it failed.
     """
@@ -50,7 +50,7 @@ def log_failure(failure: Failure) -> None:
         log.debug("%s", failure)
     elif failure.error is None or failure.repeated:
         log.warning("%s", failure)
-    elif isinstance(failure.error, ReturnValueError) and failure.error.code:
+    elif isinstance(failure.error, CallbackError) and failure.error.code:
         code = failure.error.code
         log.error("%s (%s, line %d)", failure, code.co_filename, code.co_firstlineno)
     else:

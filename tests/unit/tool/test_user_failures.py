@@ -107,6 +107,21 @@ def test_traceback(
         assert text not in err
 
 
+def test_a_callback_with_other_parameters_is_shown_where_it_is_defined(
+    project: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    change = Break("", "on_execute(self, ec_id: int)", "on_execute(self)", 1, 0, "")
+    apply(change, project)
+    assert run(WARM) == 1
+    err = capfd.readouterr().err
+    assert f"{CONTROLLER}:13:" in err
+    assert (
+        "Controller0.on_execute at 0.000 s: ParametersError: Controller.on_execute() takes 1 "
+        "positional argument but 2 were given"
+    ) in err
+    assert "rtgen/runtime" not in err
+
+
 def test_lost_samples_are_told_with_port_reason_and_advice(
     project: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
