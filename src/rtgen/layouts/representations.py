@@ -1,4 +1,4 @@
-"""Data representations of types (DDS-XTypes 1.3, 7.3.1.2), from annotations and defaults."""
+"""Data representations of types (DDS-XTypes 1.3), from annotations and defaults."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""CANopen data types (CiA 301, 7.4.7) to IDL types and RTC data ports.
+"""CANopen data types (CiA 301, 7.1.6) to IDL types and RTC data ports.
 
 Sources: Table 4 of the published description of RTC-CANopen (`TABLE_4`); other types map to the
 next wider IDL type, since IDL 3 has no others (`WIDER`), or to raw octets (`OCTETS`).

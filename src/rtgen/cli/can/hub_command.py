@@ -93,7 +93,7 @@ def hub_(
 
     python-can's interface socketcand (with tcp_tune=True) connects to it; each channel name is a
     bus of its own. The first line printed is `listening HOST:PORT`, then `slcan PATH` for each
-    pseudo-terminal. Who is cut off, and what is refused, is told on standard error.
+    pseudo-terminal. Disconnected clients and refused frames are reported on standard error.
     """
     settings = HubSettings(bitrate, queue, faults, seed)
     work = _serve(console, settings, host, port, ptys, slcan_channel)

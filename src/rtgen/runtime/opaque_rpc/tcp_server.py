@@ -118,7 +118,7 @@ def _pass_silence(error: OSError) -> None:
         raise _lost(error) from error
 
 
-class _Door:
+class _Listener:
     """Listener that serves one client at a time; the rest wait in the accept queue.
 
     A client that waited for longer than `patience` [s] and has left is not served.
@@ -201,7 +201,7 @@ class TcpServer:
         self.timeout = checked_timeout(timeout)
         self.allocator_size = allocator_size
         self._service = service
-        self._door = _Door(host, port, self.timeout)
+        self._door = _Listener(host, port, self.timeout)
         self.address = self._door.address
         self._thread: threading.Thread | None = None
         self._connection: Connection | None = None

@@ -1,4 +1,4 @@
-"""Lowers enums and bitmasks (OMG IDL 4.2, 7.4.1.4.4.3, 7.4.13.4.3): member values, annotations."""
+"""Lowers enums and bitmasks: values of their members, and annotations (OMG IDL 4.2)."""
 
 from __future__ import annotations
 

@@ -103,7 +103,7 @@ class CanopenProxy(ProxyHooks, Component):
         self._connection: _Connection | None = None
         self._under_way: tuple[Request, Steps] | None = None
         self._dropped = 0
-        self._told: set[int] = set()
+        self._reported: set[int] = set()
         self._without_blocks = False
         self.configuration_sets.on_change = self._parameters_changed
         self.observables["malformed"] = self._malformed
@@ -348,8 +348,8 @@ class CanopenProxy(ProxyHooks, Component):
                 dropped = 1
             if dropped:
                 self._dropped += dropped
-                if number not in self._told:
-                    self._told.add(number)
+                if number not in self._reported:
+                    self._reported.add(number)
                     log.warning(
                         "%s: rpdo%d is not sent: %s", self.instance_name, number, why
                     )
