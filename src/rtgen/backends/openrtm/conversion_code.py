@@ -123,8 +123,8 @@ class ConversionCode:
                 for field in self._fields(declaration)
             )
             return [f"return {ours}({', '.join(parts)})"]
-        made = self._made(declaration, "value", "wire", set())
-        return [f"value = {self._new(ours)}", *made, "return value"]
+        lines, made = self._made(declaration, "wire", set())
+        return [*lines, f"return {made}"]
 
     def _holds_values(self, declaration: Struct | Union | ExceptionDecl) -> bool:
         return self._classic.holds_values(NamedType(declaration.name))
@@ -211,22 +211,21 @@ class ConversionCode:
             self._sizes[struct.name] = size
         return self._sizes[struct.name]
 
-    def _made(
-        self, struct: Struct, value: str, wire: str, used: set[str]
-    ) -> Iterator[str]:
-        """The statements that fill a new value."""
+    def _made(self, struct: Struct, wire: str, used: set[str]) -> tuple[list[str], str]:
+        """The statements that a value needs, and the expression that makes it."""
+        lines: list[str] = []
+        arguments: list[str] = []
         for field in self._fields(struct):
-            there, here = f"{wire}.{field.theirs}", f"{value}.{field.ours}"
+            there = f"{wire}.{field.theirs}"
             inner = self._inner(field.type)
             if inner is None:
-                yield f"{here} = {self._incoming(field.type, there)}"
+                arguments.append(self._incoming(field.type, there))
                 continue
-            inner_value = _variable(f"{value}_{field.ours}", used)
-            inner_wire = _variable(f"{wire}_{field.theirs}", used)
-            made = self._new(self._py.type(inner.name))
-            yield f"{inner_value} = {here} = {made}"
-            yield f"{inner_wire} = {there}"
-            yield from self._made(inner, inner_value, inner_wire, used)
+            variable = _variable(f"{wire}_{field.theirs}", used)
+            more, made = self._made(inner, variable, used)
+            lines += [f"{variable} = {there}", *more]
+            arguments.append(made)
+        return lines, f"{self._py.type(struct.name)}({', '.join(arguments)})"
 
     def _new(self, class_: str) -> str:
         return f"{self._py.helper('new')}({class_})"

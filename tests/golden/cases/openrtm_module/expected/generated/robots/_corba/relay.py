@@ -33,9 +33,7 @@ def to_Sample(value: relay.Sample) -> Any:
 
 def from_Sample(wire: Any) -> relay.Sample:
     """The value of omniORB's `Samples::Sample`; the two share nothing."""
-    value = new(relay.Sample)
-    value.number = wire.number
-    return value
+    return relay.Sample(wire.number)
 
 
 def to_Stuck(value: relay.Stuck) -> Any:
