@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from test_object_values import BOUNDARIES
 
+from rtgen.facts.canopen import KIND_BITS, SIGNED_KINDS, UNSIGNED_KINDS
 from rtgen.runtime.canopen import values
 from rtgen.runtime.canopen.description import DeviceDescription, Kind, ObjectValue
 from rtgen.runtime.canopen.node.node import DeviceNode
@@ -33,7 +34,7 @@ def test_boundary_values_both_ways(kind: Kind, value: ObjectValue, octets: str) 
     assert bench.node.get(index) == value
 
 
-@pytest.mark.parametrize("kind", values.BITS)
+@pytest.mark.parametrize("kind", KIND_BITS)
 def test_lengths_are_checked(kind: Kind) -> None:
     bench, index, size = Bench(), number_of(kind), values.size(kind)
     assert size is not None
@@ -181,5 +182,5 @@ def test_every_value_that_sdo_takes_is_read_back(data: st.DataObject) -> None:
         assert kind == "wstring"
     else:
         assert bench.read(index) == octets
-        if kind in (*values.SIGNED_BITS, *values.UNSIGNED_BITS, "char", "octets"):
+        if kind in (*SIGNED_KINDS, *UNSIGNED_KINDS, "char", "octets"):
             assert values.encode(kind, bench.node.get(index)) == octets
