@@ -40,9 +40,9 @@ demo: $(VENV)/demo.stamp
 gallery: $(VENV)/test.stamp
 	$(BIN)/python tests/reference/gallery.py
 
+# Tests wait for clocks and processes now and then; what else is checked is done meanwhile.
 test: $(VENV)/test.stamp
-	$(MAKE) --no-print-directory -j 2 lint types imports drift
-	$(MAKE) --no-print-directory pytest
+	$(MAKE) --no-print-directory -j 2 pytest lint types imports drift
 	$(MAKE) --no-print-directory interpreters
 
 lint: $(VENV)/test.stamp

@@ -61,6 +61,7 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.slow
 def test_the_same_bytes_whatever_locale_hash_seed_and_folder(tmp_path: Path) -> None:
     settings = [
         {
