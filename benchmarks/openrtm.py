@@ -84,6 +84,8 @@ def generate(folder: Path) -> list[str]:
 def conversions(folder: Path) -> Iterator[tuple[type[Any], Any]]:
     """Our classes of structs, each with the module of its conversions."""
     for file in sorted((folder / "generated").rglob("_corba/[a-z]*.py")):
+        if not (file.parents[1] / "_idl" / file.name).is_file():
+            continue  # OpaqueRpc, whose types are the runtime's; it has no struct.
         package = ".".join(file.parent.parent.relative_to(folder / "generated").parts)
         types = importlib.import_module(f"{package}._idl.{file.stem}")
         module = importlib.import_module(f"{package}._corba.{file.stem}")

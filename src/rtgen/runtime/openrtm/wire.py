@@ -12,7 +12,6 @@ from decimal import Decimal
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 import omniORB
-from msgspec import Struct
 from omniORB import CORBA, tcInternal
 
 from rtgen.runtime.cdr_faults import decoded, encoded
@@ -37,14 +36,10 @@ Reference: TypeAlias = Callable[[], Any]
 if TYPE_CHECKING:
 
     def new(class_: type[_T]) -> _T:
-        """An object to be filled: without attributes, or a Struct with its defaults."""
+        """An object of omniORB's without attributes, to be filled."""
 
 else:
-    _bare = object.__new__
-
-    def new(class_):
-        # msgspec makes no Struct without its fields.
-        return class_() if issubclass(class_, Struct) else _bare(class_)
+    new = object.__new__
 
 
 def class_of(repository_id: str) -> Any:
