@@ -389,6 +389,8 @@ def test_a_component_that_fails_when_it_is_activated_is_told(
     assert "ready" not in started.stdout
     assert "Sink0" in started.stderr
     assert "is in ERROR_STATE: OSError: no paper" in started.stderr
+    # What OpenRTM logs, the forwarded reason among it, is not printed a second time.
+    assert (folder / "run/Sink0.out").read_text().count("Traceback") == 1
     assert stubs.stat().st_mtime > 0
     assert list(stubs.glob("*_idl.py"))
     assert processes(folder) == []

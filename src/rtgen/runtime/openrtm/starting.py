@@ -25,9 +25,11 @@ def main(init: Callable[[Any], None], folder: Path, category: str, name: str) ->
 
     `init` creates the component, of the type `name`. The arguments are those of an OpenRTM
     manager, and `--instance_name=NAME`. The configuration in the module's `folder` is the default
-    if arguments, environment and working folder have none.
+    if arguments, environment and working folder have none. The runtime's log is printed to standard
+    error, too; what OpenRTM logs is in its own log only.
     """
-    logging.basicConfig(format="%(message)s")
+    # A handler of the root logger would print all that OpenRTM logs, too.
+    log.addHandler(logging.StreamHandler())
     manager = import_module("OpenRTM_aist").Manager.init(
         arguments(sys.argv, folder, category, name)
     )

@@ -66,7 +66,6 @@ def begin(config: Properties) -> logging.Handler | None:
     handler.setLevel(level)
     log = logging.getLogger("openrtm")
     log.setLevel(logging.DEBUG)
-    log.propagate = False
     log.addHandler(handler)
     return handler
 
