@@ -230,9 +230,26 @@ def test_unscoped_stubs_must_be_found_first(
     folder.mkdir()
     middleware.compile_idl(folder, [file])
     text = "import OpenRTM_aist, _GlobalIDL; print(_GlobalIDL.Alone)"
-    last = {**rtm_environment}
-    last["PYTHONPATH"] = os.pathsep.join([last.get("PYTHONPATH", ""), str(folder)])
-    assert "AttributeError" in script(text, last, tmp_path)
+    behind = f"import sys; sys.path.append({str(folder)!r}); {text}"
+    assert "AttributeError" in script(behind, rtm_environment, tmp_path)
     first = script(text, first_of_all(rtm_environment, folder), tmp_path)
     assert "Alone" in first
     assert "Error" not in first
+
+
+@pytest.mark.usefixtures("openrtm")
+def test_the_root_logger_receives_what_a_manager_logs(
+    rtm_environment: dict[str, str], tmp_path: Path
+) -> None:
+    text = """
+import logging, OpenRTM_aist
+logging.basicConfig(format="root: %(message)s")
+manager = OpenRTM_aist.Manager.init(["manager"])
+manager.getLogbuf("lab").RTC_WARN("%s", "low battery")
+manager.shutdown()
+"""
+    (tmp_path / "rtc.conf").write_text(
+        "corba.endpoints: 127.0.0.1:\nnaming.enable: NO\nlogger.file_name: ./lab.log\n"
+    )
+    assert "root: low battery" in script(text, rtm_environment, tmp_path)
+    assert "low battery" in (tmp_path / "lab.log").read_text()
