@@ -1,4 +1,4 @@
-"""The way of the data: from a project through front ends and back ends; writes nothing."""
+"""The compiler: from a project through front ends, lowerings and back ends; writes no files."""
 
 from __future__ import annotations
 
@@ -34,11 +34,11 @@ BUILT_IN = (
 
 @dataclass(frozen=True, slots=True)
 class Compilation:
-    """What a run gives: artifacts (none if there are errors), and what they were made from.
+    """The result of a run: artifacts (none if there are errors), and their inputs.
 
     `inputs` maps the key of each file read to its sha256; `dependencies` maps the path of each
     file looked for to its sha256, or to None where it was missing. `sources` are the texts of
-    the files that the findings speak of, by their displayed paths.
+    the files that diagnostics refer to, by their displayed paths.
     """
 
     artifacts: tuple[Artifact, ...]
@@ -58,7 +58,7 @@ def read(
 ) -> FrontendResult:
     """The model of the project's definitions; `lowered`: with the IDL and components of devices.
 
-    `adopted` are profiles that were read elsewhere, in the place of the project's own and of
+    `adopted` are profiles that the caller has read, which replace the project's own and
     components of their names.
     """
     from rtgen.frontends import together
@@ -147,7 +147,7 @@ def read(
 
 
 def _read_by_plugins(project: Project) -> Iterator[FrontendResult]:
-    """What front ends of plug-ins make of the project's files."""
+    """The results of plug-ins' front ends for the project's files."""
     for name, frontend in plugins.loaded(plugins.Group.FRONTENDS):
         paths = _ending_with(project.sources, *frontend.suffixes)
         if paths:
@@ -166,14 +166,14 @@ def _ending_with(paths: Sequence[Path], *suffixes: str) -> list[Path]:
 def read_system(
     path: Path,
 ) -> tuple[System | None, Sequence[Diagnostic], Mapping[str, str]]:
-    """The system of an RtsProfile (None if it has errors), the findings, and the texts read."""
+    """The system of an RtsProfile (None if it has errors), the diagnostics, and the sources."""
     from rtgen.frontends import rts_profile
 
     return rts_profile.load(path, display=path.as_posix())
 
 
 def build(project: Project, cache: Cache | None) -> Compilation:
-    """The project's artifacts: from the cache, if nothing that they depend on has changed."""
+    """The project's artifacts: from the cache unless one of their inputs has changed."""
     if cache is None:
         return compile_project(project)
     key = cache.key(project, plugins.announced(*plugins.Group))
@@ -189,7 +189,7 @@ def inspect(
 ) -> Compilation:
     """The model of a project's definitions and of system profiles as text: one artifact.
 
-    It is taken from the cache as `build` does, unless there are profiles.
+    The result is cached as that of `build`, unless there are profiles.
     """
     if cache is None or project is None or profiles:
         return _inspected(project, profiles, as_json)
@@ -245,7 +245,7 @@ def _inspected(
 def _looked_at(
     system: System, project: Project | None
 ) -> tuple[Sequence[System], Sequence[Diagnostic]]:
-    """See `_checked`; without a project only what needs no definitions is checked."""
+    """See `_checked`; without a project only checks that need no definitions are made."""
     from rtgen.systems import checks as system_checks
 
     if project is None:
@@ -257,9 +257,9 @@ def _looked_at(
 def _checked(
     profiles: Sequence[System], definitions: FrontendResult, options: Options
 ) -> tuple[Sequence[System], list[Diagnostic]]:
-    """The systems with the definitions' names of ports, and the findings about them.
+    """The systems with the definitions' names of ports, and their diagnostics.
 
-    Definitions with errors do not tell what there is.
+    If the definitions have errors, only properties are checked.
     """
     from rtgen.systems import checks as system_checks
     from rtgen.systems import reading as systems
@@ -277,7 +277,7 @@ def _hashes(result: FrontendResult) -> dict[str, str | None]:
 
 
 def compile_project(project: Project) -> Compilation:
-    """The project's artifacts, made anew."""
+    """The project's artifacts, compiled without the cache."""
     result = read(project, lowered=True)
     options = _options(project)
     result = _with_systems(result, project, options)
@@ -319,7 +319,7 @@ def _options(project: Project) -> Options:
 def _with_systems(
     result: FrontendResult, project: Project, options: Options
 ) -> FrontendResult:
-    """The same with the project's systems, where something is made of them."""
+    """The result with the project's systems, if the target generates them."""
     from rtgen.project import SYSTEMS_TARGET
 
     if not project.systems or project.target != SYSTEMS_TARGET:
@@ -338,7 +338,7 @@ def _with_systems(
 
 
 def component_models(model: Model) -> list[Model]:
-    """The models that have the components of a project: its own, and those of its packages."""
+    """The models with the components of a project: its own, and those of its packages."""
     return [model, *(package.model for package in model.packages)]
 
 

@@ -1,4 +1,4 @@
-"""RtcProfiles among a project's sources: their IDL files, and the components that they become."""
+"""RtcProfiles of a project: the IDL files that they need, and their components."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _DECLARED = re.compile(r"\b(?:struct|union|interface)\s+(\w+)\s*[:{]")
 
 @dataclass(frozen=True, slots=True)
 class ProfileIdl:
-    """What has to be read before profiles: IDL files that they name, and the types of OpenRTM."""
+    """The IDL that profiles depend on: files that they name, and the types of OpenRTM."""
 
     profiles: Profiles
     paths: tuple[Path, ...]
@@ -25,7 +25,7 @@ class ProfileIdl:
     given: frozenset[str] = frozenset()
 
     def results(self, found: FrontendResult) -> list[FrontendResult]:
-        """What was read of IDL, without the components that profiles have, and these."""
+        """The results for the IDL files, without components of profiles, and for the profiles."""
         made = rtc_profile.lowered(self.profiles, found.model, self.given)
         names = {each.name for each in made.model.declarations}
         rest = (each for each in found.model.declarations if each.name not in names)
@@ -42,12 +42,12 @@ def read(
     root: Path,
     include: Sequence[Path],
 ) -> ProfileIdl:
-    """Reads profiles; `definitions` are the IDL files that are read in any case."""
+    """Read profiles; `definitions` are the project's IDL files."""
     return needed(rtc_profile.read(paths, root=root, include=include), definitions)
 
 
 def needed(profiles: Profiles, definitions: Sequence[Path]) -> ProfileIdl:
-    """What has to be read for profiles.
+    """The IDL that profiles depend on.
 
     A type of OpenRTM comes from the project's file of that name, else from the one that ships
     with rtgen.
@@ -80,7 +80,7 @@ def type_names(profiles: Profiles) -> set[str]:
 
 
 def declared_in(path: Path) -> set[str]:
-    """The structs, unions and interfaces that an IDL file seems to declare; none if unreadable."""
+    """The structs, unions and interfaces that an IDL file likely declares; none if unreadable."""
     try:
         return set(_DECLARED.findall(path.read_text("utf-8", "replace")))
     except OSError:

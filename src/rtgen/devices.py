@@ -1,7 +1,7 @@
-"""CANopen devices on their way to components: descriptions and bus files in, their IDL out.
+"""CANopen devices as components: reads descriptions and bus files, and makes their IDL.
 
-The IDL of a device is a text that other definitions may include, and that the IDL front end reads;
-so all that is made of IDL is made of devices.
+The IDL of a device is text that other definitions may include, and that the IDL front end reads,
+so that every back end for IDL supports devices.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from rtgen.typemap.canopen_ports import DevicePorts
 
 _SHARED = ("BasicDataType.idl", "Canopen.idl")
-"""What the IDL of devices includes; a project may have the first of its own."""
+"""The files that the IDL of devices includes; a project may replace the first."""
 
 _MANAGER = "CanopenManager.idl"
 
@@ -32,7 +32,7 @@ _MANAGER = "CanopenManager.idl"
 def read(
     descriptions: Sequence[Path], buses: Sequence[Path], project: Project
 ) -> FrontendResult:
-    """The devices of descriptions, and the networks of bus files."""
+    """Read the devices of descriptions, and the networks of bus files."""
     results = []
     if descriptions:
         from rtgen.frontends import eds
@@ -52,14 +52,14 @@ def read(
                 )
             )
     result = together(results)
-    # A description that several bus files name has its findings once.
+    # The diagnostics of a description that several bus files name are reported once.
     unique = tuple(in_order(dict.fromkeys(result.diagnostics)))
     return replace(result, diagnostics=unique)
 
 
 @dataclass(frozen=True, slots=True)
 class DeviceIdl:
-    """The IDL side of devices: files for includes, and what completes the model read of them."""
+    """The IDL of devices: files for includes, and the components to add to their model."""
 
     files: dict[str, VirtualFile | Path]
     diagnostics: tuple[Diagnostic, ...]
@@ -71,7 +71,7 @@ class DeviceIdl:
     def complete(self, model: Model) -> Model:
         """The model with the components of the devices that were `given`.
 
-        Files tell of the descriptions that they come from.
+        The hashes of the IDL files are those of the descriptions.
         """
         files = tuple(
             replace(file, sha256=self._hashes.get(file.name, file.sha256))
@@ -94,10 +94,10 @@ class DeviceIdl:
 def device_idl(
     result: FrontendResult, definitions: Sequence[Path], *, given: bool
 ) -> DeviceIdl:
-    """The IDL of what `read` gave.
+    """The IDL of the result of `read`.
 
-    `definitions` are the project's IDL files. With `given` everything is made of the devices;
-    without, their IDL is there to be included.
+    `definitions` are the project's IDL files. With `given` the devices are part of the project;
+    without, their IDL is only available for includes.
     """
     from rtgen.backends.canopen.components import device_components
     from rtgen.backends.canopen.idl_model import idl_of

@@ -1,4 +1,4 @@
-"""Adapters of a project, `[adapter.NAME]`: the components that they become."""
+"""Lowers the adapters of a project, `[adapter.NAME]`, to components."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ _HELD: Final = {
     Primitive.FLOAT: (-(2**24), 2**24),
     Primitive.DOUBLE: (-(2**53), 2**53),
 }
-"""From where to where a type holds every integer."""
+"""The range of integers that each type represents exactly."""
 
 
 def lower(model: Model, settings: Settings) -> Lowered:
@@ -159,7 +159,7 @@ class _Maker:
         raise self._error(ADAPTER_TYPE, f"no struct {scoped!r}", hint)
 
     def _members(self, struct: Struct) -> Iterator[Member]:
-        """Inherited ones first."""
+        """The members of a struct, inherited ones first."""
         if struct.base is not None:
             base = self.model.find(struct.base)
             assert isinstance(base, Struct)
@@ -201,7 +201,7 @@ class _Maker:
 
 
 def _holds(to: Type, from_: Type) -> bool:
-    """Whether every number of the one type is one of the other."""
+    """Whether the one type represents every number of the other."""
     if not (isinstance(to, PrimitiveType) and isinstance(from_, PrimitiveType)):
         return False
     if to.kind is Primitive.DOUBLE and from_.kind is Primitive.FLOAT:

@@ -1,4 +1,4 @@
-"""What lowerings take from rtgen.toml."""
+"""Settings of lowerings in rtgen.toml."""
 
 from __future__ import annotations
 
@@ -20,6 +20,6 @@ class AdapterEntry:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Settings:
-    """All settings; a lowering takes those that concern it."""
+    """The settings of all lowerings."""
 
     adapters: tuple[AdapterEntry, ...] = ()

@@ -1,4 +1,4 @@
-"""The stage: what a lowering takes and gives, and the list of all."""
+"""The lowering stage: the signature of a lowering, and the list of all lowerings."""
 
 from __future__ import annotations
 
@@ -14,25 +14,25 @@ from rtgen.model import Model
 
 @dataclass(frozen=True, slots=True)
 class Lowered:
-    """The model with what was made of it, and the findings."""
+    """The lowered model and the diagnostics."""
 
     model: Model
     diagnostics: tuple[Diagnostic, ...] = ()
 
 
 Lower: TypeAlias = Callable[[Model, Settings], Lowered]
-"""What a lowering is: a pure function."""
+"""The signature of a lowering, a pure function."""
 
 
 @dataclass(frozen=True, slots=True)
 class Lowering:
-    """A lowering: its module has `lower`, and is imported when the model has something for it."""
+    """A lowering: its module has `lower`, and is imported only if the model needs it."""
 
     module: str
     needed: Callable[[Model, Settings], bool]
 
     def __call__(self, model: Model, settings: Settings) -> Lowered:
-        """The model with what was made; itself if nothing is to be lowered."""
+        """The lowered model; the model itself if it has nothing to lower."""
         if not self.needed(model, settings):
             return Lowered(model)
         lower: Lower = import_module(self.module).lower
@@ -54,7 +54,7 @@ LOWERINGS: Final = (
 def lowered(
     model: Model, settings: Settings, lowerings: Sequence[Lowering] = LOWERINGS
 ) -> Lowered:
-    """The model after these lowerings, each of which sees what those before it made."""
+    """The model after these lowerings, each applied to the result of the previous one."""
     found: list[Diagnostic] = []
     for lower in lowerings:
         made = lower(model, settings)

@@ -1,10 +1,10 @@
-"""Calls as octets: what a transport puts between a stub and a skeleton.
+"""Marshalling of calls, for transports between a stub and a skeleton.
 
-A stub hands a call to a `Client`, whose octets a transport carries to a `Server`; that calls the
-servant and answers with octets. Bodies are those of GIOP (CORBA 3.3 part 2, 9.4): arguments in
+A stub passes a call to a `Client`, whose octets a transport carries to a `Server`, which calls
+the servant and replies with octets. Bodies are those of GIOP (CORBA 3.3 part 2, 9.4): arguments in
 order; return value and results in order; repository id and members of a user exception; repository
 id, minor code and completion of a system exception. Operation name, reply status and byte order
-are the transport's to carry.
+are carried by the transport.
 """
 
 from __future__ import annotations
@@ -40,10 +40,10 @@ log = logging.getLogger("rtgen.runtime")
 
 @dataclass(frozen=True, slots=True)
 class Call:
-    """How one operation is marshalled; `refused` says why it is not.
+    """The marshalling of an operation; `refused` is the reason if it has none.
 
     `request` and `reply` are the types of the bodies, None for empty ones; `*_objects` has the
-    interface of each member that is an object. `raises` are the types of replies that tell of
+    interface of each member that is an object. `raises` are the types of replies that carry
     an exception, each with the exception.
     """
 
@@ -57,7 +57,7 @@ class Call:
 
 
 class ReplyStatus(IntEnum):
-    """What a reply tells of (CORBA 3.3 part 2, 9.4.3.1, ReplyStatusType_1_2)."""
+    """The status of a reply (CORBA 3.3 part 2, 9.4.3.1, ReplyStatusType_1_2)."""
 
     NO_EXCEPTION = 0
     USER_EXCEPTION = 1
@@ -66,7 +66,7 @@ class ReplyStatus(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class Reply:
-    """The answer to a call; the body's byte order is the transport's to tell."""
+    """The reply to a call; the transport transmits the byte order of the body."""
 
     status: ReplyStatus
     body: bytes
@@ -74,18 +74,18 @@ class Reply:
 
 
 Send: TypeAlias = Callable[[str, bytes, bool], Reply | None]
-"""Carries a request: operation name, body, whether it is oneway (then there is no reply)."""
+"""Carries a request: operation name, body, whether it is oneway (without reply)."""
 
 
 class Objects(Protocol):
-    """How a transport names objects, so that they can be passed in calls."""
+    """Object references of a transport, for objects passed in calls."""
 
     def reference(self, interface: type[S], servant: S) -> ObjectReference:
-        """A reference to a servant, or the one that a stub stands for."""
+        """A reference to a servant, or to the object of a stub."""
         ...
 
     def resolve(self, interface: type[S], reference: ObjectReference) -> S:
-        """A stub that calls what the reference refers to."""
+        """A stub that calls the referenced object."""
         ...
 
 
@@ -114,9 +114,9 @@ def calls_of(interface: type[Servant]) -> dict[str, Call]:
 class Client:
     """An invoker for stubs that marshals each call.
 
-    A call raises CdrError if an argument cannot be marshalled, what the operation declares, and
-    ServiceError: ObjectNotExist, BadOperation, UnknownException or MarshalError as the server
-    tells, MarshalError also for a reply that cannot be understood.
+    A call raises CdrError if an argument cannot be marshalled, the declared exceptions, and
+    ServiceError: ObjectNotExist, BadOperation, UnknownException or MarshalError as reported by
+    the server, MarshalError also for an invalid reply.
     """
 
     def __init__(
@@ -160,7 +160,7 @@ class Client:
 
 
 class Server:
-    """Calls a servant with what a `Client` marshalled."""
+    """Carries out the requests of a `Client` on a servant."""
 
     def __init__(
         self,
@@ -176,7 +176,7 @@ class Server:
     def handle(
         self, operation: str, body: bytes, little_endian: bool = True
     ) -> Reply | None:
-        """Carries out a call; None if it is oneway. Raises nothing that a client can cause."""
+        """Carries out a call; None if it is oneway. Invalid requests raise no exception."""
         call = self._calls.get(operation)
         try:
             reply = self._answer(operation, body, little_endian)
@@ -259,7 +259,7 @@ def _decoded(
 
 
 def _fields(type_: type[DataType]) -> tuple[str, ...]:
-    """The members in order, without the strings of a context clause, which nobody passes."""
+    """The members in order, without the strings of a context clause, which stubs never pass."""
     names: tuple[str, ...] = getattr(type_, "__match_args__", ())
     return tuple(name for name in names if name != "_context")
 
@@ -327,7 +327,7 @@ TOLD_AS: dict[type[ServiceError], str] = {
     CallTimeout: "TIMEOUT",
     CommunicationFailure: "COMM_FAILURE",
 }
-"""The system exception of CORBA that tells of an error."""
+"""The system exception of CORBA for each class of error."""
 
 SYSTEM_EXCEPTIONS: dict[str, type[ServiceError]] = {
     **{f"IDL:omg.org/CORBA/{name}:1.0": type_ for type_, name in TOLD_AS.items()},
@@ -336,14 +336,14 @@ SYSTEM_EXCEPTIONS: dict[str, type[ServiceError]] = {
     "IDL:omg.org/CORBA/INV_OBJREF:1.0": ObjectNotExist,
     "IDL:omg.org/CORBA/TRANSIENT:1.0": CommunicationFailure,
 }
-"""The error for the repository id of a system exception; for others it is ServiceError."""
+"""The error for the repository id of a system exception; ServiceError for others."""
 
 _COMPLETIONS = ("completed", "not completed", "perhaps completed")
 _MAYBE = 2
 
 
 def kind_of(error: ServiceError) -> type[ServiceError]:
-    """The kind that a client is told; of others than those of `TOLD_AS` UnknownException."""
+    """The class of error reported to clients; UnknownException if `TOLD_AS` lacks it."""
     return next((k for k in TOLD_AS if isinstance(error, k)), UnknownException)
 
 
@@ -371,7 +371,7 @@ def _system_exception(operation: str, reply: Reply) -> ServiceError:
 
 
 def _identity(reply: Reply) -> tuple[str, int]:
-    """The repository id that a reply begins with, and the next offset of 4."""
+    """The repository id at the start of a reply, and the next offset aligned to 4."""
     try:
         order = "<I" if reply.little_endian else ">I"
         (length,) = struct.unpack_from(order, reply.body)

@@ -30,13 +30,13 @@ if TYPE_CHECKING:
     )
 
 Buffer: TypeAlias = bytes | bytearray | memoryview
-"""What can be decoded."""
+"""The types of input."""
 
 _T = TypeVar("_T")
 _WORD = (1 << 32) - 1
 
 BOOLEAN = {0: False, 1: True}
-"""The octets of a boolean, and the values that can be one."""
+"""The values of a boolean octet."""
 
 FAILURES = (
     struct.error,
@@ -48,7 +48,7 @@ FAILURES = (
     TypeError,
     ValueError,
 )
-"""What a codec meets when a value or the input is wrong."""
+"""The exceptions of a codec for an invalid value or input."""
 
 
 class CdrError(ValueError):
@@ -67,7 +67,7 @@ class CdrError(ValueError):
 
 
 def encoding_error(descriptor: Any, value: object, failure: Exception) -> CdrError:
-    """The error for a value whose encoding failed; looks for the place only now."""
+    """The error for a value whose encoding failed; locates the fault only now."""
     from rtgen.runtime.cdr_faults import fault_in_value
 
     return fault_in_value(descriptor, _name(descriptor), value, failure)
@@ -76,7 +76,7 @@ def encoding_error(descriptor: Any, value: object, failure: Exception) -> CdrErr
 def decoding_error(
     descriptor: Any, data: Buffer, little_endian: bool, failure: Exception
 ) -> CdrError:
-    """The error for octets whose decoding failed; looks for the place only now."""
+    """The error for octets whose decoding failed; locates the fault only now."""
     from rtgen.runtime.cdr_faults import fault_in_octets
 
     name = _name(descriptor)
@@ -117,9 +117,9 @@ def _name(descriptor: Any) -> str:
 
 
 class _Compiled:
-    """A method that is compiled when it is first looked up, for the class that is described.
+    """A method that is compiled for its class at first lookup.
 
-    `Time.from_cdr` gives the compiled function, so what keeps it pays nothing for this.
+    `Time.from_cdr` returns the compiled function itself, so a caller that keeps it has no overhead.
     """
 
     def __init__(self, kind: str) -> None:
@@ -156,7 +156,7 @@ _COMPILED = {kind: _Compiled(kind) for kind in (*_KINDS, "_snapshot_")}
 
 
 def _register(cls: type[Any]) -> None:
-    """The class is what values of its own descriptor are made as."""
+    """Register the class as that of the values of its own descriptor."""
     if "_descriptor_" not in cls.__dict__:
         return
     from rtgen.runtime.descriptors import register
@@ -168,7 +168,7 @@ def _register(cls: type[Any]) -> None:
 
 
 class _InSteps:
-    """What is marshalled in XCDR along its description."""
+    """XCDR methods of types that are marshalled by interpreting their descriptors."""
 
     __slots__ = ()
 
@@ -194,7 +194,7 @@ class _InSteps:
 
 
 class _Number(_InSteps):
-    """What stands on the wire as one unsigned integer."""
+    """A type marshalled as one unsigned integer."""
 
     __slots__ = ()
 
@@ -336,7 +336,7 @@ class Aggregated(msgspec.Struct, gc=False):
         from_xcdr2 = _COMPILED["from_xcdr2"]
 
     def key_hash(self) -> bytes:
-        """The 16 octets that tell DDS instances apart; raises CdrError if there is no key.
+        """The 16 octets that identify a DDS instance; raises CdrError if the type has no key.
 
         DDSI-RTPS 2.5, 9.6.4.8, of the key in XCDR2 (DDS-XTypes 1.3, 7.6.8).
         """
@@ -438,7 +438,7 @@ class AliasCodec(Generic[_T]):
 
 
 def _of_alias(codec: Any, kind: str) -> Any:
-    """The compiled function of a typedef, which replaces the method that has called for it."""
+    """The compiled function of a typedef, which replaces the lazy method."""
     from rtgen.runtime.marshalling.compiler import compiled
 
     function = compiled(kind, codec._descriptor_)

@@ -1,4 +1,4 @@
-"""Whole values along their descriptors, and where a generated codec failed."""
+"""Marshalling of whole values by their descriptors, and location of faults of compiled codecs."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _TOO_DEEP = "the value contains itself, or is nested too deeply"
 
 
 def encoded(descriptor: Any, value: object, little_endian: bool) -> bytes:
-    """The body of a value that is written along its descriptor; raises CdrError."""
+    """The body of a value, written by its descriptor; raises CdrError."""
     out = Output()
     try:
         Writer(out, little_endian).value(descriptor, value)
@@ -23,7 +23,7 @@ def encoded(descriptor: Any, value: object, little_endian: bool) -> bytes:
 
 
 def decoded(descriptor: Any, data: Buffer, little_endian: bool) -> Any:
-    """The value of a body that is read along its descriptor; raises CdrError."""
+    """The value of a body, read by its descriptor; raises CdrError."""
     try:
         reader = Reader(data, little_endian)
         value = reader.value(descriptor)

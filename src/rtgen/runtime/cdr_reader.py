@@ -1,7 +1,7 @@
-"""Classic CDR to values along descriptors: the way back of `cdr_writer`.
+"""Unmarshals classic CDR by descriptors: the inverse of `cdr_writer`.
 
-Lengths are checked against the octets that are left, and the values that are made are counted, so
-that no input takes more than its size allows.
+Lengths are checked against the remaining octets, and created values are counted, so that memory
+and time are bounded by the size of the input.
 """
 
 from __future__ import annotations
@@ -76,9 +76,9 @@ _MOST_IDS = 100
 
 
 class Input(bytes):
-    """A body that is being read, with the values in it by the offsets of their headers.
+    """The input body, with its values by the offsets of their headers.
 
-    `work` is how many values may still be made of it.
+    `work` is the remaining number of values that may be created.
     """
 
     values: dict[int, Any]
@@ -100,7 +100,7 @@ def read_dynamic(
 
 
 class Reader:
-    """Reads values one after the other. What is wrong raises Fault."""
+    """Reads consecutive values. Raises Fault for invalid input."""
 
     def __init__(self, data: Buffer, little_endian: bool, offset: int = 0) -> None:
         self._data = data if isinstance(data, Input) else Input(data)
@@ -113,7 +113,7 @@ class Reader:
         self._least_sizes: dict[int, int] = {}
 
     def end(self) -> None:
-        """Refuses octets that are left."""
+        """Raises Fault for remaining octets."""
         rest = len(self._data) - self.offset
         if rest:
             raise Fault(f"{rest} octets too many")
@@ -158,10 +158,10 @@ class Reader:
             case ValueDescriptor() | BoxDescriptor():
                 return self._valued(descriptor)
 
-    # Octets, from chunks where they belong to a value.
+    # Octets, from chunks inside a value.
 
     def _take(self, size: int, align: int) -> bytes:
-        """So many octets, which stand together."""
+        """A number of contiguous octets."""
         if self._level and self.offset >= self._chunk_end:
             self._open_chunk()
         start = self.offset + -self.offset % align
@@ -173,7 +173,7 @@ class Reader:
         return self._data[start : self.offset]
 
     def _octets(self, count: int) -> bytes:
-        """So many octets, which may be spread over chunks."""
+        """A number of octets, which may be split across chunks."""
         if not self._level:
             return self._take(count, 1)
         parts = []
@@ -194,7 +194,7 @@ class Reader:
         self._chunk_end = self.offset + size
 
     def _between(self, code: str) -> int:
-        """A number that stands between chunks, or where there are none."""
+        """A number outside of chunks."""
         start = self.offset + -self.offset % 4
         if start + 4 > len(self._data):
             left = max(len(self._data) - self.offset, 0)
@@ -430,7 +430,7 @@ class Reader:
         return self._redirected(self._text)
 
     def _redirected(self, read: Callable[[], _T]) -> _T:
-        """What `read` reads here, or where an indirection points to, which is further in front."""
+        """The result of `read` here, or at the earlier offset that an indirection points to."""
         before = self.offset
         if self._integer("I") != INDIRECTION:
             self.offset = before
@@ -463,7 +463,7 @@ class Reader:
     def _actual(
         self, formal: ValueDescriptor | BoxDescriptor | None, ids: list[str]
     ) -> tuple[ValueDescriptor | BoxDescriptor, bool]:
-        """The type that the value is made as, and whether that leaves some of its state out."""
+        """The type of the created value, and whether it truncates the state."""
         if not ids:
             if formal is None:
                 raise Fault("a value that does not say what it is")
@@ -521,7 +521,7 @@ class Reader:
         return made
 
     def _end_value(self, truncated: bool) -> None:
-        """The end tag, which may close the values around this one too."""
+        """The end tag, which may close enclosing values, too."""
         if not self._closed:
             if self.offset < self._chunk_end and not truncated:
                 raise Fault(
@@ -555,7 +555,7 @@ class Reader:
             raise Fault("a chunk is longer than what is left")
         self.offset += size
 
-    # The least size of a value, which counts are checked against.
+    # The minimum size of a value, for checking counts.
 
     def _least(self, element: Descriptor) -> int:
         known = self._least_sizes.get(id(element))

@@ -1,8 +1,8 @@
 """Conversions between Python values and their octets in CDR, where `struct` has none.
 
 Strings are UTF-8; `char` is ISO 8859-1; `wchar` and `wstring` are UTF-16 as omniORB 4.3 sends them
-under GIOP 1.2 (CORBA 3.3 part 2, 9.3.1 and 9.3.2). All raise ValueError or a kin of it for what
-cannot be converted; the codecs turn that into a `CdrError`.
+under GIOP 1.2 (CORBA 3.3 part 2, 9.3.1 and 9.3.2). All raise ValueError or a related
+error for invalid values; the codecs convert that to a `CdrError`.
 """
 
 from __future__ import annotations
@@ -18,21 +18,21 @@ _T = TypeVar("_T")
 
 
 def text_octets(text: str) -> bytes:
-    """A string as CDR has it, without its NUL. Raises ValueError for NUL and surrogates."""
+    """The octets of a string, without the final NUL. Raises ValueError for NUL and surrogates."""
     if "\0" in text:
         raise ValueError("a string cannot hold NUL")
     return text.encode()
 
 
 def text_value(octets: bytes) -> str:
-    """The string of octets that end with NUL (none at all is taken for an empty string)."""
+    """The string of octets that end with NUL (no octets: an empty string)."""
     if octets.find(0) != len(octets) - 1:
         raise ValueError("a string has to end with its only NUL")
     return octets[:-1].decode()
 
 
 def wide_octets(text: str) -> bytes:
-    """A wstring: UTF-16, little-endian with its mark in either byte order; nothing if empty."""
+    """A wstring: UTF-16, little-endian with a BOM in either byte order; empty if it is empty."""
     if "\0" in text:
         raise ValueError("a wstring cannot hold NUL")
     return b"\xff\xfe" + text.encode("utf-16-le") if text else b""
@@ -173,7 +173,7 @@ def fixed_value(octets: bytes, digits: int, scale: int) -> Decimal:
 
 
 def exact(items: Sequence[_T], length: int) -> Sequence[_T]:
-    """The items, which have to be that many."""
+    """The items; raises ValueError unless their number is `length`."""
     if len(items) != length:
         raise ValueError(f"{len(items)} items instead of {length}")
     return items
@@ -191,7 +191,7 @@ def flat(items: Sequence[Any], dimensions: Sequence[int]) -> list[Any]:
 
 
 def nested(items: Sequence[Any], dimensions: Sequence[int]) -> list[Any]:
-    """The array of those dimensions that has the items."""
+    """The nested array of the items with those dimensions."""
     if len(dimensions) == 1:
         return list(items)
     step = len(items) // dimensions[0]
@@ -258,7 +258,7 @@ def read_reference(
 
 
 def flags_number(value: int, bound: int) -> int:
-    """The number of a bitmask, which has that many bits."""
+    """The number of a bitmask with that many bits."""
     if not 0 <= value < 1 << bound:
         raise ValueError(f"{value} has more than {bound} bits")
     return int(value)

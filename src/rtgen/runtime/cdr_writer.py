@@ -1,7 +1,7 @@
-"""Values to classic CDR along their descriptors: what is known only at run time, and what is rare.
+"""Marshals classic CDR by descriptors: types known only at run time, and rare ones.
 
-Generated codecs call it for `any`, type codes, values and abstract interfaces; and when one of
-them fails, it walks the whole value once more to find the place. CORBA 3.3 part 2, 9.3.
+Compiled codecs call it for `any`, type codes, values and abstract interfaces; when a compiled
+codec fails, it marshals the whole value again to locate the fault. CORBA 3.3 part 2, 9.3.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ CODES = {
 """The `struct` codes of the basic types that have one."""
 
 TEXTS = {"octet": (bytes, bytearray), "uint8": (bytes, bytearray), "char": (str,)}
-"""What a sequence of these is in Python."""
+"""The Python types of sequences of these types."""
 
 NULL_TAG = 0
 INDIRECTION = 0xFFFFFFFF
@@ -72,7 +72,7 @@ CODEBASE, ONE_ID, ID_LIST, CHUNKED = 1, 2, 6, 8
 
 
 class Output(bytearray):
-    """A body that is being written, with where the values and ids that it shares begin."""
+    """The output body, with the offsets of shared values and ids."""
 
     __slots__ = ("ids", "values")
 
@@ -85,12 +85,12 @@ class Output(bytearray):
 def write_dynamic(
     out: bytearray, value: object, descriptor: Descriptor, little_endian: bool
 ) -> None:
-    """Appends a value of the descriptor to a body; raises ValueError or a kin of it."""
+    """Appends a value of the descriptor to a body; raises ValueError or a related error."""
     Writer(out, little_endian).value(descriptor, value)
 
 
 class Writer:
-    """Appends values to a body. A value that does not fit raises Fault."""
+    """Appends values to a body. Raises Fault for an invalid value."""
 
     def __init__(self, out: bytearray, little_endian: bool) -> None:
         self._out = out
@@ -154,7 +154,7 @@ class Writer:
         except LOCATED as failure:
             raise located(failure, part) from failure
 
-    # Octets, in chunks where they belong to a value.
+    # Octets, in chunks inside a value.
 
     def _put(self, octets: bytes, align: int) -> None:
         out = self._out
@@ -169,7 +169,7 @@ class Writer:
         self._put(octets, len(octets))
 
     def _close_chunk(self) -> None:
-        """The chunk that is open gets its size."""
+        """Writes the size of the open chunk."""
         if self._chunk >= 0:
             size = len(self._out) - self._chunk - 4
             struct.pack_into(f"{self._order}i", self._out, self._chunk, size)
@@ -214,7 +214,7 @@ class Writer:
         self._put(octets if wide else octets + b"\0", 1)
 
     def _text(self, element: Descriptor, value: Any) -> bytes | None:
-        """The octets of what is `bytes` or `str` in Python; None for other elements."""
+        """The octets of a collection that is `bytes` or `str`; None for other elements."""
         element = plain(element)
         name = element.name if isinstance(element, PrimitiveDescriptor) else ""
         types = TEXTS.get(name)
@@ -248,7 +248,7 @@ class Writer:
         self._items(value, partial(self.value, element))
 
     def _check_items(self, element: Descriptor, value: Any) -> None:
-        """A fault in an item comes before one of the whole."""
+        """Raises the fault of an item in preference to one of the collection."""
         Writer(bytearray(), self._little)._items(
             value, partial(Writer(Output(), self._little).value, element)
         )
@@ -411,7 +411,7 @@ class Writer:
             self._string(repository_id, False, None)
 
     def _indirect(self, shared: str | tuple[str, ...]) -> bool:
-        """Whether an id or a list of ids was written before, and is referred to."""
+        """Whether an id or id list was written before, so that an indirection was written."""
         out = self._out
         out += bytes(-len(out) % 4)
         if shared in self._shared.ids:
@@ -458,7 +458,7 @@ def size_of(name: str) -> int:
 
 
 def bits_code(bound: int) -> str:
-    """The `struct` code of the smallest unsigned integer with so many bits."""
+    """The `struct` code of the smallest unsigned integer of at least that many bits."""
     return "BHIQ"[(bound > 8) + (bound > 16) + (bound > 32)]
 
 
@@ -483,7 +483,7 @@ def check_string(text: str, wide: bool, bound: int | None) -> None:
 
 
 def check_bound(length: int, bound: int | None, unit: str) -> None:
-    """Raises Fault for something longer than it may be."""
+    """Raises Fault for a length beyond the bound."""
     if bound is not None and length > bound:
         raise Fault(f"{length} {unit}, and {bound} are the most")
 

@@ -212,7 +212,7 @@ class Skeleton:
                 raise
             self._report(operation, error)
             if found.oneway:
-                return None  # nobody waits for it
+                return None  # no client waits for the result
             raise UnknownException(f"{operation}: {described(error)}") from error
 
 

@@ -1,4 +1,4 @@
-"""A system: components that run by one clock, their connections, and what is asked of them."""
+"""A system: components driven by one clock, their connections, and requests to them."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ class System:
     With a transport service calls go over that, and service ports of other processes can be
     connected.
 
-    Code of components that fails is reported to `on_failure`, by default to the logger
+    A failure of a component's code is reported to `on_failure`, by default to the logger
     `rtgen.runtime` with its traceback, and never raised by `run`, except what ends the run: see
     `docs/runtime.md`, Failures.
     """
@@ -137,9 +137,9 @@ class System:
     def add_context(
         self, rate_hz: float, *, kind: ExecutionKind = ExecutionKind.PERIODIC
     ) -> ExecutionContext:
-        """A further context, without owner, in which components can take part too.
+        """A further context, without owner, in which components can participate.
 
-        It is stopped at first, and ticks by the system's clock from its `start` on.
+        It is stopped initially, and ticks by the system's clock from its `start` on.
         Raises RateError.
         """
         return ExecutionContext(
@@ -179,7 +179,7 @@ class System:
         return self._participant(instance).state
 
     def statistics(self, instance: str) -> Statistics:
-        """What became of a component so far. Raises UnknownComponentError."""
+        """The statistics of a component so far. Raises UnknownComponentError."""
         participant = self._participant(instance)
         component = participant.component
         return Statistics(
@@ -193,7 +193,7 @@ class System:
         )
 
     def observable(self, name: str) -> tuple[float, ...]:
-        """What a component shows under `<instance>.<observable>`; of a number that alone.
+        """The observable `<instance>.<observable>` of a component; a number by itself.
 
         Raises UnknownComponentError, UnknownObservableError, or ObservableError.
         """

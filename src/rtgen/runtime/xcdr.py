@@ -77,7 +77,7 @@ _KINDS = {
 def representation_of(
     type_: type[DataType], version: int = 2, little_endian: bool = True
 ) -> Representation:
-    """The one that values of the type have in a version of XCDR and a byte order."""
+    """The representation of values of the type in a version of XCDR and a byte order."""
     extensibility = getattr(type_._descriptor_, "extensibility", "final")
     return Representation(_KINDS[version, extensibility] | bool(little_endian))
 
@@ -85,7 +85,7 @@ def representation_of(
 def serialize(value: DataType, representation: Representation) -> bytes:
     """The payload of a value: header, body, and padding to a multiple of 4 octets.
 
-    Raises CdrError, also if the extensibility of the type asks for another representation.
+    Raises CdrError, also if the extensibility of the type requires another representation.
     """
     type_ = type(value)
     _check_kind(type_, representation)
@@ -148,7 +148,7 @@ def decode(type_: Any, data: Buffer, version: int, little_endian: bool) -> Any:
 
 
 def _compiled(descriptor: Any, kind: str, version: int) -> Callable[..., Any] | None:
-    """The compiled function of a type; None for one that is written and read in steps."""
+    """The compiled function of a type; None for one that `xcdr_codecs` marshal."""
     if not isinstance(descriptor, _COMPILED):
         return None
     try:
@@ -160,7 +160,7 @@ def _compiled(descriptor: Any, kind: str, version: int) -> Callable[..., Any] | 
 def decode_in_steps(type_: Any, data: Buffer, version: int, little_endian: bool) -> Any:
     """The value of a body, read member by member; raises CdrError with the place of a fault.
 
-    This reads what a compiled codec has not read: damaged octets, other versions of a type.
+    Fallback for octets that a compiled codec rejects: damaged ones, other versions of a type.
     """
     octets = data if type(data) is bytes else _octets(type_, data)
     try:
@@ -182,7 +182,7 @@ def decode_in_steps(type_: Any, data: Buffer, version: int, little_endian: bool)
 
 
 def _root(descriptor: Any, version: int, little_endian: bool) -> Codec:
-    """The codec of a whole body; kept beside those of the formats."""
+    """The codec of a whole body, cached for each format."""
     key = version << 1 | bool(little_endian)
     codec: Codec | None = descriptor.codecs.get(key)
     if codec is None:

@@ -1,8 +1,8 @@
-"""What compiled XCDR codecs are made of: formats, scalars, runs of scalars, faults.
+"""Parts of XCDR codecs: formats, scalars, runs of scalars, faults.
 
-DDS-XTypes 1.3, 7.4. A codec writes a value behind what is in a buffer, and reads one from octets
-whose first is an origin of alignment. What is delimited (a DHEADER or a parameter) is cut out
-and read from 0: it begins at a multiple of 4, and nothing in it is aligned to more.
+DDS-XTypes 1.3, 7.4. A codec appends a value to a buffer, and reads one from octets that start
+at an origin of alignment. Delimited content (after a DHEADER, or of a parameter) is sliced and
+read from 0: it starts at a multiple of 4, and nothing in it is aligned to more.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from rtgen.runtime.cdr_values import (
 from rtgen.runtime.faults import LOCATED, Fault, located
 
 Octets: TypeAlias = bytes | memoryview
-"""What is read; a part of it is a view, so that depth costs no copies."""
+"""The input; slices of it are views, so that nesting costs no copies."""
 
 Write: TypeAlias = Callable[[bytearray, Any], None]
 Read: TypeAlias = Callable[[Octets, int], tuple[Any, int]]
@@ -34,11 +34,11 @@ Step: TypeAlias = Callable[[Octets, int, list[Any]], int]
 Build: TypeAlias = Callable[[Iterator[Any]], Any]
 
 PADDING = (b"", bytes(3), bytes(2), bytes(1))
-"""What brings an offset modulo 4 to a multiple of 4."""
+"""Padding to a multiple of 4 by the offset modulo 4."""
 
 
 class Format(NamedTuple):
-    """What a codec is compiled for: XCDR version 1 or 2, byte order, or the form of keys."""
+    """The format of a codec: XCDR version 1 or 2, byte order, or the form of keys."""
 
     version: int
     little: bool
@@ -64,7 +64,7 @@ class UnsupportedError(TypeError):
 
 
 def refuse(failure: Exception, part: str) -> NoReturn:
-    """Raises the failure with its place, or with one more part of it."""
+    """Raises the failure with its path, or with one more component of the path."""
     if isinstance(failure, struct.error):
         failure = Fault("truncated")
     elif isinstance(failure, KeyError):
@@ -73,7 +73,7 @@ def refuse(failure: Exception, part: str) -> NoReturn:
 
 
 def left(data: Octets, offset: int, size: int) -> None:
-    """Refuses to read more than there is."""
+    """Raises Fault when fewer octets remain than are read."""
     if size > len(data) - offset:
         rest = max(len(data) - offset, 0)
         raise ValueError(f"truncated: {size} octets are needed, {rest} are left")
@@ -92,11 +92,11 @@ class Scalar:
 
 @dataclass(frozen=True, slots=True)
 class Codec:
-    """How the values of a type are written and read.
+    """Writer and reader of the values of a type.
 
-    `least` octets at the least make a value. `length_code` is that of the EMHEADER
+    `least` is the minimum size of a value in octets. `length_code` is that of the EMHEADER
     (7.4.3.4.2). A `primitive` type needs no DHEADER as an element. A `run` consists of scalars
-    alone, so that it can be a part of a longer one.
+    only, so that it can be merged into a longer one.
     """
 
     write: Write
@@ -108,7 +108,7 @@ class Codec:
 
 
 class Run:
-    """Scalars behind each other, packed and unpacked by one `struct` call.
+    """Consecutive scalars, packed and unpacked by one `struct` call.
 
     `paths` lead from the value to each (empty: the value itself), `labels` say so with the names
     of the definition. `builds` make the members from
@@ -140,15 +140,15 @@ class Run:
 
     @property
     def plain(self) -> bool:
-        """Whether reading takes no conversion."""
+        """Whether reading needs no conversion."""
         return all(build is next for build in self.builds)
 
     def size(self, offset: int) -> int:
-        """How many octets the run takes from an offset on."""
+        """The number of octets of the run at an offset."""
         return self.structs[offset & self.mask].size
 
     def values(self) -> Callable[[Any], Sequence[Any]]:
-        """What gets the scalars from a value, converted for `struct`."""
+        """The function that gets the scalars of a value, converted for `struct`."""
         get = _getter(self.paths)
         encodes = [(i, s.encode) for i, s in enumerate(self.scalars) if s.encode]
         if not encodes:
@@ -163,7 +163,7 @@ class Run:
         return converted
 
     def writer(self) -> Write:
-        """Writes the run of a value."""
+        """The function that writes the run of a value."""
         values, mask = self.values(), self.mask
         packs = [s.pack for s in self.structs]
 
@@ -173,7 +173,7 @@ class Run:
         return write
 
     def reader(self) -> Step:
-        """Reads the run and appends the members."""
+        """The function that reads the run and appends the members."""
         mask = self.mask
         readers = [(s.unpack_from, s.size) for s in self.structs]
         builds = self.builds
@@ -199,7 +199,7 @@ class Run:
         return read_plain if self.plain else read
 
     def many(self, build: Build) -> Callable[[Octets, int, int], tuple[list[Any], int]]:
-        """Reads so many values that consist of the run."""
+        """The function that reads a number of values that consist of the run."""
         mask, structs = self.mask, self.structs
 
         def read(data: Octets, offset: int, count: int) -> tuple[list[Any], int]:
@@ -229,7 +229,7 @@ class Run:
         return read
 
     def _refuse(self, data: Octets, offset: int, failure: Exception) -> NoReturn:
-        """Names the scalar that cannot be read."""
+        """Raises the fault of the scalar that cannot be read."""
         for scalar, label in zip(self.scalars, self.labels, strict=True):
             offset += -offset % min(scalar.align, self.format.widest)
             try:
@@ -256,7 +256,7 @@ def _getter(paths: Sequence[str]) -> Callable[[Any], Sequence[Any]]:
 
 
 def _arranged(scalars: Sequence[Scalar], phase: int, widest: int) -> str:
-    """The `struct` format of scalars that begin at an offset of `phase`."""
+    """The `struct` format of scalars that start at offset `phase`."""
     texts = []
     offset = phase
     for scalar in scalars:
@@ -286,7 +286,7 @@ def _decoded(decode: Callable[[Any], Any], scalars: Iterator[Any]) -> Any:
 
 
 def made(class_: Callable[..., Any], builds: Sequence[Build]) -> Build:
-    """What makes an object of a class from scalars."""
+    """The function that makes an object of a class from scalars."""
     if all(build is next for build in builds):
         count = len(builds)
         if count == 2:
@@ -326,7 +326,7 @@ _NUMBERS = {
 
 
 def primitive(name: str, little: bool) -> Scalar | None:
-    """The scalar of a basic type, or None for what XTypes has not."""
+    """The scalar of a basic type, or None for one that XTypes lacks."""
     if name in _NUMBERS:
         code = _NUMBERS[name]
         size = struct.calcsize(f"<{code}")

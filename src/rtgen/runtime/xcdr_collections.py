@@ -32,10 +32,10 @@ from rtgen.runtime.xcdr_codecs import (
 )
 
 EMPTY_ELEMENTS = 65536
-"""How many elements without any octet a collection can have."""
+"""The largest number of elements without octets in a collection."""
 
 _DUAL_USE = {1: 5, 4: 6, 8: 7}
-"""Size of a primitive element to the length code that takes the count for the length."""
+"""The length code that uses the count as the length, by the size of a primitive element."""
 
 Of = Callable[[Descriptor], Codec]
 
@@ -43,7 +43,7 @@ Of = Callable[[Descriptor], Codec]
 def delimited(
     format_: Format, write_inner: Write, read_inner: Read
 ) -> tuple[Write, Read]:
-    """Both ways of what stands behind a DHEADER; `read_inner` gets no more than that."""
+    """Writer and reader of content after a DHEADER, which bounds the input of `read_inner`."""
     ulong = Struct(f"{format_.order}I")
     pack_into, unpack = ulong.pack_into, ulong.unpack_from
     zero = bytes(4)
@@ -120,7 +120,7 @@ def string_codec(format_: Format, descriptor: StringDescriptor) -> Codec:
 
 
 def sequence_codec(format_: Format, descriptor: SequenceDescriptor, of: Of) -> Codec:
-    """A count and the elements, behind a DHEADER in version 2 if they are not primitive."""
+    """A count and the elements, after a DHEADER in version 2 if they are not primitive."""
     element = of(descriptor.element)
     write_items, read_items = _items(format_, descriptor.element, element)
     bound = descriptor.bound
@@ -154,7 +154,7 @@ def sequence_codec(format_: Format, descriptor: SequenceDescriptor, of: Of) -> C
 def array_codec(
     format_: Format, descriptor: ArrayDescriptor, of: Of, inner: bool = False
 ) -> Codec:
-    """The elements, behind a DHEADER in version 2 if they are not primitive.
+    """The elements, after a DHEADER in version 2 if they are not primitive.
 
     An array of an alias of an array (`inner`) has more dimensions, and no second DHEADER.
     """
@@ -189,7 +189,7 @@ def array_codec(
 
 
 def map_codec(format_: Format, descriptor: MapDescriptor, of: Of) -> Codec:
-    """A count and the pairs, behind a DHEADER in version 2 if not both are primitive."""
+    """A count and the pairs, after a DHEADER in version 2 if not both are primitive."""
     key, item = of(descriptor.key), of(descriptor.value)
     bound = descriptor.bound
     ulong = Struct(f"{format_.order}I")
@@ -241,7 +241,7 @@ _ReadItems = Callable[[Octets, int, int], tuple[Any, int]]
 
 
 def _is_text(descriptor: Descriptor) -> bool:
-    """Whether a row of that type is `bytes` or `str`."""
+    """Whether a collection of that type is `bytes` or `str`."""
     target = plain(descriptor)
     texts = ("octet", "uint8", "char")
     return isinstance(target, PrimitiveDescriptor) and target.name in texts
@@ -250,7 +250,7 @@ def _is_text(descriptor: Descriptor) -> bool:
 def _items(
     format_: Format, descriptor: Descriptor, element: Codec
 ) -> tuple[Write, _ReadItems]:
-    """How so many elements are written and read."""
+    """Writer and reader of a number of elements."""
     if _is_text(descriptor):
         if plain(descriptor) == PrimitiveDescriptor("char"):
             return _write_characters, _read_characters
@@ -280,7 +280,7 @@ def _items(
 
 
 class _Shapes(dict[int, Struct]):
-    """What packs so many scalars; emptied when it is full, as the tables of classic CDR."""
+    """Cache of `Struct`s by count, cleared when full."""
 
     def __init__(self, order: str, code: str) -> None:
         self._order = order
@@ -296,7 +296,7 @@ class _Shapes(dict[int, Struct]):
 
 
 def _scalars(format_: Format, run: Run) -> tuple[Write, _ReadItems]:
-    """Scalars in one `struct` call."""
+    """Writer and reader of scalars in one `struct` call."""
     (scalar,) = run.scalars
     order, code, size = format_.order, scalar.code, scalar.size
     mask = min(scalar.align, format_.widest) - 1

@@ -50,7 +50,7 @@ _Declared = (
 
 
 def codec_of(descriptor: Descriptor, format_: Format) -> Codec:
-    """The codec of a type, compiled once; raises UnsupportedError for what XTypes has not."""
+    """The codec of a type, compiled once; raises UnsupportedError for types that XTypes lacks."""
     if isinstance(descriptor, AliasDescriptor):
         return codec_of(descriptor.target, format_)
     if isinstance(descriptor, LinkDescriptor):
@@ -92,7 +92,7 @@ def _compiled(descriptor: Descriptor, format_: Format) -> Codec:
 
 
 def _linked(descriptor: LinkDescriptor, format_: Format) -> Codec:
-    """The codec of a type that is being compiled: it is found when it is first used."""
+    """A placeholder for the codec of a type under compilation, resolved at first use."""
 
     def write(out: bytearray, value: Any) -> None:
         codec_of(descriptor.target(), format_).write(out, value)
@@ -104,7 +104,7 @@ def _linked(descriptor: LinkDescriptor, format_: Format) -> Codec:
 
 
 def holder(bound: int, signed: bool = False) -> tuple[str, int]:
-    """The code and size of the integer that holds so many bits (7.2.2.4.1.2)."""
+    """The code and size of the integer for a number of bits (7.2.2.4.1.2)."""
     for bits, code, size in ((8, "B", 1), (16, "H", 2), (32, "I", 4)):
         if bound <= bits:
             return code.lower() if signed else code, size

@@ -1,4 +1,4 @@
-"""The initial value of a type: what a member that was not sent has (DDS-XTypes 1.3, 7.2.2.4.4)."""
+"""The default value of a type, for members that were not sent (DDS-XTypes 1.3, 7.2.2.4.4)."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def initial_value(descriptor: Descriptor) -> Any:
 
 
 def _text(element: Descriptor, length: int) -> Any:
-    """So many zeros as octets or characters, or an empty list."""
+    """A number of zeros as octets or characters, or an empty list."""
     match plain(element):
         case PrimitiveDescriptor("octet" | "uint8"):
             return bytes(length)

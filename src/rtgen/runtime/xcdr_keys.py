@@ -1,6 +1,6 @@
 """Key hashes of DDS instances (DDS-XTypes 1.3, 7.6.8; DDSI-RTPS 2.5, 9.6.4.8).
 
-The key is what the members marked `@key` hold, by member id, each nested struct by its own key
+The key consists of the members marked `@key`, by member id, each nested struct by its own key
 or, without one, as a whole. Its octets are those of PLAIN_CDR2, most significant octet first. A
 key that never takes more than 16 octets is its own hash; any other is hashed by MD5.
 """
@@ -31,13 +31,13 @@ from rtgen.runtime.xcdr_compiler import codec_of, holder
 from rtgen.runtime.xcdr_structs import key_members
 
 SIZE = 16
-"""The octets of a hash."""
+"""The size of a hash in octets."""
 
 _FORMAT = Format(2, False, True)
 
 
 class _TooLongError(Exception):
-    """The key can take more than a hash."""
+    """The key can be longer than a hash."""
 
 
 def key_hash(type_: Any, value: object) -> bytes:
@@ -56,7 +56,7 @@ def key_hash(type_: Any, value: object) -> bytes:
 
 
 def _kept(descriptor: Any) -> tuple[Codec, bool]:
-    """The codec of the key, and whether it never takes more than a hash."""
+    """The codec of the key, and whether the key never exceeds 16 octets."""
     kept: tuple[Codec, bool] | None = descriptor.codecs.get(key_hash)
     if kept is None:
         members = getattr(descriptor, "members", ())

@@ -48,7 +48,7 @@ class Parameter:
 
 @dataclass(frozen=True, slots=True)
 class _Found:
-    """A parameter in octets: its content, and where the next may begin."""
+    """A parameter in the input: its content, and where the next one may start."""
 
     id: int
     must_understand: bool
@@ -105,7 +105,7 @@ def _flagged(codec: Codec) -> Codec:
 
 
 def _whole(codec: Codec, content: Octets, padding: int) -> Any:
-    """The value that is all of the content but so many octets of padding."""
+    """The value that fills the content, except for at most that much padding."""
     value, used = codec.read(content, 0)
     if len(content) - used > padding:
         raise ValueError(f"{len(content) - used} octets too many")
@@ -113,7 +113,7 @@ def _whole(codec: Codec, content: Octets, padding: int) -> Any:
 
 
 def parameter_writers(format_: Format, parameters: Sequence[Parameter]) -> list[Write]:
-    """What writes each of the parameters, header and value."""
+    """The functions that write each parameter, header and value."""
     make = _member_writer if format_.version == 2 else _padded_writer
     return [make(format_, p.id, p.must_understand, p.codec) for p in parameters]
 
@@ -190,7 +190,7 @@ _Next = Callable[[Octets, int], "_Found | None"]
 
 
 def _parameters(format_: Format) -> _Next:
-    """What finds the parameter at an offset in a list of XCDR1; None is its end."""
+    """The function that finds the parameter at an offset in a list of XCDR1; None at its end."""
     short, long = Struct(f"{format_.order}HH"), Struct(f"{format_.order}II")
 
     def next_parameter(data: Octets, offset: int) -> _Found | None:
@@ -220,7 +220,7 @@ def _parameters(format_: Format) -> _Next:
 
 
 def _members(format_: Format) -> _Next:
-    """What finds the member at an offset behind a DHEADER; None where the octets end."""
+    """The function that finds the member at an offset after a DHEADER; None at the end."""
     ulong = Struct(f"{format_.order}I")
 
     def next_member(data: Octets, offset: int) -> _Found | None:
@@ -251,9 +251,9 @@ def _members(format_: Format) -> _Next:
 def list_reader(
     format_: Format, parameters: Sequence[Parameter]
 ) -> Callable[[Octets, int], tuple[dict[str, Any], int]]:
-    """Reads a list into the values by name, and the offset behind it.
+    """The function that reads a list to the values by name and the offset after it.
 
-    What is not known is skipped, unless it must be understood.
+    Unknown parameters are skipped unless they are marked must-understand.
     """
     known = {p.id: (p.name, p.codec) for p in parameters}
     next_one = _members(format_) if format_.version == 2 else _parameters(format_)

@@ -38,7 +38,7 @@ from rtgen.runtime.xcdr_members import (
 
 
 def struct_codec(format_: Format, descriptor: StructDescriptor, of: Of) -> Codec:
-    """The codec of a struct in the way that its extensibility asks for."""
+    """The codec of a struct by its extensibility."""
     class_ = descriptor.class_
     members = key_members(descriptor) if format_.key else descriptor.members
     codecs = [_member_codec(format_, descriptor, member, of) for member in members]
@@ -64,7 +64,7 @@ def struct_codec(format_: Format, descriptor: StructDescriptor, of: Of) -> Codec
 
 
 def open_ended(format_: Format, descriptor: StructDescriptor, of: Of) -> Read:
-    """Reads an appendable struct of XCDR1 that nothing but the end of the octets ends."""
+    """The reader of an appendable struct of XCDR1 that extends to the end of the octets."""
     pairs = [
         (member, _member_codec(format_, descriptor, member, of))
         for member in descriptor.members
@@ -75,7 +75,7 @@ def open_ended(format_: Format, descriptor: StructDescriptor, of: Of) -> Read:
 def key_members(
     descriptor: StructDescriptor,
 ) -> Sequence[MemberDescriptor]:
-    """The members that make a key, by id: those marked, or all where none is (7.2.2.4.7)."""
+    """The members of the key, by id: those marked, or all if none is (7.2.2.4.7)."""
     marked = [m for m in descriptor.members if m.key] or descriptor.members
     return sorted(marked, key=lambda member: member.id)
 
@@ -102,7 +102,7 @@ _Pair: TypeAlias = tuple[MemberDescriptor, Codec]
 
 @dataclass(frozen=True, slots=True)
 class _Part:
-    """A run of members, or one member that is none; `members` by name and reader."""
+    """A run of members, or one member that is not a run; `members` by name and reader."""
 
     members: list[tuple[str, Codec]]
     write: Write
@@ -133,7 +133,7 @@ def _parts(format_: Format, pairs: Sequence[_Pair]) -> list[_Part]:
 
 
 def _joined(format_: Format, members: Sequence[_Pair]) -> Run:
-    """One run of the runs of members behind each other."""
+    """The runs of consecutive members merged into one."""
     scalars: list[Scalar] = []
     paths: list[str] = []
     builds: list[Build] = []
@@ -178,7 +178,7 @@ def _write_parts(parts: Sequence[_Part]) -> Write:
 
 
 def _steps(parts: Sequence[_Part]) -> list[tuple[str, Step]]:
-    """The steps with the part of the path that a fault in it lacks."""
+    """The steps with the path component that is added to their faults."""
     return [
         ("" if part.run is not None else f".{part.members[0][0]}", part.step)
         for part in parts
@@ -202,7 +202,7 @@ def _reader(class_: Callable[..., Any], parts: Sequence[_Part]) -> Read:
 
 
 def _prefix_reader(class_: Callable[..., Any], parts: Sequence[_Part]) -> Read:
-    """Reads the members that are there; the rest gets its defaults, more is not looked at."""
+    """The reader of the members present; missing ones get defaults, extra ones are ignored."""
     steps = [(part.members, part.step, part.run) for part in parts]
 
     def read(data: Octets, offset: int) -> tuple[Any, int]:
@@ -239,7 +239,7 @@ def _mutable(
     descriptor: StructDescriptor,
     pairs: Sequence[tuple[MemberDescriptor, Codec]],
 ) -> Codec:
-    """A list of parameters in the order of the definition; read in any."""
+    """A list of parameters, written in the order of the definition, read in any order."""
     parameters = [
         Parameter(m.attribute, m.id, m.must_understand, m.optional, m.key, codec)
         for m, codec in pairs
@@ -268,7 +268,7 @@ def _mutable(
 
 
 def listed(format_: Format, write_inner: Write, read: Read) -> tuple[Write, Read]:
-    """Both ways of a parameter list: behind a DHEADER, or in XCDR1 with an end."""
+    """Writer and reader of a parameter list: after a DHEADER, or in XCDR1 with a sentinel."""
     if format_.version == 2:
         return delimited(format_, write_inner, read)
     end = list_end(format_)

@@ -29,7 +29,7 @@ _Select = Callable[[Any], "int | None"]
 
 
 def union_codec(format_: Format, descriptor: UnionDescriptor, of: Of) -> Codec:
-    """The codec of a union in the way that its extensibility asks for."""
+    """The codec of a union by its extensibility."""
     switch = of(descriptor.switch)
     codecs = []
     for branch in descriptor.branches:
@@ -49,7 +49,7 @@ def union_codec(format_: Format, descriptor: UnionDescriptor, of: Of) -> Codec:
 
 
 def _selection(descriptor: UnionDescriptor) -> _Select:
-    """What finds the number of the branch that a discriminator selects."""
+    """The function that finds the number of the branch that a discriminator selects."""
     labels = {
         label: index
         for index, branch in enumerate(descriptor.branches)
@@ -87,7 +87,7 @@ def _plain_writer(
 def _plain_reader(
     descriptor: UnionDescriptor, switch: Codec, codecs: Sequence[Codec], to_end: bool
 ) -> Read:
-    """`to_end`: what follows is not looked at, and a branch without octets has its default."""
+    """`to_end`: later octets are ignored, and a branch without octets has its default."""
     select = _selection(descriptor)
     read_switch = switch.read
     reads = [codec.read for codec in codecs]

@@ -1,4 +1,4 @@
-"""CDL, the component description language of TECS, to the model."""
+"""Front end for CDL, the component description language of TECS."""
 
 from rtgen.frontends.cdl.pipeline import load, read_text
 

@@ -1,4 +1,4 @@
-"""The front end as a whole: CDL files in, units of the model and findings out."""
+"""The pipeline of the CDL front end: from files to units of the model and diagnostics."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from rtgen.model import Model, SourceFile
 from rtgen.model.tecs import TecsUnit
 
 _FRAMES = 12 * parser.MAX_NESTING
-"""Enough calls within calls for what nests as deeply as it may."""
+"""The recursion limit for the deepest permitted nesting."""
 
 
 def load(
@@ -40,9 +40,9 @@ def load(
     """Read CDL files, each with its imports, into one unit of the model each.
 
     `root` is the project's folder, to which the keys of files are relative; `include` are the
-    folders that imports are looked for in; `define` gives macros of C headers; `kcode` is the
+    folders that are searched for imports; `define` gives macros of C headers; `kcode` is the
     encoding (`auto`, `euc`, `sjis`, `utf8`, `none`); with `prelude` the kernel's scalar types are
-    known without an import. Whatever is wrong with the input is in the diagnostics, sorted;
+    known without an import. All errors of the input are in the diagnostics, sorted;
     nothing is raised for it. Declarations with an error are not in the model.
     """
     limit = sys.getrecursionlimit()
@@ -107,7 +107,7 @@ class _Run:
         )
 
     def _check_stems(self, sources: Sequence[Source]) -> None:
-        """What is generated for a file goes into a folder of its stem."""
+        """Report files of equal stem, since the stem names the folder of generated files."""
         known: dict[str, Source] = {}
         for source in sources:
             stem = re.sub(r"\W", "_", source.path.stem).lower()

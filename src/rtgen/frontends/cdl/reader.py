@@ -1,4 +1,4 @@
-"""Reading of a main file with its imports: search, each file once, what is missing."""
+"""Reads a main file with its imports: search path, include-once, missing files."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from rtgen.frontends.cdl.c_headers.reader import Headers
 
 MAX_DEPTH = 100
-"""How deep files may import files."""
+"""The largest depth of nested imports."""
 
 _DEFINITION = re.compile(r"[A-Za-z_]\w*(?:=.*)?", re.DOTALL)
 _KERNEL_FILES = re.compile(
@@ -57,7 +57,7 @@ class Reader:
         self._depth = 0
 
     def read(self, source: Source, *, reused: bool = False) -> Unit:
-        """Parse a file, and what it imports."""
+        """Parse a file and its imports."""
         unit = Unit(source, reused)
         self._read[absolute_path(source.path)] = unit
         for problem in source.problems:
@@ -69,7 +69,7 @@ class Reader:
         return unit
 
     def _tool_imports(self, unit: Unit) -> tuple[tree.Item, ...]:
-        """Do what a file says to tecsgen; the imports that it names."""
+        """Apply the `__tool_info__` of a file; returns the imports that it names."""
         found = tool_information(unit.source)
         if found is None:
             return ()
@@ -154,7 +154,7 @@ class Reader:
 
     @cached_property
     def _headers(self) -> Headers:
-        """Made when the first header is read, for pcpp and pycparser take time to import."""
+        """The reader of C headers, created lazily: pcpp and pycparser are slow to import."""
         from rtgen.frontends.cdl.c_headers.reader import Headers
 
         return Headers(self._header_files, self._define, self._report)
@@ -167,7 +167,7 @@ class Reader:
         return None
 
     def _candidates(self, name: str, unit: Unit) -> Iterator[tuple[Path, Path | None]]:
-        """Where a file is looked for, in order."""
+        """The candidate paths of a file, in order."""
         yield Path(name), None
         for folder in self._folders:
             yield folder / name, folder
@@ -188,7 +188,7 @@ class Reader:
         )
 
     def tell_missing(self, *, failed: bool) -> None:
-        """Tell the missing imports; one of the kernel is an error only beside other errors."""
+        """Report missing imports; a kernel's file is an error only if there are other errors."""
         failed = failed or not all(kernel for kernel, _, _ in self._missing)
         for kernel, error, warning in self._missing:
             self._report(warning if kernel and not failed else error)

@@ -1,4 +1,4 @@
-"""CDL files with joins through `RTCPlugin`, as packages of interfaces and components.
+"""Lowers CDL files with joins through `RTCPlugin` to packages of interfaces and components.
 
 RTM-TECS, 5.1 and Table 1: a marshaller RTC and a client RTC for each signature that is joined.
 """
@@ -22,7 +22,7 @@ from rtgen.model import Model, Package
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BoardPackage(Package):
-    """The package of a CDL file: what is planned, its signatures in IDL and on the wire."""
+    """The package of a CDL file: its plan, and its signatures in IDL and on the wire."""
 
     plan: TecsPackage
     side: IdlSide
@@ -30,7 +30,7 @@ class BoardPackage(Package):
 
 
 def lower(model: Model, settings: Settings) -> Lowered:
-    """The model with a package for what all boards share, and one for each CDL file with a join."""
+    """The model with a package shared by all boards, and one for each CDL file with a join."""
     planned, findings = packages(model)
     if not planned:
         return Lowered(model, tuple(findings))
@@ -68,7 +68,7 @@ def boards(model: Model) -> Iterator[BoardPackage]:
 def _layouts(
     package: TecsPackage, side: IdlSide
 ) -> tuple[list[SignatureLayout], list[Diagnostic]]:
-    """The layouts of all signatures; and what OpaqueRPC cannot carry, though IDL can."""
+    """The layouts of all signatures, and diagnostics for what OpaqueRPC cannot carry."""
     layouts = []
     found = []
     for service in package.services:

@@ -1,4 +1,4 @@
-"""What a project with TECS boards has once: the communication RTC and its interface."""
+"""The communication RTC and its interface, shared by all TECS boards of a project."""
 
 from __future__ import annotations
 
@@ -32,13 +32,13 @@ from rtgen.model import (
 )
 
 FILE = "OpaqueRpc.idl"
-"""The IDL file of the interface, which stands in the runtime."""
+"""The IDL file of the interface, which is part of the runtime."""
 
 RUNTIME = "rtgen.runtime.opaque_rpc"
-"""The package that has the interface in Python."""
+"""The Python package of the interface."""
 
 FACTORY = f"{RUNTIME}.communication:{facts.COMPONENT}"
-"""What makes the component."""
+"""The factory of the component."""
 
 _NOWHERE = Span(FILE, 1, 1, 1, 1)
 _OCTETS = NamedType((*COMMUNICATION, "Octets"))

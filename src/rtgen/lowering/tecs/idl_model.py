@@ -1,4 +1,4 @@
-"""The IDL side of a CDL file: its signatures as interfaces, with the components around them."""
+"""The IDL of a CDL file: its signatures as interfaces, with their components."""
 
 from __future__ import annotations
 
@@ -81,10 +81,10 @@ class IdlService:
 
 @dataclass(frozen=True, slots=True)
 class IdlSide:
-    """All services of a package. `shared` are the declarations that several files have.
+    """The IDL of a package's services. `shared` are the declarations that several files use.
 
-    `structs` gives the scoped name in IDL of each struct of CDL, `refused` the places of the
-    functions that IDL cannot have.
+    `structs` gives the scoped name in IDL of each struct of CDL, `refused` the spans of
+    functions that IDL cannot express.
     """
 
     model: Model
@@ -97,7 +97,7 @@ class IdlSide:
 def idl_side(
     package: TecsPackage, communication: Model
 ) -> tuple[IdlSide, list[Diagnostic]]:
-    """The IDL of a package, and findings where there is none.
+    """The IDL of a package, and diagnostics for functions that have none.
 
     `communication` has the interface that marshallers use.
     """
@@ -138,7 +138,7 @@ class _Builder:
         )
 
     def _is_typedef(self, declaration: TecsTypedef) -> bool:
-        """Whether it is one in IDL: no kernel type, no pointer, no second name of a struct."""
+        """Whether a typedef has one in IDL: not of a kernel type or pointer, no struct's alias."""
         plain = declaration.type
         if isinstance(plain, CStructType):
             name = (
@@ -195,7 +195,7 @@ class _Builder:
         owners: dict[ScopedName, str],
         communication: Model,
     ) -> Model:
-        """All declarations, each in the file that has it first, and the components."""
+        """All declarations, each in the first file that uses it, and the components."""
         main = self._package.sources[0]
         files = [replace(main, name=_file(s.service), includes=()) for s in services]
         declarations: dict[ScopedName, Declaration] = {}
@@ -224,7 +224,7 @@ class _Builder:
     # Types and constants.
 
     def _declarations(self) -> Iterator[Declaration]:
-        """Everything of the unit that IDL can have, in order."""
+        """All declarations of the unit that IDL can express, in order."""
         for declaration in self._unit.declarations:
             found: Declaration | None = None
             match declaration:
@@ -241,7 +241,7 @@ class _Builder:
         try:
             return make(of)
         except NotInIdlError:
-            return None  # told where a parameter uses it
+            return None  # reported where a parameter uses it
 
     def _struct(self, declaration: TecsStruct) -> Struct:
         name = self._structs[declaration.name]
@@ -292,7 +292,7 @@ class _Builder:
     # Interfaces.
 
     def _interface(self, service: Service) -> tuple[AnonymousTypes, Interface]:
-        """The interface, and what has no name outside of it."""
+        """The interface, and the types local to it."""
         signature = service.signature
         name = self._interfaces[signature.name]
         operations = IdlNames([name[-1]])
@@ -339,7 +339,7 @@ class _Builder:
             name=name,
             returns=anonymous.named(returns),
             parameters=tuple(parameters),
-            # An operation that is oneway in IDL cannot say that its request was written.
+            # A oneway operation of IDL cannot report that its request was written.
             oneway=function.oneway and returns == VOID,
             span=function.span,
             doc=function.doc,
@@ -387,7 +387,7 @@ def _needed(
 
 
 def _fitting(type_: Type, plain: object, value: ConstantValue) -> ConstantValue:
-    """The value as a constant of the IDL type has it."""
+    """The value converted for a constant of the IDL type."""
     if type_ == PrimitiveType(Primitive.OCTET) and isinstance(value, int):
         return value & 0xFF
     if type_ == PrimitiveType(Primitive.CHAR) and isinstance(value, int):

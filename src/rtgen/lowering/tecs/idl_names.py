@@ -1,4 +1,4 @@
-"""Names in IDL: distinct whatever the case, and for types that an operation cannot write."""
+"""Names in IDL: distinct regardless of case, and typedefs for anonymous types."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ from rtgen.model.tecs import TecsDeclaration
 
 
 class IdlNames:
-    """Names in one scope of IDL, where no two may differ in case only."""
+    """The names of one scope of IDL, where no two may differ in case only."""
 
     def __init__(self, taken: Iterable[str] = ()) -> None:
         self._taken = {name.lower() for name in taken}
 
     def add(self, name: str) -> str:
-        """The name as IDL can have it: a letter first, and no other's."""
+        """A valid and unused IDL identifier for the name."""
         chosen = f"x{name}" if name.startswith("_") else name
         while chosen.lower() in self._taken:
             chosen += "_"
@@ -34,7 +34,7 @@ class IdlNames:
 
 
 def common_fields(name: ScopedName, declaration: TecsDeclaration) -> dict[str, Any]:
-    """The fields that every declaration has."""
+    """The common fields of a declaration."""
     return {
         "name": name,
         "repository_id": f"IDL:{'/'.join(name)}:1.0",
@@ -45,7 +45,7 @@ def common_fields(name: ScopedName, declaration: TecsDeclaration) -> dict[str, A
 
 
 class AnonymousTypes:
-    """Gives the types that an operation cannot write a name, inside of the interface."""
+    """Names the anonymous types of operations by typedefs inside the interface."""
 
     def __init__(
         self, interface: ScopedName, signature: TecsDeclaration, names: IdlNames
@@ -58,7 +58,7 @@ class AnonymousTypes:
         self.arrays: dict[Span, ScopedName] = {}
 
     def named(self, type_: Type) -> Type:
-        """The type as a parameter or return value can have it."""
+        """The type in a form valid for a parameter or return value."""
         if not isinstance(type_, SequenceType | ArrayType):
             return type_
         if type_ not in self._named:

@@ -47,7 +47,7 @@ _SAMPLE = "az09"
 
 
 class _RefusalError(Exception):
-    """What a value has to be."""
+    """An invalid value; the message states the valid ones."""
 
 
 def _one_of(*words: str) -> Callable[[str], str]:
@@ -126,9 +126,9 @@ def _option(
 
 @dataclass(frozen=True, slots=True)
 class RtcOptions:
-    """What the argument of a `RTCPlugin` says; None where the default depends on others.
+    """The options of an `RTCPlugin`; None if the default depends on other joins.
 
-    `shared` tells of a field that all joins of a signature, or of a file, have to agree on.
+    `shared` marks a field on which all joins of a signature, or of a file, must agree.
     """
 
     tdr: str = _option("tdr", _one_of("network", "little", "big"), "network", "file")
@@ -159,7 +159,7 @@ class RtcOptions:
         )
 
     def differing(self, other: RtcOptions, *shared: str) -> list[str]:
-        """The options, shared in one of these ways, that are different in the other."""
+        """The options, shared in one of these scopes, that differ from the other's."""
         return [
             each.metadata["name"]
             for each in fields(self)
@@ -184,7 +184,7 @@ NETWORK_WIDTHS = {
 
 
 def read_options(through: Through) -> tuple[RtcOptions, list[Diagnostic]]:
-    """The options of a plug-in, and what is wrong with them."""
+    """The options of a plug-in, and diagnostics."""
     values: dict[str, object] = {}
     findings = list(_read(through.options, values))
     return RtcOptions(**values), findings  # type: ignore[arg-type]

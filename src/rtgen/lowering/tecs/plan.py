@@ -1,4 +1,4 @@
-"""Plan of the back end: packages of CDL files, their services, joins with their options."""
+"""The plan of TECS lowering: packages of CDL files, their services, joins with their options."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ from rtgen.typemap.tecs_python import plain_name
 
 PLUGIN = "RTCPlugin"
 FOLDER = "tecs"
-"""The package of what is made of CDL files, below the project's own."""
+"""The package of code generated for CDL files, below the project's own."""
 
 _TAKEN = frozenset({"_corba"})
-"""What stands beside the packages of the CDL files."""
+"""Modules beside the packages of the CDL files."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,9 +61,9 @@ class RtcJoin:
 
     @property
     def path(self) -> str:
-        """What `RTCPlugin.rb` knows the join by: its call port.
+        """The key of the join in `RTCPlugin.rb`: its call port.
 
-        A region's plug-in is known by its region and the target, for callers share it.
+        The key of a region's plug-in is its region and the target, since callers share it.
         """
         join, through = self.join, self.through
         if through.origin == "through":
@@ -75,7 +75,7 @@ class RtcJoin:
 
 @dataclass(frozen=True, slots=True)
 class TecsPackage:
-    """What a CDL file gives. `sources` are the files that decide it, the main file first."""
+    """The package of a CDL file. `sources` are its inputs, the main file first."""
 
     unit: TecsUnit
     stem: str
@@ -95,7 +95,7 @@ class TecsPackage:
 
 
 def packages(model: Model) -> tuple[list[TecsPackage], list[Diagnostic]]:
-    """The packages in the order of the CDL files, and what is wrong."""
+    """The packages in the order of the CDL files, and diagnostics."""
     planned: list[TecsPackage] = []
     findings: list[Diagnostic] = []
     mains = {unit.file for unit in model.tecs}
@@ -117,7 +117,7 @@ class _Planner:
         self.findings: list[Diagnostic] = []
 
     def package(self) -> TecsPackage | None:
-        """The package, None without a join. A join in another main file is that one's."""
+        """The package; None without a join. Joins of an imported main file belong to that file."""
         joined = _distinct(
             (cell, join, through)
             for cell, join in self._unit.joins_through(PLUGIN)
@@ -154,7 +154,7 @@ class _Planner:
         return found
 
     def _sources(self, joins: Iterable[RtcJoin]) -> tuple[SourceFile, ...]:
-        """The main file, and those that the signatures and joins stand in."""
+        """The main file, and the files of the signatures and joins."""
         names = [self._unit.file]
         for join in joins:
             names += [join.service.signature.file, join.cell.file]
@@ -162,7 +162,7 @@ class _Planner:
         return tuple(known[name] for name in dict.fromkeys(names) if name in known)
 
     def _compare(self, join: RtcJoin, others: Sequence[RtcJoin]) -> None:
-        """Whether a join agrees with those before it, where it has to."""
+        """Whether a join agrees with earlier ones in the shared options."""
         for other in others:
             same = other.service is join.service
             shared = ("file", "signature") if same else ("file",)
@@ -197,7 +197,7 @@ class _Planner:
 def _distinct(
     joined: Iterable[tuple[Cell, Join, Through]],
 ) -> Iterator[tuple[Cell, Join, Through]]:
-    """The joins, each with a channel of its own.
+    """The joins, one for each channel.
 
     A region's plug-in makes one cell for all its callers of one entry port.
     """

@@ -12,11 +12,11 @@ COMMUNICATION = ("OpaqueRpc",)
 """The interface of the communication RTC."""
 
 RTCS = ("Marshaller", "Client")
-"""What the names of the RTCs of a service end in."""
+"""The suffixes of the names of a service's RTCs."""
 
 
 def consumer_name(service: Service) -> str:
-    """The port by which a marshaller uses the communication RTC."""
+    """The marshaller's port to the communication RTC."""
     return "communication" if service.module != "communication" else "opaque_rpc"
 
 

@@ -1,1 +1,1 @@
-"""The marshalling engine: codecs are compiled from descriptions of types, at first use."""
+"""The marshalling engine: compiles codecs from type descriptors at first use."""

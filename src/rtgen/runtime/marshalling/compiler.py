@@ -1,7 +1,7 @@
-"""Compiles the codecs of a type from its description, when they are first used.
+"""Compiles the codecs of a type from its descriptor at first use.
 
-The source text of each function stands in `linecache`, so that debuggers and tracebacks show it.
-What was compiled is kept with the descriptor.
+The source text of each function is entered in `linecache`, so that debuggers and tracebacks show
+it. Compiled functions are cached in the descriptor.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ _LOCK = RLock()
 def compiled(
     kind: str, descriptor: Any, format_: Format = CLASSIC
 ) -> Callable[..., Any]:
-    """The function of that kind (a key of `FUNCTIONS`) for a type in a format.
+    """The compiled function of a kind (a key of `FUNCTIONS`) for a type in a format.
 
     Raises NotCompiledError for a type that has none.
     """
@@ -39,7 +39,7 @@ def compiled(
 
 
 def _compile(kind: str, descriptor: Any, format_: Format) -> None:
-    """Compiles a function and all that it calls; none is kept before all are complete."""
+    """Compiles a function and its callees; none is cached before all are complete."""
     made: dict[tuple[str, int], tuple[Any, Callable[..., Any]]] = {}
     calls: list[tuple[dict[str, Any], str, str, Any]] = []
     waiting = [(kind, descriptor)]

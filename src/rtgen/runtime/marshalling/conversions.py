@@ -40,12 +40,12 @@ class Conversions:
         return self._namespace.bind("BOOLEAN", BOOLEAN)
 
     def made(self, descriptor: Any) -> str:
-        """The class that values of the type are made as."""
+        """The class that values of the type are instances of."""
         class_ = descriptor.class_
         return self._namespace.bind(class_.__name__, class_)
 
     def _members(self, atom: Atom) -> str:
-        """The table of an enum's members by number, which refuses every other value."""
+        """The table of an enum's members by number, which rejects every other number."""
         table = atom.type.codecs.get("members")
         if table is None:
             members = (atom.type.class_(number) for _, number in atom.type.members)
@@ -53,7 +53,7 @@ class Conversions:
         return self._namespace.bind(f"{atom.type.class_.__name__}_members", table)
 
     def packed(self, atom: Atom, value: str) -> str:
-        """The expression that `struct` packs for a value."""
+        """The expression for the item that `struct` packs for a value."""
         name = self._name
         match atom.form:
             case Form.BOOLEAN:
@@ -77,7 +77,7 @@ class Conversions:
         return value
 
     def unpacked(self, atom: Atom, raw: str) -> str:
-        """The value of what `struct` unpacked."""
+        """The expression for the value from the item that `struct` unpacked."""
         name = self._name
         match atom.form:
             case Form.BOOLEAN:
@@ -104,7 +104,7 @@ class Conversions:
         return raw
 
     def packed_text(self, text: Text, value: str) -> str:
-        """The octets of a text or of octets."""
+        """The expression for the octets of a string or an octet sequence."""
         name = self._name
         conversions: dict[Text, str] = {
             Text.OCTETS: value,
@@ -118,7 +118,7 @@ class Conversions:
         return f"{name(function)}({value})"
 
     def unpacked_text(self, text: Text, raw: str, bound: int | None = None) -> str:
-        """The way back; `bound` is that of a wide string, whose mark can be missing."""
+        """Inverse of `packed_text`; `bound` is that of a wide string, which may lack its BOM."""
         name = self._name
         if text is Text.OCTETS:
             return raw

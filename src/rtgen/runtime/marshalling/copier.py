@@ -25,7 +25,7 @@ class Copier:
         self.body = Body(references.namespace)
 
     def copy(self, node: Node, value: str, path: Path = ()) -> str:
-        """An expression for a copy that shares nothing that can change."""
+        """An expression for a deep copy; immutable values are shared."""
         match node:
             case AtomSequence():
                 return f"list({value})"

@@ -45,7 +45,7 @@ class Decoder:
         self.body = Body(references.namespace)
 
     def fixed(self, run: Run, node: Node) -> list[str]:
-        """The body for a value of one size: everything is unpacked at once."""
+        """The body for a value of fixed size, unpacked by one `struct` call."""
         entries = run.sections[0].entries
         layout = self._layouts.of(run, whole=True)
         self.body.choose("unpack", "unpack_all", layout, "unpack")
@@ -53,7 +53,7 @@ class Decoder:
         return self._returning(self.value(node, (), True))
 
     def whole(self, steps: tuple[Step, ...], node: Node) -> list[str]:
-        """The body for a value that has to end where the data do."""
+        """The body for a value that must use all of the data."""
         self._offset = 0
         self.steps(steps, ())
         end = self._offset if self._offset is not None else "offset"
@@ -63,7 +63,7 @@ class Decoder:
         return self._returning(self.value(node, (), True))
 
     def parts(self, steps: tuple[Step, ...], node: Node) -> list[str]:
-        """The body for a value that others may follow; its end is returned too."""
+        """The body for a value within other data; its end offset is returned too."""
         self.steps(steps, ())
         return self._returning(f"{self.value(node, ())}, offset")
 
@@ -71,7 +71,7 @@ class Decoder:
         return [*self.body.lines, f"return {value}"]
 
     def steps(self, steps: tuple[Step, ...], prefix: Path) -> None:
-        """The steps of a value that stands at `prefix`."""
+        """The steps of the value at path `prefix`."""
         for step in steps:
             match step:
                 case Run():
@@ -119,7 +119,7 @@ class Decoder:
         self.refuse(f"offset != {end}")
 
     def take_length(self, end: str) -> None:
-        """The end of what is delimited, from the length in front of it."""
+        """The end of a delimited value, from its DHEADER."""
         self._settle()
         body = self.body
         body.choose("get", "get", LENGTHS, "get")
@@ -129,7 +129,7 @@ class Decoder:
         body.add(f"{end} = offset + size")
 
     def value(self, node: Node, path: Path, outermost: bool = False) -> str:
-        """The expression that makes a value of what was read."""
+        """The expression for a value from its unpacked items."""
         convert = self._convert
         match node:
             case Group(type=type_, members=members):
@@ -215,7 +215,7 @@ class Decoder:
         return f"({names[0]},)"
 
     def _check(self, entry: Entry, prefix: Path) -> None:
-        """The bound, as soon as the count is known."""
+        """Check of the bound, directly after reading the count."""
         node = entry.field.node
         bound = (
             node.most
@@ -261,7 +261,7 @@ class Decoder:
         return f"[{value} for {targets} in {records}({self._locals.name(path)})]"
 
     def refuse(self, condition: str, message: str = "wrong length") -> None:
-        """Raises ValueError on a condition."""
+        """A statement that raises ValueError on a condition."""
         self.body.block(f"if {condition}:")
         self.body.add(f'raise ValueError("{message}")')
         self.body.end()
@@ -276,7 +276,7 @@ class Decoder:
             self._offset += size
 
     def _settle(self) -> None:
-        """From here on the offset is a variable."""
+        """Keep the offset in a variable from here on."""
         if self._offset is not None:
             self.body.add(f"offset = {self._offset}")
             self._offset = None

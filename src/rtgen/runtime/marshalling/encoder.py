@@ -42,7 +42,7 @@ class Encoder:
         self.body = Body(references.namespace)
 
     def whole(self, run: Run, base: str) -> list[str]:
-        """The body of a value that one `struct` call packs."""
+        """The body for a value packed by one `struct` call."""
         self._bound = {(): base}
         arguments, counts = self._arguments(run, ())
         layout = self._layouts.of(run, whole=True)
@@ -51,13 +51,13 @@ class Encoder:
         return [*self.body.lines, f"return pack{shape}({', '.join(arguments)})"]
 
     def parts(self, steps: tuple[Step, ...], base: str) -> list[str]:
-        """The body of a value whose parts are appended to `out`."""
+        """The body for a value whose parts are appended to `out`."""
         self._bound = {(): base}
         self.steps(steps, ())
         return self.body.lines
 
     def steps(self, steps: tuple[Step, ...], prefix: Path) -> None:
-        """The steps of a value that stands at `prefix`."""
+        """The steps of the value at path `prefix`."""
         for step in steps:
             match step:
                 case Run():
@@ -99,12 +99,12 @@ class Encoder:
         self.put_length(start)
 
     def put_length(self, start: str) -> None:
-        """The length in front of what begins at a variable."""
+        """Write the DHEADER of a value that starts at the offset in a variable."""
         self.body.choose("put", "put", LENGTHS, "put")
         self.body.add(f"put(out, {start} - 4, len(out) - {start})")
 
     def bind(self, path: Path, expression: str) -> None:
-        """The expression stands for the value at the path."""
+        """Use the expression for the value at the path."""
         self._bound[path] = expression
 
     def _run(self, run: Run, prefix: Path) -> None:
@@ -136,7 +136,7 @@ class Encoder:
         self.body.end()
 
     def _arguments(self, run: Run, prefix: Path) -> tuple[list[str], list[str]]:
-        """What `struct` packs for a run, and the counts among it."""
+        """The arguments of `pack` for a run, and the counts among them."""
         arguments: list[str] = []
         counts: list[str] = []
         for field in run.fields:
@@ -236,7 +236,7 @@ class Encoder:
         self.body.end()
 
     def _items(self, path: Path) -> str:
-        """A variable for a collection, which is looked at more than once."""
+        """A variable for a collection that is used more than once."""
         value = self._value(path)
         if "." not in value:
             return value
@@ -246,7 +246,7 @@ class Encoder:
         return name
 
     def _value(self, path: Path) -> str:
-        """The expression for a value; structs on the way get variables."""
+        """The expression for a value; enclosing structs are bound to variables."""
         if path in self._bound:
             return self._bound[path]
         parent = self._value(path[:-1])

@@ -1,4 +1,4 @@
-"""Formats that codecs are compiled for: classic CDR, or a version of XCDR."""
+"""The formats of compiled codecs: classic CDR and the versions of XCDR."""
 
 from __future__ import annotations
 
@@ -20,4 +20,4 @@ CLASSIC = Format(0)
 
 
 class NotCompiledError(TypeError):
-    """A type whose codec in a format is not compiled: parameter lists, empty elements."""
+    """A type without a compiled codec in the format: parameter lists, empty elements."""

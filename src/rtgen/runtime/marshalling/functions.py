@@ -1,4 +1,4 @@
-"""The functions that are compiled for a type: head and body of each, as source text."""
+"""The source text (head and body) of each function compiled for a type."""
 
 from __future__ import annotations
 
@@ -112,7 +112,7 @@ def _decoding(descriptor: Any, refer: References) -> list[str]:
 
 
 def _node(descriptor: Any, refer: References) -> Node:
-    """The tree of what is not a union."""
+    """The tree of a type other than a union."""
     if isinstance(descriptor, AliasDescriptor):
         return tree_of(descriptor.target, refer.format)
     body = body_of(descriptor, refer.format)
@@ -149,7 +149,7 @@ def _read(descriptor: Any, refer: References) -> Function:
 
 
 def _snapshot(descriptor: Any, refer: References) -> Function:
-    """A copy that shares nothing that can change."""
+    """A deep copy; immutable values are shared."""
     head = "def _snapshot_(self):"
     if is_dynamic(descriptor) or has_headers(descriptor):
         return head, [f"return {refer.function(deepcopy)}(self)"]
@@ -167,4 +167,4 @@ FUNCTIONS: dict[str, Callable[[Any, References], Function]] = {
     "read": _read,
     "_snapshot_": _snapshot,
 }
-"""What can be compiled for a type."""
+"""The functions that can be compiled for a type, by kind."""

@@ -1,4 +1,4 @@
-"""CDR and XCDR as data: where each value lies, and what can go in one `struct` call.
+"""Layouts of CDR and XCDR as data: the position of each value, grouped by `struct` call.
 
 Alignment is that of each basic type, up to 8 (XCDR2: 4), from the start of the body (CORBA 3.3
 part 2, 9.3.1; DDS-XTypes 1.3, 7.4.3.2). A type becomes a tree of nodes (`trees`); `steps_of` lays
@@ -15,7 +15,7 @@ from typing import Any, TypeAlias
 
 
 class Form(Enum):
-    """How a Python value stands for an atom on the wire."""
+    """The Python representation of an atom."""
 
     NUMBER = auto()
     BOOLEAN = auto()
@@ -30,7 +30,7 @@ class Form(Enum):
 
 
 class Text(Enum):
-    """What a run of octets is in Python."""
+    """The Python representation of a run of octets."""
 
     OCTETS = auto()
     CHARACTERS = auto()
@@ -57,7 +57,7 @@ class Atom:
 
 
 COUNT = Atom("I", 4, 4)
-"""The count in front of a sequence or string."""
+"""The count before a sequence or string."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,7 +86,7 @@ class AtomSequence:
 
 @dataclass(frozen=True, slots=True)
 class TextSequence:
-    """A count of octets and the octets.
+    """A count of octets, then the octets.
 
     `bound` is in octets (of UTF-8), for a wide string in UTF-16 units, as omniORB counts.
     """
@@ -160,7 +160,7 @@ class Reference:
 
 @dataclass(frozen=True, slots=True)
 class Dynamic:
-    """A value that is marshalled along its descriptor: `any`, a type code, a value."""
+    """A value marshalled by interpreting its descriptor: `any`, a type code, a value."""
 
     type: Any
     minimum: int = 4
@@ -168,14 +168,14 @@ class Dynamic:
 
 @dataclass(frozen=True, slots=True)
 class Delimited:
-    """A value behind its length in octets (DHEADER; DDS-XTypes 1.3, 7.4.3.4.2)."""
+    """A value after its length in octets (DHEADER; DDS-XTypes 1.3, 7.4.3.4.2)."""
 
     node: Node
 
 
 @dataclass(frozen=True, slots=True)
 class Optional:
-    """A value, or None, behind an octet that says which (DDS-XTypes 1.3, 7.4.3.4.1)."""
+    """A value, or None, after an octet that is its presence flag (DDS-XTypes 1.3, 7.4.3.4.1)."""
 
     node: Node
 
@@ -197,7 +197,7 @@ Node: TypeAlias = (
 )
 
 Path: TypeAlias = tuple[str, ...]
-"""Member names from the value that is laid out down to a value inside it."""
+"""Member names from the root value to a value inside it."""
 
 Placed: TypeAlias = Atom | AtomArray | TextArray | AtomSequence | TextSequence | Records
 
@@ -212,7 +212,7 @@ class Field:
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """What one value that `struct` gives stands for: a field, or its count.
+    """The meaning of one item of `struct`: a field, or its count.
 
     `star`: as many values as the field has items.
     """
@@ -224,9 +224,9 @@ class Entry:
 
 @dataclass(frozen=True, slots=True)
 class Section:
-    """Values that one `struct` call reads, once the count in front of them is known.
+    """Values that one `struct` call reads, once the count before them is known.
 
-    `text` is what the runtime takes: `=` and a format whose padding is settled; or tokens such as
+    `text` is in the runtime's notation: `=` and a format with settled padding; or tokens such as
     `I`, `3d`, `*i` (as many as the count says), `*48s/8` (48 octets each, aligned to 8), with
     `@4` before them where the offset modulo 8 is known to be 4. `size` is that of a settled one.
     """
@@ -243,7 +243,7 @@ class Section:
 class Run:
     """Fields that one `struct` call writes, and the sections in which they are read.
 
-    `known`: the offset of its beginning is known as far as its padding depends on it.
+    `known`: the start offset is known modulo the run's alignment.
     """
 
     fields: tuple[Field, ...]
@@ -263,7 +263,7 @@ class Loop:
 
 @dataclass(frozen=True, slots=True)
 class Jump:
-    """A value that its own codec writes and reads."""
+    """A value written and read by its own codec."""
 
     path: Path
     node: Call | Reference | Dynamic
@@ -283,7 +283,7 @@ Step: TypeAlias = Run | Loop | Jump | Frame
 
 @dataclass(frozen=True, slots=True)
 class Position:
-    """What is known of an offset: its remainder modulo 1, 2, 4 or 8."""
+    """A partly known offset: its remainder modulo 1, 2, 4 or 8."""
 
     modulus: int
     remainder: int
@@ -299,7 +299,7 @@ class Position:
         return Position(self.modulus, (self.remainder + size) % self.modulus)
 
     def after_items(self, size: int, align: int) -> Position:
-        """After any number of items, none included (then there is no padding either)."""
+        """After any number of items, including none (then without padding)."""
         start = self.aligned(align)
         modulus = gcd(
             self.modulus, start.modulus, size, start.remainder - self.remainder
@@ -311,11 +311,11 @@ ORIGIN = Position(8, 0)
 """The start of a body."""
 
 ANYWHERE = Position(1, 0)
-"""Inside a body, after something of varying size."""
+"""Inside a body, after a value of varying size."""
 
 
 _ALIGNED = Position(4, 0)
-"""Behind a length."""
+"""After a length."""
 
 
 def steps_of(node: Node, start: Position) -> tuple[Step, ...]:
@@ -324,7 +324,7 @@ def steps_of(node: Node, start: Position) -> tuple[Step, ...]:
 
 
 def fields_of(node: Node, path: Path = ()) -> list[Field | Loop | Jump | Frame]:
-    """The tree in wire order, structs taken apart; a loop or jump stands after its count."""
+    """The tree in wire order, structs flattened; a loop or jump follows its count."""
     match node:
         case Group(members=members):
             return [
@@ -358,7 +358,7 @@ def fixed_format(fields: tuple[Field, ...]) -> tuple[str, int, int, bool]:
 
 
 def minimum_size(node: Node) -> int:
-    """The least number of octets that a value takes, padding left out."""
+    """The minimum number of octets of a value, without padding."""
     match node:
         case Atom(size=size):
             return size
@@ -406,7 +406,7 @@ def _aligned(atom: Atom) -> str:
 
 
 def _counted_token(node: Placed) -> tuple[str, int, int]:
-    """(token, size of an item, alignment) of what stands behind a count."""
+    """(token, size of an item, alignment) of the items after a count."""
     match node:
         case AtomSequence(atom=atom):
             return f"*{_aligned(atom)}", atom.size, atom.align
@@ -418,7 +418,7 @@ def _counted_token(node: Placed) -> tuple[str, int, int]:
 
 
 class _Arrangement:
-    """Lays a tree out, keeping account of the offset as far as it is known."""
+    """Lays a tree out while tracking the known part of the offset."""
 
     def __init__(self, start: Position) -> None:
         self._position = start
@@ -494,7 +494,7 @@ class _Arrangement:
 
 
 class _Section:
-    """A section while it is laid out."""
+    """A section under construction."""
 
     def __init__(self, start: Position, counted: Field | None = None) -> None:
         self.start = start
@@ -508,7 +508,7 @@ class _Section:
     def add(
         self, token: str, size: int, align: int, entry: Entry, before: Position
     ) -> Position:
-        """Takes in a value of known size; the position after it."""
+        """Appends a value of known size; returns the position after it."""
         padding = -before.remainder % align if before.modulus % align == 0 else 0
         self._format += pad(padding) + token.partition("/")[0]
         self._size += padding + size
@@ -536,7 +536,7 @@ def pad(octets: int) -> str:
 
 
 def has_count(node: Placed | Repeat) -> bool:
-    """Whether a count stands in front of it on the wire."""
+    """Whether a count precedes the node on the wire."""
     match node:
         case AtomSequence() | TextSequence():
             return True

@@ -1,4 +1,4 @@
-"""Objects that a compiled function refers to: classes, functions, other compiled functions."""
+"""Global names of a compiled function: classes, functions, other compiled functions."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class References:
         return self.namespace.bind(function.__name__, function)
 
     def made(self, descriptor: Any) -> str:
-        """The class that values of the type are made as."""
+        """The class that values of the type are instances of."""
         class_ = descriptor.class_
         return self.namespace.bind(class_.__name__, class_)
 
@@ -43,21 +43,21 @@ class References:
         return self.needed[key][0]
 
     def writer(self, descriptor: Any) -> str:
-        """What appends a value of the type to a body."""
+        """The function that appends a value of the type to a body."""
         return self.compiled("write", descriptor)
 
     def reader(self, descriptor: Any) -> str:
-        """What reads a value of the type at an offset."""
+        """The function that reads a value of the type at an offset."""
         return self.compiled("read", descriptor)
 
     def dynamic_writer(self) -> str:
-        """What appends a value whose type is known only at run time."""
+        """The function that appends a value whose type is known only at run time."""
         from rtgen.runtime.cdr_writer import write_dynamic
 
         return self.function(write_dynamic)
 
     def dynamic_reader(self) -> str:
-        """What reads a value whose type is known only at run time."""
+        """The function that reads a value whose type is known only at run time."""
         from rtgen.runtime.cdr_reader import read_dynamic
 
         return self.function(read_dynamic)

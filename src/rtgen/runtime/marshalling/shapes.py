@@ -21,7 +21,7 @@ _V = TypeVar("_V")
 _Reader: TypeAlias = tuple[Callable[..., tuple[Any, ...]], int]
 
 SHAPES_KEPT = 512
-"""How many shapes a table keeps before it begins anew."""
+"""The largest number of cached shapes; a full table is cleared."""
 
 _TOKEN = re.compile(r"(\*?)(\d*)([a-zA-Z])(?:/(\d+))?(?: |$)")
 _SIZES = {"b": 1, "B": 1, "c": 1, "s": 1, "h": 2, "H": 2, "i": 4, "I": 4, "f": 4}
@@ -87,7 +87,7 @@ class Layout:
 
 
 class PhasedLayout:
-    """The same for a run that begins at an offset known only when it is reached.
+    """The layout of a run whose start offset is known only at run time.
 
     `pack_*` takes the offset modulo 8 before the counts. A table of `read_*` is by count if its
     section says where it begins (`@`), else by `count << 3 | offset & 7`.
@@ -111,7 +111,7 @@ def _reader(order: str, section: str) -> Any:
 
 
 class _Table(dict[Any, _V]):
-    """A table that is filled as keys are asked for, and emptied when it is full."""
+    """A cache filled on lookup, cleared when full."""
 
     def __init__(self, order: str, *sections: str) -> None:
         self._order = order
@@ -154,7 +154,7 @@ class _PhasedReaders(_Table[_Reader]):
 
 
 def _arranged(sections: Iterable[str], phase: int, counts: Iterator[int]) -> str:
-    """The `struct` format of the sections from an offset of `phase` on."""
+    """The `struct` format of the sections from offset `phase`."""
     texts: list[str] = []
     offset = phase
     for section in sections:
@@ -172,7 +172,7 @@ def _arranged(sections: Iterable[str], phase: int, counts: Iterator[int]) -> str
 
 
 class _Lengths:
-    """Writes and reads the length of what is delimited."""
+    """Writes and reads the length of a delimited value."""
 
     put_little = Struct("<I").pack_into
     put_big = Struct(">I").pack_into
@@ -195,7 +195,7 @@ class Layouts:
         return self._kept[self._number(part, whole) - 1][1]
 
     def variable(self, kind: str, part: Run | Records) -> str:
-        """A variable for something of it."""
+        """The variable for an attribute of a table."""
         return f"{kind}_{self._number(part)}"
 
     def _number(self, part: Run | Records, whole: bool = False) -> int:

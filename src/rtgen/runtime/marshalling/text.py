@@ -27,7 +27,7 @@ _FIXED = frozenset(
 
 
 class Namespace:
-    """The globals of a compiled function; no local variable of its may have their names."""
+    """The globals of a compiled function, which its local variables must not shadow."""
 
     def __init__(self) -> None:
         self.values: dict[str, object] = {}
@@ -35,7 +35,7 @@ class Namespace:
         self._taken: set[str] = {*_FIXED}
 
     def bind(self, wanted: str, value: object) -> str:
-        """The name of an object, which is `wanted` if that is free."""
+        """Bind an object; the name is `wanted` if that is free."""
         known = self._names.get(id(value))
         if known is None:
             known = self._names[id(value)] = self.free(wanted)
@@ -43,7 +43,7 @@ class Namespace:
         return known
 
     def free(self, wanted: str) -> str:
-        """A name that nothing else has."""
+        """An unused name."""
         name = wanted
         while name in self._taken or iskeyword(name):
             name += "_"
@@ -59,7 +59,7 @@ class Locals:
         self._names: dict[tuple[str, Path], str] = {}
 
     def name(self, path: Path, prefix: str = "") -> str:
-        """The variable for a value; with a prefix, for something about it (`n_` its count)."""
+        """The variable for a value; with a prefix, for a property of it (`n_`: its count)."""
         key = (prefix, path)
         if key not in self._names:
             joined = "_".join(part for part in path if part.isidentifier()) or "value"
@@ -68,7 +68,7 @@ class Locals:
 
 
 class Body:
-    """Lines of a function. What depends on the byte order is chosen where `choose_here` says."""
+    """Lines of a function. Layouts are selected by byte order where `choose_here` was called."""
 
     def __init__(self, namespace: Namespace) -> None:
         self._namespace = namespace
@@ -78,11 +78,11 @@ class Body:
         self._chosen: set[str] = set()
 
     def add(self, statement: str) -> None:
-        """A statement at the present indent."""
+        """Append a statement at the current indentation."""
         self.lines.append("    " * self._indent + statement)
 
     def block(self, head: str) -> None:
-        """A statement that opens a block; what follows stands inside of it."""
+        """Append a statement that opens a block for the statements that follow."""
         self.add(head)
         self._indent += 1
 
@@ -91,12 +91,12 @@ class Body:
         self._indent -= 1
 
     def choose_here(self) -> None:
-        """What is chosen from now on is chosen at this place, not at the beginning."""
+        """Insert later selections by byte order here, not at the start of the function."""
         self._choices = (len(self.lines), self._indent)
         self._chosen.clear()
 
     def choose(self, variable: str, name: str, layout: Any, attribute: str) -> None:
-        """`variable` becomes the layout's attribute for the byte order."""
+        """Assign the layout's attribute for the byte order to `variable`."""
         if variable in self._chosen:
             return
         self._chosen.add(variable)

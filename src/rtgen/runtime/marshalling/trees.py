@@ -1,4 +1,4 @@
-"""From the descriptor of a type to the tree that its layout is worked out from."""
+"""From the descriptor of a type to the tree that its layout is computed from."""
 
 from __future__ import annotations
 
@@ -74,16 +74,16 @@ TEXTS: dict[str, Text] = {
 _DYNAMIC = (Primitive.ANY, Primitive.TYPE_CODE, Primitive.VALUE_BASE)
 
 MOST_IN_PLACE = 128
-"""A struct of more values has a codec of its own, which those of its holders call."""
+"""A struct of more values has a codec of its own, which enclosing codecs call."""
 
 MOST_LOOPS_IN_PLACE = 6
-"""The same for one with loops in loops: Python nests 20 blocks at most in a function."""
+"""A struct with deeper loops has one, too: Python nests at most 20 blocks in a function."""
 
 
 def tree_of(descriptor: Descriptor, format_: Format) -> Node:
-    """The tree of a type where it is used.
+    """The tree of a type in a member or element.
 
-    Raises TypeError for one without a layout, NotCompiledError for one whose is not compiled.
+    Raises TypeError for one without a layout, NotCompiledError for one without a compiled codec.
     """
     return _Trees(format_).of(descriptor)
 
@@ -172,7 +172,7 @@ class _Trees:
         return Optional(node)
 
     def _delimited(self, node: Node, *parts: Descriptor) -> Node:
-        """A collection, behind its length in version 2 if what it holds is not primitive."""
+        """A collection, after its DHEADER in version 2 if its elements are not primitive."""
         if self._version < 2 or all(map(_is_primitive, parts)):
             return node
         return Delimited(node)
@@ -226,13 +226,13 @@ class _Trees:
         return atom if atom.align <= widest else replace(atom, align=widest)
 
     def _bits(self, count: int, form: Form, descriptor: Any) -> Atom:
-        """The smallest unsigned integer that has so many bits."""
+        """The smallest unsigned integer of at least that many bits."""
         size = next(n for n in (1, 2, 4, 8) if count <= 8 * n)
         return self._atom(Atom(" BH I   Q"[size], size, size, form, descriptor, count))
 
 
 def _is_primitive(descriptor: Descriptor) -> bool:
-    """Whether a collection of such elements has no length (DDS-XTypes 1.3, 7.4.3.5)."""
+    """Whether a collection of such elements has no DHEADER (DDS-XTypes 1.3, 7.4.3.5)."""
     return isinstance(plain(descriptor), PrimitiveDescriptor)
 
 
@@ -243,7 +243,7 @@ def _innermost(array: ArrayDescriptor) -> Descriptor:
 
 
 def is_dynamic(descriptor: Descriptor) -> bool:
-    """Whether values of the type hold what is marshalled along its descriptor."""
+    """Whether values of the type contain one marshalled by its descriptor."""
     return any(_is_dynamic_leaf(part) for part in _parts(descriptor))
 
 
@@ -284,7 +284,7 @@ def _is_link(descriptor: Descriptor) -> bool:
 
 
 def _parts(descriptor: Descriptor) -> list[Descriptor]:
-    """All types that a type is made of, itself included, each once."""
+    """All types that a type consists of, itself included, each once."""
     found: dict[int, Descriptor] = {}
     waiting = [descriptor]
     while waiting:
@@ -312,14 +312,14 @@ def _text(element: Descriptor) -> Text | None:
 
 
 def _called_if_large(body: Group) -> Group | Call:
-    """A struct where it is used: in place, or called if that would be much text."""
+    """A struct as a member or element: in place, or by a call if its code is large."""
     if _values(body) > MOST_IN_PLACE or _loops(body) > MOST_LOOPS_IN_PLACE:
         return Call(body.type, minimum_size(body))
     return body
 
 
 def _values(node: Node) -> int:
-    """How many values the text for a tree names."""
+    """The number of values in the source text of a tree."""
     match node:
         case Group(members=members):
             return sum(_values(inner) for _, inner in members)
@@ -333,7 +333,7 @@ def _values(node: Node) -> int:
 
 
 def _loops(node: Node) -> int:
-    """How deep loops are nested in the text for a tree."""
+    """The nesting depth of loops in the source text of a tree."""
     match node:
         case Group(members=members):
             return max((_loops(inner) for _, inner in members), default=0)

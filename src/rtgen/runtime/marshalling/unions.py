@@ -109,14 +109,14 @@ def _switch(descriptor: UnionDescriptor, format_: Format) -> Atom:
 
 
 def _is_delimited(descriptor: UnionDescriptor, format_: Format) -> bool:
-    """Whether a length stands in front. Raises NotCompiledError for a parameter list."""
+    """Whether a DHEADER precedes the union. Raises NotCompiledError for a parameter list."""
     if format_.version and descriptor.extensibility == "mutable":
         raise NotCompiledError("a parameter list")
     return format_.version == 2 and descriptor.extensibility == "appendable"
 
 
 def _complete(descriptor: UnionDescriptor) -> bool:
-    """Whether every discriminator has a branch by `default`."""
+    """Whether a `default` label covers every discriminator without a branch."""
     return any(branch.default for branch in descriptor.branches)
 
 

@@ -9,7 +9,7 @@ from rtgen.frontends.cdl.text import encodings
 
 
 class HeaderFile:
-    """A file that a C header is, or includes."""
+    """A C header, or a file that it includes."""
 
     def __init__(self, name: str, key: str, path: Path, data: bytes | None) -> None:
         self.name = name

@@ -1,8 +1,8 @@
 """C headers: the typedefs, structs and enums that `import_C` takes from them.
 
-pcpp preprocesses; what it gives is cut into declarations at file scope, of which only those of
-types are parsed, by pycparser. So function bodies, variables and whatever vendors put into them do
-no harm. Nothing else of a header is kept: no macros, no functions.
+pcpp preprocesses; its output is split into declarations at file scope, of which only those of
+types are parsed, by pycparser. So function bodies, variables and vendors' extensions do no
+harm. Nothing else of a header is kept: no macros, no functions.
 """
 
 from __future__ import annotations
@@ -25,19 +25,19 @@ from rtgen.frontends.kit.library import MAX_BYTES, Library
 from rtgen.model.tecs import TecsDeclaration
 
 MAX_TOKENS = 500_000
-"""So many tokens at most go through macro expansion for one header."""
+"""The largest number of tokens that macro expansion processes for one header."""
 
 MAX_TEXT = 8 * 1024 * 1024
-"""So many characters at most come out of the preprocessor."""
+"""The largest number of characters of preprocessed text."""
 
 MAX_FILES = 1000
-"""So many files at most are included by one header, each time counted."""
+"""The largest number of inclusions in one header, repeated ones counted."""
 
 MAX_DEPTH = 60
-"""How deep headers may include headers."""
+"""The largest depth of nested inclusions."""
 
 MAX_MISTAKES = 20
-"""After so many declarations that are not understood the rest is left out."""
+"""After this many declarations that cannot be parsed the rest of the header is skipped."""
 
 _STANDARD_FOLDER = "/\0standard"
 
@@ -82,7 +82,7 @@ _STANDARD: Mapping[str, str] = {
         "",
     ),
 }
-"""Standard headers that are known without their files, as far as types go."""
+"""The types of standard headers, which are known without their files."""
 
 _COMPILER: Mapping[str, str] = {
     f"__{name}__": value
@@ -101,7 +101,7 @@ _COMPILER: Mapping[str, str] = {
         *(("INTPTR_TYPE", "long int"), ("UINTPTR_TYPE", "long unsigned int")),
     )
 }
-"""What headers ask for of the compiler: tecsgen has them preprocessed by gcc."""
+"""Predefined macros that headers expect of the compiler: tecsgen preprocesses with gcc."""
 
 _TOKEN = re.compile(
     r'\#line[ ](?P<line>\d+)(?:[ ]"(?P<file>[^"\n]*)")?[^\n]*'
@@ -122,7 +122,7 @@ _DROPPED = frozenset(
 
 
 class LimitError(Exception):
-    """A header that comes to too much."""
+    """A header that exceeds a limit."""
 
 
 class Headers:
@@ -142,7 +142,7 @@ class Headers:
         """Whether an included file is missing."""
 
     def read(self, file: HeaderFile, definitions: list[str], place: Span) -> Header:
-        """What a header declares; `place` is where it is imported, for findings."""
+        """The declarations of a header; `place` is that of its import, for diagnostics."""
         if file.too_large:
             message = f"{file.name} is larger than {MAX_BYTES:,} bytes"
             self._report(rules.HEADER_LIMIT.at(place, message))
@@ -193,7 +193,7 @@ class Headers:
 
 @dataclass(frozen=True, slots=True)
 class Piece:
-    """A declaration of types at file scope, without what vendors add."""
+    """A declaration of types at file scope, without vendors' extensions."""
 
     text: str
     file: str
@@ -312,7 +312,7 @@ class _Cutter:
             if token.startswith("#"):
                 continue
             if skipping is not None:
-                # The argument of a vendor's word: one pair of parentheses.
+                # The argument of a vendor's keyword: one pair of parentheses.
                 skipping += {"(": 1, ")": -1}.get(token, 0)
                 if skipping == 0:
                     skipping = None

@@ -34,7 +34,7 @@ _NAMED = {
     **{kind.value: kind for kind in Scalar if kind.value.endswith("_t")},
     "size_t": Scalar.ULONG,
 }
-"""Names that stand for a type of CDL whatever a header says of them."""
+"""Names that stand for a type of CDL even if a header declares them otherwise."""
 
 _BASIC = {
     "void": Scalar.VOID,
@@ -65,7 +65,7 @@ _LARGE = 1 << 40
 
 
 class NotCError(Exception):
-    """A declaration that is no C, with its line."""
+    """A declaration that is not valid C, with its line."""
 
     def __init__(self, message: str, line: int) -> None:
         super().__init__(message)
@@ -74,7 +74,7 @@ class NotCError(Exception):
 
 
 class _UnknownError(Exception):
-    """What has no counterpart in the model, or no value before the compiler runs."""
+    """A construct without counterpart in the model, or without a value at compile time."""
 
 
 class Declarations:
@@ -101,7 +101,7 @@ class Declarations:
         self._declared.clear()
 
     def read(self, text: str, file: str, line: int) -> Iterator[TecsDeclaration]:
-        """What a declaration declares. Raises NotCError."""
+        """The entities that a declaration declares. Raises NotCError."""
         self._file, self._line = file, line
         used = dict.fromkeys(re.findall(r"[A-Za-z_]\w*", text))
         known = [name for name in used if name in self._typedefs or name in _BUILT_IN]

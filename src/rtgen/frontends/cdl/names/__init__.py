@@ -1,1 +1,1 @@
-"""The table of a unit: scopes, entities, and what later passes know of these."""
+"""The symbol table of a unit: scopes, entities, and the facts that later passes add."""

@@ -15,11 +15,11 @@ from rtgen.model.tecs import (
 )
 
 MAX_DEPTH = 64
-"""How many pointers, arrays, functions and typedefs may stand in one another."""
+"""The largest nesting depth of pointers, arrays, functions and typedefs."""
 
 
 def depth(type_: CType) -> int:
-    """How many types stand in one another."""
+    """The nesting depth of a type."""
     found = 1
     while True:
         if isinstance(type_, CPointerType | CTypedefType):
@@ -37,12 +37,12 @@ OPAQUE = "unknown "
 
 
 def opaque(name: str) -> CStructType:
-    """What stands for a type that is known by its name alone, or that CDL has no notion of."""
+    """A placeholder for a type known by name only, or without counterpart in CDL."""
     return CStructType((f"{OPAQUE}{name}",))
 
 
 def pointer_depth(type_: CType) -> int:
-    """How many pointers lead to what is not one; arrays do not count."""
+    """The number of pointer levels; arrays do not count."""
     depth = 0
     found = resolve(type_)
     while isinstance(found, CPointerType):
@@ -63,6 +63,6 @@ def is_const(type_: CType) -> bool:
 
 
 def is_void(type_: CType) -> bool:
-    """Whether it is `void`, as it is or by a typedef."""
+    """Whether a type is `void`, directly or by a typedef."""
     found = resolve(type_)
     return isinstance(found, CScalarType) and found.kind is Scalar.VOID

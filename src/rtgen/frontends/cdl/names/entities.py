@@ -16,13 +16,13 @@ from rtgen.model.tecs import CType, Expression, Signature
 from rtgen.model.types import ScopedName
 
 DECLARE = "declare it before, or import the file that does"
-"""The hint for a name that is like no other."""
+"""The hint for a name that resembles no declared one."""
 
 Report: TypeAlias = Callable[[Diagnostic], None]
 
 
 def component(found: Entity | Scope | None) -> object:
-    """The celltype, composite or cell that a name stands for; None if it is broken or no such."""
+    """The celltype, composite or cell of an entity; None for a broken or other entity."""
     return found.component if isinstance(found, Entity) else None
 
 
@@ -57,7 +57,7 @@ class Place:
         return self.scope.find(name)
 
     def near(self, name: tree.Name, *kinds: Kind) -> str | None:
-        """The hint that names something of those kinds that can be used here; None if nothing."""
+        """A hint with a similar visible name of those kinds; None if there is none."""
         found = nearest(
             name.text,
             (
@@ -71,13 +71,13 @@ class Place:
         return f"did you mean {found}?" if found else None
 
     def lost(self, name: tree.ScopedName) -> bool:
-        """Whether a statement that could not be read may have declared the name."""
+        """Whether a statement with a syntax error may have declared the name."""
         return name.parts[-1].text in self.unit.lost
 
 
 @dataclass(frozen=True, slots=True)
 class Declared:
-    """One name of a declaration: its type, None where that is wrong, and its initialiser."""
+    """One name of a declaration: its type (None if it has errors) and its initialiser."""
 
     name: tree.Name
     type: CType | None
@@ -85,19 +85,19 @@ class Declared:
 
 
 class Values(Protocol):
-    """Types, constants and initialisers: what the component half asks of the other one."""
+    """Types, constants and initialisers, as the passes over components use them."""
 
     @property
     def incomplete(self) -> bool:
-        """Whether an import is missing, which may declare what is not known."""
+        """Whether an import is missing, so that unknown names may be declared there."""
 
     def declare(self, declaration: tree.Declaration, place: Place) -> list[Declared]:
-        """What a declaration of attributes or variables declares; its mistakes are reported."""
+        """The names that a declaration of attributes or variables declares; reports errors."""
 
     def constant(
         self, expression: tree.Expression, place: Place, names: Names | None = None
     ) -> object:
-        """The value of a constant expression; None if it has none, and nothing is reported."""
+        """The value of a constant expression; None, without a diagnostic, if it has none."""
 
     def initial(
         self,
@@ -106,7 +106,7 @@ class Values(Protocol):
         place: Place,
         types: Mapping[str, CType],
     ) -> Expression | None:
-        """The model of a value for something of that type; None if it does not fit, which is told.
+        """The model of an initialiser of the type; None, after a diagnostic, if it does not fit.
 
         `types` are those of the attributes that it may use.
         """
@@ -114,7 +114,7 @@ class Values(Protocol):
     def expression(
         self, expression: tree.Expression, place: Place, types: Mapping[str, CType]
     ) -> Expression | None:
-        """The model of an expression; None if it has errors, which are told."""
+        """The model of an expression; None, after a diagnostic, if it has errors."""
 
 
 Names: TypeAlias = Callable[[str], "tuple[tree.Initialiser, Place] | None"]
@@ -123,7 +123,7 @@ Names: TypeAlias = Callable[[str], "tuple[tree.Initialiser, Place] | None"]
 
 @dataclass(eq=False, slots=True)
 class HiddenFor:
-    """Why a call port is there without being written: for the allocator of a parameter."""
+    """The parameter whose allocator an implicit call port is for."""
 
     port: Port
     function: str
@@ -157,7 +157,7 @@ class Port:
 
     @property
     def omitted(self) -> bool:
-        """Whether there is nothing to call: `omit`, or a signature without functions."""
+        """Whether the port has no functions to call: `omit`, or an empty signature."""
         return "omit" in self.flags or self.empty
 
     @property
@@ -218,7 +218,7 @@ class Celltype:
     celltype_factory: bool = False
     cells: list[Cell] = field(default_factory=list)
     joined_by: str | None = None
-    """The plug-in that may join the call ports of the cells."""
+    """The plug-in that may join call ports of the cells."""
 
     @property
     def name(self) -> str:
@@ -227,7 +227,7 @@ class Celltype:
 
     @property
     def ports(self) -> list[Port]:
-        """The ports, those that were made for require and allocators, too."""
+        """The ports, including implicit ones of `require` and allocators."""
         return [m for m in self.members.values() if isinstance(m, Port)]
 
     @property
@@ -237,22 +237,22 @@ class Celltype:
 
     @property
     def inactive(self) -> bool:
-        """Whether nothing runs, or is written, unless someone calls."""
+        """Whether cells have an effect only when they are called."""
         factory = self.cell_factory or (self.singleton and self.celltype_factory)
         return not self.active and not factory
 
     def real(self) -> Counter[Celltype]:
-        """The celltypes of the cells that a cell of this type stands for, and how many."""
+        """The celltypes of the simple cells that a cell expands to, with their number."""
         return Counter([self])
 
     def fixed(self) -> Sequence[tuple[Port, str]]:
-        """The ports with a fixed join, with the names that they have here."""
+        """The ports with a fixed join, by their names in this celltype."""
         return [(port, port.name) for port in self.ports if port.fixed is not None]
 
 
 @dataclass(eq=False, slots=True)
 class Exported:
-    """What a composite shows of an inner cell."""
+    """A port or attribute of an inner cell that a composite exports."""
 
     name: str
     cell: Cell
@@ -262,7 +262,7 @@ class Exported:
 
 @dataclass(eq=False, slots=True)
 class _Inside:
-    """What the inner cells of a composite come to."""
+    """Summary of the inner cells of a composite."""
 
     real: Counter[Celltype] = field(default_factory=Counter)
     inactive: bool = True
@@ -273,7 +273,7 @@ class _Inside:
 
 @dataclass(eq=False, slots=True)
 class Composite(Celltype):
-    """A composite with its inner cells. `tried` are names whose export is wrong, and told."""
+    """A composite with its inner cells. `tried`: names with an invalid export, already reported."""
 
     inner: dict[str, Cell] = field(default_factory=dict)
     tried: set[str] = field(default_factory=set)
@@ -290,7 +290,7 @@ class Composite(Celltype):
         return not self.active and self._inside.inactive
 
     def real(self) -> Counter[Celltype]:
-        """The celltypes of the inner cells, down to those that are no composites."""
+        """The celltypes of the inner cells, with nested composites expanded."""
         return self._inside.real
 
     def fixed(self) -> Sequence[tuple[Port, str]]:
@@ -298,16 +298,16 @@ class Composite(Celltype):
         return [*Celltype.fixed(self), *self._inside.fixed]
 
     def kept(self) -> Sequence[Port]:
-        """The ports with a fixed join that inner cells keep to themselves."""
+        """The ports with a fixed join that inner cells do not export."""
         return self._inside.kept
 
     @property
     def levels(self) -> int:
-        """How many composites stand in one another."""
+        """The nesting depth of composites."""
         return self._inside.levels
 
     def close(self) -> None:
-        """Note what the inner cells come to, once all of them are read."""
+        """Summarize the inner cells once all of them are read."""
         found = _Inside()
         kept: dict[Port, None] = {}
         for cell in self.inner.values():
@@ -330,7 +330,7 @@ class Composite(Celltype):
 
 @dataclass(frozen=True, slots=True)
 class Plugin:
-    """A plug-in on a join, as written; `region` is the one that has it, for those of regions."""
+    """A plug-in on a join, as written; `region`: the region that specifies it, if one does."""
 
     name: tree.Name
     argument: tree.Text
@@ -342,7 +342,7 @@ class Plugin:
 
 @dataclass(eq=False, slots=True)
 class Join:
-    """What a cell joins or sets. `index` is -1 for `[]`, None without a subscript.
+    """A join or attribute value of a cell. `index`: -1 for `[]`, None without a subscript.
 
     `value` is what was written; the target is named by it, or by `target` where the join was made
     for `require`, a reverse or fixed join, or an allocator. `made` is the name of a target that a
@@ -393,8 +393,8 @@ class CellAllocator:
 class Cell:
     """A cell, or its prototype only, as long as it is not `defined`.
 
-    `guessed` tells that a plug-in may have declared the celltype: nothing is known of it. `tried`
-    are ports and attributes that were set to something, `clashing` those that were set twice.
+    `guessed`: the celltype is unknown and may have been declared by a plug-in. `tried`
+    are ports and attributes that the cell sets, `clashing` those that it sets twice.
     """
 
     entity: Entity

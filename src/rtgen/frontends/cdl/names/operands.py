@@ -1,4 +1,4 @@
-"""Expressions that were read: what operators can do with them, their values and their types."""
+"""Typed operands of expressions: operand class, value and type."""
 
 from __future__ import annotations
 
@@ -30,13 +30,13 @@ class Sort(StrEnum):
 
     @property
     def with_article(self) -> str:
-        """The sort in a sentence."""
+        """The name of the operand class with its article, for messages."""
         return f"an {self}" if self is Sort.INTEGER else f"a {self}"
 
 
 @dataclass(frozen=True, slots=True)
 class Operand:
-    """An expression that was read. `value` is None where it is not constant.
+    """A typed expression. `value` is None if the expression is not constant.
 
     `type` is what a name or what `*`, `[]` and `.` make of it has as its type.
     """
@@ -51,11 +51,11 @@ NUMBERS = (Sort.BOOL, Sort.INTEGER, Sort.FLOAT)
 
 
 class BadError(Exception):
-    """An expression with an error, which is told."""
+    """An expression has an error, which is already reported."""
 
 
 def sort_of(type_: CType) -> Sort:
-    """The sort of values of a type."""
+    """The operand class of values of a type."""
     found = resolve(type_)
     if isinstance(found, CPointerType | CArrayType):
         return Sort.POINTER

@@ -1,4 +1,4 @@
-"""Name spaces of CDL and what is declared in them."""
+"""Scopes of CDL and the entities declared in them."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from rtgen.model.types import ScopedName
 
 
 class Kind(StrEnum):
-    """What a name can stand for; the value is what messages call it."""
+    """The kind of an entity; the value is its name in messages."""
 
     NAMESPACE = "name space"
     REGION = "region"
@@ -31,7 +31,7 @@ class Kind(StrEnum):
 
 @dataclass(eq=False, slots=True)
 class Entity:
-    """A declared thing.
+    """A declared entity.
 
     `unit` and `node` are None for what a C header or the prelude declares. `declaration` is its
     model; None while it is made, and where it has errors. `place` is that of its name.
@@ -82,7 +82,7 @@ class Scope:
         return scope
 
     def find(self, name: tree.ScopedName) -> Entity | Scope | None:
-        """What a name stands for here: its first part is looked for outwards."""
+        """Look a name up: its first part in this scope and the enclosing ones."""
         first = name.parts[0].text
         found: Entity | Scope | None = None
         if name.absolute:
@@ -99,11 +99,11 @@ class Scope:
         return found
 
     def own(self, name: str) -> Entity | Scope | None:
-        """What is declared in this scope itself."""
+        """The entity of that name in this scope itself."""
         return self.entities.get(name) or self.scopes.get(name)
 
     def find_tag(self, tag: str) -> Entity | None:
-        """The struct or enum of a tag, looked for outwards."""
+        """The struct or enum of a tag in this scope or an enclosing one."""
         for scope in self.outwards():
             found = scope.tags.get(tag)
             if found is not None:

@@ -1,4 +1,4 @@
-"""The table of a unit, which every pass reads and adds to: what its files declare."""
+"""The symbol table of a unit, which every pass reads and extends."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from rtgen.model.types import ScopedName
 
 
 class Table:
-    """The declarations of a unit by scope and in order, and where findings are reported.
+    """The declarations of a unit, by scope and in order, and its sink of diagnostics.
 
     `with_prelude`: types that tecsgen's headers declare are known without an import;
     `prelude_used` are the first uses of those.
@@ -32,19 +32,19 @@ class Table:
         """Whether an import is missing."""
 
         self.excused = False
-        """Whether something is unknown that a missing import may declare."""
+        """Whether an unknown name may be declared by a missing import."""
 
         self.prelude_used: dict[str, Span] = {}
         self.guesses = Guesses()
 
     @property
     def incomplete(self) -> bool:
-        """Whether a missing import may declare what is unknown, so that it is not reported."""
+        """Whether a missing import may declare unknown names, so that they are not reported."""
         self.excused |= self.lacking
         return self.lacking
 
     def model(self) -> tuple[TecsDeclaration, ...]:
-        """The declarations without those that have errors."""
+        """The model of the unit: all declarations without errors."""
         return tuple(e.declaration for e in self.declarations if e.declaration)
 
     def declare(
@@ -55,7 +55,7 @@ class Table:
         unit: Unit,
         scope: Scope,
     ) -> Entity | None:
-        """A new entity; None if the name is taken, which is reported."""
+        """Declare an entity; None, after a diagnostic, if the name is taken."""
         place = unit.place(name)
         known = scope.own(name.text)
         if known is not None:
@@ -76,7 +76,7 @@ class Table:
     def open_scope(
         self, name: tree.Name, unit: Unit, scope: Scope, kind: Kind
     ) -> Scope | None:
-        """A name space or region, new or opened again; None if the name is taken."""
+        """Open or reopen a name space or region; None if the name is taken."""
         known = scope.own(name.text)
         if isinstance(known, Scope) and known.kind is kind:
             return known
@@ -89,7 +89,7 @@ class Table:
         return made
 
     def declared(self, entity: Entity) -> None:
-        """Note an entity whose model is made."""
+        """Record an entity whose model is complete."""
         self.declarations.append(entity)
 
     def tag(self, name: ScopedName) -> Entity | None:
@@ -107,7 +107,7 @@ class Table:
         kinds: Sequence[Kind],
         wanted_by: str,
     ) -> Entity | None:
-        """What a name stands for, if it is of one of the kinds; reports what is wrong if not."""
+        """Look up an entity of one of the kinds; None, after a diagnostic, if there is none."""
         found = scope.find(name)
         span = unit.span(name.start, name.end)
         wanted = " or ".join(kinds)

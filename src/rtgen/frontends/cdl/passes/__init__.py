@@ -1,1 +1,1 @@
-"""The passes over a parsed unit; each reads the table of the unit and adds to it."""
+"""The passes over a parsed unit; each reads and extends the symbol table."""

@@ -1,4 +1,4 @@
-"""Allocators of entry ports as a celltype or composite names them."""
+"""The `allocator` specifier of entry ports in celltypes and composites."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _ALLOCATOR = frozenset({"alloc", "dealloc"})
 
 
 def resolve(type_: Celltype, port: Port, report: Report) -> None:
-    """Understand the allocators of a port, once all ports of the celltype are known."""
+    """Resolve the allocators of a port once all ports of the celltype are known."""
     for node in port.allocations:
         found = _Resolver(type_, port, node, report).result()
         if found is None:
@@ -78,7 +78,7 @@ class _Resolver:
     def _parameter(
         self, signature: Signature, function: tree.Name, parameter: tree.Name
     ) -> TecsParameter | None:
-        """The send or receive parameter of those names; what is wrong is reported."""
+        """The send or receive parameter of those names; None, after a diagnostic, if invalid."""
         place = self.type_.place
         owner = next((f for f in signature.functions if f.name == function.text), None)
         if owner is None:

@@ -1,8 +1,8 @@
-"""From the syntax tree of a unit to its declarations, in the order of the text.
+"""Semantic analysis: from the syntax tree of a unit to its declarations, in source order.
 
-CDL knows a name only behind its declaration, so one walk does: imports in place of their
-statement, constants, types, signatures. Celltypes, composites, cells and regions are declared on
-the way, and looked at by `components`.
+A name of CDL is visible only after its declaration, so one walk suffices: imports in place of their
+statement, constants, types, signatures. Celltypes, composites, cells and regions are declared
+by this walk, and analysed by `components`.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ _CALLED = {
 
 
 class Analysis:
-    """One walk over a unit, which fills its table."""
+    """The walk over a unit that fills its symbol table."""
 
     def __init__(self, table: Table) -> None:
         self._table = table
@@ -51,7 +51,7 @@ class Analysis:
         )
 
     def run(self, unit: Unit) -> None:
-        """Declare what a unit and its imports declare."""
+        """Enter the declarations of a unit and its imports into the table."""
         self._items(unit.items, unit, self._table.root)
         self._types.finish()
         self._components.finish()
@@ -190,7 +190,7 @@ _KINDS: dict[type[TecsDeclaration], Kind] = {
 
 
 def _same(one: TecsDeclaration, two: TecsDeclaration) -> bool:
-    """Whether two declarations of a name say the same."""
+    """Whether two declarations of a name are equivalent."""
     match one, two:
         case TecsTypedef(), TecsTypedef():
             return resolve(one.type) == resolve(two.type)

@@ -46,7 +46,7 @@ def _check_callers(cell: known.Cell, report: known.Report) -> None:
 def check_ids(
     cells: Iterable[known.Cell], regions: Regions, report: known.Report
 ) -> None:
-    """The ids of a celltype in a link unit are 1 to the number of its cells."""
+    """Check that the ids of a celltype in a link unit are 1 to the number of its cells."""
     counts: dict[Scope, Counter[known.Celltype]] = {}
     groups: dict[tuple[known.Celltype, Scope], list[known.Cell]] = {}
     for cell in cells:

@@ -23,7 +23,7 @@ from rtgen.frontends.kit.suggestions import nearest
 
 
 class CellSpecifiers:
-    """Reads the brackets before cells; `add` gives a cell a join."""
+    """Reads the specifiers of cells; `add` adds a join to a cell."""
 
     def __init__(
         self,
@@ -41,7 +41,7 @@ class CellSpecifiers:
     def take(
         self, cell: Cell, given: list[tree.Specifier], place: Place, prototype: bool
     ) -> None:
-        """Note what the specifiers of a cell say."""
+        """Record the specifiers of a cell."""
         for specifier in given:
             match specifier.word:
                 case "id":
@@ -84,7 +84,7 @@ class CellSpecifiers:
         self._report(rules.BAD_ID.at(place.span(specifier), message))
 
     def finish(self) -> None:
-        """Check the regions that `restrict` names; they may be declared behind the cell."""
+        """Check the regions that `restrict` names; they may be declared after the cell."""
         for name, place in self._restricted:
             found = place.lookup(name)
             if found is None or found.kind is not Kind.REGION:

@@ -1,4 +1,4 @@
-"""Cells as they are declared: prototypes, bodies, specifiers, joins."""
+"""Declarations of cells: prototypes, bodies, specifiers, joins."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ port (or `attribute`), and where; gives what the composite declares of that name
 
 
 class Cells:
-    """Takes cells in the order of the text."""
+    """Declares cells in source order."""
 
     def __init__(self, values: Values, regions: Regions, report: Report) -> None:
         self._values = values
@@ -51,13 +51,13 @@ class Cells:
         self._specifiers = CellSpecifiers(values, regions, self.add, report)
         self._singletons: dict[tuple[Celltype, Scope], Cell] = {}
         self.all: list[Cell] = []
-        """The cells that are defined, without inner ones."""
+        """The defined cells, without inner cells of composites."""
         self.declared: list[Cell] = []
-        """Every cell that was declared, without inner ones."""
+        """All declared cells, without inner cells of composites."""
         self.export: Export
 
     def finish(self) -> None:
-        """Check what brackets before cells say of things that may be declared behind them."""
+        """Check specifiers of cells that refer to later declarations."""
         self._specifiers.finish()
 
     def declare(
@@ -67,7 +67,7 @@ class Cells:
         place: Place,
         inside: Composite | None = None,
     ) -> None:
-        """Take a cell, or its prototype."""
+        """Declare a cell, or its prototype."""
         type_, guessed = self._celltype(node, place, inside)
         cell, fresh = self._cell(node, place, inside, type_, guessed)
         words = specifiers.CELL if inside is None else specifiers.INNER_CELL
@@ -135,7 +135,7 @@ class Cells:
         type_: Celltype | None,
         guessed: bool,
     ) -> tuple[Cell, bool]:
-        """The cell of that name, made if need be; False if something else has the name."""
+        """The cell of that name, created if missing; False if another entity has the name."""
         name, scope = node.name.text, place.scope
         span = place.span(node.name)
         around = scope.name if inside is None else inside.entity.name
@@ -187,7 +187,7 @@ class Cells:
         return cell, False
 
     def _own_allocators(self, cell: Cell, type_: Composite) -> None:
-        """Allocators that a composite has inside are those of its cells."""
+        """Record the allocators of inner cells as those of a cell of the composite."""
         span = cell.entity.place
         for port in type_.ports:
             for (function, parameter), allocator in port.allocators.items():
@@ -313,7 +313,7 @@ class Cells:
     def _inner_value(
         self, cell: Cell, node: tree.Join, place: Place
     ) -> tuple[bool, tree.Initialiser | None]:
-        """Whether an attribute of an inner cell has a value inside, and which."""
+        """Whether an attribute of an inner cell has a value in the composite, and the value."""
         assert cell.inside is not None
         assert cell.celltype is not None
         value = node.value
@@ -391,7 +391,7 @@ class Cells:
         cell.reversed.append((node, place))
 
     def turn(self, cell: Cell) -> None:
-        """Make joins of the reverse joins of a cell, at their callers."""
+        """Turn the reverse joins of a cell into joins of their callers."""
         for node, place in cell.reversed:
             caller = self._caller(cell, node, place)
             if caller is None:
@@ -436,7 +436,7 @@ class Cells:
         return None
 
     def add(self, cell: Cell, join: Join) -> bool:
-        """Give a cell a join; one for a place that is taken is reported, and left out."""
+        """Add a join to a cell; a second one for the same port or index is reported and dropped."""
         joins = cell.joins.setdefault(join.name, [])
         problem = None
         if joins:

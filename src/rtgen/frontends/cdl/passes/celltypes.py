@@ -38,7 +38,7 @@ _NO_EXPRESSION = (tree.Name, tree.Allocation, tree.Restriction)
 
 
 class Celltypes:
-    """Fills celltypes, and the outside of composites, as their text is read."""
+    """Analyses the bodies of celltypes, and the exported members of composites."""
 
     def __init__(self, values: Values, applied: Applied, report: Report) -> None:
         self._values = values
@@ -48,7 +48,7 @@ class Celltypes:
         self._factories = Factories(values, report)
 
     def fill(self, type_: Celltype, node: tree.Celltype) -> None:
-        """Read the body of a celltype."""
+        """Analyse the body of a celltype."""
         place = type_.place
         for item in node.items:
             part = item.node
@@ -81,7 +81,7 @@ class Celltypes:
             )
 
     def add(self, type_: Celltype, member: Member) -> bool:
-        """Give a celltype a member; a second one of that name is reported, and left out."""
+        """Add a member to a celltype; a second one of that name is reported and dropped."""
         first = type_.members.setdefault(member.name, member)
         if first is member:
             return True
@@ -146,7 +146,7 @@ class Celltypes:
         return None
 
     def _unseen(self, name: tree.ScopedName, place: Place) -> bool:
-        """Whether something may declare a name that is not known; a plug-in is told."""
+        """Whether an import or plug-in may declare an unknown name; reports the plug-in."""
         if place.lost(name) or self._values.incomplete:
             return True
         maker = self._applied.of_types
@@ -156,7 +156,7 @@ class Celltypes:
         return maker is not None
 
     def _declared(self, name: ScopedName, place: Place) -> Signature | None:
-        """The signature of a name from the root down."""
+        """The signature of a name, looked up from the root scope."""
         scope = place.scope.root
         for part in name[:-1]:
             scope = scope.scopes[part]
@@ -236,7 +236,7 @@ class Celltypes:
             type_ = type_.celltype
         if owner is None or not isinstance(type_, Celltype):
             if owner is not None and owner.kind in (Kind.CELL, Kind.CELLTYPE):
-                return None  # broken, and told
+                return None  # has errors, already reported
             if owner is None and self._unseen(target.owner, place):
                 return None
             message = f"{target.owner} is no celltype"
@@ -286,7 +286,7 @@ class Celltypes:
     # Attributes and variables
 
     def variables(self, type_: Celltype, node: tree.Attributes) -> None:
-        """Add what a block of attributes or variables declares."""
+        """Add the members of a block of attributes or variables."""
         place, kind = type_.place, node.keyword
         words = specifiers.ATTRIBUTE if kind == "attr" else specifiers.VARIABLE
         what = "an attribute" if kind == "attr" else "a variable"
@@ -363,7 +363,7 @@ class Celltypes:
             )
 
     def _sized_list(self, variable: Variable) -> bool:
-        """Whether a list was given to a pointer that has no size; that is reported."""
+        """Whether a list initialises a pointer without size, which is reported."""
         assert variable.type is not None
         if not is_unsized_list(variable, variable.value):
             return False
@@ -378,9 +378,9 @@ class Celltypes:
         return True
 
     def sizes(self, type_: Celltype) -> None:
-        """Understand sizes; check lists against those that are known in the celltype already.
+        """Resolve sizes, and check lists against those already known in the celltype.
 
-        Of a composite, what is inside counts.
+        For a composite the inner cells are checked.
         """
         for variable in type_.variables:
             value, size_is = variable.value, variable.size_is
@@ -407,7 +407,7 @@ class Celltypes:
 
 
 def attribute_values(type_: Celltype, cell: Cell | None = None) -> Names:
-    """The values of attributes by name: what the cell gives, else what the celltype gives."""
+    """The values of attributes by name: the cell's, else the default of the celltype."""
 
     def value(name: str) -> tuple[tree.Initialiser, Place] | None:
         if cell is not None and name in cell.joins:
@@ -427,7 +427,7 @@ def attribute_values(type_: Celltype, cell: Cell | None = None) -> Names:
 
 
 def declared_size(values: Values, type_: Celltype, variable: Variable) -> object:
-    """The size of a list as the celltype has it. An attribute without a value counts as 0."""
+    """The size of a list by the celltype's defaults; an attribute without one counts as 0."""
     given = attribute_values(type_)
 
     def names(name: str) -> tuple[tree.Initialiser, Place] | None:
@@ -450,7 +450,7 @@ def attribute_types(type_: Celltype) -> dict[str, CType]:
 
 
 def is_unsized_list(variable: Variable, value: object) -> bool:
-    """Whether a value is a list, for a pointer that has no size."""
+    """Whether a value is a list for a pointer without size."""
     return (
         variable.type is not None
         and variable.size_is is None
@@ -466,7 +466,7 @@ def check_length(
     place: Place,
     report: Report,
 ) -> None:
-    """Report a list that is longer than the size, where that is known."""
+    """Report a list that is longer than its size, if the size is known."""
     if isinstance(size, int) and size < len(value.items):
         report(
             rules.SIZED_INITIALISER.at(

@@ -28,9 +28,9 @@ _GENERATED = (Kind.SIGNATURE, Kind.CELLTYPE, Kind.COMPOSITE, Kind.CELL)
 
 
 class Components:
-    """Takes the statements of components in the order of the text, then `finish`es.
+    """Analyses the statements of components in source order, then `finish`es.
 
-    The model of a cell is made when all is known, in `finish`.
+    The models of cells are made in `finish`, once the whole unit is known.
     """
 
     def __init__(self, table: Table, values: known.Values) -> None:
@@ -51,7 +51,7 @@ class Components:
     # In the order of the text
 
     def celltype(self, item: tree.Item, node: tree.Celltype, place: Place) -> None:
-        """Take a celltype."""
+        """Declare a celltype."""
         unit, scope = place.unit, place.scope
         entity = self._table.declare(Kind.CELLTYPE, node.name, item, unit, scope)
         if entity is None:
@@ -76,7 +76,7 @@ class Components:
         self._table.declared(entity)
 
     def composite(self, item: tree.Item, node: tree.Composite, place: Place) -> None:
-        """Take a composite with its inner cells."""
+        """Declare a composite with its inner cells."""
         unit, scope = place.unit, place.scope
         entity = self._table.declare(Kind.COMPOSITE, node.name, item, unit, scope)
         if entity is None:
@@ -106,7 +106,7 @@ class Components:
         self._table.declared(entity)
 
     def cell(self, item: tree.Item, node: tree.Cell, place: Place) -> None:
-        """Take a cell, or its prototype."""
+        """Declare a cell, or its prototype."""
         before = len(self._cells.all)
         self._cells.declare(item, node, place)
         for cell in self._cells.all[before:]:
@@ -114,7 +114,7 @@ class Components:
             self._table.declared(cell.entity)
 
     def region(self, item: tree.Item, node: tree.Region, place: Place) -> Scope:
-        """Open a region: the scope for what is in it."""
+        """Open the scope of a region."""
         before = place.scope.own(node.name.text)
         scope = self._regions.open(item, node, place)
         if scope is not before and scope.place is not None:
@@ -132,7 +132,7 @@ class Components:
         return scope
 
     def generate(self, node: tree.Generate, place: Place) -> None:
-        """Take a plug-in that is applied to something declared before."""
+        """Record a plug-in that `generate` applies to an earlier declaration."""
         maker = self._regions.applied.of_types
         self.applied(node.plugin, place)
         target = place.lookup(node.target)
@@ -157,7 +157,7 @@ class Components:
             )
 
     def applied(self, plugin: tree.Name, place: Place) -> None:
-        """Note a plug-in of a signature, celltype or cell: it may declare things."""
+        """Record a plug-in of a signature, celltype or cell, which may add declarations."""
         self._regions.apply(plugin, place, on_way=False)
 
     def _doc(self, place: Place, item: tree.Item) -> str:
@@ -195,13 +195,13 @@ class Components:
     # After the last file
 
     def finish(self) -> None:
-        """Resolve what needs the whole unit: joins, required ports, ids; make the cells' model."""
+        """Resolve joins, required ports and ids, which need the whole unit; make cells' models."""
         cells = self._cells
         cells.finish()
         for cell in cells.all:
             cells.turn(cell)
         for cell in cells.declared:
-            cells.turn(cell)  # what stands in a prototype
+            cells.turn(cell)  # joins in a prototype
         for type_ in self._types:
             self._joins.require(type_)
         for cell in cells.all:

@@ -1,4 +1,4 @@
-"""Composites: inner cells, and what they give to the outside."""
+"""Composites: inner cells and exports."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from rtgen.limits import MOST_LEVELS
 
 
 class Composites:
-    """Fills composites as their text is read, and checks them at its end."""
+    """Analyses the bodies of composites, and checks each at its end."""
 
     def __init__(
         self,
@@ -44,7 +44,7 @@ class Composites:
         cells.export = self.export
 
     def fill(self, composite: Composite, node: tree.Composite) -> None:
-        """Read the body of a composite."""
+        """Analyse the body of a composite."""
         place = composite.place
         for item in node.items:
             match item.node:
@@ -97,7 +97,7 @@ class Composites:
     def export(
         self, cell: Cell, member: tree.Name, name: tree.Name, kind: str, place: Place
     ) -> Member | None:
-        """Note what an inner cell gives to the outside, under the name that it has there."""
+        """Record an export of an inner cell under its outer name."""
         return self._export(
             cell, member.text, name.text, kind, (place.span(member), place.span(name))
         )
@@ -217,7 +217,7 @@ class Composites:
                 self._export(cell, inner, name, "call", spans)
 
     def _relay(self, composite: Composite) -> None:
-        """The call port of an allocator that is passed on inside is exported, too."""
+        """Export the call port of an allocator that an inner cell relays."""
         for exported in list(composite.exports):
             outer = composite.members.get(exported.name)
             if not isinstance(outer, Port) or outer.kind != "entry":
@@ -302,7 +302,7 @@ class Composites:
             )
 
     def _check_allocators(self, composite: Composite) -> None:
-        """The allocator that the composite names is the one that the inner cell uses."""
+        """Check that the composite names the allocator that the inner cell uses."""
         for exported in composite.exports:
             outer = composite.members.get(exported.name)
             if not isinstance(outer, Port):

@@ -1,4 +1,4 @@
-"""Constants, and initialisers against the types that they are for."""
+"""Constants, and validation of initialisers against their types."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ _CHARACTERS = (Scalar.CHAR, Scalar.SCHAR, Scalar.UCHAR)
 
 
 class Constants:
-    """Declares constants, and checks initialisers."""
+    """Declares constants and validates initialisers."""
 
     def __init__(self, table: Table, types: Types) -> None:
         self._table = table
@@ -111,7 +111,7 @@ class Constants:
         scope: Scope,
         names: Mapping[str, CType] | None = None,
     ) -> Expression | None:
-        """The model of an initialiser of that type; None if it does not fit, which is told."""
+        """The model of an initialiser of the type; None, after a diagnostic, if it does not fit."""
         return _Initial(self._types.expressions, unit, scope, names or {}).of(
             value, type_
         )
@@ -131,7 +131,7 @@ class _Initial:
         self._scope = scope
         self._names = names
         self.found: Operand | None = None
-        """What the value is by itself, whatever it is for; None of lists and C_EXP."""
+        """The value before conversion to the type; None for lists and C_EXP."""
 
     def _tell(
         self, rule: Rule, node: tree.Initialiser, message: str, hint: str | None = None
@@ -140,7 +140,7 @@ class _Initial:
         self._table.report(rule.at(span, message, hint=hint))
 
     def of(self, value: tree.Initialiser, type_: CType) -> Expression | None:
-        """The model of a value of that type; None if it does not fit, which is told."""
+        """The model of a value of the type; None, after a diagnostic, if it does not fit."""
         if isinstance(value, tree.CExp):
             if isinstance(resolve(type_), CArrayType):
                 self._tell(rules.SHAPE, value, "an array takes its values in braces")
@@ -205,7 +205,7 @@ class _Initial:
         if sort is Sort.UNKNOWN or found.sort is Sort.UNKNOWN:
             return found.model
         if sort is Sort.BOOL:
-            # Anything is a truth value to tecsgen; no text is a null pointer.
+            # tecsgen takes any value for a truth value; a string is never a null pointer.
             truth = found.sort is Sort.STRING or bool(found.value)
             return found.model if found.value is None else Literal(truth)
         if found.sort in (Sort.STRING, Sort.POINTER, Sort.STRUCT):
@@ -273,18 +273,18 @@ class _Initial:
 
 
 def _plain(type_: CType) -> str:
-    """The type without qualifiers of its own, as a cast writes it."""
+    """The type as a cast spells it, without top-level qualifiers."""
     return str(type_).removeprefix("const ").removesuffix(" const")
 
 
 def is_character(type_: CType) -> bool:
-    """Whether a string may be what a pointer to it leads to; tecsgen takes no typedef."""
+    """Whether a pointer to the type accepts a string; tecsgen rejects typedefs."""
     return isinstance(type_, CScalarType) and type_.kind in _CHARACTERS
 
 
 def _alike(one: CType, other: CType | None) -> bool:
-    """Whether tecsgen takes two pointers for one: it compares what they lead to, level by level,
-    by its kind and width."""
+    """Whether tecsgen considers two pointer types equal: it compares their targets, level by level,
+    by kind and width."""
     while isinstance(one, CPointerType) and isinstance(other, CPointerType):
         one, other = one.target, other.target
         if type(one) is not type(other):

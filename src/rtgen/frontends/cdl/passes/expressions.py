@@ -1,4 +1,4 @@
-"""Expressions: their kinds, their values as far as they are constant, and their model."""
+"""Expressions: type checking, constant folding, and lowering to the model."""
 
 from __future__ import annotations
 
@@ -40,12 +40,12 @@ ReadType: TypeAlias = Callable[[tree.TypeName, Unit, Scope], CType | None]
 """Reads the type of a cast; None if it has errors, which are reported."""
 
 MAX_DEPTH = 100
-"""How deep operators may stand in one another where they have no value yet."""
+"""The largest nesting depth of operators whose value is not constant."""
 
 _MOST_DIGITS = 1000
 
 _MOST_BITS = 4096
-"""Values of more bits are not computed."""
+"""Integers of more bits are not computed."""
 
 _ESCAPES = {
     "n": 10, "t": 9, "r": 13, "0": 0, "a": 7, "b": 8, "f": 12, "v": 11,
@@ -53,7 +53,7 @@ _ESCAPES = {
 
 
 class Expressions:
-    """Looks at expressions in their scope."""
+    """Analyses expressions in their scope."""
 
     def __init__(self, table: Table, read_type: ReadType) -> None:
         self.table = table
@@ -66,9 +66,9 @@ class Expressions:
         scope: Scope,
         names: Mapping[str, CType] | None = None,
     ) -> Operand | None:
-        """What an expression is; `names` are parameters, members or attributes that it may use.
+        """The operand of an expression; `names`: parameters, members, attributes it may use.
 
-        None if it has errors, which are told.
+        None, after a diagnostic, if the expression has errors.
         """
         try:
             found = Look(self, unit, scope, names or {}).at(written)
@@ -81,7 +81,7 @@ class Expressions:
         return found
 
     def integer(self, written: tree.Expression, unit: Unit, scope: Scope) -> int | None:
-        """The value of a constant integer expression; None if it is none, which is told."""
+        """The value of a constant integer expression; None, after a diagnostic, for another one."""
         found = self.look(written, unit, scope)
         if found is None:
             return None
@@ -103,7 +103,7 @@ class Expressions:
         scope: Scope,
         names: Mapping[str, CType],
     ) -> Expression | None:
-        """The model of a size of struct members; None if it has errors, which are told."""
+        """The model of a size of struct members; None, after a diagnostic, if it has errors."""
         assert not isinstance(written, tree.Name | tree.Allocation | tree.Restriction)
         found = self.look(written, unit, scope, names)
         if found is None:
@@ -117,7 +117,7 @@ class Expressions:
 
 
 class Look:
-    """Looks at an expression and its parts."""
+    """Analyses an expression and its operands."""
 
     def __init__(
         self,
@@ -139,7 +139,7 @@ class Look:
         return BadError()
 
     def at(self, node: tree.Expression) -> Operand:
-        """What an expression is. Raises BadError."""
+        """The operand of an expression. Raises BadError."""
         match node:
             case tree.Number() if len(node.text) > _MOST_DIGITS:
                 message = f"a number has at most {_MOST_DIGITS} digits"
@@ -168,7 +168,7 @@ class Look:
                 return self._conditional(node)
 
     def _character(self, node: tree.Character) -> Operand:
-        text = node.text or " "  # empty where the mistake is told
+        text = node.text or " "  # empty where the error is reported
         value = ord(text) if len(text) == 1 else _ESCAPES.get(text[1], ord(text[1]))
         return Operand(Sort.INTEGER, value, Literal(value))
 
@@ -182,13 +182,13 @@ class Look:
         if isinstance(found, Entity) and found.kind is Kind.CONSTANT:
             declaration = found.declaration
             if not isinstance(declaration, TecsConst):
-                raise BadError  # told at its declaration
+                raise BadError  # reported at its declaration
             value = declaration.value
             model = Reference("_".join(found.name)) if value is None else Literal(value)
             sort = sort_of(declaration.type)
             own = found.value
             if own is not None and sort in NUMBERS and own.sort in NUMBERS:
-                # tecsgen puts the value in place of the name as it is written.
+                # tecsgen substitutes the written value for the name.
                 return Operand(own.sort, own.value, model, declaration.type)
             return Operand(sort, value, model, declaration.type)
         if node.parts[-1].text in self._unit.lost:
@@ -330,7 +330,7 @@ class Look:
         return Operand(sort, None, model, yes.type)
 
     def _truth(self, node: tree.Expression, operand: Operand) -> bool | None:
-        """The truth value of an operand, None if it is not constant. Raises BadError."""
+        """The truth value of an operand; None if it is not constant. Raises BadError."""
         if operand.sort not in (Sort.BOOL, Sort.INTEGER, Sort.UNKNOWN):
             raise self.bad(
                 rules.OPERATOR_KIND,
@@ -364,7 +364,7 @@ class Look:
         if Sort.UNKNOWN in (left.sort, right.sort):
             return Operand(Sort.UNKNOWN, None, model)
         if left.sort in _ARITHMETIC and right.sort is Sort.BOOL:
-            # tecsgen takes 0 or 1 for a truth value on the right of a number.
+            # tecsgen uses 0 or 1 for a truth value to the right of a number.
             number = None if right.value is None else int(right.value)
             right = Operand(Sort.INTEGER, number, right.model)
         if mark in _COMPARISONS:
@@ -447,7 +447,7 @@ _COMPARISONS: dict[str, Callable[[Any, Any], bool]] = {
 
 
 def _depth(expression: Expression) -> int:
-    """How many operators at most stand in one another."""
+    """The nesting depth of operators."""
     deepest = 0
     left = [(expression, 1)]
     while left:
@@ -484,7 +484,7 @@ def _made(
     model: Expression,
     type_: CType | None = None,
 ) -> Operand:
-    """An operand: a literal where the value is known."""
+    """The operand; its model is a literal if the value is constant."""
     if value is None:
         return Operand(sort, None, model, type_)
     return Operand(sort, value, Literal(value), type_)
@@ -507,14 +507,14 @@ _BITS = {
 
 
 def width(kind: Scalar) -> str:
-    """What tecsgen compares of basic types that pointers lead to: all but the sign."""
+    """The width of a basic type as a pointer's target; tecsgen ignores the sign."""
     if kind in (Scalar.CHAR, Scalar.SCHAR, Scalar.UCHAR):
         return Scalar.CHAR
     return kind.removeprefix("unsigned ").removeprefix("u")
 
 
 def wrapped(value: int, type_: CType) -> int:
-    """An integer as a cast to a type with a size leaves it."""
+    """An integer after a cast to a sized type."""
     found = resolve(type_)
     if not isinstance(found, CScalarType) or found.kind not in _BITS:
         return value
@@ -538,7 +538,7 @@ def limits(type_: CType) -> tuple[int | None, int | None]:
 
 
 def _clipped(value: float, type_: CType) -> int:
-    """A floating-point number as a cast to an integer type leaves it: the nearest it can hold."""
+    """A floating-point number after a cast to an integer type: the nearest value in range."""
     low, high = limits(type_)
     if not math.isfinite(value):
         return (high or 0) if value > 0 else (low or 0)
@@ -548,7 +548,7 @@ def _clipped(value: float, type_: CType) -> int:
 
 
 def whole_number(found: Operand) -> Operand:
-    """A constant as tecsgen counts with it: a truth value is 0 or 1, 2.0 is 2."""
+    """The integer of a constant in tecsgen's arithmetic: a truth value is 0 or 1, 2.0 is 2."""
     value = found.value
     if isinstance(value, bool) or (isinstance(value, float) and value.is_integer()):
         return Operand(Sort.INTEGER, int(value), Literal(int(value)))

@@ -1,4 +1,4 @@
-"""`factory` and `FACTORY`: texts that are written for cells and celltypes."""
+"""Checks of `factory` and `FACTORY`: text that is emitted for cells and celltypes."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Factories:
         self._report = report
 
     def take(self, type_: Celltype, node: tree.Factory) -> None:
-        """Check the calls of a factory, and note that there is one."""
+        """Check the calls of a factory, and record that the celltype has one."""
         place = type_.place
         for item in node.items:
             call = item.node
@@ -95,7 +95,7 @@ class Factories:
             )
 
     def _format(self, type_: Celltype, call: tree.FactoryCall) -> None:
-        """Whether the format fits what is behind it, as Ruby's `printf` asks."""
+        """Whether the format matches its arguments by the rules of Ruby's `printf`."""
         text = self._values.constant(call.format, type_.place)
         if not isinstance(text, str):
             return

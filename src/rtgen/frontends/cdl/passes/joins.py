@@ -1,4 +1,4 @@
-"""Joins: which entry port they lead to, and through which plug-ins."""
+"""Joins: resolution of their entry ports and plug-ins."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Joins:
         self._cells = cells
         self._report = report
 
-    # Joins that nobody wrote
+    # Implicit joins
 
     def require(self, type_: Celltype) -> None:
         """Join the required ports of the cells of a celltype."""
@@ -105,7 +105,7 @@ class Joins:
         return join
 
     def nearest(self, type_: Celltype, cell: Cell) -> Cell | None:
-        """The cell of a singleton that is nearest to a cell, among those that it reaches."""
+        """The nearest reachable cell of a singleton celltype."""
         best, least = None, -1
         for other in type_.cells:
             distance = self._regions.distance(cell.region, other.region)
@@ -114,10 +114,10 @@ class Joins:
         return best
 
     def fixed(self, cell: Cell) -> None:
-        """Make the fixed joins of a cell, at the callers.
+        """Add the fixed joins of a cell to the callers.
 
-        Those that inner cells of a composite keep to themselves have no target that could be
-        named from outside: they only count as joins of the caller's port.
+        Fixed joins to ports that inner cells do not export have no target with an outer name:
+        they only count as joins of the caller's port.
         """
         for port, entry in cell.celltype.fixed() if cell.celltype is not None else ():
             caller = self._fixed_caller(cell, port)
@@ -156,7 +156,7 @@ class Joins:
     # Resolution
 
     def resolve(self, cell: Cell) -> None:
-        """Find the targets of a cell's joins, and check the values of its attributes."""
+        """Resolve the targets of a cell's joins, and check the values of its attributes."""
         if cell.resolved or not cell.defined:
             return
         cell.resolved = True
@@ -164,12 +164,12 @@ class Joins:
             for join in cell.order:
                 self._guess(join)
             return
-        for join in cell.order:  # grows by the joins of allocators
+        for join in cell.order:  # extended by the joins of allocators
             self._define(cell, join)
         self._relay(cell)
 
     def _guess(self, join: Join) -> None:
-        """Note the target of a cell of which nothing is known, as far as it can be seen."""
+        """Best-effort target of a join of a cell of unknown celltype."""
         if join.value is None or isinstance(join.value, tree.OfComposite):
             return
         target = self._target(join)
@@ -293,7 +293,7 @@ class Joins:
             self._allocator_joins(cell, join, callee, target)
 
     def _expect(self, join: Join, port: Port | None, target: Target) -> None:
-        """Keep a join to a cell that a plug-in may make."""
+        """Keep a join to a cell that a plug-in may generate."""
         name = target.cell
         if (
             isinstance(name, tree.ScopedName)
@@ -306,7 +306,7 @@ class Joins:
                 join.port, join.chain = port, join.plugins
 
     def _target(self, join: Join) -> Target | None:
-        """What is named by `Cell.eEntry` or `Cell.eEntry[i]`."""
+        """The target of `Cell.eEntry` or `Cell.eEntry[i]`."""
         value, place = join.value, join.place
         match value:
             case tree.Postfix(
@@ -336,7 +336,7 @@ class Joins:
         )
 
     def _cell(self, cell: Cell, target: Target) -> Cell | None:
-        """The cell that a join leads to; what is wrong is reported."""
+        """The target cell of a join; None, after a diagnostic, if invalid."""
         name = target.cell
         if isinstance(name, Cell):
             return name
@@ -377,7 +377,7 @@ class Joins:
         return None
 
     def _enter(self, join: Join, port: Port, callee: Cell, target: Target) -> bool:
-        """Find the entry port of the target; what is wrong is reported."""
+        """Resolve and validate the entry port of the target."""
         type_ = callee.celltype
         if type_ is None:
             if callee.guessed:
@@ -468,7 +468,7 @@ class Joins:
     def _allocator_joins(
         self, cell: Cell, join: Join, callee: Cell, target: Target
     ) -> None:
-        """Join the call ports for allocators to those that the callee names.
+        """Join the call ports for allocators to the allocators that the callee names.
 
         A plug-in between regions has its own allocators at the caller's side.
         """

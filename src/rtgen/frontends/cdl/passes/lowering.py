@@ -1,4 +1,4 @@
-"""From what is known of celltypes and cells to their model."""
+"""From analysed celltypes and cells to their model."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def variables(type_: known.Celltype, kind: str) -> Iterator[TecsVariable]:
 
 
 def cell_of(cell: known.Cell, doc: str, report: known.Report) -> Cell:
-    """The model of a cell; mistakes in the options of plug-ins on its joins are reported."""
+    """The model of a cell; reports errors in the options of plug-ins on its joins."""
     type_ = cell.celltype
     name = _scoped(cell.celltype_name) if type_ is None else type_.entity.name
     return Cell(
@@ -145,7 +145,7 @@ def _argument(plugin: known.Plugin) -> PluginArgument:
 
 
 def _words(cell: known.Cell, join: known.Join, plugin: known.Plugin) -> dict[str, str]:
-    """What stands between dollars in the argument of a plug-in."""
+    """The `$...$` substitutions in the argument of a plug-in."""
     caller = cell.entity.name
     callee = join.cell.entity.name if join.cell is not None else join.made
     start = cell.region

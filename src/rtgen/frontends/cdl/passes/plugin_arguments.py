@@ -1,7 +1,7 @@
 """The argument string of a plug-in: `name = value, ...`, each with its place in the source.
 
-A value runs to the next comma, or stands between marks: `\\"..\\"`, `'..'`, `%..%` or `!..!`. A
-backslash quotes the next character. `$...$` stands for what is known of the join.
+A value extends to the next comma, or is quoted: `\\"..\\"`, `'..'`, `%..%` or `!..!`. A
+backslash escapes the next character. `$...$` is replaced by a property of the join.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ def options(
     known: Mapping[str, str],
     report: Callable[[Diagnostic], None],
 ) -> tuple[PluginOption, ...]:
-    """The options of an argument; what is malformed is reported, and the rest is not read.
+    """The options of an argument; parsing stops, after a diagnostic, at a malformed one.
 
-    `known` are the words between dollars with what they stand for: `source`, `count`, ...
+    `known` maps the words between dollars to their replacements: `source`, `count`, ...
     """
     return _Reader(argument, known, report).result()
 
@@ -96,7 +96,7 @@ class _Reader:
         return option
 
     def _value(self, name: str) -> tuple[int, int] | None:
-        """Where a value begins and ends, without its marks; goes on behind its comma."""
+        """The start and end of a value without its quotes; advances past its comma."""
         text, start = self._text, self._place
         mark = next((m for m in _MARKS if text.startswith(m, start)), None)
         if mark is None:

@@ -1,11 +1,11 @@
-"""Plug-ins by name: ours, those that tecsgen ships, and what else was meant."""
+"""Plug-ins by name: rtgen's own, those that tecsgen ships, and suggestions for others."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 
 OURS = frozenset({"RTCPlugin", "RTCPlug-in"})
-"""The names of our plug-in; the second is the spelling of the paper."""
+"""The names of rtgen's plug-in; the second is the spelling of the paper."""
 
 OWN_NAME = "RTCPlugin"
 
@@ -101,15 +101,15 @@ DOMAIN = frozenset(
         "HRPPlugin",
     }
 )
-"""Plug-ins of regions that are domains or classes; there their names lack `Plugin`."""
+"""Plug-ins of domain and class regions, where names omit the suffix `Plugin`."""
 
 
 @dataclass(slots=True)
 class Applied:
-    """The foreign plug-ins of a unit, as written: what they declare can be used by name.
+    """The foreign plug-ins of a unit, as written, whose declarations can be used by name.
 
-    `generators` are applied where they stand, and can declare anything; what stands on a way
-    makes cells, once all is read.
+    `generators` run at their position, and can declare anything; plug-ins on joins and regions
+    generate cells once the unit is parsed.
     """
 
     generators: list[str] = field(default_factory=list)
@@ -117,36 +117,36 @@ class Applied:
 
     @property
     def of_types(self) -> str | None:
-        """A plug-in that may have declared a celltype or signature so far."""
+        """A plug-in that may already have declared a celltype or signature."""
         return self.generators[-1] if self.generators else None
 
     @property
     def of_cells(self) -> str | None:
-        """A plug-in that may make a cell."""
+        """A plug-in that may generate a cell."""
         return next(reversed((*self.generators, *self.on_ways)), None)
 
 
 JOINING = frozenset({"TECSInfoPlugin", "TECSInfoCompoPlugin"})
-"""Plug-ins of celltypes that join call ports of the cells by themselves."""
+"""Plug-ins of celltypes that join call ports of the cells automatically."""
 
 TECSGEN = THROUGH | GENERATE | DOMAIN
 
 
 def class_name(name: str) -> str:
-    """The name of a plug-in as tecsgen looks for it: with a capital at its start."""
+    """The class name by which tecsgen loads a plug-in: with an initial capital."""
     return name[:1].upper() + name[1:]
 
 
 def is_ours(name: str) -> bool:
-    """Whether a name, as written, is that of our plug-in."""
+    """Whether a name, as written, is that of rtgen's plug-in."""
     return class_name(name) in OURS
 
 
 def is_known(name: str) -> bool:
-    """Whether a name, as written, is our plug-in's or one that tecsgen ships."""
+    """Whether a name, as written, is that of rtgen's plug-in or of one that tecsgen ships."""
     return is_ours(name) or class_name(name) in TECSGEN or f"{name}Plugin" in DOMAIN
 
 
 def may_join(name: str) -> bool:
-    """Whether a plug-in of a celltype may join call ports: of a foreign one nobody knows."""
+    """Whether a plug-in of a celltype may join call ports; an unknown plug-in may."""
     return class_name(name) in JOINING or not is_known(name)

@@ -37,4 +37,4 @@ def _made() -> dict[str, CType]:
 
 
 TYPES: Mapping[str, CType] = MappingProxyType(_made())
-"""Each name with what it stands for, as on the kernels ASP, ASP3, HRP and FMP."""
+"""The types by name, as on the kernels ASP, ASP3, HRP and FMP."""

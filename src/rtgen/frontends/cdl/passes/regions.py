@@ -1,4 +1,4 @@
-"""Regions: what they permit, and the plug-ins on the way from one to another."""
+"""Regions: permitted joins, and the plug-ins on the path from one region to another."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from rtgen.frontends.kit.suggestions import nearest
 
 @dataclass(eq=False, slots=True)
 class Permits:
-    """What the specifiers of a region say.
+    """The joins that the specifiers of a region permit.
 
-    A list of plug-ins is None where the specifier is not there: then nothing may pass. `free` is
-    a domain or class, whose plug-in decides.
+    A list of plug-ins is None without the specifier: then no join may pass. `free` marks a
+    domain or class, whose plug-in decides.
     """
 
     linkunit: bool = False
@@ -41,11 +41,11 @@ class Regions:
         self._permits: dict[Scope, Permits] = {root: Permits(node=True)}
 
     def of(self, scope: Scope) -> Permits:
-        """What a region permits."""
+        """The joins that a region permits."""
         return self._permits.setdefault(scope, Permits())
 
     def open(self, item: tree.Item, node: tree.Region, place: Place) -> Scope:
-        """The scope of a region, which is made where it appears first."""
+        """The scope of a region, created at its first appearance."""
         outer, name = place.scope, node.name.text
         span = place.span(node.name)
         given = specifiers.accepted(
@@ -146,7 +146,7 @@ class Regions:
             )
 
     def apply(self, name: tree.Name, place: Place, *, on_way: bool) -> None:
-        """Note a plug-in; warn of one that is neither ours nor tecsgen's."""
+        """Record a plug-in; warn of one that is neither rtgen's nor tecsgen's."""
         if plugins.is_ours(name.text):
             return
         applied = self.applied
@@ -167,7 +167,7 @@ class Regions:
             )
         )
 
-    # Ways
+    # Paths
 
     def link_unit(self, scope: Scope) -> Scope:
         """The region that begins the link unit of a region."""
@@ -178,7 +178,7 @@ class Regions:
         raise AssertionError("a scope has a root")
 
     def distance(self, start: Scope, end: Scope) -> int | None:
-        """How many borders are between two regions; None where one cannot be passed."""
+        """The number of region boundaries between two regions; None if one cannot be crossed."""
         out, inn, split = _ways(start, end)
         for scope in out:
             permits = self.of(scope)
@@ -195,10 +195,10 @@ class Regions:
         return len(out) + len(inn) + (split is not None)
 
     def way(self, start: Scope, end: Scope, what: str, span: Span) -> list[Plugin]:
-        """The plug-ins of regions on the way of a join; borders that are closed are reported."""
+        """The plug-ins of regions on the path of a join; reports boundaries it may not cross."""
         out, inn, split = _ways(start, end)
         found: list[Plugin] = []
-        if split is not None:  # the way goes from sibling to sibling
+        if split is not None:  # the path leads from sibling to sibling
             out, inn = out[:-1], inn[1:]
         for scope in out:
             permits = self.of(scope)
@@ -243,7 +243,7 @@ class Regions:
 def _ways(
     start: Scope, end: Scope
 ) -> tuple[list[Scope], list[Scope], tuple[Scope, Scope] | None]:
-    """The regions to leave, inner first, those to enter, outer first, and where both part."""
+    """The regions to leave, inner first, those to enter, outer first, and their common ancestor."""
     left, entered = list(start.outwards())[::-1], list(end.outwards())[::-1]
     level = 0
     while level < min(len(left), len(entered)) and left[level] is entered[level]:

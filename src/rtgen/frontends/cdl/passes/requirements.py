@@ -1,4 +1,4 @@
-"""`require`: call ports that are joined by themselves."""
+"""`require`: call ports that are joined automatically."""
 
 from __future__ import annotations
 
@@ -21,13 +21,14 @@ from rtgen.frontends.kit.suggestions import nearest
 
 _REQUIRABLE = (Kind.CELLTYPE, Kind.CELL)
 _NAME = "_require_call_port_{}_{}"
-"""The name that tecsgen gives to a port that is required without a name."""
+"""The name that tecsgen generates for a `require` without a name."""
 
 
 class Requirements:
-    """Reads what celltypes require.
+    """Analyses the `require` statements of celltypes.
 
-    `add` gives a celltype a member; `unseen` tells whether an unknown name is no mistake.
+    `add` adds a member to a celltype; `unseen`: whether a plug-in or a missing import may
+    declare an unknown name.
     """
 
     def __init__(
@@ -122,7 +123,7 @@ class Requirements:
     def _clash(
         self, type_: Celltype, node: tree.Require, port: Port, place: Place
     ) -> bool:
-        """Whether functions of a port have names that are taken; that is reported."""
+        """Whether a function of the port has a name that is taken, which is reported."""
         assert port.signature is not None
         names = {f.name for f in port.signature.functions}
         for other in type_.ports:

@@ -1,4 +1,4 @@
-"""Signatures: functions and parameters with their specifiers, checked as tecsgen does."""
+"""Signatures: functions and parameters with their specifiers, checked by tecsgen's rules."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ _OUTWARD = (TecsDirection.OUT, TecsDirection.INOUT)
 
 
 class Signatures:
-    """Makes signatures of the tree."""
+    """Lowers signatures from the syntax tree to the model."""
 
     def __init__(self, table: Table, types: Types) -> None:
         self._table = table
@@ -58,7 +58,7 @@ class Signatures:
         scope: Scope,
         entity: Entity,
     ) -> Signature | None:
-        """The model of a signature; None if it has errors, which are told."""
+        """The model of a signature; None, after diagnostics, if it has errors."""
         made = _Signature(self._table, self._types, unit, scope)
         context = made.context(item)
         deviate = item.specifier("deviate") is not None
@@ -233,7 +233,7 @@ class _Signature:
 
 
 class _Parameter:
-    """A parameter while it is looked at."""
+    """A parameter under analysis."""
 
     def __init__(self, written: tree.Parameter, name: tree.Name, type_: CType) -> None:
         self.written = written
@@ -399,7 +399,7 @@ class _Parameters(_Signature):
                 parameter.good = False
 
     def _pointers(self, parameter: _Parameter) -> None:
-        """Check levels of pointers, and what is const, against the specifiers."""
+        """Check pointer levels and `const` against the specifiers."""
         is_pointer = isinstance(resolve(parameter.type), CPointerType)
         plain = not is_pointer and not parameter.given
         if plain and parameter.direction is TecsDirection.IN:
@@ -415,7 +415,7 @@ class _Parameters(_Signature):
         self._combinations(parameter)
 
     def _pointer_words(self, parameter: _Parameter) -> None:
-        """Report specifiers of pointers on what is no pointer."""
+        """Report specifiers for pointers on a parameter that is not a pointer."""
         for word in (*_LENGTHS, "nullable"):
             if word in parameter.given:
                 name = parameter.name.text
@@ -443,7 +443,7 @@ class _Parameters(_Signature):
         return True
 
     def _void(self, parameter: _Parameter, target: CType) -> None:
-        """Report sizes of what a pointer to void leads to."""
+        """Report sizes of a pointer to void."""
         given, depth = parameter.given, pointer_depth(parameter.type)
         received = parameter.direction is TecsDirection.RECEIVE and depth > 1
         size = "size_is" in given or "count_is" in given
@@ -454,7 +454,7 @@ class _Parameters(_Signature):
             parameter.good = False
 
     def _combinations(self, parameter: _Parameter) -> None:
-        """Report specifiers that do not go together."""
+        """Report incompatible specifiers."""
         name, given = parameter.name, parameter.given
         if "nullable" in given and "size_is" in given:
             message = "an array cannot be nullable"
@@ -575,7 +575,7 @@ class _Parameters(_Signature):
         length: Expression,
         directions: dict[str, TecsDirection | None],
     ) -> None:
-        """Whether the length goes the way it must; tecsgen looks at bare names only."""
+        """Whether the length has a suitable direction; tecsgen checks bare names only."""
         written = specifier.arguments[0]
         direction = parameter.direction
         if not isinstance(length, Reference) or direction is None:
@@ -602,8 +602,8 @@ class _Parameters(_Signature):
 
 
 def _tecsgen_knows(size: object) -> bool:
-    """Whether tecsgen finds the type of a size that is not constant: it takes that of the first
-    operand, and knows parameters, what they point to, and arithmetic of these alone."""
+    """Whether tecsgen can type a size that is not constant: it uses the type of the first
+    operand, and supports parameters, their targets, and arithmetic of these only."""
     match size:
         case tree.ScopedName():
             return True
@@ -617,7 +617,7 @@ def _tecsgen_knows(size: object) -> bool:
 
 
 def _needed_levels(parameter: _Parameter) -> int:
-    """How many levels of pointers the direction and the specifiers of a parameter need."""
+    """The number of pointer levels required by a parameter's direction and specifiers."""
     given = parameter.given
     size = "size_is" in given or "count_is" in given
     string = "string" in given
@@ -628,7 +628,7 @@ def _needed_levels(parameter: _Parameter) -> int:
 
 
 def _target(type_: CType) -> CType:
-    """What all pointers of a type lead to."""
+    """The type behind all pointer levels."""
     for _ in range(pointer_depth(type_)):
         inner = resolve(type_)
         assert isinstance(inner, CPointerType)

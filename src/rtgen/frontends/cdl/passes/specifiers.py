@@ -1,4 +1,4 @@
-"""Brackets of specifiers: which words may stand before what."""
+"""Specifier lists: which specifiers each construct accepts."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def accepted(
     place: Place,
     report: Report,
 ) -> list[tree.Specifier]:
-    """The specifiers of a bracket that may stand before `what`; the others are reported."""
+    """The specifiers of a list that `what` accepts; reports the others."""
     found = []
     for specifier in bracket.items if bracket is not None else ():
         if specifier.word in words:
@@ -51,7 +51,7 @@ def accepted(
 def once(
     specifiers: list[tree.Specifier], word: str, place: Place, report: Report
 ) -> tree.Specifier | None:
-    """The specifier of a word that is given once; a second one is reported."""
+    """The specifier of a word that may occur once; reports a second one."""
     found = [s for s in specifiers if s.word == word]
     for other in found[1:]:
         report(

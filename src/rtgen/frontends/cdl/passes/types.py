@@ -1,4 +1,4 @@
-"""From what was written to types: typedefs, structs, enums, declarators."""
+"""Types from the syntax tree: typedefs, structs, enums, declarators."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def _same(one: tuple[TecsMember, ...], other: tuple[TecsMember, ...]) -> bool:
 
 
 class Types:
-    """Makes types of the tree, and declares the structs and enums that stand in it."""
+    """Lowers types from the syntax tree, and declares the structs and enums defined in them."""
 
     def __init__(self, table: Table) -> None:
         self._table = table
@@ -76,7 +76,7 @@ class Types:
         self._later: list[tuple[tree.ScopedName, Unit, Scope]] = []
 
     def of(self, written: tree.QualifiedType, unit: Unit, scope: Scope) -> CType | None:
-        """The type with its qualifiers; None if it has errors, which are told."""
+        """The type with its qualifiers; None, after a diagnostic, if it has errors."""
         found = self._specified(written.type, unit, scope)
         if found is None or isinstance(
             found, CArrayType | CFunctionType | DescriptorType
@@ -92,7 +92,7 @@ class Types:
         )
 
     def of_name(self, written: tree.TypeName, unit: Unit, scope: Scope) -> CType | None:
-        """The type of a cast; None if it has errors, which are reported."""
+        """The type of a cast; None, after a diagnostic, if it has errors."""
         base = self.of(written.type, unit, scope)
         return self.declared(base, written.declarator, unit, scope)
 
@@ -112,7 +112,7 @@ class Types:
     def _descriptor(
         self, written: tree.ScopedName, unit: Unit, scope: Scope
     ) -> CType | None:
-        """The signature of a descriptor may come later."""
+        """The type of a descriptor, whose signature may be declared later."""
         if scope.find(written) is None:
             self._later.append((written, unit, scope))
             around = () if written.absolute or len(written.parts) > 1 else scope.name
@@ -128,7 +128,7 @@ class Types:
         return None if entity is None else DescriptorType(entity.name)
 
     def finish(self) -> None:
-        """Look for the signatures of descriptors that were not known where they stand."""
+        """Resolve signatures of descriptors that are declared after their use."""
         for written, unit, scope in self._later:
             self._signature(written, unit, scope)
 
@@ -162,7 +162,7 @@ class Types:
             return CTypedefType((name,), prelude.TYPES[name])
         if name in unit.guessed:
             return CTypedefType((name,), opaque(name))
-        return None  # a type that is unknown was told by the parser
+        return None  # an unknown type was reported by the parser
 
     def _struct(
         self, written: tree.StructSpecifier, unit: Unit, scope: Scope
@@ -355,7 +355,7 @@ class Types:
         unit: Unit,
         scope: Scope,
     ) -> CType | None:
-        """The type that a declarator makes of its base type; None if it has errors."""
+        """The type of a declarator with its base type; None if it has errors."""
         if base is None or declarator is None:
             return base
         type_ = base
@@ -415,9 +415,9 @@ class Types:
     def is_value(
         self, type_: CType, unit: Unit, name: tree.Name, *, member: bool = False
     ) -> bool:
-        """Whether something can be of that type; tells what is wrong if not.
+        """Whether the type can be that of a value; reports the error if not.
 
-        Only a struct member may point to a struct that is not known.
+        Only a struct member may point to an incomplete struct.
         """
         inner = type_
         while isinstance(inner, CArrayType):
@@ -445,7 +445,7 @@ class Types:
         return member or self.knows_struct(inner, unit, name)
 
     def knows_struct(self, type_: CType, unit: Unit, name: tree.Name) -> bool:
-        """Whether the struct that a type is or leads to is known; tells if it is not."""
+        """Whether the struct that a type is or points to is complete; reports it if not."""
         target = type_
         while isinstance(target, CPointerType | CArrayType):
             target = (

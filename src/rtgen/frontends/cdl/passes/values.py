@@ -15,11 +15,11 @@ from rtgen.frontends.cdl.syntax import tree
 from rtgen.model.tecs import CType, Expression
 
 _MOST_NESTED = 20
-"""How many attributes may be made of one another."""
+"""The largest depth of attributes whose values refer to one another."""
 
 
 class DeclaredValues:
-    """The half of a unit that has no cells, as the other half sees it."""
+    """Types, constants and initialisers of a unit for the passes over components."""
 
     def __init__(self, table: Table, types: Types, constants: Constants) -> None:
         self._table = table
@@ -28,11 +28,11 @@ class DeclaredValues:
 
     @property
     def incomplete(self) -> bool:
-        """Whether an import is missing, which may declare what is not known."""
+        """Whether an import is missing, so that unknown names may be declared there."""
         return self._table.incomplete
 
     def declare(self, declaration: tree.Declaration, place: Place) -> list[Declared]:
-        """What a declaration of attributes or variables declares; its mistakes are reported."""
+        """The names that a declaration of attributes or variables declares; reports errors."""
         types, unit, scope = self._types, place.unit, place.scope
         base = types.of(declaration.type, unit, scope)
         found = []
@@ -48,7 +48,7 @@ class DeclaredValues:
     def constant(
         self, expression: tree.Expression, place: Place, names: Names | None = None
     ) -> object:
-        """The value of a constant expression; None if it has none, and nothing is reported."""
+        """The value of a constant expression; None, without a diagnostic, if it has none."""
         try:
             return (
                 _Quiet(self._types.expressions, place, names, _MOST_NESTED)
@@ -65,19 +65,19 @@ class DeclaredValues:
         place: Place,
         types: Mapping[str, CType],
     ) -> Expression | None:
-        """The model of a value for something of that type; None if it does not fit."""
+        """The model of an initialiser of the type; None if it does not fit."""
         return self._constants.initial(value, type_, place.unit, place.scope, types)
 
     def expression(
         self, expression: tree.Expression, place: Place, types: Mapping[str, CType]
     ) -> Expression | None:
-        """The model of an expression; None if it has errors, which are told."""
+        """The model of an expression; None, after a diagnostic, if it has errors."""
         found = self._types.expressions.look(expression, place.unit, place.scope, types)
         return None if found is None else found.model
 
 
 class _Quiet(Look):
-    """Evaluates without reports; attributes stand for their values."""
+    """Evaluates without diagnostics; attributes are replaced by their values."""
 
     def __init__(
         self, expressions: Expressions, place: Place, values: Names | None, depth: int

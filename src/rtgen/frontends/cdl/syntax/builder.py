@@ -1,4 +1,4 @@
-"""The parser's callbacks: each rule of the grammar as the node of the syntax tree it makes."""
+"""Parser callbacks: builds the node of the syntax tree for each grammar rule."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ _NAMED = ("IDENT", "TYPE_NAME")
 
 
 def _start(node: Any) -> int:
-    """Where a node or token begins."""
+    """The start offset of a node or token."""
     start: int = node.start if hasattr(node, "start") else node.start_pos
     return start
 
 
 def _end(node: Any) -> int:
-    """Where a node or token ends."""
+    """The end offset of a node or token."""
     end: int = node.end if hasattr(node, "end") else node.end_pos
     return end
 
@@ -34,7 +34,7 @@ def _name(token: Token) -> tree.Name:
 
 
 def _word(token: Token) -> str:
-    """The keyword that a token is, or was taken for."""
+    """The keyword of a token, also of one replaced by error recovery."""
     return WORDS[token.type]
 
 
@@ -43,12 +43,12 @@ def _keyword(token: Token) -> tree.Name:
 
 
 def _nodes(children: Children, *kinds: type) -> tuple[Any, ...]:
-    """The children that are such nodes."""
+    """The children of that node class."""
     return tuple(child for child in children if isinstance(child, kinds))
 
 
 def _first(children: Children, *kinds: type) -> Any:
-    """The first such node, or None."""
+    """The first child of that node class, or None."""
     return next((child for child in children if isinstance(child, kinds)), None)
 
 
@@ -61,7 +61,7 @@ def _is(child: Any, kind: str) -> bool:
 
 
 class Head:
-    """`namespace name`, before its brace is open."""
+    """`namespace name`, before its opening brace."""
 
     __slots__ = ("end", "name", "start")
 
@@ -564,7 +564,7 @@ class Builder:
             _name(name), _name(cell), _name(port), _start(children[0]), port.end_pos
         )
 
-    # What a graphical editor writes
+    # Statements of graphical editors
 
     def tool_info(self, children: Children) -> tree.ToolInformation:
         return tree.ToolInformation(
@@ -578,6 +578,6 @@ class Builder:
 
 
 def _after_port(children: Children) -> int:
-    """Where the right subscript of a reverse join would stand."""
+    """The position for the right subscript of a reverse join."""
     dot = next(i for i, child in enumerate(children) if _is(child, "DOT"))
     return dot + 2

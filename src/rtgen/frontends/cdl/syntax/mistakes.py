@@ -82,17 +82,17 @@ class ErrorContext(BaseContext):
 
     @cached_property
     def after(self) -> list[str]:
-        """Some tokens behind the unexpected one."""
+        """Some tokens after the unexpected one."""
         return _WORD.findall(self.code, self.end, self.end + 400)
 
     @property
     def previous(self) -> str:
-        """The token before."""
+        """The token before the unexpected one."""
         return self.before[-1] if self.before else ""
 
     @property
     def following(self) -> str:
-        """The token behind."""
+        """The token after the unexpected one."""
         return self.after[0] if self.after else ""
 
     @property
@@ -102,7 +102,7 @@ class ErrorContext(BaseContext):
 
 
 def explain(situation: ErrorContext) -> Recovery:
-    """The mistake that an unexpected token likely is."""
+    """The likely error behind an unexpected token."""
     for recogniser in _RECOGNISERS:
         mistake = recogniser(situation)
         if mistake is not None:
@@ -261,7 +261,7 @@ def _qualifier(s: ErrorContext) -> Recovery | None:
 
 
 def _specifier(s: ErrorContext) -> Recovery | None:
-    """A word in a bracket that is no specifier."""
+    """A word in a specifier list that is not a specifier."""
     if s.kind not in ("IDENT", "TYPE_NAME") or "NULLABLE" not in s.accepted:
         return None
     found = nearest(s.text, SPECIFIERS)
@@ -391,7 +391,7 @@ def _misspelt(s: ErrorContext) -> Recovery | None:
 
 
 def _mark(s: ErrorContext) -> Recovery | None:
-    """A closing mark or comma that is missing."""
+    """A missing closing bracket or comma."""
     candidates = (
         ("RPAR", ")"),
         ("SPEC_R", "]"),
@@ -435,7 +435,7 @@ _RECOGNISERS: tuple[Callable[[ErrorContext], Recovery | None], ...] = (
 
 
 def bad_character(unit: Unit, start: int) -> tuple[Diagnostic, int]:
-    """A character that no token begins with, and where reading goes on."""
+    """The error for a character that starts no token, and the offset at which lexing resumes."""
     text = unit.source.code
     character = text[start]
     end = start + 1
@@ -474,7 +474,7 @@ def bad_character(unit: Unit, start: int) -> tuple[Diagnostic, int]:
 
 
 def meant(text: str) -> str | None:
-    """The terminal that a text without a token likely stands for; None: it is passed over.
+    """The terminal that an unlexable text likely stands for; None: it is skipped.
 
     `ERROR` is that of a broken statement.
     """
@@ -489,7 +489,7 @@ def meant(text: str) -> str | None:
 
 
 def _ascii(character: str) -> str | None:
-    """The ASCII character that a wide one looks like; None if it is none."""
+    """The ASCII counterpart of a full-width character; None for other characters."""
     if character.isascii():
         return None
     found = _IDEOGRAPHIC.get(character) or normalize("NFKC", character)

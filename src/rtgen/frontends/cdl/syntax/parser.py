@@ -1,8 +1,8 @@
-"""Text to syntax tree: an LALR(1) parser, and recovery so that one mistake hides no other.
+"""Text to syntax tree: an LALR(1) parser with error recovery.
 
-The parser tells typedef names from identifiers, so typedefs are noted, and imports read, as soon
-as their statement ends. After a mistake the parser's stack goes back to the innermost list of
-statements, the text is passed over to the end of the broken one, and parsing goes on behind it.
+The parser distinguishes typedef names from identifiers, so typedefs are recorded, and imports
+read, as soon as their statement ends. After a syntax error the parser's stack is unwound to the
+innermost list of statements, the rest of the broken statement is skipped, and parsing resumes.
 """
 
 from __future__ import annotations
@@ -33,21 +33,21 @@ if TYPE_CHECKING:
     from rtgen.frontends.kit.syntax_errors import Recovery
 
 MAX_ERRORS = 50
-"""After so many syntax errors in one file the rest of it is not read."""
+"""After this many syntax errors the rest of a file is skipped."""
 
 MAX_NESTING = 200
-"""How deep the parser's stack may grow: a bound for everything that walks over the tree."""
+"""The largest depth of the parser's stack, which bounds all walks over the tree."""
 
 _MARKS = re.compile(r'"(?:[^"\\\n]|\\.)*"|[{};]', re.DOTALL)
 _DECLARED = re.compile(r"\b([A-Za-z_]\w*)(?=\s*[;,{(\[=}])")
 
 
 class Imports(Protocol):
-    """What reads the files that a unit imports."""
+    """The reader of the files that a unit imports."""
 
     @property
     def lacks_types(self) -> bool:
-        """Whether a file is missing that may declare types."""
+        """Whether a missing file may declare types."""
 
     def import_file(self, statement: tree.Import, unit: Unit) -> None:
         """Read an imported CDL file."""
@@ -72,7 +72,7 @@ def parse(
 
 
 class CdlParser(RecoveringParser):
-    """A parser that knows which words are types, and which stand in a bracket of specifiers."""
+    """A parser that tracks typedef names and specifier lists."""
 
     watched = frozenset(("SEMI", "LBRACE", "SPEC_L", "SPEC_R"))
     most = MAX_NESTING
@@ -91,7 +91,7 @@ class CdlParser(RecoveringParser):
         if self._in_specifiers and text in SPECIFIERS:
             return TERMINALS[text]
         if text in self._types.prelude and self.takes("TYPE_NAME"):
-            # In a cast and in parentheses a name of the prelude is a type.
+            # In a cast or in parentheses a name of the prelude is a type.
             return "TYPE_NAME" if self.would_shift("TYPE_NAME") else WORD
         return WORD
 
@@ -103,7 +103,7 @@ class CdlParser(RecoveringParser):
         return self.refused(found)
 
     def refused(self, found: Token) -> Token:
-        """Raises for a token that no other reading saves."""
+        """Raise the error for a token that is invalid in every interpretation."""
         self.position = found.start_pos
         if found.type == "UNKNOWN":
             raise lalr.UnexpectedCharacterError
@@ -120,7 +120,7 @@ class CdlParser(RecoveringParser):
             self._in_specifiers = kind == "SPEC_L"
 
     def _ended(self, statement: object) -> None:
-        """What the end of a statement means for the tokens behind it."""
+        """Apply the effect of a statement on later tokens: typedefs, imports, scopes."""
         if isinstance(statement, tree.Typedef):
             for declarator in statement.declarators:
                 if declarator.name is not None:
@@ -175,7 +175,7 @@ class _Run:
                 self._too_deep(error.token)
 
     def _emit(self, diagnostic: Diagnostic, offset: int) -> None:
-        """Report it, unless a mistake at the very same place is reported already."""
+        """Report an error unless one at the same position is already reported."""
         if offset != self._last_error:
             self._errors += diagnostic.severity is Severity.ERROR
             self._report(diagnostic)
@@ -214,7 +214,7 @@ class _Run:
             self._resume(start)
 
     def _mend(self, mistake: Recovery, situation: ErrorContext) -> bool:
-        """Go on as a mistake says; False if that cannot be, or was tried at this place before."""
+        """Apply the repair of an error; False if impossible, or already tried at this position."""
         again = (situation.start, mistake.feed, mistake.resume)
         if self._errors > MAX_ERRORS or again in self._mended:
             return False
@@ -280,7 +280,7 @@ class _Run:
         self._resume(start, depth)
 
     def _resume(self, start: int, depth: int = 0) -> None:
-        """Go back to a list of statements and pass over the rest of the broken one."""
+        """Unwind to a list of statements and skip the rest of the broken one."""
         depth += self._parser.unwind()
         self._parser.feed(token("ERROR", start))
         if self._errors > MAX_ERRORS:

@@ -1,8 +1,8 @@
-"""The syntax tree of CDL: what was written, before any name means anything.
+"""The syntax tree of CDL, before name resolution.
 
-Nodes are never changed, and compared by identity, so that later passes can keep facts about them
-in tables of their own. Positions are offsets into the text of the file that was parsed;
-`Unit.span` makes places of them.
+Nodes are immutable and compared by identity, so that later passes can keep facts about them
+in tables of their own. Positions are offsets into the text of the parsed file;
+`Unit.span` converts them to spans.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ class ScopedName:
 
 @node
 class TextPart:
-    """One string literal of several adjacent ones: what stands between the quotes, as written."""
+    """One of several adjacent string literals: the source text between its quotes."""
 
     text: str
     start: int
@@ -46,7 +46,7 @@ class TextPart:
 
 @node
 class Text:
-    """Adjacent string literals. `text` is what they are together, escapes as written."""
+    """Adjacent string literals. `text` is their concatenation, escapes as written."""
 
     parts: tuple[TextPart, ...]
     start: int
@@ -72,7 +72,7 @@ class Number:
 
 @node
 class Character:
-    """A character literal: what stands between the quotes, as written."""
+    """A character literal: the source text between its quotes."""
 
     text: str
     start: int
@@ -109,7 +109,7 @@ class Postfix:
 
 @node
 class Subscript:
-    """`[index]` behind an expression or a port; `index` is None for `[]`."""
+    """`[index]` after an expression or a port; `index` is None for `[]`."""
 
     index: Expression | None
     start: int
@@ -207,7 +207,7 @@ Initialiser: TypeAlias = Expression | CExp | Aggregate
 
 @node
 class Specifier:
-    """A specifier in brackets: its word, and its arguments in the order of the text.
+    """A specifier in brackets: its keyword, and its arguments in source order.
 
     | word | arguments |
     |---|---|
@@ -264,7 +264,7 @@ SpecifierArgument: TypeAlias = (
 
 @node
 class Specifiers:
-    """A bracket of specifiers; `broken` tells that one was none, which is told."""
+    """A specifier list; `broken`: it contained an invalid specifier, already reported."""
 
     items: tuple[Specifier, ...]
     broken: bool
@@ -277,9 +277,9 @@ class Specifiers:
 
 @node
 class BasicType:
-    """A basic type; `sign` is `signed` or `unsigned` where that was written before it.
+    """A basic type; `sign` is `signed` or `unsigned` if written.
 
-    `plain` tells `char` from `char_t`, which are of one kind.
+    `plain` distinguishes `char` from `char_t`, which have the same kind.
     """
 
     kind: Scalar
@@ -353,7 +353,7 @@ class QualifiedType:
 
 @node
 class Pointer:
-    """A `*` with the qualifier behind it."""
+    """A `*` with the qualifier after it."""
 
     qualifier: Name | None
     start: int
@@ -371,7 +371,7 @@ class ArraySuffix:
 
 @node
 class Parameters:
-    """`( parameters )`; nothing in it for `()`."""
+    """`( parameters )`; empty for `()`."""
 
     items: tuple[Parameter, ...]
     start: int
@@ -380,7 +380,7 @@ class Parameters:
 
 @node
 class Declarator:
-    """A name with what stands around it, as in C; `inner` is None for an abstract one."""
+    """A declarator as in C; `inner` is None for an abstract one."""
 
     pointers: tuple[Pointer, ...]
     inner: Name | Declarator | None
@@ -390,7 +390,7 @@ class Declarator:
 
     @property
     def name(self) -> Name | None:
-        """The name that is declared."""
+        """The declared name."""
         inner = self.inner
         while isinstance(inner, Declarator):
             inner = inner.inner
@@ -429,7 +429,7 @@ class TypeName:
 
 @node
 class Parameter:
-    """A parameter; in a right one neither the bracket nor the name is missing."""
+    """A parameter; a valid one has both specifiers and a name."""
 
     specifiers: Specifiers | None
     type: QualifiedType
@@ -465,7 +465,7 @@ class Typedef:
 
 @node
 class TypeStatement:
-    """A struct or enum that is declared alone."""
+    """A declaration of a struct or enum without declarators."""
 
     type: StructSpecifier | EnumSpecifier
     start: int
@@ -484,7 +484,7 @@ class Namespace:
 
 @node
 class Function:
-    """A function of a signature: the declarator has the parameters."""
+    """A function of a signature; its parameters are in the declarator."""
 
     type: QualifiedType
     declarator: Declarator
@@ -506,7 +506,7 @@ class Signature:
 class Port:
     """`call signature name[size]` and `entry signature name`.
 
-    `subscript` is there for an array; `target` is what `<= celltype.port` names.
+    `subscript` is that of an array; `target` is the port in `<= celltype.port`.
     """
 
     kind: str
@@ -520,7 +520,7 @@ class Port:
 
 @node
 class PortOf:
-    """`cell.port` or `celltype.port`, with the subscript behind it."""
+    """`cell.port` or `celltype.port`, with its subscript."""
 
     owner: ScopedName
     port: Name
@@ -585,7 +585,7 @@ class Celltype:
 class Join:
     """`name[i] = value` in a cell: a join, or the value of an attribute.
 
-    What a join names looks like the expression `cell.port[i]`.
+    The target of a join is parsed as the expression `cell.port[i]`.
     """
 
     name: Name
@@ -691,7 +691,7 @@ class Generate:
 
 @node
 class ToolInformation:
-    """`__tool_info__( "name" ) { ... }` and `__location_information__ { ... }`: no meaning here."""
+    """`__tool_info__( "name" ) { ... }` and `__location_information__ { ... }`, both ignored."""
 
     keyword: str
     start: int
@@ -700,7 +700,7 @@ class ToolInformation:
 
 @node
 class Skipped:
-    """What stood here was wrong and is told."""
+    """A skipped statement with a syntax error, already reported."""
 
     start: int
     end: int
@@ -722,7 +722,7 @@ Statement: TypeAlias = (
     | ToolInformation
     | Skipped
 )
-"""What can stand at the top, in a name space, or (cells and regions) in a region."""
+"""Statements of a file, a name space, or (cells and regions) a region."""
 
 Part: TypeAlias = (
     Function
@@ -736,12 +736,12 @@ Part: TypeAlias = (
     | Export
     | EntryExport
 )
-"""What can stand in something else only."""
+"""Statements that are valid only inside another one."""
 
 
 @node
 class Item:
-    """An entry of a list in braces, or of a file, with the bracket before it."""
+    """An entry of a list in braces, or of a file, with its specifiers."""
 
     specifiers: Specifiers | None
     node: Statement | Part
@@ -749,7 +749,7 @@ class Item:
     end: int
 
     def specifier(self, word: str) -> Specifier | None:
-        """The first specifier of that word."""
+        """The first specifier with that keyword."""
         if self.specifiers is not None:
             for specifier in self.specifiers.items:
                 if specifier.word == word:

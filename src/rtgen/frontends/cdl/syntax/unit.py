@@ -1,4 +1,4 @@
-"""A CDL file that was parsed, and the names that are types while the rest is parsed."""
+"""A parsed CDL file, and the table of typedef names during parsing."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from rtgen.model.types import ScopedName
 
 @dataclass(frozen=True, slots=True)
 class Header:
-    """What a C header declares, in order."""
+    """The declarations of a C header, in order."""
 
     declarations: tuple[TecsDeclaration, ...]
 
@@ -22,8 +22,8 @@ class Header:
 class Unit:
     """A parsed file.
 
-    `reused` says that it was imported by `<...>`. `imports` and `headers` hold what was read for
-    an import; nothing for a file that was read before or is missing. `lost` are names that
+    `reused`: imported by `<...>`. `imports` and `headers` map import statements to the files
+    read for them, except missing files and those read before. `lost` are names that
     statements with syntax errors may have declared, `guessed` those that a missing C header may
     declare as types.
     """
@@ -37,31 +37,31 @@ class Unit:
     guessed: set[str] = field(default_factory=set)
 
     def span(self, start: int, end: int) -> Span:
-        """The place of [start, end) of the text."""
+        """The span of [start, end) of the text."""
         return self.source.span(start, end)
 
     def place(self, node: tree.Name | tree.ScopedName | tree.Expression) -> Span:
-        """The place of a node."""
+        """The span of a node."""
         return self.source.span(node.start, node.end)
 
 
 class TypeNames:
     """The names of typedefs by name space.
 
-    `prelude` are names that are types only where nothing else can stand, until they are declared.
+    `prelude` are names that, until declared, are types only where the grammar requires a type.
     """
 
     def __init__(self, prelude: frozenset[str]) -> None:
         self.prelude = prelude
         self.declared: dict[str, set[ScopedName]] = {}
-        """The name spaces in which each name is declared."""
+        """The name spaces that declare each name."""
 
     def declare(self, space: ScopedName, name: str) -> None:
-        """Note a typedef."""
+        """Record a typedef."""
         self.declared.setdefault(name, set()).add(space)
 
     def knows(self, space: ScopedName, name: str) -> bool:
-        """Whether the name is a typedef, seen from a name space."""
+        """Whether the name is a typedef visible in a name space."""
         spaces = self.declared.get(name)
         return spaces is not None and any(
             space[:length] in spaces for length in range(len(space) + 1)

@@ -1,4 +1,4 @@
-"""The words of CDL: reserved ones, and those that are keywords in brackets only."""
+"""The keywords of CDL: reserved words, and keywords of specifier lists."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ RESERVED = _words("""
     double64_t bool_t char_t schar_t uchar_t int short long char enum enum8 enum16 enum32 enum64
     true false C_EXP Descriptor __tool_info__ __location_information__ __cell__ __join__
     """)
-"""Never identifiers."""
+"""Reserved words, which are never identifiers."""
 
 SPECIFIERS = _words("""
     id callback context deviate singleton idx_is_id active inline ref_desc optional dynamic omit
     choice allocator prototype restrict oneway in out inout send receive size_is count_is string
     nullable through in_through out_through to_through node linkunit domain class
     """)
-"""Keywords inside a bracket of specifiers, identifiers elsewhere."""
+"""Keywords inside specifier lists, identifiers elsewhere."""
 
 TERMINALS = {
     **{word: word.upper() for word in RESERVED | SPECIFIERS},
@@ -32,7 +32,7 @@ TERMINALS = {
     "__cell__": "LOCATED_CELL",
     "__join__": "LOCATED_JOIN",
 }
-"""The terminal of the grammar for each word."""
+"""The terminal of the grammar for each keyword."""
 
 WORDS = {
     **{terminal: word for word, terminal in TERMINALS.items()},
@@ -67,4 +67,4 @@ WORDS = {
     "STAR": "*",
     "TILDE": "~",
 }
-"""What each terminal with one spelling looks like."""
+"""The spelling of each terminal that has only one."""

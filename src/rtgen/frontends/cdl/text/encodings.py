@@ -1,7 +1,7 @@
 """From the bytes of a CDL file to text: UTF-8, EUC-JP and Shift_JIS.
 
 Only comments and strings may hold more than ASCII, but in Shift_JIS the second byte of a
-character can be a backslash or a brace, so the text is decoded before anything is read in it.
+character can be a backslash or a brace, so the text is decoded before lexing.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import codecs
 import re
 
 NAMES = ("auto", "euc", "sjis", "utf8", "none")
-"""The encodings that can be asked for; `none` takes each byte for one character."""
+"""The supported encodings; `none` maps each byte to one character."""
 
 _CODECS = {"euc": "euc_jp", "sjis": "cp932", "utf8": "utf-8", "none": "latin-1"}
 _SPOKEN = {"euc": "EUC-JP", "sjis": "Shift_JIS", "utf8": "UTF-8"}
@@ -27,9 +27,9 @@ _HALF_WIDTH = re.compile("[\uff61-\uff9f]")
 
 
 def decode(data: bytes, encoding: str) -> tuple[str, str | None]:
-    """The text of a file, and what is doubtful about its encoding (None: nothing).
+    """The text of a file, and a doubt about its encoding, or None.
 
-    A UTF-8 byte-order mark decides, whatever encoding is asked for; it stays in the text.
+    A UTF-8 byte-order mark overrides the given encoding; it is kept in the text.
     """
     if data.startswith(codecs.BOM_UTF8):
         encoding = "utf8"
@@ -69,6 +69,6 @@ def _detected(data: bytes) -> tuple[str, str | None]:
 
 
 def _likely(text: str) -> int:
-    """How much a text looks like Japanese that was decoded rightly."""
+    """A score for how likely a text is correctly decoded Japanese."""
     doubtful = len(_HALF_WIDTH.findall(text)) + 4 * text.count("\ufffd")
     return len(_KANA.findall(text)) - 2 * doubtful

@@ -1,4 +1,4 @@
-"""Reading of CDL files: bytes to text, comments blanked, angle strings marked."""
+"""Source files of CDL: decoded text, with comments blanked and angle strings marked."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from rtgen.frontends.kit.library import MAX_BYTES
 from rtgen.frontends.kit.lines import LineTable
 
 ANGLE_MARK = "\x02"
-"""Stands in `code` for the `<` that an angle string begins with."""
+"""Replaces, in `code`, the `<` that starts an angle string."""
 
 _TOKENS = re.compile(
     r"//[^\n]*|/\*(?:.*?\*/|.*)"
@@ -30,10 +30,10 @@ _CONTROL = re.compile(r"[\x00-\x08\x0e-\x1f\x7f]")
 
 
 class Source:
-    """A file that was read.
+    """A source file.
 
-    `text` is what it holds; `code` the same, of the same length, with comments blanked and the
-    start of each angle string marked. Offsets hold for both.
+    `text` is its content; `code` is the text, of equal length, with comments blanked and the
+    start of each angle string marked. Offsets are valid for both.
     """
 
     def __init__(
@@ -62,7 +62,7 @@ class Source:
         self.code = self._marked(self._acceptable())
 
     def _acceptable(self) -> str:
-        """The text without control characters; a byte-order mark counts as white space."""
+        """The text with control characters and a byte-order mark replaced by white space."""
         text = self.text
         if text.startswith("\ufeff"):
             text = " " + text[1:]
@@ -86,7 +86,7 @@ class Source:
             start, position = match.span()
             token = match[0]
             if token == "<":
-                # Where one `<` of a line finds no `>`, none behind it does.
+                # If one `<` of a line has no `>`, no later one has.
                 angle = _ANGLE.match(text, start) if start >= dead else None
                 if angle is not None:
                     parts += text[done:start], ANGLE_MARK
@@ -116,12 +116,12 @@ class Source:
 
     @cached_property
     def folder(self) -> Path:
-        """The folder that the file is in."""
+        """The folder of the file."""
         return self.path.parent
 
     @cached_property
     def docs(self) -> Docs:
-        """The comments as they belong to declarations."""
+        """The documentation comments, by declaration."""
         return Docs(self.code, self.comments)
 
     @cached_property
@@ -137,7 +137,7 @@ class Source:
         return self._lines.span(start, end)
 
     def after(self, offset: int) -> Span:
-        """The place just behind the character before `offset`, one column wide."""
+        """The span directly after the character before `offset`, one column wide."""
         line, column = self.position(max(offset - 1, 0))
         return Span(self.name, line, column + 1, line, column + 2)
 

@@ -1,7 +1,7 @@
-"""`__tool_info__( "tecsgen" ) { ... }`: what a file of the editor tecscde needs to be read.
+"""`__tool_info__( "tecsgen" ) { ... }`: settings of tecsgen in a file of the editor tecscde.
 
-tecsgen imports its `direct_import` before anything else, looks in the folders of `import_path`, and
-gives the macros of `define_macro` to C headers. Other tools' information has no meaning for it.
+tecsgen imports `direct_import` first, searches the folders of `import_path`, and passes the macros
+of `define_macro` to C headers. It ignores the information of other tools.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ _HEAD = re.compile(r'__tool_info__\s*\(\s*"tecsgen"\s*\)\s*(?={)')
 
 @dataclass(frozen=True, slots=True)
 class ToolInformation:
-    """What a file says to tecsgen; `start` and `end` are its place."""
+    """The settings of tecsgen in a file; `start` and `end` are their offsets."""
 
     start: int
     end: int
@@ -27,7 +27,7 @@ class ToolInformation:
 
 
 def tool_information(source: Source) -> ToolInformation | None:
-    """The information for tecsgen in a file; what is no JSON is left to the parser."""
+    """The settings of tecsgen in a file; text that is not JSON is left to the parser."""
     found = _HEAD.search(source.code)
     if found is None:
         return None
