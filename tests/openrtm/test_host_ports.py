@@ -278,6 +278,20 @@ def test_a_connection_that_is_gone(relay: Relay, lab: Lab) -> None:
     assert not target.isNew()
 
 
+def test_a_connection_that_ends_during_a_write(
+    relay: Relay, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """OpenRTM takes the publisher away first, and lists the connector a little longer."""
+    target = sink(relay)
+    port = relay.behaviour.data_out
+    (connection,) = relay.rtc._data_outOut.connectors()
+    monkeypatch.setattr(connection, "_publisher", None)
+    assert port.write(sample(1)) is PortStatus.CONNECTION_LOST
+    monkeypatch.undo()
+    assert port.write(sample(2)) is PORT_OK
+    assert target.read().number == 2
+
+
 def test_a_port_with_a_bus_behind_it_is_never_unconnected(relay: Relay) -> None:
     from rtgen.runtime.data_ports import DataConnector, InPort
 

@@ -205,8 +205,12 @@ class Outflow:
             else:
                 wire = self._kept
                 self._fill(wire, value)
-            if port.write(wire):
-                return PORT_OK
+            try:
+                if port.write(wire):
+                    return PORT_OK
+            except AttributeError:
+                # OpenRTM removes a connector's profile and publisher without a lock.
+                return PortStatus.CONNECTION_LOST
             if len(port.connectors()) < len(before):
                 return PortStatus.CONNECTION_LOST
             return self._refusal
