@@ -283,6 +283,69 @@ def test_a_failed_activation_has_its_reason_whatever_openrtm_answers(
         client._activate("A0")
 
 
+class CutPort:
+    """A port whose next `cuts` connectors are removed as soon as they are made."""
+
+    def __init__(self, name: str, cuts: int) -> None:
+        self.name = name
+        self.cuts = cuts
+        self.made: list[str] = []
+        self.connectors: list[Any] = []
+
+    def get_port_profile(self) -> Any:
+        return SimpleNamespace(name=self.name, interfaces=[])
+
+    def get_connector_profiles(self) -> list[Any]:
+        return self.connectors
+
+    def _is_equivalent(self, other: Any) -> bool:
+        return other is self
+
+    def connect(self, profile: Any) -> tuple[str, Any]:
+        self.made.append(profile.connector_id)
+        self.cuts -= 1
+        if self.cuts < 0:
+            self.connectors.append(profile)
+        return "RTC_OK", profile
+
+
+def test_a_connector_that_is_removed_at_once_is_made_again() -> None:
+    """An OutPort of OpenRTM removes, by its id, a connector that it could not write to."""
+    out, inp = CutPort("A0.out", 1), CutPort("B0.in", 0)
+    client = Client.__new__(Client)
+    client._timeout = 5.0
+    client._rtc = SimpleNamespace(
+        RTC_OK="RTC_OK", PROVIDED="PROVIDED", REQUIRED="REQUIRED"
+    )
+    client._openrtm = SimpleNamespace(
+        Properties=lambda: None,
+        create_connector=lambda name, _, *ports: SimpleNamespace(
+            name=name, ports=ports
+        ),
+    )
+    client._components = {
+        "A0": SimpleNamespace(get_ports=lambda: [out]),
+        "B0": SimpleNamespace(get_ports=lambda: [inp]),
+    }
+    connection = systems.Connection("c", "A0.out", "B0.in", {})
+    assert client._connect(connection) == []
+    assert out.made == ["c", "c"]
+    assert client._connect(connection) == []
+    assert out.made == ["c", "c"]
+    # Removed later: the last look at the connections makes it again.
+    out.connectors.clear()
+    client._find = lambda _: None  # type: ignore[method-assign]
+    client._require_active = lambda _: out.connectors.clear()  # type: ignore[method-assign]
+    steps = list(client.start(systems.System("s", [], [connection])))
+    assert steps[-1] == "ready"
+    assert out.made == ["c"] * 4
+    assert len(out.connectors) == 1
+    out.connectors.clear()
+    client._timeout, out.cuts = 0.01, 1000
+    with pytest.raises(StartError, match="no connector although the call was answered"):
+        client._connect(connection)
+
+
 def joining(consumer: str, provider: str, **properties: str) -> list[str]:
     """What connect.py says of a connection of two service ports with one interface each."""
     interfaces = {

@@ -184,6 +184,9 @@ class Client:
             time.sleep(instance.wait)
             yield f"{instance.name} {self._activate(instance.name)}"
         self._require_active(system)
+        # By now all writes to connectors that were cut have ended: see `_join`.
+        for connection in system.connections:
+            self._connect(connection)
         yield "ready"
 
     def stop(self, system: System) -> Iterator[str]:
@@ -352,22 +355,31 @@ class Client:
         with _Step(f"{connection.source} and {connection.target} cannot be joined"):
             ports = [self._port(end) for end in (connection.source, connection.target)]
             lonely = self._require_providers(connection, ports)
-            if self._joined(*ports):
-                return lonely
-            properties = self._openrtm.Properties()
-            for key, text in connection.properties.items():
-                properties.setProperty(key, text)
-            profile = self._openrtm.create_connector(
-                connection.name, properties, *ports
-            )
-            profile.connector_id = connection.id or connection.name
+            if not self._joined(*ports):
+                self._join(connection, ports)
+            return lonely
+
+    def _join(self, connection: Connection, ports: Sequence[Any]) -> None:
+        """Make the connector of two ports. Raises StartError.
+
+        It is made again if it is removed at once: an OutPort of OpenRTM that fails to write to a
+        connector that is being cut removes the connector with that id a little later.
+        """
+        properties = self._openrtm.Properties()
+        for key, text in connection.properties.items():
+            properties.setProperty(key, text)
+        profile = self._openrtm.create_connector(connection.name, properties, *ports)
+        profile.connector_id = connection.id or connection.name
+
+        def made() -> bool:
             self._cut(profile.connector_id, ports)
             code, _ = ports[0].connect(profile)
             if code != self._rtc.RTC_OK:
                 raise StartError(f"{code}")
-            if not self._joined(*ports):
-                raise StartError("there is no connector although the call was answered")
-            return lonely
+            return self._joined(*ports)
+
+        if not self._wait(made):
+            raise StartError("there is no connector although the call was answered")
 
     def _require_providers(
         self, connection: Connection, ports: Sequence[Any]
