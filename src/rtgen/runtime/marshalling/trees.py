@@ -101,6 +101,8 @@ class _Trees:
     def __init__(self, format_: Format) -> None:
         self._format = format_
         self._version = format_.version
+        self._structs: dict[int, Group | Call] = {}
+        """By the descriptor's identity: a struct that many members share is one tree."""
 
     def of(self, descriptor: Descriptor) -> Node:
         match descriptor:
@@ -114,7 +116,7 @@ class _Trees:
             case StructDescriptor():
                 if self._version == 2 and descriptor.extensibility != "final":
                     return Call(descriptor, 4)
-                return _called_if_large(self.body(descriptor))
+                return self._struct(descriptor)
             case UnionDescriptor(switch=switch):
                 return Call(descriptor, minimum_size(self.of(switch)))
             case StringDescriptor(wide, bound):
@@ -162,6 +164,13 @@ class _Trees:
             raise NotCompiledError("a parameter list")
         members = [(m.attribute, self._member(m)) for m in descriptor.members]
         return Group(descriptor, tuple(members))
+
+    def _struct(self, descriptor: StructDescriptor) -> Group | Call:
+        found = self._structs.get(id(descriptor))
+        if found is None:
+            found = _called_if_large(self.body(descriptor))
+            self._structs[id(descriptor)] = found
+        return found
 
     def _member(self, member: MemberDescriptor) -> Node:
         node = self.of(member.type)
