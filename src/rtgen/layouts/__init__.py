@@ -1,1 +1,1 @@
-"""Wire layouts worked out once, as data; templates print them and compute none."""
+"""Wire layouts as data; templates print layouts and compute none."""

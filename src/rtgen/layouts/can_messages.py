@@ -1,4 +1,4 @@
-"""The messages of a CANopen bus in operation, with the least time between two of each."""
+"""The messages of a CANopen bus in operation, each with its minimum period."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ from rtgen.model.can_bus import Bus, BusNode
 from rtgen.model.canopen import Pdo, PdoDirection, resolved
 
 HOST = "host"
-"""The queue of the manager and the proxies: what their process sends keeps its order."""
+"""The queue of the manager and the proxies, whose process sends in order."""
 SPORADIC = 1.0
-"""The least time in seconds between two messages that come now and then: NMT commands, the request
+"""The minimum time in seconds between two sporadic messages: NMT commands, the request
 and the answer of an SDO client and a node, emergencies without inhibit time."""
 
 _EMERGENCY_INHIBIT = 0x1015
@@ -32,7 +32,7 @@ _EMERGENCY_INHIBIT = 0x1015
 
 @dataclass(frozen=True, slots=True)
 class Writing:
-    """How a component writes to an RPDO's port; `jitter`: how long a sample may wait. In s."""
+    """The writes of a component to an RPDO's port, in s; `jitter`: the delay of a sample."""
 
     period: float
     jitter: float = 0.0
@@ -52,10 +52,10 @@ def identifier_of(pdo: Pdo, node: BusNode) -> int | None:
 
 
 def messages(bus: Bus, writings: Writings | None = None) -> list[Message]:
-    """What nodes, their proxies and the manager send.
+    """The messages of nodes, their proxies and the manager.
 
-    An RPDO that no link feeds comes from the node's proxy: a synchronous one once per SYNC, others
-    as its inhibit time, `writings`, or else the bus file's `event` says.
+    An RPDO without a link is sent by the node's proxy: a synchronous one once per SYNC, others
+    by inhibit time, `writings`, or else the bus file's `event`.
     """
     found = [_host("NMT", NMT, 2, SPORADIC)] if bus.nodes else []
     if bus.sync:
@@ -77,13 +77,13 @@ def messages(bus: Bus, writings: Writings | None = None) -> list[Message]:
 
 
 def _services(node: BusNode) -> Iterator[Message]:
-    """What a node has besides PDOs: supervision, emergencies, SDO."""
+    """The messages of a node other than PDOs: supervision, emergencies, SDO."""
     name, can_id = node.name, ERROR_CONTROL + node.id
     if period := heartbeat(node):
         yield Message(f"{name} heartbeat", can_id, 1, _nanoseconds(period / 1000))
     if period := guard_time(node):
         time = _nanoseconds(period / 1000)
-        # The answer comes when the request does: as late as that can be.
+        # The answer inherits the worst-case delay of the request.
         yield Message(f"{name} guarding", can_id, 1, time, jitter=time)
         yield Message(
             f"{name} guarding request", can_id, 0, time, remote=True, queue=HOST

@@ -29,14 +29,14 @@ _STORE = (0x1010, 0x1011)
 _COB_ID = DataType.UNSIGNED32
 _PROFILES = 0x2000
 _NOT_ON_DOWNLOAD = 1 << 0
-"""Flag of an object (CiA 306, 4.6.3.2): it is not written with a configuration."""
+"""Flag of an object (CiA 306, 4.6.3.2) that excludes it from configuration writes."""
 
 
 @dataclass(frozen=True, slots=True)
 class StartWrite:
-    """A value that is written; `why` tells what for, in a few words.
+    """A write of a value; `why` is a short reason for reports.
 
-    `verify` says that it can be read back, `relative` that the node-id is to be added to the value.
+    `verify`: the value can be read back; `relative`: the node-id is added to the value.
     """
 
     variable: Variable
@@ -47,22 +47,22 @@ class StartWrite:
 
 
 def start_up(node: BusNode) -> tuple[StartWrite, ...]:
-    """What is written to a node: what the bus file asks for, and what differs from the defaults.
+    """The writes to a node: values of the bus file, and those that differ from the defaults.
 
     The period of its heartbeat is written in any case.
 
     Raises CanValueError for a value that has no octets.
     """
     asked = {number for number, _ in node.values}
-    # The manager goes by the heartbeat, whatever the device beats by itself.
+    # The manager relies on the heartbeat, also if its period is the device's default.
     beats = {(v.index, v.subindex) for v in node.device.variables if _beats(v)}
     return tuple(_StartUp(node.device, node.id, asked | beats).writes())
 
 
 def configuration(kind: DeviceKind) -> tuple[StartWrite, ...]:
-    """What a description configures by itself, and the mappings that the kind's values give.
+    """The writes of a description's own configuration, with the mappings of the kind.
 
-    For a node that is in no network. Values without octets are left out: in a network they are
+    For a node outside of networks. Values without octets are left out: in a network they are
     EDS0805.
     """
     device = configured(kind)
@@ -72,7 +72,7 @@ def configuration(kind: DeviceKind) -> tuple[StartWrite, ...]:
     try:
         return tuple(_StartUp(replace(device, objects=writable), 0, set()).writes())
     except CanValueError:
-        # A mapping or COB-ID of a data type that has no values: no PDO of it has a port either.
+        # A mapping or COB-ID of a data type without values: its PDO has no port either.
         return ()
 
 
@@ -88,7 +88,7 @@ def _writable(variable: Variable) -> Variable:
 
 
 def configured(kind: DeviceKind) -> Device:
-    """The device as its description configures it, with the mappings of its kind."""
+    """The device configured by its description, with the mappings of its kind."""
     own, common = kind.described or kind.device, kind.device
     mappings = {pdo.mapping for pdo in common.pdos}
     by_index = {o.index: o for o in common.objects if o.index in mappings}
@@ -107,7 +107,7 @@ def _beats(variable: Variable) -> bool:
 
 
 class _StartUp:
-    """`asked` are the numbers of variables that are written whatever their default is."""
+    """`asked` are the numbers of variables that are written even if equal to the default."""
 
     def __init__(
         self, device: Device, node_id: int, asked: set[tuple[int, int]]
@@ -132,7 +132,7 @@ class _StartUp:
         return wanted and not variable.flags & _NOT_ON_DOWNLOAD
 
     def writes(self) -> Iterator[StartWrite]:
-        """All of them, in order."""
+        """All writes, in order."""
         of_pdos = {
             i for pdo in self._device.pdos for i in (pdo.communication, pdo.mapping)
         }
@@ -192,7 +192,7 @@ class _StartUp:
             yield self._write(count, f"{name} maps {used}")
 
     def _of(self, index: int) -> list[Variable]:
-        """What changes of an object."""
+        """The writes of an object that differ from its defaults."""
         return [v for (of, _), v in self._changed.items() if of == index]
 
     def _write(
@@ -210,7 +210,7 @@ class _StartUp:
 
 
 def _order(variable: Variable) -> tuple[float, int]:
-    """By index, but for the heartbeat before those that are consumed."""
+    """Sort key: by index, except that the heartbeat precedes the consumed ones."""
     index = _CONSUMER - 0.5 if variable.index == _PRODUCER else variable.index
     return index, variable.subindex
 

@@ -9,7 +9,7 @@ from rtgen.model.can_bus import BusNode
 
 _GUARD_TIME, _LIFE_TIME_FACTOR, _HEARTBEAT = 0x100C, 0x100D, 0x1017
 _PERIODS = 3
-"""A node is lost when so many heartbeats, or answers to node guarding, are missing."""
+"""A node is lost when this number of heartbeats, or guarding answers, is missing."""
 
 
 def heartbeat(node: BusNode) -> int:
@@ -23,7 +23,7 @@ def guard_time(node: BusNode) -> int:
 
 
 def heartbeat_timeout(node: BusNode) -> int:
-    """After how long without a sign of life a node is lost; 0 if nothing supervises it."""
+    """The time without heartbeat or guarding answer after which a node is lost; 0: unsupervised."""
     period = heartbeat(node) or guard_time(node)
     if period and node.heartbeat_timeout is not None:
         return round(node.heartbeat_timeout * 1000)

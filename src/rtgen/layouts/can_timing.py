@@ -18,14 +18,14 @@ from typing import TypeAlias
 NANOSECONDS = 1_000_000_000
 
 _MOST_STEPS = 20_000
-"""Steps of the iteration for a message; a bus so full that more are needed counts as overloaded."""
+"""The largest number of iterations for a message; a bus that needs more counts as overloaded."""
 _MOST_ROUNDS = 200
-"""Rounds until jitters that depend on responses are stable."""
+"""The largest number of rounds until jitters that depend on responses are stable."""
 
 
 @dataclass(frozen=True, slots=True)
 class Message:
-    """A frame that is sent again and again.
+    """A frame that is sent repeatedly.
 
     `identifier` is that of 11 bits, or of 29 bits if `extended`; `octets` are its data. `period` is
     the least time between two of them; `jitter` how late one can be queued. Messages of the same
@@ -45,7 +45,7 @@ class Message:
 
     @property
     def priority(self) -> tuple[int, int, int]:
-        """What arbitration decides by: the least wins.
+        """The arbitration priority: the smallest wins.
 
         Among equal identifiers a data frame of 11 bits wins, then a remote frame, then 29 bits.
         """
@@ -56,7 +56,7 @@ class Message:
 
 @dataclass(frozen=True, slots=True)
 class Timing:
-    """What is worked out for a message; `response` is None where it has no bound, or nearly so."""
+    """The timing of a message; `response` is None if unbounded, or too large to compute."""
 
     message: Message
     transmission: int
@@ -76,14 +76,14 @@ def bit_time(bit_rate: int) -> int:
 
 
 def load(messages: Sequence[Message], bit_rate: int) -> float:
-    """The share of the bus's time that the messages take at most; above 1 they do not fit."""
+    """The worst-case utilization of the bus by the messages; above 1 it is overloaded."""
     return sum(_transmission(m, bit_rate) / m.period for m in messages)
 
 
 def response_times(messages: Sequence[Message], bit_rate: int) -> Iterator[Timing]:
     """The worst case of each message, the most urgent first; the rate is in kbit/s.
 
-    A response time is that from the event that a message tells of to the end of its frame.
+    A response time extends from the event that triggers a message to the end of its frame.
     """
     ordered = sorted(messages, key=lambda m: m.priority)
     delays = _Delays(ordered, bit_rate)
@@ -97,11 +97,11 @@ def response_times(messages: Sequence[Message], bit_rate: int) -> Iterator[Timin
 
 
 _Arriving: TypeAlias = tuple[int, int, int]
-"""How a message comes to arbitration: period, jitter, transmission time."""
+"""The arrival of a message at arbitration: period, jitter, transmission time."""
 
 
 class _Delays:
-    """Responses, and what they depend on: jitters grow with the responses of triggers and queues.
+    """Response times and jitters, which grow with the responses of triggers and queues.
 
     `messages` are in the order of their priorities. Every round the jitters can only grow; None
     stands for what has no bound.
@@ -120,7 +120,7 @@ class _Delays:
         self._waits: dict[str, int | None] = {m.queue: 0 for m in messages if m.queue}
 
     def improve(self) -> bool:
-        """Works all responses out anew; whether a jitter has changed since."""
+        """Recompute all responses; returns whether a jitter has changed."""
         arriving = list(map(self._arriving, range(len(self._messages))))
         waits = {queue: self._queue_wait(queue, arriving) for queue in self._waits}
         bounded = True
@@ -146,11 +146,11 @@ class _Delays:
         return changed
 
     def give_up(self) -> None:
-        """Nothing has a bound."""
+        """Mark all responses as unbounded."""
         self.responses = [None] * len(self._messages)
 
     def _arriving(self, place: int) -> _Arriving | None:
-        """How a message comes to arbitration; None if it may be late without bound."""
+        """The arrival of a message at arbitration; None if its delay is unbounded."""
         message = self._messages[place]
         queued = self._waits[message.queue] if message.queue else 0
         jitter = _sum(self._jitters[place], queued)
@@ -167,7 +167,7 @@ class _Delays:
         return _response(own, interference, self._blocking[place], self._bit)
 
     def _queue_wait(self, queue: str, arriving: list[_Arriving | None]) -> int | None:
-        """How long the last message of a queue may wait for its turn on the bus.
+        """The longest wait of the last message of a queue for arbitration.
 
         Each message is in the queue once at most: otherwise there is no bound.
         """
@@ -196,7 +196,7 @@ class _Delays:
 
 
 def _greatest_behind(costs: Sequence[int]) -> list[int]:
-    """For each place the greatest of the costs behind it."""
+    """For each position the greatest cost after it."""
     found, greatest = [], 0
     for cost in reversed(costs):
         found.append(greatest)
@@ -243,7 +243,7 @@ def _response(
 
 
 def _demand(messages: Sequence[_Arriving], time: int) -> int:
-    """The bus time that messages ask for within a time."""
+    """The bus time that messages demand within an interval."""
     return sum(_ceiling(time + jitter, period) * c for period, jitter, c in messages)
 
 

@@ -23,7 +23,7 @@ _ENCODINGS = {
 
 
 class CanValueError(ValueError):
-    """There are no such octets; the message says why."""
+    """A value that has no octets; the message is the reason."""
 
 
 def octets(data_type: int, value: Value) -> bytes:

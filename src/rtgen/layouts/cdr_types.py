@@ -1,4 +1,4 @@
-"""What the types of a model are in CDR: which have a codec at all, and what theirs must care for.
+"""Properties of the types of a model in CDR: which have a codec, and what the codec must handle.
 
 The codecs themselves are compiled by the runtime, from the descriptors of the types.
 """
@@ -40,15 +40,15 @@ from rtgen.model.graphs import in_circles, leading_to
 _DYNAMIC = frozenset((Primitive.ANY, Primitive.TYPE_CODE, Primitive.VALUE_BASE))
 
 MOST_LOOPS = 12
-"""So deep can sequences be nested in each other without a struct or union between."""
+"""The largest depth of sequences nested without a struct or union between."""
 
 
 class NotMarshalledError(Exception):
-    """A type that has no layout in classic CDR, or none here; the message says which and why."""
+    """A type without a (supported) layout in classic CDR; the message names type and reason."""
 
 
 class CdrTypes:
-    """What is known of the types of a model."""
+    """Properties of the types of a model."""
 
     def __init__(self, model: Model, representations: Representations) -> None:
         self._model = model
@@ -70,7 +70,7 @@ class CdrTypes:
     def is_unset(self, holder: Declaration, entry: Member | Case) -> bool:
         """Whether a member is None until it is set.
 
-        An `@external` member can be of a type that is recursive, or is defined later only.
+        The type of an `@external` member can be recursive, or defined after the member.
         """
         type_ = self._model.unalias(entry.type)
         return (
@@ -84,7 +84,7 @@ class CdrTypes:
         )
 
     def is_dynamic(self, type_: Type) -> bool:
-        """Whether values of the type hold what is marshalled along its descriptor."""
+        """Whether values of the type contain one marshalled by its descriptor."""
         names = _names(self._model, type_)
         return not names.isdisjoint(self._dynamic) or any(
             self._is_dynamic_leaf(t) for t in _leaves(self._model, type_)
@@ -125,7 +125,7 @@ class CdrTypes:
         return isinstance(declaration, Valuetype | ValueBox)
 
     def check(self, type_: Type) -> int:
-        """The least number of octets that a value takes. Raises NotMarshalledError."""
+        """The minimum number of octets of a value. Raises NotMarshalledError."""
         type_ = self._model.unalias(type_)
         match type_:
             case PrimitiveType(Primitive.OBJECT):
@@ -200,7 +200,7 @@ class CdrTypes:
             )
 
     def _loops(self, type_: Type) -> int:
-        """How deep loops are nested in a codec of the type."""
+        """The nesting depth of loops in a codec of the type."""
         type_ = self._model.unalias(type_)
         match type_:
             case SequenceType(element):
@@ -213,7 +213,7 @@ class CdrTypes:
         return 0
 
     def _is_fixed(self, type_: Type) -> bool:
-        """Whether a value has one size, so that sequences of it take no loop."""
+        """Whether values have a fixed size, so that sequences need no loop."""
         type_ = self._model.unalias(type_)
         match type_:
             case PrimitiveType(kind):
@@ -233,7 +233,7 @@ def enum_code(declaration: Enum) -> str:
 
 
 def bit_count(model: Model, bitset: Bitset) -> int:
-    """How many bits a bitset has, with those of its bases."""
+    """The number of bits of a bitset, including its bases."""
     count = sum(field.bits for field in bitset.members)
     if bitset.base is not None:
         base = model.find(bitset.base)
@@ -243,7 +243,7 @@ def bit_count(model: Model, bitset: Bitset) -> int:
 
 
 def _uses(model: Model) -> dict[ScopedName, set[ScopedName]]:
-    """The named types that structs and unions have parts of."""
+    """The named types of members of structs and unions."""
     return {
         declaration.name: {
             name for t in member_types(declaration) for name in _names(model, t)
@@ -254,7 +254,7 @@ def _uses(model: Model) -> dict[ScopedName, set[ScopedName]]:
 
 
 def _leaves(model: Model, type_: Type) -> list[Type]:
-    """The types that a type is made of, down to names and basic types."""
+    """The named and basic types that a type consists of."""
     type_ = model.unalias(type_)
     match type_:
         case SequenceType(element) | ArrayType(element):

@@ -1,4 +1,4 @@
-"""The layout of a PDO's data (CiA 301, 7.3.3 and 7.5.2.36): what one `struct` call can do.
+"""The layout of a PDO's data (CiA 301, 7.3.3 and 7.5.2.36): slots read by one `struct` call.
 
 Entries follow each other from bit 0 of the first octet on, without gaps of their own, little
 endian. A field that begins and ends at an octet is a slot of its own; fields that do not, share a
@@ -18,11 +18,11 @@ MAX_BITS = 64
 
 
 class PdoLayoutError(ValueError):
-    """The mapping cannot be laid out; the message says why."""
+    """A mapping that cannot be laid out; the message is the reason."""
 
 
 class Kind(StrEnum):
-    """How a field's bits are to be understood; times count as one unsigned number."""
+    """The interpretation of a field's bits; times are one unsigned number."""
 
     BOOLEAN = "bool"
     SIGNED = "signed"
@@ -64,7 +64,7 @@ class Part:
 class Slot:
     """Octets that are read together: the parts, low ones first, and the fields in them.
 
-    `whole` says that the one field is the slot, so nothing is to be shifted or masked.
+    `whole`: one field fills the slot, so it needs neither shift nor mask.
     """
 
     parts: tuple[Part, ...]
@@ -74,7 +74,7 @@ class Slot:
 
 @dataclass(frozen=True, slots=True)
 class PdoLayout:
-    """A PDO's data: its slots in order, and how many octets it has."""
+    """A PDO's data: its slots in order, and its size in octets."""
 
     slots: tuple[Slot, ...]
     size: int

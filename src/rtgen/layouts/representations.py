@@ -30,8 +30,8 @@ _NOT_IN_XCDR = frozenset(
 class Representations:
     """Extensibility and representation of the structs and unions of a model.
 
-    `@data_representation(XCDR2)` asks for XCDR2, `XCDR` for classic CDR, or XCDR1 where the type
-    has no form in it.
+    `@data_representation(XCDR2)` selects XCDR2, `XCDR` classic CDR, or XCDR1 for types that
+    classic CDR cannot represent.
     """
 
     def __init__(
@@ -43,7 +43,7 @@ class Representations:
         self._names = {d.name for d in model.declarations}
 
     def extensibility(self, declaration: Struct | Union) -> Extensibility:
-        """That of a struct or union; without an annotation its base's, or the default."""
+        """The extensibility of a struct or union; unannotated: its base's, or the default."""
         names = {annotation.name for annotation in declaration.annotations}
         written = not names.isdisjoint({"extensibility", *Extensibility})
         if written or declaration.name not in self._names:
@@ -55,7 +55,7 @@ class Representations:
         return self._extensibility
 
     def is_xcdr2(self, declaration: Struct | Union) -> bool:
-        """Whether `to_cdr` gives XCDR2; never for what is not the model's."""
+        """Whether `to_cdr` returns XCDR2; False for types outside of the model."""
         annotation = declaration.annotation("data_representation")
         if annotation is not None:
             value = annotation.get() or annotation.get("allowed_kinds")
@@ -70,7 +70,7 @@ class Representations:
         return self._xcdr2
 
     def missing(self, type_: Type) -> str | None:
-        """What is in the type that XCDR has no representation of, or None."""
+        """The part of the type that XCDR cannot represent, or None."""
         return self._missing(type_, set())
 
     def _missing(self, type_: Type, seen: set[ScopedName]) -> str | None:

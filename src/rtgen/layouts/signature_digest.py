@@ -1,7 +1,7 @@
-"""The digest of a TECS signature: whether two halves of a line were made from the same one.
+"""The digest of a TECS signature, by which two peers detect different signatures.
 
-OpaqueRPC sends neither names nor types, so two ends with other parameters understand each other
-wrongly. `signature_text` writes down all that the bytes depend on, and what they mean;
+OpaqueRPC sends neither names nor types, so peers with different signatures would misread each
+other. `signature_text` contains all that determines the bytes and their meaning;
 `RTCPlugin.rb` writes the same text of tecsgen's model (`templates/tecs/RTCPlugin.rb.j2`), so the
 two have to change together. docs/opaque-rpc.md describes it.
 """
@@ -60,7 +60,7 @@ def signature_digest(unit: TecsUnit, signature: Signature) -> str:
 
 
 def signature_text(unit: TecsUnit, signature: Signature) -> str:
-    """What the digest is made of: a line for each function."""
+    """The input of the digest: one line for each function."""
     writer = _Writer(unit)
     return "".join(f"{writer.function(f)}\n" for f in signature.functions)
 
@@ -134,7 +134,7 @@ def _specifiers(sizes: Sizes) -> Iterator[str]:
 
 
 def _length(expression: Expression | None) -> str:
-    """A constant, or the parameters that a length is computed from; empty without a length."""
+    """The constant length, or the parameters of its expression; empty without a length."""
     if isinstance(expression, Literal):
         value = expression.value
         return str(int(value) if isinstance(value, bool | float) else value)

@@ -1,8 +1,8 @@
-"""The layout of TECS OpaqueRPC messages: what travels in which order, and what it depends on.
+"""The layout of TECS OpaqueRPC messages: their values in wire order, and dependencies of sizes.
 
-A message is a tuple of steps. A `Run` is a stretch of values whose size is fixed once the TDR is
-known; what depends on values read before comes between the runs. Expressions stay the
-definition's.
+A message is a tuple of steps. A `Run` is a sequence of values whose size is fixed once the TDR is
+known; values whose size depends on earlier ones are between the runs. Expressions are those of
+the definition.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ OCTETS = (Scalar.CHAR, Scalar.SCHAR, Scalar.UCHAR, Scalar.UINT8)
 
 
 class TransferError(Exception):
-    """A parameter, a member or a return value that OpaqueRPC cannot carry; `hint` may help."""
+    """A parameter, member or return value that OpaqueRPC cannot transfer; `hint` is optional."""
 
     def __init__(self, span: Span, reason: str, hint: str | None = None) -> None:
         super().__init__(reason)
@@ -46,7 +46,7 @@ class TransferError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Nothing:
-    """`void`, behind pointers or not: no byte."""
+    """`void`, or a pointer to it, which takes no bytes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +57,7 @@ class Basic:
 
     @property
     def kind(self) -> str:
-        """Its letter."""
+        """The letter of the type."""
         return LETTERS[self.scalar]
 
 
@@ -87,13 +87,13 @@ class Record:
 
     @property
     def fixed(self) -> bool:
-        """Whether its size depends on no value."""
+        """Whether the size of the struct depends on no value."""
         return all(isinstance(step, Run) for step in self.steps)
 
 
 @dataclass(frozen=True, slots=True)
 class Counted:
-    """An array behind a pointer: `count` elements travel, `size` fit; `most` bounds `size`."""
+    """A pointer to an array: `count` elements are transferred, `size` fit; `most` bounds `size`."""
 
     element: Node
     size: Expression
@@ -125,7 +125,7 @@ class String:
 
     @property
     def is_wide(self) -> bool:
-        """Whether a unit is more than a byte."""
+        """Whether a unit is larger than a byte."""
         return self.kind not in "bB"
 
 
@@ -136,7 +136,7 @@ Node: TypeAlias = Nothing | Basic | Octets | FixedArray | Record | Counted | Str
 class Item:
     """A parameter, a member or the return value (whose name is empty).
 
-    `pointer` tells that the value is behind a pointer without sizes.
+    `pointer`: the value is the target of a pointer without sizes.
     """
 
     name: str
@@ -148,22 +148,22 @@ class Item:
 
     @property
     def inward(self) -> bool:
-        """Whether the value travels with the request."""
+        """Whether the request contains the value."""
         return self.direction is not None and self.direction.inward
 
     @property
     def outward(self) -> bool:
-        """Whether the value travels with the reply."""
+        """Whether the reply contains the value."""
         return self.direction is not None and self.direction.outward
 
     @property
     def asked(self) -> bool:
-        """Whether the request tells if the caller wants the value."""
+        """Whether the request has a flag for whether the caller wants the value."""
         return self.nullable and self.direction is TecsDirection.OUT
 
 
 class Role(Enum):
-    """What a field of a run is."""
+    """The role of a field of a run."""
 
     SOP = auto()
     ID = auto()
@@ -182,7 +182,7 @@ class Field:
 
     @property
     def kinds(self) -> tuple[tuple[str, int], ...]:
-        """Letters with how often they repeat."""
+        """Letters with their repeat counts."""
         match self.role:
             case Role.SOP | Role.ID | Role.EOP:
                 return (("H", 1),)
@@ -202,7 +202,7 @@ class Run:
 
     @property
     def kinds(self) -> tuple[tuple[str, int], ...]:
-        """Letters with how often they repeat."""
+        """Letters with their repeat counts."""
         return tuple(kind for field in self.fields for kind in field.kinds)
 
 
@@ -215,14 +215,14 @@ class Payload:
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """A value that is made of others whose sizes depend on values."""
+    """A compound value with parts whose sizes depend on values."""
 
     item: Item
 
 
 @dataclass(frozen=True, slots=True)
 class Branch:
-    """Steps that are there only if the item is not NULL."""
+    """Steps that are present only if the item is not NULL."""
 
     item: Item
     steps: tuple[Step, ...]
@@ -230,7 +230,7 @@ class Branch:
 
 @dataclass(frozen=True, slots=True)
 class Reserve:
-    """No byte: the memory that an outward array or text will need in the server."""
+    """No bytes: reserves the server's memory for an outward array or string."""
 
     item: Item
 
@@ -257,17 +257,17 @@ class FunctionLayout:
 
     @cached_property
     def arguments(self) -> tuple[Item, ...]:
-        """What the request tells something of."""
+        """The items of which the request contains the value or a flag."""
         return tuple(i for i in self.items if i.inward or i.asked)
 
     @cached_property
     def outs(self) -> tuple[Item, ...]:
-        """What the reply has values of."""
+        """The items whose values the reply contains."""
         return tuple(i for i in self.items if i.outward)
 
     @property
     def is_void(self) -> bool:
-        """Whether nothing is returned."""
+        """Whether the function returns `void`."""
         return isinstance(self.returned.node, Nothing)
 
 
@@ -281,7 +281,7 @@ class SignatureLayout:
 
 
 def kinds(node: Node) -> tuple[tuple[str, int], ...]:
-    """The letters of a node of fixed size with how often they repeat."""
+    """The letters of a node of fixed size with their repeat counts."""
     match node:
         case Basic():
             return (("16s" if node.kind in "wW" else node.kind, 1),)

@@ -1,4 +1,4 @@
-"""The messages of TECS functions: steps in the order of the wire, and what is kept for a reply."""
+"""The messages of TECS functions: steps in wire order, and request values kept for the reply."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def layout_of(unit: TecsUnit, signature: Signature) -> SignatureLayout:
 
 
 def problems(unit: TecsUnit, signature: Signature) -> Iterator[TransferError]:
-    """What OpaqueRPC cannot carry, at most one finding for each function."""
+    """The functions that OpaqueRPC cannot transfer, with at most one problem each."""
     nodes = _Nodes(unit)
     for function in signature.functions:
         try:
@@ -119,7 +119,7 @@ def _function(nodes: _Nodes, function: TecsFunction) -> FunctionLayout:
 
 
 def is_error_code(type_: CType) -> bool:
-    """Whether tecsgen takes the type for one of error codes: by its written name."""
+    """Whether tecsgen treats the type as an error code, by its written name."""
     return isinstance(type_, CTypedefType) and type_.name in (("ER",), ("ER_INT",))
 
 
@@ -146,7 +146,7 @@ def _check_names(item: Item, names: set[str], function: TecsFunction) -> None:
 
 
 def _check_expression(expression: Expression, item: Item) -> None:
-    """Whether an expression can be worked out from values."""
+    """Check that an expression can be computed from values."""
     parts: tuple[Expression, ...] = ()
     match expression:
         case UnaryExpression(_, operand):
@@ -174,9 +174,9 @@ def _check_order(
     given: Sequence[Item],
     function: TecsFunction,
 ) -> None:
-    """Whether each size is known when the value it belongs to is met.
+    """Check that each size is known before the value that depends on it.
 
-    `before` came earlier, `given` are known to both ends from the request.
+    `before` are earlier values, `given` those that both peers know from the request.
     """
     known = {item.name for item in before}
     travels = {item.name for item in items}
@@ -202,7 +202,7 @@ def _is_bound_only(item: Item) -> bool:
 
 
 def _is_reserved(item: Item, arguments: Sequence[Item]) -> bool:
-    """Whether the server needs memory for an out before the call, and can know how much."""
+    """Whether the server must reserve memory for an out before the call, and knows its size."""
     if item.direction is not TecsDirection.OUT:
         return False
     return capacity(item.node) is not None and is_known(item.node, arguments)
@@ -225,7 +225,7 @@ def _is_kept(item: Item, outs: Sequence[Item], items: Sequence[Item]) -> bool:
 
 
 def _value(item: Item, flag: bool) -> list[Field | Step]:
-    """The steps of a value, behind its flag if it is nullable."""
+    """The steps of a value, after its flag if it is nullable."""
     if item.nullable and flag:
         body = _steps(_value(item, flag=False))
         return [Field(Role.FLAG, item), Branch(item, body)]
@@ -248,7 +248,7 @@ def _reply_value(item: Item) -> list[Field | Step]:
 
 
 def _steps(*parts: Sequence[Field | Step]) -> tuple[Step, ...]:
-    """All parts, with fields that follow each other made into runs."""
+    """All parts, with consecutive fields merged into runs."""
     steps: list[Step] = []
     fields: list[Field] = []
     for part in parts:
@@ -328,7 +328,7 @@ class _Nodes:
         )
 
     def plain(self, type_: CType, span: Span) -> Node:
-        """The node of a type without sizes; pointers stand for what they point to."""
+        """The node of a type without sizes; a pointer has the node of its target."""
         match resolve(type_):
             case CPointerType(target):
                 return self.plain(target, span)
@@ -389,7 +389,7 @@ class _Nodes:
         return self.records[tag]
 
     def _values(self, node: Node) -> int:
-        """How many values have a place of their own in messages with the node."""
+        """The number of values with a position of their own in messages with the node."""
         match node:
             case Record(struct):
                 return self._counts[struct.name]
@@ -414,7 +414,7 @@ def _check_members(struct: TecsStruct, ordered: Sequence[Item]) -> None:
 
 
 def _check_element(element: Node, span: Span) -> None:
-    """Elements without a byte would be read without end."""
+    """Reject elements without bytes, of which a message could claim any number."""
     if is_fixed(element) and not kinds(element):
         raise TransferError(span, "an array of elements that have no byte")
 

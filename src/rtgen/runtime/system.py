@@ -193,7 +193,7 @@ class System:
         )
 
     def observable(self, name: str) -> tuple[float, ...]:
-        """The observable `<instance>.<observable>` of a component; a number by itself.
+        """The values of the observable `<instance>.<observable>`; a single number is one value.
 
         Raises UnknownComponentError, UnknownObservableError, or ObservableError.
         """
@@ -385,7 +385,7 @@ class System:
         """Runs until a condition holds (True) or an instant [ns since the start] comes (False).
 
         The instant itself does not belong to the run: one second of a 1000 Hz component are 1000
-        ticks. The condition is looked at after all ticks of an instant; in real time after each
+        ticks. The condition is evaluated after all ticks of an instant; in real time after each
         change of state, and every few milliseconds. Can be called again to go on. In real time
         components go on between two runs too. Raises ValueError if neither is given, what
         listeners, conditions and actions of `at` and `every` raise, and KeyboardInterrupt and the
@@ -407,8 +407,8 @@ class System:
         """Lets every component exit (deactivate, shut down, finalize) once all ticks have ended.
 
         Those that call services go before those that provide them; otherwise the last added goes
-        first. A KeyboardInterrupt gives up the component that is at work, and is raised at the end.
-        In real time components whose callbacks do not return are given up after two seconds.
+        first. A KeyboardInterrupt abandons the running component, and is raised at the end.
+        In real time components whose callbacks do not return are abandoned after two seconds.
         """
         interrupt: KeyboardInterrupt | None = None
         try:

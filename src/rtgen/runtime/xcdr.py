@@ -148,7 +148,7 @@ def decode(type_: Any, data: Buffer, version: int, little_endian: bool) -> Any:
 
 
 def _compiled(descriptor: Any, kind: str, version: int) -> Callable[..., Any] | None:
-    """The compiled function of a type; None for one that `xcdr_codecs` marshal."""
+    """The compiled function of a type; None for one marshalled by `xcdr_codecs`."""
     if not isinstance(descriptor, _COMPILED):
         return None
     try:

@@ -50,7 +50,7 @@ class _Devices:
         self._networks = package if model.buses else ""
 
     def artifacts(self, devices: list[DevicePorts]) -> Iterator[Artifact]:
-        """The files of all devices, and what they share."""
+        """The files of all devices, and their shared files."""
         for ports in devices:
             yield from self._device(ports)
         yield from shared_files(self._model, self._names, self._options, self._networks)

@@ -42,11 +42,11 @@ _TAKEN = frozenset(
     }
 )
 STANDARD = ("collections.abc", "dataclasses", "typing")
-"""The modules of the standard library that are imported from."""
+"""Modules of the standard library from which names are imported."""
 
 
 class ComponentModule:
-    """One of these modules in the making."""
+    """A module under construction."""
 
     def __init__(
         self,
@@ -125,18 +125,18 @@ class ComponentModule:
         return call(type_, stamp(self.time), value)
 
     def decoded(self, quantity: Quantity, value: str) -> str:
-        """A codec's field as a member."""
+        """A codec's field, converted to a member."""
         if is_plain(quantity):
             return value
         return from_codec(quantity, value, self.time)
 
     def of_object(self, quantity: Quantity, value: str) -> str:
-        """A value of the object dictionary as a member."""
+        """A value of the object dictionary, converted to a member."""
         time = self.time if self.is_time(quantity) else ""
         return from_object(quantity, value, time)
 
     def is_time(self, quantity: Quantity) -> bool:
-        """Whether members have it as an `RTC::Time`."""
+        """Whether members represent the type as `RTC::Time`."""
         return quantity.type == NamedType(TIME)
 
     # Text.
@@ -163,7 +163,7 @@ class ComponentModule:
 
 
 def _relative_order(statement: str) -> tuple[int, str]:
-    """As import sorters have it: those of packages farther up first."""
+    """The order of isort: imports from outer packages first."""
     module = statement.split()[1]
     depth = len(module) - len(module.lstrip("."))
     return -depth, module.lower()

@@ -67,7 +67,7 @@ def device_components(
 ) -> Iterator[Component]:
     """`<Module>Proxy` and `<Module>Device`.
 
-    `networks` are the networks that the device is in, each with the node-id of one there.
+    `networks` are the networks of the device, each with the node-id of one instance.
     """
     kind = ports.kind
     span = kind.span
@@ -302,7 +302,7 @@ def _of_proxy(span: Span) -> Iterator[ConfigurationParameter]:
 def _of_objects(ports: DevicePorts) -> Iterator[ConfigurationParameter]:
     for quantity in ports.parameters:
         if not can_be_parameter(quantity):
-            continue  # told by the back end
+            continue  # reported by the back end
         variable = quantity.variable
         default = _shown(quantity, resolved(variable.current, ports.device.node_id))
         low, high = _limits(quantity, ports.device.node_id)
@@ -323,7 +323,7 @@ def _of_objects(ports: DevicePorts) -> Iterator[ConfigurationParameter]:
 
 
 def _shown(quantity: Quantity, value: Value | None) -> ConstantValue | None:
-    """A value of the object as the parameter has it."""
+    """A value of the object, converted to the parameter."""
     if quantity.variable.data_type == DataType.BOOLEAN and isinstance(value, int):
         return bool(value)
     if isinstance(value, int | float):

@@ -1,7 +1,7 @@
-"""Values on their way between the fields of codecs, the object dictionary and members of samples.
+"""Conversions between fields of codecs, values of the object dictionary, and members of samples.
 
-Each function gives a Python expression for the one that it is given; `time` is the class of
-`RTC::Time`. Most values are the same everywhere. What differs: physical values (by a factor), times
+Each function maps a Python expression to the converted one; `time` is the class of
+`RTC::Time`. Most values need no conversion. Exceptions: physical values (by a factor), times
 (48 bits in a codec, nanoseconds in the object dictionary), and UNICODE_STRING (octets in a codec).
 """
 
@@ -24,7 +24,7 @@ _SECOND = "1_000_000_000"
 
 
 def is_plain(quantity: Quantity) -> bool:
-    """Whether codecs have it as samples do."""
+    """Whether codecs and samples represent the value equally."""
     code = quantity.variable.data_type
     other = code in _SECONDS or code == DataType.UNICODE_STRING
     return quantity.factor is None and not other

@@ -1,4 +1,4 @@
-"""The module `device` of a device: what its component has besides ports and configuration."""
+"""The module `device` of a device: its component, without ports and configuration."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Device descriptions as EDS or DCF files (CiA 306).
 
-All that the model has is written, in the forms that every reader takes: sub-objects one by one,
+The whole model is written, in the forms that every reader supports: sub-objects one by one,
 unsigned numbers in hexadecimal, signed ones in decimal digits, formulas as `$NODEID+0x180`. The
 modules of a modular device are written as the objects that they add.
 """
@@ -28,7 +28,7 @@ from rtgen.model.canopen import (
 )
 
 BIT_RATES = (10, 20, 50, 125, 250, 500, 800, 1000)
-"""CiA 301's bit rates in kbit/s; each of them has a key."""
+"""CiA 301's bit rates in kbit/s; each has a key."""
 
 _MANDATORY = (0x1000, 0x1001, 0x1018)
 _MANUFACTURER = range(0x2000, 0x6000)
@@ -37,7 +37,7 @@ _REALS: Mapping[int, tuple[str, str]] = {
     DataType.REAL64: ("<d", "<Q"),
 }
 _EXACT = 2.0**53
-"""Up to here every whole number is a REAL64."""
+"""The largest integer up to which REAL64 represents every integer."""
 _SIMPLE_DUMMIES = range(1, 8)
 
 _Pair: TypeAlias = tuple[str, str]
@@ -89,7 +89,7 @@ def _numbered(count: str, indices: Sequence[int]) -> list[_Pair]:
 
 
 def _given(**entries: str | int | None) -> Iterator[_Pair]:
-    """The entries that there is something for."""
+    """The entries that have a value."""
     for key, value in entries.items():
         if value is not None and value != "":
             yield key, str(value)
@@ -205,7 +205,7 @@ def _variable(
 
 
 def value_text(value: Value | None, data_type: int) -> str | None:
-    """A value as these files write it; None for none."""
+    """The text of a value in these files; None if it has none."""
     match value:
         case None | str():
             return value
@@ -220,7 +220,7 @@ def value_text(value: Value | None, data_type: int) -> str | None:
         case float() if (
             value.is_integer() and abs(value) < _EXACT and str(value) != "-0.0"
         ):
-            # Checkers such as Lely's take whole numbers only, also for REAL32 and REAL64.
+            # Checkers such as Lely's accept integers only, also for REAL32 and REAL64.
             return str(int(value))
         case float():
             return repr(value)

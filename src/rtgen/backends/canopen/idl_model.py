@@ -1,4 +1,4 @@
-"""The IDL of a device: types of its ports, and operations for objects where they are asked for."""
+"""The IDL of a device: types of its ports, and operations for the objects that a bus file lists."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ _RAISED: tuple[ScopedName, ...] = (("CANopen", "SdoAbort"), ("CANopen", "BusGone
 
 
 def idl_of(ports: DevicePorts) -> str:
-    """The text of the IDL file of a device, its components left out."""
+    """The text of the IDL file of a device, without its components."""
     macro = re.sub(r"[^A-Za-z0-9]", "_", f"{ports.kind.module}_IDL")
     macro = f"CANOPEN_{macro.upper()}"
     declarations = tuple(_declarations(ports))
@@ -91,7 +91,7 @@ def _struct(ports: DevicePorts, sample: PdoSample) -> Struct:
 
 
 def _timed(ports: DevicePorts) -> Iterator[Struct]:
-    """The types of ports that RTC has none for."""
+    """The types of ports without a counterpart in the module RTC."""
     made: set[ScopedName] = set()
     for port in ports.object_ports:
         name = port.quantity.timed(ports.kind.module)
@@ -139,5 +139,5 @@ def _service(ports: DevicePorts) -> Interface:
 
 
 def _type(type_: Type) -> Type:
-    """The type as parameters have it: no sequence without a name."""
+    """The type of a parameter, with a typedef for a sequence."""
     return _OCTETS if isinstance(type_, SequenceType) else type_

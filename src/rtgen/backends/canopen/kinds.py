@@ -25,7 +25,7 @@ _TAKEN = frozenset(
 def kinds_of(
     devices: Sequence[Device], buses: Sequence[Bus]
 ) -> tuple[list[DeviceKind], list[Diagnostic]]:
-    """A kind for each module, in the order of bus files, then files; and what is wrong."""
+    """A kind for each module, in the order of bus files, then files; and diagnostics."""
     found: dict[str, DeviceKind] = {}
     findings: list[Diagnostic] = []
     of_buses = [kind for bus in buses for kind in bus.kinds]
@@ -61,7 +61,7 @@ def service_of(kind: DeviceKind) -> ScopedName:
 
 
 def file_name(ports: DevicePorts) -> str:
-    """The name of a device's IDL file, as `#include` has it."""
+    """The name of a device's IDL file in `#include`."""
     return f"{ports.kind.module}.idl"
 
 
@@ -71,7 +71,7 @@ def folder_of(kind: DeviceKind) -> str:
 
 
 def check(ports: DevicePorts) -> Iterator[Diagnostic]:
-    """What the components of a device cannot have."""
+    """Report what the components of a device cannot support."""
     for pdo, reason in ports.refused:
         name = f"{pdo.direction.upper()} {pdo.number}"
         yield NO_PORT.at(pdo.span, f"{name} of {ports.kind.module}: {reason}")
@@ -97,7 +97,7 @@ def _file(device: Device) -> tuple[str, str]:
 
 
 def _settings(kind: DeviceKind) -> tuple[object, ...]:
-    """What the generated code of a kind depends on."""
+    """The settings on which the generated code of a kind depends."""
     mapping = tuple((p.direction, p.number, p.entries) for p in kind.device.pdos)
     parameters = tuple(
         v.current if (v := kind.device.find(*number)) else None

@@ -37,7 +37,7 @@ def named(index: int, subindex: int) -> str:
 
 
 def call(callee: str, *arguments: str, **named_ones: str) -> str:
-    """A call on one line; keyword arguments that are empty are left to their defaults."""
+    """A call on one line; empty keyword arguments are omitted."""
     keywords = (f"{key}={value}" for key, value in named_ones.items() if value)
     return f"{callee}({', '.join((*arguments, *keywords))})"
 

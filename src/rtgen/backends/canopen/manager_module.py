@@ -26,7 +26,7 @@ _COMMANDS = (
     ("reset_node", "RESET_NODE"),
     ("reset_communication", "RESET_COMMUNICATION"),
 )
-"""Operations of CANopen::Manager, and the NMT commands that they give."""
+"""Operations of CANopen::Manager, and the NMT commands that they send."""
 
 
 def manager_text(

@@ -1,6 +1,6 @@
 """The profile of a proxy: its PDOs are the mirror of the device's (RTC-CANopen, figure 109).
 
-What the device transmits the proxy receives, under the same number, COB-ID and mapping: the objects
+The proxy receives the TPDOs of the device under the same number, COB-ID and mapping: the objects
 of a TPDO (1800h, 1A00h) lie 400h lower in the proxy (1400h, 1600h), those of an RPDO 400h higher.
 """
 
@@ -34,9 +34,9 @@ _EVENT_DRIVEN = 255
 
 
 def mirrored(device: Device, file_name: str) -> Device:
-    """The device that a proxy is on the bus: its mandatory objects, PDOs and what they carry.
+    """The description of a proxy as a device: its mandatory objects, PDOs and mapped objects.
 
-    Its `pdos` are left out: who reads the description works them out.
+    Its `pdos` are omitted: readers of the description derive them.
     """
     sent, received = (
         {
@@ -77,7 +77,7 @@ def mirrored(device: Device, file_name: str) -> Device:
 
 
 def _shift(index: int) -> int:
-    """How far an object of a PDO is moved, 0 for others."""
+    """The offset of the index of a PDO's object; 0 for other objects."""
     for base in (TPDO_COMMUNICATION, TPDO_MAPPING):
         if base <= index < base + PDOS:
             return -SHIFT
@@ -123,7 +123,7 @@ def _members(thing: Object, shift: int) -> Iterator[Variable]:
 
 
 def _received(variable: Variable, highest: int) -> Variable:
-    """A communication parameter of a TPDO as that of an RPDO."""
+    """A communication parameter of a TPDO, converted to one of an RPDO."""
     match variable.subindex:
         case 0:
             return replace(
@@ -157,12 +157,12 @@ def _without_rtr(value: Value | None) -> Value | None:
 
 
 def _unasked(value: Value | None) -> Value | None:
-    """No RPDO is sent on request."""
+    """The transmission type of an RPDO, which cannot be RTR-only."""
     return _EVENT_DRIVEN if value in _ON_REQUEST else value
 
 
 def _renamed(name: str, shift: int) -> str:
-    """The name with the direction turned."""
+    """The name with the direction reversed."""
     old, new = ("TPDO", "RPDO") if shift < 0 else ("RPDO", "TPDO")
     words, others = ("ransmit", "eceive"), ("T", "R")
     if shift > 0:
@@ -177,7 +177,7 @@ def _renamed(name: str, shift: int) -> str:
 
 
 def _turned(thing: Object, sent: bool, received: bool) -> Object:
-    """A mapped object with the access that the proxy's PDOs need."""
+    """A mapped object with the access for the proxy's PDOs."""
     variables = tuple(
         replace(v, access=_access(v.access, sent, received)) if v.pdo_mappable else v
         for v in thing.variables

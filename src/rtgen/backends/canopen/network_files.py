@@ -24,7 +24,7 @@ _CONCISE_DCF = 0x1F22
 def network_files(
     buses: Sequence[Bus], options: Options
 ) -> tuple[list[Artifact], list[Diagnostic]]:
-    """All files of all networks, and what is wrong with them."""
+    """All files of all networks, and diagnostics."""
     findings = []
     for bus in buses:
         for node in bus.nodes:
@@ -58,9 +58,9 @@ def _artifacts(buses: Sequence[Bus], options: Options) -> Iterator[Artifact]:
 
 
 def configured(bus: Bus, node: BusNode) -> Device:
-    """A node's device with its place on the bus.
+    """A node's device with its settings on the bus.
 
-    One that can keep the configurations of others (1F22h) has theirs.
+    A device with object 1F22h (concise DCF) contains the configurations of the other nodes.
     """
     device = node.device
     told = device.commissioning or Commissioning()

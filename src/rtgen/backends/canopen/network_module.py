@@ -1,4 +1,4 @@
-"""The module of a network: its nodes, how they are started, and what their PDOs are then."""
+"""The module of a network: its nodes, their start-up, and their configured PDOs."""
 
 from __future__ import annotations
 
@@ -76,10 +76,10 @@ def _hex(told: int | None) -> str:
 def identity(
     node: BusNode,
 ) -> tuple[int | None, int | None, int | None, int | None, int | None]:
-    """What 1000h and 1018h:1 to 4 must hold; None, or 0 in the file, is not checked.
+    """The expected values of 1000h and 1018h:1 to 4; None, or 0 in the file, is not checked.
 
-    Revision and serial number are those of one node: they are checked where the bus file or a DCF
-    has them.
+    Revision and serial number are those of one node: they are checked if the bus file or a DCF
+    states them.
     """
     device = node.device
     told = device.commissioning

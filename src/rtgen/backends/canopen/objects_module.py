@@ -34,9 +34,9 @@ from rtgen.typemap.canopen_texts import line
 from rtgen.typemap.canopen_values import kind, object_value, python_type
 
 REMAPPED = "REMAPPED"
-"""The name of the PDOs as they are once the device is configured."""
+"""The name of the PDOs of the configured device."""
 CONFIGURATION = "CONFIGURATION"
-"""The name of what is written to configure it."""
+"""The name of the writes that configure the device."""
 
 _CLASSES = {
     "bool": "Boolean",
@@ -111,7 +111,7 @@ def _description(module: str, device: Device) -> str:
 
 
 def is_remapped(kind: DeviceKind) -> bool:
-    """Whether it has other PDOs, once it is configured, than it has by itself."""
+    """Whether the PDOs of the configured device differ from its default ones."""
     return configured(kind).pdos != as_delivered(kind.device).pdos
 
 
@@ -143,7 +143,7 @@ def _remapped(pdos: Sequence[Pdo], device: Device) -> Iterator[str]:
 
 
 def as_delivered(device: Device) -> Device:
-    """The device before anybody has configured it; one that a DCF describes is configured."""
+    """The device before configuration; a device described by a DCF is configured already."""
     if device.commissioning is not None:
         return device
     objects = tuple(
@@ -234,7 +234,7 @@ def _limit(value: int | float | NodeRelative | None) -> str:
 
 
 def pdo_text(pdo: Pdo, device: Device, node_id: int | None = None) -> str:
-    """A PDO as a `PdoDescription`; with a node-id its COB-ID is that node's."""
+    """A PDO as a `PdoDescription`; with a node-id, with the COB-ID of that node."""
     told = pdo.cob_id
     relative = isinstance(told, NodeRelative)
     cob_id = told.offset if isinstance(told, NodeRelative) else told
@@ -271,7 +271,7 @@ def _class(variable: Variable) -> str:
 
 
 def _imported(device: Device) -> list[str]:
-    """What is used of the runtime; no object is called like a class with `_` before it."""
+    """The imports from the runtime; classes get a leading `_`, which no object's name has."""
     classes = {_class(variable) for variable in device.variables}
     return ["Objects", "descriptions", *(f"{name} as _{name}" for name in classes)]
 
@@ -281,7 +281,7 @@ def _entries(device: Device, names: Mapping[tuple[int, int], str]) -> Iterator[s
         name = names[variable.index, variable.subindex]
         yield fit(f"{name} = {_entry(variable, device)}", 4)
         shown, unit = line(variable.name), line(variable.unit)
-        # In most cases the identifier says it already.
+        # In most cases the identifier is the name already.
         if unit or not shown.isascii() or not name.startswith(identifier(shown)):
             text = f"{named(variable.index, variable.subindex)} {shown}"
             yield docstring(f"{text} [{unit}]." if unit else f"{text}.", 4).rstrip("\n")

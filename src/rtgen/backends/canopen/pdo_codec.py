@@ -1,7 +1,7 @@
 """PDO codecs: two functions for each PDO, from its layout.
 
-Fields keep their names as parameters. Whatever else a function uses begins with an underscore, as
-no field does, so nothing is hidden by a field called `error` or `Struct`.
+Fields keep their names as parameters. All other names of a function start with an underscore,
+which no field does, so a field called `error` or `Struct` hides nothing.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ _ERRORS = "(_error, _OverflowError, _TypeError)"
 
 @dataclass(frozen=True, slots=True)
 class PdoCodec:
-    """What to make: `name` (`tpdo1`) is part of the functions' names."""
+    """The codec of a PDO: `name` (`tpdo1`) is part of the functions' names."""
 
     name: str
     title: str
@@ -92,7 +92,7 @@ def _decode(codec: PdoCodec) -> Iterator[str]:
 
 
 def _raw(n: int, slot: Slot) -> list[str]:
-    """What the parts of a slot are called, gaps aside."""
+    """The names of the parts of a slot, without gaps."""
     if not slot.fields:
         return []
     if len(slot.parts) == 1:
@@ -151,7 +151,7 @@ def _encode(codec: PdoCodec) -> Iterator[str]:
 
 
 def _shares(layout: PdoLayout) -> Iterator[tuple[int, str]]:
-    """The statements that make up slots, with their indentation."""
+    """The statements that assemble shared slots, with their indentation."""
     for n, slot in enumerate(layout.slots):
         if slot.whole:
             [field] = slot.fields or (None,)

@@ -1,4 +1,4 @@
-"""The module `proxy` of a device: its proxy, complete."""
+"""The module `proxy` of a device: its complete proxy component."""
 
 from __future__ import annotations
 
@@ -110,7 +110,7 @@ class _ProxyModule(ComponentModule):
     # The class.
 
     def _description(self) -> str:
-        """The device as the codecs take it, also where no network tells of its PDOs."""
+        """The description of the device for the codecs, also without a network."""
         if not self._changes:
             return "DESCRIPTION"
         replace = self.use("dataclasses", "replace")
@@ -152,7 +152,7 @@ class _ProxyModule(ComponentModule):
         ]
 
     def _initial(self, quantity: Quantity) -> str:
-        """What a member has before the first sample: the value of the object."""
+        """The value of a member before the first sample: that of the object."""
         variable = quantity.variable
         value = object_value(variable.data_type, variable.current)
         if isinstance(variable.current, NodeRelative):
@@ -241,7 +241,7 @@ class _ProxyModule(ComponentModule):
     # The SDO service.
 
     def _servant(self) -> Iterator[str]:
-        """The servant with the operations that the bus file asks for."""
+        """The servant with the operations that the bus file lists."""
         service = self.model.find(service_of(self.ports.kind))
         assert isinstance(service, Interface)
         names = self.names.operations(service)

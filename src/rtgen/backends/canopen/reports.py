@@ -16,7 +16,7 @@ _IDENTITY = ("1000 device type", "1018:1 vendor", "1018:2 product", "1018:3 revi
 
 
 def start_up_text(bus: Bus, header: Sequence[str]) -> str:
-    """What the manager of a network does with each node, in order.
+    """The start-up of each node by the manager of a network, in order.
 
     Raises CanValueError for a value that cannot be written.
     """

@@ -1,4 +1,4 @@
-"""Rules of what is generated for CANopen devices (EDS08xx)."""
+"""Rules of the CANopen back end (EDS08xx)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The module `service`: the servant of the SDO service, which all proxies of a project share."""
+"""The module `service`: the servant of the SDO service, shared by all proxies of a project."""
 
 from __future__ import annotations
 

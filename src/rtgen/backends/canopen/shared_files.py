@@ -24,7 +24,7 @@ def shared_files(
     for name in _SHARED:
         file = files.get(name)
         if file is None:
-            continue  # the project has one of its own
+            continue  # the project replaces it
         lines = header(options.version, [file.key])
         head = "".join(f"// {line}\n" for line in lines)
         text = idl_file(name).read_text(encoding="utf-8")

@@ -1,4 +1,4 @@
-"""TECS: codecs and what else one `through` of our plug-in asks for."""
+"""Back end for TECS: the files of joins through rtgen's plug-in."""
 
 from __future__ import annotations
 

@@ -35,12 +35,12 @@ from rtgen.typemap.python_names import module_name
 
 
 class TecsBackend:
-    """Makes what a package of a CDL file has beside types: codecs, RTCs, files for tecsgen."""
+    """Emits codecs, RTCs, and files for tecsgen for the package of a CDL file."""
 
     name = "tecs"
 
     def emit(self, model: Model, options: Options) -> Emission:
-        """All files of all packages; none where anything has errors."""
+        """All files of all packages; none if there are errors."""
         found = list(boards(model))
         findings = [finding for board in found for finding in check(board.model)]
         if not found or has_errors(findings):
@@ -77,7 +77,7 @@ BACKEND = TecsBackend()
 def _package(
     options: Options, title: str, sources: Sequence[SourceFile]
 ) -> Iterator[Artifact]:
-    """A package that has nothing but others."""
+    """The files of a package that contains only packages."""
     origin = tuple(source.key for source in sources)
     header = header_comment(options.version, origin)
     text = f"{header}{docstring(title, 0)}"
@@ -95,7 +95,7 @@ class _Writer:
         self._header = header_comment(options.version, self._sources)
 
     def artifacts(self, packages: Sequence[TecsPackage]) -> Iterator[Artifact]:
-        """The files of the package, which is one of these."""
+        """The files of the package, one of `packages`."""
         package, side = self._package, self._side
         for idl in side.services:
             yield self._artifact(idl.file, self._idl(idl))
@@ -123,7 +123,7 @@ class _Writer:
         return Artifact(f"{self.options.folder}/{name}", text, self._package.origin)
 
     def _idl(self, idl: IdlService) -> str:
-        """The interface, after what it needs; what other files have, too, is guarded."""
+        """The interface after its types; declarations shared by several files are guarded."""
 
         def guard(declaration: Declaration) -> str:
             if declaration.name not in self._side.shared:

@@ -43,10 +43,10 @@ def communication_conf(package: TecsPackage, join: RtcJoin, version: str) -> str
 def tecsgen_plugin(
     package: TecsPackage, others: Iterable[TecsPackage], version: str
 ) -> str:
-    """`RTCPlugin.rb`: the same CDL file makes the board's half with real tecsgen.
+    """`RTCPlugin.rb`, by which tecsgen generates the board's half from the same CDL file.
 
-    `others` are the project's packages: the joins of a main file that this one imports are
-    tecsgen's to make, too.
+    `others` are the project's packages: tecsgen also generates
+    the joins of main files that this one imports.
     """
     files = {declaration.file for declaration in package.unit.declarations}
     parts = [package, *(p for p in others if p is not package and p.unit.file in files)]

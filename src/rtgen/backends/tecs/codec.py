@@ -1,7 +1,7 @@
 """The codec modules of a package: requests and replies of its signatures, both directions.
 
-Functions whose messages are alike share one class. A class stands in the module of the signature
-that uses it, one that several signatures use in `_messages.py`.
+Functions with equal messages share one class. A class is defined in the module of the signature
+that uses it; one that several signatures use, in `_messages.py`.
 """
 
 from __future__ import annotations
@@ -78,13 +78,13 @@ class _Class:
 def codec_text(
     unit: TecsUnit, signature: Signature, header: str, order: str = "tecsgen"
 ) -> str:
-    """The codec module of one signature by itself. Raises TransferError."""
+    """The self-contained codec module of one signature. Raises TransferError."""
     (text,) = codec_texts(unit, [(layout_of(unit, signature), order)], header).values()
     return text
 
 
 class _Signature:
-    """The classes of a signature, and which of them each function has."""
+    """The classes of a signature, and the class of each function."""
 
     def __init__(
         self, layout: SignatureLayout, order: str, known: dict[object, _Class]
@@ -107,7 +107,7 @@ class _Signature:
 
 
 def _declaration(function: TecsFunction) -> tuple[object, ...]:
-    """What decides a function's messages."""
+    """The declaration on which a function's messages depend."""
     parameters = ((p.name, p.type, p.direction, p.sizes) for p in function.parameters)
     return function.oneway, function.returns, *parameters
 
@@ -171,7 +171,7 @@ def _named(
 ) -> tuple[dict[str, _Class], dict[str, set[str]]]:
     """All classes by their name, and the signatures that use each.
 
-    Classes that differ in nothing but the name become one.
+    Classes that differ only in their name are merged.
     """
     taken = {name for signature in signatures for name in signature.structs}
     taken |= {*CODEC_NAMES, *TDR_NAMES, *FUNCTION_NAMES}
@@ -235,7 +235,7 @@ def _method(name: str, parameters: Sequence[str], result: str, body: list[str]) 
 
 
 def _record(record: Record, structs: Sequence[str]) -> _Class:
-    """What writes and what reads a struct whose size depends on values."""
+    """The writer and reader of a struct whose size depends on values."""
     attributes = Attributes(structs)
     name = struct_class(record.struct.name)
     paths = {i.name: f"value.{member_name(i.name)}" for i in record.items}
@@ -284,7 +284,7 @@ def _value(scope: Scope, item: Item) -> str:
 
 
 def _guarded(lines: list[str], environment: Environment, name: str) -> list[str]:
-    """The statements, with what a size's expression may raise made a ProtocolError."""
+    """The statements, with exceptions of size expressions converted to ProtocolError."""
     if not environment.is_guarded:
         return lines
     return [
@@ -310,7 +310,7 @@ class _Function:
         self._first = ""
 
     def text(self) -> _Class:
-        """The class; its text says nothing of the function's name and id."""
+        """The class; its text contains neither the function's name nor its id."""
         layout = self._layout
         methods = [self._encode_request(), self._read_request()]
         if self._reply is not None:
@@ -337,7 +337,7 @@ class _Function:
         return _Class(name, base, body, tuple(self._attributes.records))
 
     def _facts(self) -> Iterator[tuple[str, str]]:
-        """The class attributes that are not as in the base."""
+        """The class attributes that differ from the base's."""
         layout = self._layout
         kept = [str(layout.arguments.index(item)) for item in layout.kept]
         if kept:
@@ -353,7 +353,7 @@ class _Function:
             yield "error_code", "True"
 
     def _unset(self) -> list[str]:
-        """What the outs are if the call failed, where that does not raise."""
+        """The values of the outs after a failed call that raises no exception."""
         layout = self._layout
         if not layout.outs or not is_error_code(layout.function.returns):
             return []
@@ -553,14 +553,14 @@ def _first_run(steps: Sequence[Step]) -> Run:
 
 
 def _without(steps: Sequence[Step], roles: tuple[Role, ...]) -> list[Step]:
-    """The steps without fields of these roles, which stand in the first run."""
+    """The steps without fields of these roles, which are in the first run."""
     run = _first_run(steps)
     fields = tuple(field for field in run.fields if field.role not in roles)
     return [*([Run(fields)] if fields else []), *steps[1:]]
 
 
 def _split(steps: Sequence[Step]) -> tuple[Run, list[Step]]:
-    """SOP and return value, and the rest."""
+    """The steps of SOP and return value, and the other steps."""
     run = _first_run(steps)
     rest = run.fields[2:]
     return Run(run.fields[:2]), [*([Run(rest)] if rest else []), *steps[1:]]

@@ -29,7 +29,7 @@ _LOCALS = (
 )
 _SIMPLE = re.compile(r"[\w.]+|present\(\w+\)")
 _DEEPEST = 16
-"""How far a statement may be indented."""
+"""The deepest indentation of a statement."""
 
 _RESERVED = frozenset((*CODEC_NAMES, *TDR_NAMES, *_LOCALS, *dir(builtins)))
 
@@ -47,7 +47,7 @@ class Attributes:
         self._others: dict[str, str] = {}
 
     def record(self, struct: str) -> str:
-        """What writes and reads a struct whose size depends on values."""
+        """The writer and reader of a struct whose size depends on values."""
         name = record_class(struct)
         if name not in self.records:
             self.records.append(name)
@@ -79,7 +79,7 @@ class Attributes:
         return f"self._text_{node.kind}"
 
     def statements(self) -> list[str]:
-        """Those that make them."""
+        """The statements that define the attributes."""
         runs = [f"self.{n} = tdr.struct({kinds})" for kinds, n in self._runs.items()]
         others = [f"self.{n} = {value}" for n, value in sorted(self._others.items())]
         return runs + others
@@ -101,7 +101,7 @@ class Scope:
         self._loops = numbers(1)
 
     def new(self, name: str) -> str:
-        """A name that nothing has yet."""
+        """An unused name."""
         name = identifier(name, self._taken)
         self._taken.add(name)
         return name
@@ -117,10 +117,10 @@ class Scope:
 
 
 class Environment:
-    """What the sizes of a message are worked out from.
+    """The values from which the sizes of a message are computed.
 
     `values` are the expressions of the values by name; `given` those of the request where the
-    message is a reply. A size that has to be worked out gets a variable of its own.
+    message is a reply. A computed size gets a variable of its own.
     """
 
     def __init__(
@@ -138,22 +138,22 @@ class Environment:
         self.is_guarded = False
 
     def statements(self) -> list[str]:
-        """Those that have to come before what was asked for since the last time."""
+        """The statements needed by the expressions returned since the last call."""
         found, self._statements = self._statements, []
         return found
 
     def count(self, node: Counted) -> str:
-        """How many elements travel."""
+        """The number of transferred elements."""
         return self._variable(self._text(node.count, self._values))
 
     def length(self, node: String) -> str | None:
-        """The size of the buffer as the sender has it, None without one."""
+        """The size of the sender's buffer; None without one."""
         if node.length is None:
             return None
         return self._variable(self._text(node.length, self._values))
 
     def capacity(self, node: Counted | String) -> str | None:
-        """How many elements or units fit where they are read; None if nothing tells."""
+        """The capacity of the receiver in elements or units; None if unknown."""
         size = node.size if isinstance(node, Counted) else node.length
         if size is None:
             return None
@@ -171,7 +171,7 @@ class Environment:
         return self._variable(text)
 
     def reserved(self, node: Counted | String) -> str:
-        """How many elements or units the caller has room for."""
+        """The capacity of the caller's buffer in elements or units."""
         size = node.size if isinstance(node, Counted) else node.length
         assert size is not None
         return self._variable(self._text(size, self._values))

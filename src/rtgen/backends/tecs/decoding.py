@@ -1,4 +1,4 @@
-"""The statements that read a message, printed from its layout: never more than it has."""
+"""The statements that read a message, from its layout, with bounds checks."""
 
 from __future__ import annotations
 
@@ -35,10 +35,10 @@ MAGIC_BYTES = {
 
 
 class Decoder:
-    """Writes the body of one method, but for its end.
+    """Writes the body of one method, except for its end.
 
-    `condition` gives the expression of whether a nullable item is there, None if a flag of the
-    message tells it. `checks` gives what a magic has to be.
+    `condition` gives the expression of whether a nullable item is there, None if the
+    message has a flag for it. `checks` gives the expected values of magics.
     """
 
     def __init__(
@@ -88,7 +88,7 @@ class Decoder:
         return lines + (self._payload(pending, None) if pending is not None else [])
 
     def run_size(self, run: Run) -> str:
-        """How many bytes a run has."""
+        """The size of a run in bytes."""
         return f"{self._attributes.run(run.kinds)}.size"
 
     def _run(self, run: Run, first: str | None) -> list[str]:
@@ -152,7 +152,7 @@ class Decoder:
         return self._flags[item.name]
 
     def _payload(self, item: Item, run: Run | None) -> list[str]:
-        """Reads elements or units, and a run behind them in the same go."""
+        """Reads elements or units, together with a run after them."""
         node = item.node
         assert isinstance(node, Counted | String)
         self.needs_room = True
@@ -185,7 +185,7 @@ class Decoder:
         return f"room.take({count}, {width}{f', {bound}' if bound else ''})"
 
     def _width(self, node: Counted | String) -> str:
-        """How many bytes an element or unit has."""
+        """The size of an element or unit in bytes."""
         if isinstance(node, String):
             return f"{self._attributes.text(node)}.width" if node.is_wide else "1"
         if node.is_octets:
@@ -219,7 +219,7 @@ class Decoder:
         return lines
 
     def _reserve(self, item: Item) -> list[str]:
-        """Takes room for what the call will give."""
+        """Reserves memory for the results of the call."""
         self.needs_room = True
         node = item.node
         assert isinstance(node, Counted | String)
@@ -234,13 +234,13 @@ class Decoder:
         return lines
 
     def _least(self, node: Counted | String) -> str:
-        """How many bytes an element has at least."""
+        """The minimum size of an element in bytes."""
         if isinstance(node, Counted) and not is_fixed(node.element):
             return "4"
         return self._width(node)
 
     def _read(self, node: Node) -> str:
-        """An expression that reads a value made of parts."""
+        """An expression that reads a compound value."""
         match node:
             case String():
                 self.needs_room = True
@@ -264,7 +264,7 @@ def _complaint(role: Role, expected: str, found: str) -> str:
 
 
 def _is_plain(field: Field) -> bool:
-    """Whether a field is one value of `unpack` as it is."""
+    """Whether a field is one value of `unpack`, without conversion."""
     if field.role is not Role.VALUE:
         return True
     assert field.item is not None

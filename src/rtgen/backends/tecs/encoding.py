@@ -1,4 +1,4 @@
-"""The statements that make a message of values, printed from its layout."""
+"""The statements that write a message, from its layout."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ class Encoder:
     def _pieces(
         self, steps: Sequence[Step], optional: bool
     ) -> tuple[list[str], list[str]]:
-        """Statements, and the expressions of bytes that they prepare."""
+        """The statements, and the expressions of bytes that use their results."""
         lines: list[str] = []
         pieces: list[str] = []
         for step in steps:

@@ -21,7 +21,7 @@ from rtgen.model.tecs import (
 from rtgen.typemap.tecs_python import member_name
 
 Names = Callable[[str], tuple[str, Item]]
-"""What a name in a size stands for: an expression, and the parameter or member."""
+"""The meaning of a name in a size: an expression, and the parameter or member."""
 
 _HELPERS = {
     "/": "quotient",
@@ -38,7 +38,7 @@ _WIDTHS = {
 
 
 def expression_text(expression: Expression, names: Names) -> str:
-    """The expression in Python, an int, without brackets around it."""
+    """The expression in Python, an int, without enclosing parentheses."""
     text = _text(expression, names)
     if isinstance(expression, BinaryExpression | ConditionalExpression):
         return text[1:-1] if text[0] == "(" else text

@@ -1,4 +1,4 @@
-"""Functions of CDL in Python: names, types and the text of their declaration."""
+"""Functions of CDL in Python: names, annotations, and the text of their declaration."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ LOCALS = frozenset({"_", "self", *dir(builtins)})
 _ANNOTATIONS = frozenset(
     {"Sequence", "bool", "bytes", "float", "int", "list", "str", "tuple"}
 )
-"""What annotations are written with; a method of such a name would hide it in its class."""
+"""The names used in annotations, which a method of that name would hide in its class."""
 
 
 def function_names(layout: SignatureLayout) -> dict[str, str]:
-    """The Python names of the functions, in codec, proxy and target alike."""
+    """The Python names of the functions in codec, proxy and target."""
     return distinct(
         (f.function.name for f in layout.functions),
         {
@@ -70,7 +70,7 @@ def parameters_text(layout: FunctionLayout, names: dict[str, str]) -> str:
 
 
 def result_text(layout: FunctionLayout) -> str:
-    """The annotation of what a function returns."""
+    """The annotation of a function's return value."""
     results = [] if layout.is_void else [annotation(layout.returned.node)]
     results += [item_annotation(item) for item in layout.outs]
     return tuple_type(results)
@@ -95,7 +95,7 @@ def shown(function: TecsFunction, name: str | None = None) -> str:
 
 
 def sizes_text(sizes: Sizes) -> list[str]:
-    """The specifiers of a parameter beside its direction."""
+    """The specifiers of a parameter other than its direction."""
     found = []
     if sizes.size_is is not None:
         most = "" if sizes.max_size is None else f", {sizes.max_size}"

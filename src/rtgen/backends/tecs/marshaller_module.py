@@ -119,7 +119,7 @@ def _imported(name: str, local: str) -> str:
 
 
 def _keyword(name: str, values: dict[str, str]) -> str:
-    """A keyword argument behind others; nothing for an empty dict."""
+    """A keyword argument after others; empty for an empty dict."""
     pairs = [f"{string_literal(k)}: {string_literal(v)}" for k, v in values.items()]
     return f", {name}={{{', '.join(pairs)}}}" if pairs else ""
 
@@ -149,7 +149,7 @@ class _Servant:
         )
 
     def operation(self, layout: FunctionLayout, operation: Operation) -> Method:
-        """Converts what is given, has the proxy call, converts what comes back."""
+        """Converts the arguments, calls the proxy, and converts the results."""
         annotate = self._imports.mapping.annotation
         views = _views_used([layout])
         names = distinct((p.name for p in operation.parameters), _LOCALS.union(views))
@@ -205,7 +205,7 @@ class _Servant:
         )
 
     def _any(self, item: Item, value: str) -> str:
-        """An array in an `any`, by the typedef that the interface has for it."""
+        """An array in an `any`, with the typedef of the interface for it."""
         name = self._idl.arrays[item.span]
         module, _ = self._names.implementation(name)
         class_name = self._names.companion(name, "Codec")
@@ -215,7 +215,7 @@ class _Servant:
 
 
 def _local(body: list[str], value: str, name: str, taken: set[str]) -> str:
-    """The value; one that is a choice gets a name of its own first."""
+    """The value; a conditional expression is assigned to a variable first."""
     if " if " not in value:
         return value
     name = _free(name, taken)

@@ -1,4 +1,4 @@
-"""The module `<name>_server.py`: the target to be implemented, and what unmarshals for it."""
+"""The module `<name>_server.py`: the target to be implemented, and its unmarshaller."""
 
 from __future__ import annotations
 

@@ -36,7 +36,7 @@ class Method:
 
 
 class ServiceText:
-    """A service in Python: what its modules call things."""
+    """A service in Python: the names that its modules share."""
 
     def __init__(self, service: Service, layout: SignatureLayout, header: str) -> None:
         self.layout = layout
@@ -85,7 +85,7 @@ class ServiceText:
 
 
 def _codec_arguments(options: RtcOptions) -> str:
-    """What the codec is made with where it is not the default."""
+    """The arguments of the codec that differ from their defaults."""
     usual = RtcOptions()
     widths = ("short_bits", "int_bits", "long_bits", "intptr_bits")
     told = [

@@ -74,7 +74,7 @@ def _default(node: Node) -> str:
     if not is_mutable(node):
         return value
     if isinstance(node, Record):
-        # Looked up late: an earlier member may have the name of the class.
+        # A lambda defers the lookup: an earlier member may have the name of the class.
         return f"field(default_factory=lambda: {value})"
     if value == "[]":
         return "field(default_factory=list)"

@@ -1,4 +1,4 @@
-"""Values of fixed size: as arguments of a `pack`, and made of what an `unpack` gave."""
+"""Values of fixed size: arguments of `pack`, and values from the items of `unpack`."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ class _Index:
         self.offset = int(offset) if offset.isdigit() else 0
 
     def plus(self, count: int) -> _Index:
-        """The index so many further on."""
+        """The index plus a constant."""
         index = _Index(self.name)
         index.offset = self.offset + count
         return index
@@ -116,13 +116,13 @@ def _is_wide(node: Node) -> bool:
 
 
 def fields(record: Record) -> list[Item]:
-    """The members of a struct of fixed size that travel, in that order."""
+    """The transferred members of a struct of fixed size, in wire order."""
     runs = (step for step in record.steps if isinstance(step, Run))
     return [f.item for run in runs for f in run.fields if f.item is not None]
 
 
 def places(node: Node) -> int:
-    """How many values `unpack` gives."""
+    """The number of items of `unpack`."""
     match node:
         case Basic() | Octets():
             return 1

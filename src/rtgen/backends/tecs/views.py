@@ -1,6 +1,6 @@
-"""Between the two views of a value: CDL's types, which codecs have, and IDL's.
+"""Conversions between the two views of a value: CDL's types, used by codecs, and IDL's.
 
-Text of expressions; where the views are the same, the expression is the value itself.
+Each is the text of an expression; if the views are equal, the value itself.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ _SIGNED_OCTETS = (Scalar.INT8, Scalar.SCHAR)
 
 
 def to_codec(item: Item, value: str) -> str:
-    """The value of an IDL parameter in CDL's types."""
+    """The value of an IDL parameter, converted to CDL's types."""
     if not item.nullable:
         return _to_codec(item.node, value, 0)
     if isinstance(item.node, Basic) and item.node.scalar in _CHARACTERS:
@@ -35,7 +35,7 @@ def to_codec(item: Item, value: str) -> str:
 
 
 def to_idl(item: Item, value: str) -> str:
-    """A value in CDL's types as the IDL parameter has it."""
+    """A value in CDL's types, converted to the type of the IDL parameter."""
     if not item.nullable:
         return _to_idl(item.node, value, 0)
     inner = _to_idl(item.node, value, 0)
@@ -93,7 +93,7 @@ def _each(
 
 
 def used_structs(node: Node) -> Iterator[Record]:
-    """The structs that a value's conversion calls a function for."""
+    """The structs whose conversion functions a value's conversion calls."""
     match node:
         case Record():
             yield node

@@ -42,7 +42,7 @@ class TypesBackend:
     name: str = "types"
 
     def emit(self, model: Model, options: Options) -> Emission:
-        """All modules and packages; nothing but diagnostics if there are errors."""
+        """All modules and packages; only diagnostics if there are errors."""
         emission = self._emit(model, options)
         artifacts, findings = [*emission.artifacts], [*emission.diagnostics]
         for package in model.packages:
@@ -157,7 +157,7 @@ class _Writer:
 
 
 def _keys(files: list[SourceFile]) -> str:
-    """The keys of the files, for a title; without those that belong to others."""
+    """The keys of the files, for a title, without those of other packages."""
     keys = (file.key for file in files if file.belongs_to is None)
     return ", ".join(dict.fromkeys(keys))
 
@@ -165,7 +165,7 @@ def _keys(files: list[SourceFile]) -> str:
 def _check(
     model: Model, types: CdrTypes, representations: Representations
 ) -> Iterator[Diagnostic]:
-    """What cannot be emitted."""
+    """Report types that cannot be emitted."""
     for scope in dict.fromkeys(
         d.name[:-1] for d in model.declarations if is_emitted(d)
     ):
@@ -185,7 +185,7 @@ def _check(
 
 
 def _entries(declaration: Declaration) -> tuple[Member | Case | ValueBox, ...]:
-    """What a declaration has that is marshalled."""
+    """The members of a declaration that are marshalled."""
     match declaration:
         case Struct(members=members) | ExceptionDecl(members=members):
             return members
@@ -204,7 +204,7 @@ def _fault(
     declaration: Declaration,
     entry: Member | Case | ValueBox,
 ) -> Diagnostic | None:
-    """The finding at a member; none for a struct whose own member has one."""
+    """The diagnostic at a member; None for a struct whose own member has one."""
     name = entry.name if isinstance(entry.name, str) else entry.name[-1]
     holder = NamedType(declaration.name)
     is_aggregate = isinstance(declaration, Struct | Union)
@@ -233,7 +233,7 @@ def _xcdr_fault(
     declaration: Declaration,
     entry: Member | Case | ValueBox,
 ) -> Diagnostic | None:
-    """The finding at a member of a type in XCDR that DDS has no form for."""
+    """The diagnostic at a member that XCDR cannot represent."""
     if not isinstance(declaration, Struct | Union):
         return None
     holder = NamedType(declaration.name)

@@ -1,9 +1,9 @@
-"""The bodies of requests and replies: structs of the model that no definition file has.
+"""The bodies of requests and replies, as synthetic structs of the model.
 
 A request is the `in` and `inout` parameters in order, a reply the return value and then the `inout`
 and `out` parameters, a user exception its repository id and its members (CORBA 3.3 part 2, 9.4.2.2
-and 9.4.3.2). As structs they have the codecs that every struct has. They stand in modules of their
-own, `_idl.<file>_calls`, which only a transport that marshals imports.
+and 9.4.3.2). They are marshalled by the codecs of structs, and defined in modules of their
+own, `_idl.<file>_calls`, which only transports that marshal import.
 """
 
 from __future__ import annotations
@@ -39,9 +39,9 @@ from rtgen.model import (
 from rtgen.typemap.implementation_modules import implementation_modules
 
 _MANY = 8
-"""From so many operations of an interface on, those that are alike share their bodies."""
+"""From this number of operations in an interface on, operations of equal shape share bodies."""
 
-# Names that no definition can have: no identifier of IDL holds a space, or begins with `_`.
+# Names that no definition can have: no identifier of IDL contains a space, or starts with `_`.
 _RESULT = "_result"
 _CONTEXT = "_context"
 _ID = "_id"
@@ -49,7 +49,7 @@ _ID = "_id"
 
 @dataclass(frozen=True, slots=True)
 class Call:
-    """How one operation is marshalled, or why it is not (`refused`)."""
+    """The marshalling of an operation, or the reason why it has none (`refused`)."""
 
     operation: str
     request: Struct | None = None
@@ -60,10 +60,10 @@ class Call:
 
 
 class Calls:
-    """What has to be added to a model so that the calls of its interfaces can be marshalled.
+    """The additions to a model by which the calls of its interfaces can be marshalled.
 
     `model` is the model with the bodies, `origins` the file that each file of bodies is for.
-    Nothing is added if the calls are not to be `marshalled`.
+    Without `marshalled` nothing is added.
     """
 
     def __init__(
@@ -90,16 +90,16 @@ class Calls:
         )
 
     def file(self, interface: Interface) -> str | None:
-        """The file of the bodies of an interface; None if nothing of it is marshalled."""
+        """The file of the bodies of an interface; None if no operation is marshalled."""
         return self._file(interface).name if interface.name in self.of else None
 
     def interfaces(self, file: str) -> list[Interface]:
-        """The interfaces whose bodies stand in a file of bodies."""
+        """The interfaces whose bodies a file contains."""
         found = (self._before.find(name) for name in self.of)
         return [i for i in found if isinstance(i, Interface) and self.file(i) == file]
 
     def raised(self, exception: ScopedName) -> ScopedName:
-        """The body of a reply that tells of an exception."""
+        """The body of a reply that carries a user exception."""
         return self._raised[exception].name
 
     def _calls(self, interface: Interface) -> Iterator[Call]:
@@ -201,7 +201,7 @@ class Calls:
 
 
 def _bodies(operation: Operation) -> tuple[list[Member], list[Member]]:
-    """What a request carries, and what a reply."""
+    """The members of the request body, and those of the reply body."""
     parameters = operation.parameters
     given = [_member(p) for p in parameters if p.direction is not Direction.OUT]
     if operation.context:
@@ -213,12 +213,12 @@ def _bodies(operation: Operation) -> tuple[list[Member], list[Member]]:
 
 
 def _shape(members: Sequence[Member]) -> tuple[tuple[str, Type], ...]:
-    """What makes bodies alike."""
+    """The shape of an operation; operations of equal shape can share bodies."""
     return tuple((member.name, member.type) for member in members)
 
 
 def _accessors(attribute: Attribute) -> Iterator[Operation]:
-    """The operations that an attribute stands for (CORBA 3.3 part 2, 9.4.2.2)."""
+    """The operations of an attribute (CORBA 3.3 part 2, 9.4.2.2)."""
     get = Operation(
         span=attribute.span,
         name=f"_get_{attribute.name}",
@@ -252,7 +252,7 @@ def _member(parameter: Parameter) -> Member:
 
 
 class CallTable:
-    """Writes the table of a module's calls, which the runtime looks operations up in."""
+    """Writes the table of a module's calls, in which the runtime looks up operations."""
 
     def __init__(self, calls: Calls, scope: Scope) -> None:
         self._calls = calls
@@ -260,7 +260,7 @@ class CallTable:
         self._common: dict[tuple[ScopedName, ...], str] = {}
 
     def text(self, interfaces: Sequence[Interface]) -> str:
-        """The table, after the exceptions that several calls have."""
+        """The table, after the exceptions shared by several calls."""
         raised = Counter(
             call.raises for i in interfaces for call in self._calls.of[i.name]
         )

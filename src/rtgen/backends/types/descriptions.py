@@ -1,4 +1,4 @@
-"""The expressions of descriptors, which say at run time what a type is."""
+"""The expressions of descriptors, which describe types at run time."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ class Descriptions:
         self._py = scope
 
     def of(self, type_: Type) -> str:
-        """The descriptor of a type where it is used."""
+        """The descriptor of a type in a member, element or alias."""
         idl = self._py.idl
         match type_:
             case PrimitiveType(kind):
@@ -229,7 +229,7 @@ class Descriptions:
     def _traits(
         self, declaration: Struct | Union | ExceptionDecl, representation: int
     ) -> list[str]:
-        """What differs from the usual, as one argument if there is any."""
+        """The properties that differ from their defaults, as at most one argument."""
         facts = self._own_id(declaration)
         if not isinstance(declaration, ExceptionDecl):
             if isinstance(declaration, Struct) and declaration.base is not None:
@@ -243,7 +243,7 @@ class Descriptions:
         return [f"{self._py.idl}.traits({', '.join(facts)})"] if facts else []
 
     def _own_id(self, declaration: Declaration) -> list[str]:
-        """The repository id, if it is not the one that follows from the name."""
+        """The repository id, if it differs from the one derived from the name."""
         return [f"repository_id={text}" for text in self._positional_id(declaration)]
 
     def _positional_id(self, declaration: Declaration) -> list[str]:
@@ -285,7 +285,7 @@ def _interface_kind(declaration: Interface) -> list[str]:
 
 
 def _differing(entry: Member | Case, attribute: str) -> list[str]:
-    """The Python name and the member id, where they are not what one would expect."""
+    """The Python name and the member id, if they differ from their defaults."""
     facts = [] if attribute == entry.name else [f'name="{entry.name}"']
     return facts if entry.id is None else [*facts, f"member_id={entry.id}"]
 

@@ -58,7 +58,7 @@ class Interfaces:
     def text(
         self, declaration: Interface, nested: list[str], contested: dict[str, str]
     ) -> str:
-        """The three classes; `contested` are statements for what bases have differently."""
+        """The three classes; `contested`: statements for attributes that differ between bases."""
         py = self._py
         name = py.reference(declaration.name)
         stub, skeleton = py.Stub, py.Skeleton
@@ -118,14 +118,14 @@ class Interfaces:
         return self._mapping.annotation(type_)
 
     def parameters(self, operation: Operation) -> str:
-        """What a method takes: `self`, then what is not only out."""
+        """The parameters of a method: `self`, then those that are `in` or `inout`."""
         names = _parameter_names(operation)
         given = [p for p in operation.parameters if p.direction is not Direction.OUT]
         annotated = [f"{names[p.name]}: {self.annotation(p.type)}" for p in given]
         return ", ".join(["self", *annotated])
 
     def result(self, operation: Operation) -> str:
-        """As omniORBpy: nothing, one result, or a tuple with the return value first."""
+        """The result as in omniORBpy: None, one value, or a tuple with the return value first."""
         types: list[Type] = [] if operation.returns == VOID else [operation.returns]
         types += [
             p.type for p in operation.parameters if p.direction is not Direction.IN
@@ -142,7 +142,7 @@ class Interfaces:
         raises: Sequence[ScopedName],
         oneway: bool = False,
     ) -> str:
-        """The arguments of the decorator `operation`; empty where none is needed."""
+        """The arguments of the decorator `operation`; empty if it is not needed."""
         marks: list[str] = [string_literal(name)] if name != python_name else []
         classes = [self._py.reference(r) for r in dict.fromkeys(raises)]
         if classes:

@@ -1,4 +1,4 @@
-"""The text of one implementation module: everything that an IDL file declares."""
+"""The text of one implementation module: all declarations of an IDL file."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ from rtgen.typemap.idl_python import (
 
 @dataclass(frozen=True, slots=True)
 class Statement:
-    """A statement in a class body, and the docstring below it."""
+    """A statement in a class body, with its docstring."""
 
     text: str
     docstring: str
@@ -60,7 +60,7 @@ class Statement:
 
 @dataclass(frozen=True, slots=True)
 class Block:
-    """A top-level part of a module; small ones stand close to each other."""
+    """A top-level part of a module; adjacent small ones have fewer blank lines between."""
 
     text: str
     small: bool = False
@@ -69,7 +69,7 @@ class Block:
 _HIDING = """\
 # pyright: reportAssignmentType=false, reportIncompatibleVariableOverride=false
 """
-"""For a module whose interfaces declare a type of their own where a base has one of that name."""
+"""For a module in which a type nested in an interface hides one of a base."""
 
 
 class TypesModule:
@@ -197,7 +197,7 @@ class TypesModule:
     def _version(
         self, declaration: Struct | ExceptionDecl | Union, holds: _Holdings
     ) -> int:
-        """The version of XCDR that `to_cdr` gives; 0 for classic CDR."""
+        """The version of XCDR that `to_cdr` returns; 0 for classic CDR."""
         if isinstance(declaration, Struct | Union) and self._representations.is_xcdr2(
             declaration
         ):
@@ -213,7 +213,7 @@ class TypesModule:
         return f"{base}{self._options(declaration)}"
 
     def _options(self, declaration: Struct | Union) -> str:
-        """Values that can hold a cycle are looked at by the garbage collector."""
+        """Class options; the garbage collector tracks values that can be part of a cycle."""
         holder = NamedType(declaration.name)
         recursive = self._types.is_recursive(declaration.name)
         return ", gc=True" if recursive or self._types.is_dynamic(holder) else ""
@@ -225,7 +225,7 @@ class TypesModule:
         return self._valuetypes.field(member.type, isinstance(holder, ExceptionDecl))
 
     def _nested(self, declaration: Declaration) -> list[str]:
-        """Class attributes for what is declared inside of the declaration."""
+        """Class attributes for nested declarations."""
         lines = []
         for inner in self._names.inside(declaration.name):
             local = self._local(inner)
@@ -243,7 +243,7 @@ class TypesModule:
         return lines
 
     def _contested(self, declaration: Interface) -> dict[str, str]:
-        """The statement for each attribute of which bases have different ones."""
+        """The statement for each attribute that differs between bases."""
         py = self.scope
         lines = {}
         for attribute, inner in self._names.contested(declaration).items():
@@ -273,7 +273,7 @@ class TypesModule:
         return lines
 
     def _nested_codec(self, alias: Typedef) -> list[str]:
-        """The class attribute for its codec; one that is defined later is set then."""
+        """The class attribute for the codec of an alias; a codec defined later is assigned then."""
         outside = self._names.public_companion(alias.name, "Codec")
         local = self._names.companion(alias.name, "Codec")
         if alias.name in self.codecs:
@@ -376,7 +376,7 @@ class TypesModule:
         return f"{name}: {self.scope.TypeAlias} = {annotation}\n{doc}{descriptor}\n"
 
     def _alias_representation(self, declaration: Typedef) -> int:
-        """The version of XCDR that the codec of a typedef gives; 0 for classic CDR."""
+        """The version of XCDR of a typedef's codec; 0 for classic CDR."""
         headers = self._types.has_headers(declaration.type)
         version = 2 if self._representations.are_xcdr2 else int(headers)
         if version and self._representations.missing(declaration.type):
@@ -391,7 +391,7 @@ class TypesModule:
         )
 
     def _is_ahead(self, type_: Type, through_aliases: bool = False) -> bool:
-        """Whether the type names a class of this module that is defined further down."""
+        """Whether the type refers to a class that is defined later in this module."""
         if through_aliases:
             type_ = self._model.unalias(type_)
         match type_:
@@ -407,7 +407,7 @@ class TypesModule:
         return path == f"_idl.{self._module}" and local not in self._done
 
     def _ready_codecs(self) -> list[Block]:
-        """The codecs of aliases whose types are all defined by now."""
+        """The codecs of aliases whose types are already defined."""
         ready = [
             alias for alias in self._waiting if not self._is_ahead(alias.type, True)
         ]
@@ -446,7 +446,7 @@ class TypesModule:
 
 
 class _Holdings:
-    """What a struct, exception or union holds that its codec has to care for."""
+    """Types in a struct, exception or union that its codec handles specially."""
 
     def __init__(
         self, types: CdrTypes, declaration: Struct | ExceptionDecl | Union

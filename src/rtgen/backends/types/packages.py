@@ -19,7 +19,7 @@ from rtgen.typemap.idl_python import PythonNames, is_emitted, package_path
 
 @dataclass(slots=True)
 class Package:
-    """What an IDL module offers, and the files that it comes from."""
+    """The names that an IDL module exports, and the files that declare them."""
 
     scope: ScopedName
     files: list[str] = field(default_factory=list)
@@ -67,7 +67,7 @@ def _fill(
 
 
 def package_text(package: Package, header: str, lazy: bool = False) -> str:
-    """The text of its `__init__.py`; `lazy`: modules are imported when a name is asked for."""
+    """The text of its `__init__.py`; `lazy`: modules are imported at first access to a name."""
     dots = "." * (len(package_path(package.scope)) + 1)
     public = [p for pairs in package.imports.values() for _, p in pairs]
     public += [outside for outside, _, _ in package.enumerators]

@@ -1,4 +1,4 @@
-"""The rules about Python types and CDR: what can be emitted, with the story behind each."""
+"""The rules of Python types and CDR: restrictions on what can be emitted."""
 
 from __future__ import annotations
 
@@ -51,4 +51,4 @@ NOT_IN_XCDR = Rule("PY0003", "Type unknown to DDS", Severity.ERROR, _NOT_IN_XCDR
 LONG_NAME = Rule("PY0002", "Name too long for a folder", Severity.ERROR, _LONG_NAME)
 
 RULES = (NOT_MARSHALLED, LONG_NAME, NOT_IN_XCDR)
-"""All of them, by code."""
+"""All rules, by code."""

@@ -1,4 +1,4 @@
-"""The names of one implementation module: what it imports, and how it writes each name."""
+"""The names of one implementation module: imports, and the spelling of each name."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from rtgen.typemap.python_support import HOMES
 
 
 class Scope:
-    """Hands out names and remembers what has to be imported for them.
+    """Spells names and records the imports that they need.
 
     A name that is an attribute of some class of the module is imported as `_name`, so that it
     means the same in the body of every class.
@@ -22,12 +22,12 @@ class Scope:
         self._attributes = names.attribute_names(module)
         self._imports: dict[tuple[str, str], str] = {}
         self.globals: set[str] = {*HOMES}
-        """What function bodies must not use for their variables."""
+        """The names that function bodies must not use for variables."""
         for declaration in names.declarations(module):
             self.globals.update(self._own_names(declaration))
 
     def _own_names(self, declaration: Declaration) -> Iterator[str]:
-        """What the module itself makes of a declaration."""
+        """The names that the module defines for a declaration."""
         name = declaration.name
         yield self.reference(name)
         match declaration:
@@ -39,14 +39,14 @@ class Scope:
                 yield self.alias(name)
 
     def __getattr__(self, name: str) -> str:
-        """`py.dataclass` in a template: the name as the module writes it."""
+        """`py.dataclass` in a template: the name as spelled in the module."""
         return self.support(name)
 
     @property
     def class_variable(self) -> str:
         """The annotation of a class variable.
 
-        msgspec knows it by its name alone, so a class that has a member of that name goes without.
+        msgspec recognizes it by name only, so a class with a member of that name omits it.
         """
         alone = "ClassVar" not in self._attributes
         return f": {self.ClassVar}" if alone else ""
@@ -61,7 +61,7 @@ class Scope:
         return local
 
     def spell(self, module: str, name: str) -> str:
-        """The same, as the mapping table asks for it."""
+        """A support name in the form of the mapping table."""
         return self.support(name, module)
 
     def reference(self, name: ScopedName) -> str:
@@ -70,14 +70,14 @@ class Scope:
         return self._declared(path.removeprefix("_idl."), class_name)
 
     def companion(self, name: ScopedName, suffix: str) -> str:
-        """What stands beside a declared type: its stub, skeleton or codec."""
+        """The companion of a declared type: its stub, skeleton or codec."""
         path, _ = self._names.implementation(name)
         return self._declared(
             path.removeprefix("_idl."), self._names.companion(name, suffix)
         )
 
     def alias(self, name: ScopedName) -> str:
-        """The constant that describes a typedef."""
+        """The constant for the descriptor of a typedef."""
         path, class_name = self._names.implementation(name)
         return self._declared(path.removeprefix("_idl."), f"_{class_name}_alias")
 
@@ -111,6 +111,6 @@ class Scope:
 
 
 def _import_order(name: str) -> tuple[int, str]:
-    """Constants, classes, functions, as isort has them."""
+    """The order of isort: constants, classes, functions."""
     bare = name.partition(" ")[0]
     return (0 if bare.isupper() else 1 if bare[0].isupper() else 2, name)

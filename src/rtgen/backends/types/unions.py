@@ -26,7 +26,7 @@ class _Branch:
 
 
 class Unions:
-    """Works out branches and codecs of unions."""
+    """Computes the branches and codecs of unions."""
 
     def __init__(
         self,
@@ -45,7 +45,7 @@ class Unions:
     def values(
         self, union: Union, mapping: PythonMapping, representation: int
     ) -> dict[str, object]:
-        """The variables of the template but those that every class has."""
+        """The variables of the template, except those common to all classes."""
         labels = [self._labels(union, case) for case in union.cases]
         other = self._other(union)
         types = list(dict.fromkeys(mapping.annotation(c.type) for c in union.cases))
@@ -114,7 +114,7 @@ class Unions:
         return next((text for text in self._all(union) if text not in used), None)
 
     def _all(self, union: Union) -> list[str]:
-        """The discriminators from the lowest on, as many as can be needed."""
+        """The discriminators in ascending order, at most as many as needed."""
         number = sum(len(case.labels) for case in union.cases) + 1
         switch = self._model.unalias(union.switch)
         if isinstance(switch, NamedType):

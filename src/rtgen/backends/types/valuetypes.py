@@ -1,4 +1,4 @@
-"""Valuetypes and boxed values: classes whose codec walks their descriptor."""
+"""Valuetypes and boxed values: classes whose codec interprets their descriptor."""
 
 from __future__ import annotations
 

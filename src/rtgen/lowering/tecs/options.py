@@ -126,7 +126,7 @@ def _option(
 
 @dataclass(frozen=True, slots=True)
 class RtcOptions:
-    """The options of an `RTCPlugin`; None if the default depends on other joins.
+    """The options of an `RTCPlugin`; None if the default depends on other values.
 
     `shared` marks a field on which all joins of a signature, or of a file, must agree.
     """

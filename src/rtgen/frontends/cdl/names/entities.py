@@ -53,7 +53,7 @@ class Place:
         return self.unit.span(node.start, node.end)
 
     def lookup(self, name: tree.ScopedName) -> Entity | Scope | None:
-        """What a name stands for here."""
+        """The entity or scope of a name, seen from this place; None if it is unknown."""
         return self.scope.find(name)
 
     def near(self, name: tree.Name, *kinds: Kind) -> str | None:

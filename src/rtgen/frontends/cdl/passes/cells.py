@@ -37,8 +37,8 @@ from rtgen.model.tecs import Signature
 _TYPES = (Kind.CELLTYPE, Kind.COMPOSITE)
 
 Export: TypeAlias = Callable[[Cell, tree.Name, tree.Name, str, Place], Member | None]
-"""Notes what an inner cell gives to the outside: the cell, its member, the outer name, the kind of
-port (or `attribute`), and where; gives what the composite declares of that name."""
+"""Records an export of an inner cell: the cell, its member, the outer name, the kind of
+port (or `attribute`), and the place; returns the member of the composite of that name."""
 
 
 class Cells:

@@ -72,7 +72,7 @@ class Head:
 
 
 class Builder:
-    """One method for each rule or alias of `cdl.lark`; `children` as lark gives them."""
+    """One method for each rule or alias of `cdl.lark`; `children` as passed by lark."""
 
     # Lists
 
