@@ -78,6 +78,10 @@ AVOIDING = FOLLOWED | {
 }
 
 
+LONG = 1 << 31
+"""Above the largest IDL `long`, which the scanner's seed is."""
+
+
 @dataclass
 class Run:
     """A run: what was done to it, and what became of it."""
@@ -222,7 +226,7 @@ def make(
             f"LRFCapture_URG0.room={file}",
             f"RefHw0.PlantRoom={file}",
             f"LRFCapture_URG0.noise={chance.uniform(0.0, 0.02):.4f}",
-            f"LRFCapture_URG0.seed={seed}",
+            f"LRFCapture_URG0.seed={seed % LONG}",
             "LRFCapture_URG0.resolution=0.03",
         ]
     links = AVOIDING if obstacles else PLAIN

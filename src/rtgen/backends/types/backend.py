@@ -50,7 +50,7 @@ class TypesBackend:
             made = self._emit(package.own, options.inside(package))
             artifacts += (replace(each, origin=origin) for each in made.artifacts)
             findings += made.diagnostics
-        return Emission(artifacts, findings)
+        return Emission(tuple(artifacts), tuple(findings))
 
     def _emit(self, model: Model, options: Options) -> Emission:
         if not any(
