@@ -167,7 +167,9 @@ class Module:
 
     def noted(self, event: str, **facts: Any) -> list[dict[str, Any]]:
         """The notes of an event."""
-        lines = [json.loads(line) for line in self.notes.read_text().splitlines()]
+        # What is behind the last line end is being written.
+        whole = self.notes.read_text().split("\n")[:-1]
+        lines = [json.loads(line) for line in whole]
         wanted = {"event": event, **facts}.items()
         return [line for line in lines if wanted <= line.items()]
 
