@@ -254,6 +254,11 @@ class Converter:
                 return self.type_code(value)
             case FixedDescriptor(digits, scale):
                 return self.omniorb.fixed(digits, scale, f"{value:f}")
+            case SequenceDescriptor(AliasDescriptor()) | ArrayDescriptor(
+                AliasDescriptor(), (_,)
+            ) if not isinstance(value, list):
+                # omniORBpy takes texts and octets only where no typedef names the element.
+                return list(value)
             case SequenceDescriptor(element) if isinstance(value, list):
                 return [self.converted(element, item, memo) for item in value]
             case ArrayDescriptor(element, dimensions) if isinstance(value, list):
