@@ -130,6 +130,18 @@ def test_refused_values() -> None:
         wire.run(wire.client.upload(0x2002, 0, wire.now))
 
 
+def test_a_transfer_after_an_abort_that_was_lost() -> None:
+    """The server, still in the block, takes what can be no segment for the next request."""
+    values = Values()
+    first = line(values, [ONCE, TWICE, ONCE, LOST, LOST], block_size=1)
+    with pytest.raises(SdoAbort):
+        first.run(first.client.download(0x2000, 0, value_of(8), 0, block=True))
+    clean = line(values)
+    clean.client, clean.server, clean.now = first.client, first.server, first.now
+    clean.run(clean.client.download(0x2000, 0, value_of(30), clean.now))
+    assert values.writes == [value_of(30)]
+
+
 FATES = st.lists(st.sampled_from([LOST, ONCE, ONCE, ONCE, ONCE, TWICE]), max_size=40)
 
 

@@ -98,7 +98,7 @@ class SdoServer:
         return [Frame(self._response, data) for data in messages]
 
     def _answers(self, data: bytes) -> list[bytes]:
-        begin = None if self._in_block else self._beginning(data)
+        begin = None if self._is_segment(data) else self._beginning(data)
         if begin is not None:
             self.reset()
             self._target = Target.of(data)
@@ -107,6 +107,13 @@ class SdoServer:
             self._target = Target.of(data)
             raise SdoAbort(sdo.COMMAND_UNKNOWN)
         return self._step(data)
+
+    def _is_segment(self, data: bytes) -> bool:
+        """Whether a message can be a segment of the current block download.
+
+        A client whose abort was lost starts its next transfer in the middle of the block.
+        """
+        return self._in_block and data[0] & ~sdo.LAST_IN_BLOCK <= self._block_size
 
     def _beginning(self, data: bytes) -> _Step | None:
         code = data[0] & sdo.CODE
