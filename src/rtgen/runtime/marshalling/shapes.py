@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import re
 import struct
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from struct import Struct
 from typing import Any, TypeAlias, TypeVar
@@ -110,7 +111,7 @@ def _reader(order: str, section: str) -> Any:
     return kind(order, section)
 
 
-class _Table(dict[Any, _V]):
+class _Table(dict[Any, _V], ABC):
     """A cache filled on lookup, cleared when full."""
 
     def __init__(self, order: str, *sections: str) -> None:
@@ -123,8 +124,9 @@ class _Table(dict[Any, _V]):
         value = self[key] = self._made(key)
         return value
 
+    @abstractmethod
     def _made(self, key: Any) -> _V:
-        raise NotImplementedError
+        """The value of a key that is not in the cache."""
 
     def _struct(self, phase: int, counts: Iterable[int]) -> Struct:
         return Struct(self._order + _arranged(self._sections, phase, iter(counts)))
