@@ -1,12 +1,13 @@
 """What omniidl and rtgen say of a definition file, in one form that can be compared."""
 
 import json
-import shutil
 import subprocess
 import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
+
+import programs
 
 from rtgen.model import (
     Const,
@@ -26,16 +27,13 @@ from rtgen.model import (
 )
 
 BACKEND = Path(__file__).with_name("omniidl_backend")
-OMNIIDL = shutil.which(
-    "omniidl", path=str(Path(sys.executable).parent)
-) or shutil.which("omniidl")
 
 
 def omniidl(
     path: str, include: Sequence[str], folder: Path
 ) -> subprocess.CompletedProcess[bytes]:
     """Have omniidl print the facts of a file as JSON."""
-    command = [str(OMNIIDL), "-p", str(BACKEND), "-b", "rtgen_facts"]
+    command = [programs.omniidl(), "-p", str(BACKEND), "-b", "rtgen_facts"]
     command += [f"-I{place}" for place in include]
     return subprocess.run(
         [*command, path], cwd=folder, capture_output=True, check=False, timeout=60

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import importlib
-import shutil
 import subprocess
 import sys
-import sysconfig
 from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import giop
+import programs
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "unit" / "types"))
@@ -30,12 +29,8 @@ FILE = Path(__file__).with_name("calls.idl")
 def sides(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
     """Our package, omniORBpy's modules and its ORB."""
     pytest.importorskip("omniORB", reason="omniORBpy is not installed")
-    scripts = sysconfig.get_path("scripts")
-    omniidl = shutil.which("omniidl", path=scripts) or shutil.which("omniidl")
-    if omniidl is None:
-        pytest.skip("omniidl is not installed")
     folder = tmp_path_factory.mktemp("calls_omniorb")
-    command = [omniidl, "-bpython", f"-C{folder}", str(FILE)]
+    command = [programs.omniidl(), "-bpython", f"-C{folder}", str(FILE)]
     subprocess.run(command, check=True, capture_output=True)
     ours = emitted.emit(tmp_path_factory.mktemp("calls"), [FILE]).peers
     # The code set is the process's: other tests need this one.

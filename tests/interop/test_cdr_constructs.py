@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import importlib
-import shutil
 import subprocess
 import sys
-import sysconfig
 from collections.abc import Iterator
 from decimal import Decimal
 from pathlib import Path
 from typing import Any
 
+import programs
 import pytest
 from padding import masked, padding
 
@@ -26,12 +25,8 @@ FILE = Path(__file__).with_name("constructs.idl")
 def sides(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Any, Any]]:
     """Our package of the module Constructs, and omniORBpy's."""
     pytest.importorskip("omniORB", reason="omniORBpy is not installed")
-    scripts = sysconfig.get_path("scripts")
-    omniidl = shutil.which("omniidl", path=scripts) or shutil.which("omniidl")
-    if omniidl is None:
-        pytest.skip("omniidl is not installed")
     folder = tmp_path_factory.mktemp("omniorb")
-    command = [omniidl, "-bpython", f"-C{folder}", str(FILE)]
+    command = [programs.omniidl(), "-bpython", f"-C{folder}", str(FILE)]
     subprocess.run(command, check=True, capture_output=True)
     package = emitted.emit(tmp_path_factory.mktemp("ours"), [FILE])
     ours = importlib.import_module(f"{package.__name__}.constructs")

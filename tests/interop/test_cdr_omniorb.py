@@ -6,15 +6,14 @@ omniORBpy leaves padding uninitialised, so padding is masked in what it gives; o
 from __future__ import annotations
 
 import importlib
-import shutil
 import subprocess
 import sys
-import sysconfig
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import programs
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -64,13 +63,15 @@ class Peers:
 @pytest.fixture(scope="module")
 def peers(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Peers]:
     omniorb = pytest.importorskip("omniORB", reason="omniORBpy is not installed")
-    scripts = sysconfig.get_path("scripts")
-    omniidl = shutil.which("omniidl", path=scripts) or shutil.which("omniidl")
-    if omniidl is None:
-        pytest.skip("omniidl is not installed")
     folder = tmp_path_factory.mktemp("omniorb")
     for path in FILES:
-        command = [omniidl, "-bpython", f"-I{SPECS}", f"-C{folder}", str(path)]
+        command = [
+            programs.omniidl(),
+            "-bpython",
+            f"-I{SPECS}",
+            f"-C{folder}",
+            str(path),
+        ]
         subprocess.run(command, check=True, capture_output=True)
     package = emitted.emit(tmp_path_factory.mktemp("ours"), FILES)
     ours = {t._descriptor_.repository_id: t for t in _declared(package)}

@@ -6,10 +6,8 @@ So what is compared at the end was marshalled by both and read by both.
 from __future__ import annotations
 
 import importlib
-import shutil
 import subprocess
 import sys
-import sysconfig
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -17,6 +15,7 @@ from decimal import Decimal
 from pathlib import Path
 from typing import Any
 
+import programs
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -61,12 +60,8 @@ class Chain:
 
 @pytest.fixture(scope="module")
 def chain(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Chain]:
-    scripts = sysconfig.get_path("scripts")
-    omniidl = shutil.which("omniidl", path=scripts) or shutil.which("omniidl")
-    if omniidl is None:
-        pytest.skip("omniidl is not installed")
     folder = tmp_path_factory.mktemp("theirs")
-    command = [omniidl, "-bpython", f"-C{folder}", *map(str, FILES)]
+    command = [programs.omniidl(), "-bpython", f"-C{folder}", *map(str, FILES)]
     subprocess.run(command, check=True, capture_output=True)
     package = emitted.emit(tmp_path_factory.mktemp("ours"), FILES)
     sys.path.insert(0, str(folder))

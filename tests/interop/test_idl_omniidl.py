@@ -5,7 +5,8 @@ import os
 from pathlib import Path
 
 import pytest
-from idl_facts import OMNIIDL, facts, omniidl
+from idl_facts import facts, omniidl
+from programs import needs_omniidl
 
 from rtgen.diagnostics import Severity, has_errors
 from rtgen.frontends.idl import load
@@ -21,9 +22,7 @@ FILES = sorted(
 CORPUS = os.environ.get("RTGEN_IDL_CORPUS", "")
 """A folder of definition files, one project to a subfolder; none are part of this repository."""
 
-pytestmark = pytest.mark.skipif(
-    OMNIIDL is None, reason="omniidl (jeteve-omniorb) is missing"
-)
+pytestmark = needs_omniidl
 
 Facts = dict[str, object]
 

@@ -18,14 +18,13 @@ from __future__ import annotations
 import importlib.util
 import itertools
 import random
-import shutil
 import subprocess
 import sys
-import sysconfig
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import programs
 import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
@@ -256,19 +255,9 @@ def references(peer: Peer) -> tuple[ObjectReference, ...]:
     return tuple(made)
 
 
-@pytest.fixture(scope="module")
-def omniidl() -> str:
-    scripts = sysconfig.get_path("scripts")
-    found = shutil.which("omniidl", path=scripts) or shutil.which("omniidl")
-    if found is None:
-        pytest.skip("omniidl is not installed")
-    return found
-
-
 def compiled(
     peer: Peer,
     references: tuple[ObjectReference, ...],
-    omniidl: str,
     folder: Path,
     draw: random.Random,
     size: int,
@@ -282,7 +271,7 @@ def compiled(
     file = folder / f"random{number}.idl"
     text = Definitions(draw, name).text(size)
     file.write_text(text, encoding="utf-8")
-    command = [omniidl, "-bpython", f"-C{theirs}", str(file)]
+    command = [programs.omniidl(), "-bpython", f"-C{theirs}", str(file)]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
     package = emitted.emit(folder, [file])
@@ -295,12 +284,11 @@ def types(
     request: pytest.FixtureRequest,
     peer: Peer,
     references: tuple[ObjectReference, ...],
-    omniidl: str,
     tmp_path_factory: pytest.TempPathFactory,
 ) -> Types:
     folder = tmp_path_factory.mktemp("random")
     draw = random.Random(seed() + request.param)
-    return compiled(peer, references, omniidl, folder, draw, TYPES)
+    return compiled(peer, references, folder, draw, TYPES)
 
 
 def test_type_codes(types: Types) -> None:
@@ -330,11 +318,10 @@ def test_values(types: Types, number: int, draw: random.Random) -> None:
 def test_types(
     peer: Peer,
     references: tuple[ObjectReference, ...],
-    omniidl: str,
     tmp_path: Path,
     draw: random.Random,
 ) -> None:
-    types = compiled(peer, references, omniidl, tmp_path, draw, SMALL)
+    types = compiled(peer, references, tmp_path, draw, SMALL)
     try:
         for descriptor in types.all:
             types.compare_type_code(descriptor, True)

@@ -7,14 +7,13 @@ and written by ours: that joins the chunks. Where it used one chunk, they are th
 from __future__ import annotations
 
 import importlib
-import shutil
 import subprocess
 import sys
-import sysconfig
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import programs
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "unit" / "types"))
@@ -32,12 +31,8 @@ Sides = tuple[Any, Any, Any]
 def sides(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Sides]:
     """Our package, theirs, and omniORB."""
     omniorb = pytest.importorskip("omniORB", reason="omniORBpy is not installed")
-    scripts = sysconfig.get_path("scripts")
-    omniidl = shutil.which("omniidl", path=scripts) or shutil.which("omniidl")
-    if omniidl is None:
-        pytest.skip("omniidl is not installed")
     folder = tmp_path_factory.mktemp("omniorb")
-    command = [omniidl, "-bpython", f"-C{folder}", str(FILE)]
+    command = [programs.omniidl(), "-bpython", f"-C{folder}", str(FILE)]
     subprocess.run(command, check=True, capture_output=True)
     ours = emitted.emit(tmp_path_factory.mktemp("ours"), [FILE]).valued
     corba = importlib.import_module("omniORB.CORBA")

@@ -11,6 +11,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+import programs
+
 HERE = Path(__file__).parent
 STUB = HERE / "stub"
 DATA_TYPES = HERE.parents[1] / "specs/idl"
@@ -21,9 +23,8 @@ REAL = importlib.util.find_spec("OpenRTM_aist") is not None
 
 
 def program(name: str) -> str:
-    """A program beside the interpreter, where the ORB puts its own; else one on the path."""
-    beside = str(Path(sys.executable).parent)
-    found = shutil.which(name, path=beside) or shutil.which(name)
+    """The path of a program that has to be there."""
+    found = programs.find(name)
     assert found is not None, f"{name} is missing"
     return found
 
@@ -59,8 +60,8 @@ def environment(folders: list[Path]) -> dict[str, str]:
     own = {"PYTHONPATH": path, "PYTHON": sys.executable}
     if folders:
         own["RTM_IDL"] = str(folders[-1])
-    programs = [str(Path(sys.executable).parent), os.environ["PATH"]]
-    return {**os.environ, **own, "PATH": os.pathsep.join(programs)}
+    places = [str(Path(sys.executable).parent), os.environ["PATH"]]
+    return {**os.environ, **own, "PATH": os.pathsep.join(places)}
 
 
 @contextmanager

@@ -9,6 +9,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import programs
 import pytest
 
 from refnav.contents_interpretation import ContentsInterpretation
@@ -160,8 +161,7 @@ def test_only_what_micropython_reads_is_written(board: Path) -> None:
 
 
 def test_micropython_gives_the_same(board: Path, embedded: list[str]) -> None:
-    places = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
-    found = shutil.which("micropython", path=places)
+    found = programs.find("micropython")
     if found is None:
         pytest.skip("micropython (unix port) is not installed")
     printed = on_board(board, [found], MICROPYPATH=str(board))

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import os
-import shutil
 import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
 
 import black
+import programs
 import pytest
 from eds_files import WIDTHS, Thing, eds, entry
 
@@ -203,15 +203,11 @@ def test_mypy_strict(folder: Path, made: Compilation) -> None:
     assert done.returncode == 0, done.stdout
 
 
-OMNIIDL = shutil.which("omniidl", path=str(Path(sys.executable).parent))
-
-
-@pytest.mark.skipif(OMNIIDL is None, reason="omniidl (jeteve-omniorb) is missing")
 def test_omniidl_reads_the_idl(folder: Path, made: Compilation) -> None:
     here = folder / "generated/odd/canopen"
     for file in sorted(here.glob("*/*.idl")):
         done = subprocess.run(
-            [str(OMNIIDL), "-bdump", f"-I{here}", str(file)],
+            [programs.omniidl(), "-bdump", f"-I{here}", str(file)],
             capture_output=True,
             check=False,
         )

@@ -10,7 +10,6 @@ import signal
 import socket
 import subprocess
 import sys
-import sysconfig
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
@@ -18,6 +17,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+import programs
 import pytest
 
 pytest.importorskip("omniORB", reason="omniORBpy is not installed")
@@ -289,12 +289,11 @@ def test_the_wheels_of_rh3_in_one_process_and_its_marshaller_in_another(
 def test_a_client_of_omniidl_stops_the_base_and_lets_it_go(
     start: Callable[..., Run], here: Here, names: str, tmp_path: Path
 ) -> None:
-    omniidl = shutil.which("omniidl", path=sysconfig.get_path("scripts"))
-    if omniidl is None:
-        pytest.skip("omniidl is not installed")
     file = ROOT / "specs" / "idl" / "RefHardRh3Pro.idl"
     program = tmp_path / "client.py"
-    subprocess.run([omniidl, "-bpython", str(file)], cwd=tmp_path, check=True)
+    subprocess.run(
+        [programs.omniidl(), "-bpython", str(file)], cwd=tmp_path, check=True
+    )
     program.write_text(
         "import sys, _GlobalIDL\n"
         "from omniORB import CORBA\n"

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import shutil
 import subprocess
 from dataclasses import fields, is_dataclass
 from pathlib import Path
 
+import programs
 import pytest
 
 from rtgen.backends.idl_text import idl_text
@@ -28,7 +28,6 @@ FILES = sorted(
     for path in (ROOT / folder).glob("*.idl")
 )
 INCLUDE = [Path("specs/idl"), Path("tests/golden/idl")]
-OMNIIDL = shutil.which("omniidl")
 
 TRICKY = """
 module Point {
@@ -108,14 +107,12 @@ IDL4 = (
 """Files with what omniidl does not know, annotations apart."""
 
 
-@pytest.mark.skipif(OMNIIDL is None, reason="omniidl (jeteve-omniorb) is missing")
 @pytest.mark.parametrize(
     "path", [*(f for f in FILES if not f.endswith(IDL4)), "tricky"]
 )
 def test_omniidl_reads_it(
     path: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    assert OMNIIDL is not None
     monkeypatch.chdir(ROOT)
     if path == "tricky":
         source = tmp_path / "tricky.idl"
@@ -126,7 +123,7 @@ def test_omniidl_reads_it(
     text = idl_text(model, model.declarations, annotations=False)
     written.write_text(text, encoding="utf-8")
     run = subprocess.run(
-        [OMNIIDL, "-b", "dump", str(written)],
+        [programs.omniidl(), "-b", "dump", str(written)],
         cwd=tmp_path,
         capture_output=True,
         text=True,

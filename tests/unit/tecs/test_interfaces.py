@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import shutil
 import subprocess
 from pathlib import Path
 
+import programs
 import pytest
 from boards import MOTOR, SERVER, emit, joined, texts
 
 from rtgen.diagnostics import has_errors
 from rtgen.frontends.idl import load
-
-OMNIIDL = shutil.which("omniidl")
 
 SCALARS = {
     "char_t": "char",
@@ -105,9 +103,9 @@ def accepted(path: Path) -> None:
     """Our own front end and omniidl take the file."""
     result = load([path], root=path.parent)
     assert not has_errors(result.diagnostics), result.diagnostics
-    if OMNIIDL is not None:
+    if programs.OMNIIDL is not None:
         run = subprocess.run(
-            [OMNIIDL, "-b", "dump", str(path)],
+            [programs.OMNIIDL, "-b", "dump", str(path)],
             capture_output=True,
             text=True,
             check=False,
