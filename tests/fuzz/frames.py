@@ -23,7 +23,7 @@ from rtgen.runtime.canopen.bus.links import simulated_bus
 from rtgen.runtime.canopen.master.manager_station import ManagerStation
 from rtgen.runtime.canopen.node.node import DeviceNode
 from rtgen.runtime.canopen.wire.frames import MILLISECOND, Frame
-from rtgen.runtime.clocks import SECOND
+from rtgen.runtime.timing.clocks import SECOND
 
 ROOT = Path(__file__).parents[2]
 

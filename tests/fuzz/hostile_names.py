@@ -66,7 +66,7 @@ def _pool() -> Sequence[str]:
         "generated/refrobots/canopen/epos_drive/*.py",
         "generated/refrobots/tecs/**/*.py",
         "src/rtgen/templates/**/*.j2",
-        "src/rtgen/runtime/component.py",
+        "src/rtgen/runtime/rtc/component.py",
     ):
         for path in sorted(ROOT.glob(pattern)):
             words.update(_WORD.findall(path.read_text()))

@@ -8,8 +8,8 @@ import struct
 import threading
 from collections.abc import Callable, Iterator
 
-from rtgen.runtime.calls import Reply, ReplyStatus
 from rtgen.runtime.cdr_values import ObjectReference
+from rtgen.runtime.services.calls import Reply, ReplyStatus
 
 REQUEST, REPLY = 0, 1
 Handle = Callable[[str, bytes, bool], Reply | None]

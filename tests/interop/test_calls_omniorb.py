@@ -18,9 +18,9 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "unit" / "types"))
 
 import emitted
 
-from rtgen.runtime.calls import Client, Server
 from rtgen.runtime.cdr_values import ObjectReference, read_reference
-from rtgen.runtime.services import UnknownException
+from rtgen.runtime.services.calls import Client, Server
+from rtgen.runtime.services.servants import UnknownException
 
 FILE = Path(__file__).with_name("calls.idl")
 

@@ -28,7 +28,6 @@ import samples
 import test_cdr_constructs
 from omniORB import tcInternal
 
-from rtgen.runtime.calls import calls_of
 from rtgen.runtime.cdr_values import ObjectReference
 from rtgen.runtime.corba.objects import Objects
 from rtgen.runtime.corba.orb import Orb
@@ -39,7 +38,8 @@ from rtgen.runtime.descriptors import (
     SequenceDescriptor,
     StringDescriptor,
 )
-from rtgen.runtime.services import UnknownException
+from rtgen.runtime.services.calls import calls_of
+from rtgen.runtime.services.servants import UnknownException
 from rtgen.runtime.values import AnyValue
 
 HERE = Path(__file__).parent

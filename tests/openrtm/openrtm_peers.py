@@ -13,7 +13,7 @@ from omniORB import CORBA, cdrMarshal, cdrUnmarshal, tcInternal
 from probes import answer
 from specimens import specimen
 
-from rtgen.runtime.calls import Call, calls_of
+from rtgen.runtime.services.calls import Call, calls_of
 
 
 def load_stubs(folder: Path) -> None:

@@ -20,7 +20,7 @@ from typing import Any
 from specimens import COUNT, specimen
 
 from rtgen.runtime import RTC_ERROR, RTC_OK, Component, ReturnCode_t
-from rtgen.runtime.calls import Call, calls_of
+from rtgen.runtime.services.calls import Call, calls_of
 
 CALLBACKS = (
     *("on_initialize", "on_finalize", "on_startup", "on_shutdown", "on_activated"),

@@ -24,7 +24,7 @@ from openrtm_lab import Lab, resolved, until
 from specimens import COUNT, specimen
 
 from rtgen.runtime import Component
-from rtgen.runtime.profiles import ParameterProfile
+from rtgen.runtime.rtc.profiles import ParameterProfile
 from rtgen.typemap.openrtm_ports import known_name
 
 HERE = Path(__file__).parent

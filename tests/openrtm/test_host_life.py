@@ -14,7 +14,7 @@ from hosting import Relay
 from openrtm_lab import Lab, until
 
 from rtgen.runtime import BAD_PARAMETER, RTC_ERROR, RTC_OK, ReturnCode_t
-from rtgen.runtime.life_cycle import Request
+from rtgen.runtime.rtc.life_cycle import Request
 
 CYCLE = ["on_execute", "on_state_update"]
 

@@ -293,7 +293,7 @@ def test_a_connection_that_ends_during_a_write(
 
 
 def test_a_port_with_a_bus_behind_it_is_never_unconnected(relay: Relay) -> None:
-    from rtgen.runtime.data_ports import DataConnector, InPort
+    from rtgen.runtime.ports.data_ports import DataConnector, InPort
 
     port = relay.behaviour.data_out
     bus = InPort("bus", types().Sample)
@@ -304,7 +304,7 @@ def test_a_port_with_a_bus_behind_it_is_never_unconnected(relay: Relay) -> None:
 
 
 def test_samples_of_a_bus_and_of_openrtm_meet_in_an_in_port(relay: Relay) -> None:
-    from rtgen.runtime.data_ports import DataConnector, OutPort
+    from rtgen.runtime.ports.data_ports import DataConnector, OutPort
 
     bus = OutPort("bus", types().Sample)
     port, guard = relay.behaviour.data, relay.behaviour._clock.guard

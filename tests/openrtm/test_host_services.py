@@ -9,7 +9,7 @@ import pytest
 from hosting import Relay
 from openrtm_lab import Lab
 
-from rtgen.runtime.services import ObjectNotExist, UnknownException
+from rtgen.runtime.services.servants import ObjectNotExist, UnknownException
 
 
 @pytest.fixture

@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 from wires import Wires, wired_text
 
-from rtgen.runtime.services import (
+from rtgen.runtime.services.servants import (
     BadOperation,
     CommunicationFailure,
     MarshalError,

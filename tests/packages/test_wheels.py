@@ -96,7 +96,7 @@ def test_the_wheel_is_rtgen_alone(whole: Path) -> None:
     assert {name: dict(entries[name]) for name in entries.sections()} == {
         "console_scripts": {"rtgen": "rtgen.cli:main"}
     }
-    for name in ("runtime/system.py", "compiler.py", "grammars/idl.lark"):
+    for name in ("runtime/system/system.py", "compiler.py", "grammars/idl.lark"):
         assert f"rtgen/{name}" in found
 
 

@@ -4,6 +4,6 @@
 
 from __future__ import annotations
 
-from rtgen.runtime.calls import Call
+from rtgen.runtime.services.calls import Call
 
 _CALLS: dict[str, dict[str, Call]] = {"IDL:RefHard:1.0": {"Stop": Call(), "Go": Call()}}

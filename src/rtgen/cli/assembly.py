@@ -23,8 +23,8 @@ from rtgen.diagnostics import (
 from rtgen.facts.connector_properties import own_properties
 from rtgen.frontends.kit.suggestions import nearest
 from rtgen.model import Connection, System, SystemComponent
-from rtgen.runtime.conf_file import read as read_conf
-from rtgen.runtime.watchdog import calling
+from rtgen.runtime.rtc.conf_file import read as read_conf
+from rtgen.runtime.system.watchdog import calling
 from rtgen.systems.rules import (
     CONNECTION,
     NO_COMPONENT,
@@ -51,7 +51,7 @@ from rtgen.typemap.openrtm_ports import (
 )
 
 if TYPE_CHECKING:
-    from rtgen.runtime.transports import ProcessTransport
+    from rtgen.runtime.services.transports import ProcessTransport
 
 _MILLISECOND = 1_000_000
 _POLL_PERIOD = 20 * _MILLISECOND

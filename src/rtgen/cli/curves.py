@@ -20,8 +20,8 @@ from rtgen.cli.recording import (
 )
 from rtgen.diagnostics import InputError
 from rtgen.model import System
-from rtgen.runtime.clocks import SECOND
-from rtgen.runtime.json_printers import plain
+from rtgen.runtime.system.json_printers import plain
+from rtgen.runtime.timing.clocks import SECOND
 from rtgen.systems.rules import OBSERVABLE, UNKNOWN_INSTANCE
 
 FILES = (*PICTURES, ".csv", ".tsv", ".txt", ".dat")

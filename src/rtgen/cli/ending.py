@@ -14,8 +14,8 @@ from types import FrameType
 
 from rtgen.cli.common import NO
 from rtgen.cli.signals import handled
-from rtgen.runtime import watchdog
-from rtgen.runtime.watchdog import Call, Since, calls_under_way, followed
+from rtgen.runtime.system import watchdog
+from rtgen.runtime.system.watchdog import Call, Since, calls_under_way, followed
 
 _LOOK = 0.1
 _SHORT = 0.3

@@ -14,7 +14,7 @@ from rtgen.diagnostics import ToolError
 from rtgen.project import Project
 from rtgen.runtime import Component
 from rtgen.runtime.failures import ends_run
-from rtgen.runtime.watchdog import calling
+from rtgen.runtime.system.watchdog import calling
 
 GROUP = "rtgen.components"
 

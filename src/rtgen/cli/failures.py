@@ -25,8 +25,8 @@ from rtgen.diagnostics import Diagnostic, Related, Rule, Span
 from rtgen.project import shown
 from rtgen.runtime import BlockedError, CallbackError, Failure, ObservableError
 from rtgen.runtime.failures import described, ends_run
-from rtgen.runtime.places import is_rtgens, is_users
-from rtgen.runtime.watchdog import Call, calls_under_way
+from rtgen.runtime.stack_frames import is_rtgens, is_users
+from rtgen.runtime.system.watchdog import Call, calls_under_way
 from rtgen.systems.rules import BLOCKED, IMPORT, NOTICE, RAISED
 
 _QUIET_STATES = ("on_activated", "on_execute", "on_state_update", "on_rate_changed")

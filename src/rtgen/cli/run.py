@@ -33,8 +33,8 @@ from rtgen.diagnostics import InputError, ToolError, has_errors, in_order
 from rtgen.model import System
 from rtgen.project import load_around
 from rtgen.runtime.failures import ends_run
-from rtgen.runtime.recording import JsonLinesRecorder
-from rtgen.runtime.watchdog import Watchdog
+from rtgen.runtime.system.recording import JsonLinesRecorder
+from rtgen.runtime.system.watchdog import Watchdog
 from rtgen.systems import measures, timeline
 from rtgen.systems.checks import check_properties
 from rtgen.systems.measures import Measure

@@ -18,7 +18,7 @@ from rtgen.runtime.errors import NoNamingServiceError
 from rtgen.systems.rules import CONNECTION
 
 if TYPE_CHECKING:
-    from rtgen.runtime.transports import ProcessTransport
+    from rtgen.runtime.services.transports import ProcessTransport
 
 _PORTS = 1 << 16
 

@@ -1,26 +1,6 @@
 """The embedded runtime (OMG RTC 1.0), imported by generated code and behaviours; compiler-free."""
 
 from rtgen.facts.connector_properties import EmptyPolicy, FullPolicy
-from rtgen.runtime.buffers import (
-    BufferSettings,
-)
-from rtgen.runtime.clocks import (
-    SECOND,
-    Clock,
-    RealClock,
-    SimulatedClock,
-)
-from rtgen.runtime.component import Component
-from rtgen.runtime.conf_file import ConfFile
-from rtgen.runtime.configuration import (
-    DEFAULT_SET,
-    ConfigurationSets,
-)
-from rtgen.runtime.data_ports import (
-    DataConnector,
-    InPort,
-    OutPort,
-)
 from rtgen.runtime.descriptors import DataType
 from rtgen.runtime.errors import (
     BlockedError,
@@ -52,24 +32,14 @@ from rtgen.runtime.errors import (
     UnknownParameterError,
     UnknownPortError,
 )
-from rtgen.runtime.execution_context import (
-    ExecutionContext,
-    Participant,
-)
 from rtgen.runtime.failures import Failure
-from rtgen.runtime.profiles import (
-    ComponentProfile,
-    ParameterProfile,
-    PortProfile,
-    service_port,
+from rtgen.runtime.ports.buffers import (
+    BufferSettings,
 )
-from rtgen.runtime.recording import JsonLinesRecorder
-from rtgen.runtime.records import (
-    Listener,
-    Record,
-    SampleRecord,
-    StateRecord,
-    Statistics,
+from rtgen.runtime.ports.data_ports import (
+    DataConnector,
+    InPort,
+    OutPort,
 )
 from rtgen.runtime.return_codes import (
     ACTIVE_STATE,
@@ -88,12 +58,28 @@ from rtgen.runtime.return_codes import (
     PortStatus,
     ReturnCode_t,
 )
-from rtgen.runtime.service_connectors import ServiceConnector
-from rtgen.runtime.service_ports import (
+from rtgen.runtime.rtc.component import Component
+from rtgen.runtime.rtc.conf_file import ConfFile
+from rtgen.runtime.rtc.configuration import (
+    DEFAULT_SET,
+    ConfigurationSets,
+)
+from rtgen.runtime.rtc.execution_context import (
+    ExecutionContext,
+    Participant,
+)
+from rtgen.runtime.rtc.profiles import (
+    ComponentProfile,
+    ParameterProfile,
+    PortProfile,
+    service_port,
+)
+from rtgen.runtime.services.connectors import ServiceConnector
+from rtgen.runtime.services.ports import (
     Consumer,
     Provider,
 )
-from rtgen.runtime.services import (
+from rtgen.runtime.services.servants import (
     BadOperation,
     CallTimeout,
     CommunicationFailure,
@@ -103,8 +89,23 @@ from rtgen.runtime.services import (
     Skeleton,
     Stub,
     UnknownException,
+    operation,
 )
-from rtgen.runtime.system import System
+from rtgen.runtime.system.recording import JsonLinesRecorder
+from rtgen.runtime.system.records import (
+    Listener,
+    Record,
+    SampleRecord,
+    StateRecord,
+    Statistics,
+)
+from rtgen.runtime.system.system import System
+from rtgen.runtime.timing.clocks import (
+    SECOND,
+    Clock,
+    RealClock,
+    SimulatedClock,
+)
 
 __all__ = [
     "ACTIVE_STATE",
@@ -190,5 +191,6 @@ __all__ = [
     "UnknownObservableError",
     "UnknownParameterError",
     "UnknownPortError",
+    "operation",
     "service_port",
 ]

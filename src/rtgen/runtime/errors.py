@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from types import CodeType
 
-from rtgen.runtime.places import shown
+from rtgen.runtime.stack_frames import shown
 
 
 class RtcError(Exception):

@@ -11,8 +11,8 @@ import sys
 from dataclasses import dataclass
 from typing import TextIO
 
-from rtgen.runtime.clocks import SECOND
 from rtgen.runtime.errors import CallbackError
+from rtgen.runtime.timing.clocks import SECOND
 
 log = logging.getLogger("rtgen.runtime")
 

@@ -15,7 +15,7 @@ from rtgen.runtime.canopen.bus.link import Link
 from rtgen.runtime.canopen.bus.links import open_link
 from rtgen.runtime.canopen.description import DeviceDescription
 from rtgen.runtime.canopen.node.node import DeviceNode
-from rtgen.runtime.clocks import RealClock
+from rtgen.runtime.timing.clocks import RealClock
 from rtgen.typemap.canopen_names import field_names
 
 SPECS = Path(__file__).parents[3] / "specs" / "canopen"

@@ -33,7 +33,7 @@ from rtgen.runtime.canopen.node.node import DeviceNode
 from rtgen.runtime.canopen.wire.lss import LssAddress
 from rtgen.runtime.canopen.wire.lss_master import Procedure
 from rtgen.runtime.canopen.wire.nmt import NmtCommand
-from rtgen.runtime.clocks import RealClock
+from rtgen.runtime.timing.clocks import RealClock
 
 LINKED = str(SPECS / "pdo_linking.toml")
 FOURX = str(SPECS / "fourx.toml")

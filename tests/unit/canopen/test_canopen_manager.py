@@ -29,7 +29,7 @@ from rtgen.runtime.canopen.master.managed_node import NodePhase, NodeReport
 from rtgen.runtime.canopen.master.manager import CanopenManager
 from rtgen.runtime.canopen.networks import UnknownNetworkError, load_network
 from rtgen.runtime.canopen.wire.nmt import NmtCommand, NmtState
-from rtgen.runtime.services import Servant, Skeleton
+from rtgen.runtime.services.servants import Servant, Skeleton
 
 SECOND = 1000 * MS
 

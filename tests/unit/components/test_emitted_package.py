@@ -89,7 +89,7 @@ def test_service_calls_reach_the_servant_of_the_skeleton(
     behaviours: dict[str, ModuleType],
 ) -> None:
     limiter, watcher = behaviours["limiter"].Limiter(), behaviours["watcher"].Watcher()
-    errors = importlib.import_module("rtgen.runtime.services")
+    errors = importlib.import_module("rtgen.runtime.services.servants")
     system = System(SimulatedClock())
     for each in (limiter, watcher):
         system.add(each)

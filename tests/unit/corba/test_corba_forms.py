@@ -33,7 +33,7 @@ from test_service_forms import (
 from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.corba.objects import Objects
 from rtgen.runtime.corba.orb import Orb
-from rtgen.runtime.services import (
+from rtgen.runtime.services.servants import (
     BadOperation,
     MarshalError,
     ServiceError,

@@ -30,7 +30,7 @@ from rtgen import runtime
 from rtgen.cli import run as rtgen
 from rtgen.runtime.corba.name_server import NameServer
 from rtgen.runtime.corba.transport import CorbaTransport
-from rtgen.runtime.service_ports import ServicePort
+from rtgen.runtime.services.ports import ServicePort
 
 ROOT = Path(__file__).parents[3]
 BOARD = ROOT / "specs" / "tecs" / "rh3_board.xml"

@@ -17,12 +17,12 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "types"))
 
 import emitted
 
-from rtgen.runtime.calls import calls_of
 from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.corba.objects import Objects
 from rtgen.runtime.corba.orb import Orb
 from rtgen.runtime.descriptors import PrimitiveDescriptor, StringDescriptor
-from rtgen.runtime.services import MarshalError
+from rtgen.runtime.services.calls import calls_of
+from rtgen.runtime.services.servants import MarshalError
 from rtgen.runtime.values import AnyValue
 
 IDL = """

@@ -10,9 +10,9 @@ import pytest
 from rtgen.diagnostics import Span
 from rtgen.facts.connector_properties import DATA, SERVICE, is_foreign
 from rtgen.model import Connection, PortReference, System
-from rtgen.runtime import connector_properties as runtime
 from rtgen.runtime.errors import ConnectorPropertyError
-from rtgen.runtime.service_connectors import read_properties
+from rtgen.runtime.ports import connector_properties as runtime
+from rtgen.runtime.services.connectors import read_properties
 from rtgen.systems.checks import check_properties
 
 TEXTS = (

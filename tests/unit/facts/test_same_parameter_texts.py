@@ -7,7 +7,7 @@ import pytest
 from rtgen.facts.primitives import INTEGERS
 from rtgen.model import Model, Primitive, PrimitiveType, SequenceType, Type
 from rtgen.runtime import ParameterProfile, ParameterValueError
-from rtgen.runtime.parameter_values import Converter
+from rtgen.runtime.rtc.parameter_values import Converter
 from rtgen.typemap.parameters import Parameters, ValueMismatchError
 
 PARAMETERS = Parameters(Model())

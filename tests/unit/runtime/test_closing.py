@@ -24,9 +24,9 @@ from rtgen.runtime import (
     Skeleton,
     Stub,
     System,
-    watchdog,
 )
 from rtgen.runtime.descriptors import InterfaceDescriptor
+from rtgen.runtime.system import watchdog
 
 BETWEEN = 0.1
 """Seconds in which a component that still ticks at 1 kHz would call a service."""

@@ -22,7 +22,7 @@ from rtgen.runtime import (
     UnknownConfigurationSetError,
     UnknownParameterError,
 )
-from rtgen.runtime.conf_file import parse, read
+from rtgen.runtime.rtc.conf_file import parse, read
 
 
 @dataclass(slots=True)

@@ -19,7 +19,7 @@ from rtgen.runtime import (
     SimulatedClock,
     System,
 )
-from rtgen.runtime.life_cycle import Request
+from rtgen.runtime.rtc.life_cycle import Request
 
 MILLISECOND = 1_000_000
 
@@ -131,7 +131,7 @@ def test_the_parameters_are_there_when_the_gate_is_asked() -> None:
     """Their values may be what it waits with."""
     from dataclasses import dataclass
 
-    from rtgen.runtime.profiles import ComponentProfile, ParameterProfile
+    from rtgen.runtime.rtc.profiles import ComponentProfile, ParameterProfile
 
     @dataclass
     class Configuration:

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from refrobots import iis, rtc, ucode
-from rtgen.runtime.json_printers import json_printer, plain
+from rtgen.runtime.system.json_printers import json_printer, plain
 
 FLOATS = st.floats()
 TIMES = st.builds(rtc.Time, st.integers(0, 2**32 - 1), st.integers(0, 10**9))

@@ -9,7 +9,7 @@ import pytest
 from life_cycle_rows import Row, read_table
 
 from rtgen.runtime import RTC_ERROR, RTC_OK, Component, ExecutionContext, ReturnCode_t
-from rtgen.runtime.life_cycle import Request
+from rtgen.runtime.rtc.life_cycle import Request
 
 CALLBACKS = [name for name in vars(Component) if name.startswith("on_")]
 REQUESTS_OF_THE_NEXT_TICK = {"activate", "deactivate", "reset", "set_rate", "fail"}

@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from rtgen.runtime.clocks import SimulatedClock
 from rtgen.runtime.opaque_rpc import (
     E_BOVR,
     E_OBJ,
@@ -17,7 +16,8 @@ from rtgen.runtime.opaque_rpc import (
     SimulatedChannel,
     SimulatedServer,
 )
-from rtgen.runtime.simulated_network import SimulatedNetwork
+from rtgen.runtime.timing.clocks import SimulatedClock
+from rtgen.runtime.timing.simulated_network import SimulatedNetwork
 
 HERE = "127.0.0.1:8931"
 ECHO = bytes.fromhex("672a 0001")

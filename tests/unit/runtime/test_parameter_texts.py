@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from rtgen.runtime import ConfigurationError, ParameterProfile, ParameterValueError
-from rtgen.runtime.parameter_values import Converter
+from rtgen.runtime.rtc.parameter_values import Converter
 
 
 class Mode(IntEnum):

@@ -22,7 +22,7 @@ from rtgen.runtime import (
     StateRecord,
     System,
 )
-from rtgen.runtime.real_time import next_instant
+from rtgen.runtime.system.real_time import next_instant
 
 WAIT = 10.0
 """Seconds until a test that hangs gives up."""

@@ -25,7 +25,7 @@ from rtgen.runtime import (
     StateRecord,
     System,
 )
-from rtgen.runtime.json_printers import plain
+from rtgen.runtime.system.json_printers import plain
 
 
 class Colour(IntEnum):

@@ -27,7 +27,7 @@ from rtgen.runtime import (
     UnknownPortError,
 )
 from rtgen.runtime.descriptors import InterfaceDescriptor
-from rtgen.runtime.services import operation
+from rtgen.runtime.services.servants import operation
 
 
 class TooMuchError(Exception):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from rtgen.runtime import Component, RealClock, SimulatedClock, System
-from rtgen.runtime.simulated_network import SimulatedNetwork, Stream
+from rtgen.runtime.timing.simulated_network import SimulatedNetwork, Stream
 
 
 class Echo:

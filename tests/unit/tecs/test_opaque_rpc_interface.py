@@ -15,12 +15,12 @@ from rtgen.backends.types import BACKEND
 from rtgen.frontends import idl
 from rtgen.lowering.tecs.communication import communication_model
 from rtgen.model import Component, Interface, Model, SourceFile
-from rtgen.runtime.calls import Client, Server, calls_of
 from rtgen.runtime.descriptors import difference
 from rtgen.runtime.opaque_rpc import OpaqueRpc
 from rtgen.runtime.opaque_rpc.communication import OpaqueRpcCommunication
 from rtgen.runtime.opaque_rpc.interface import IDL, OCTETS
-from rtgen.runtime.services import operations_of
+from rtgen.runtime.services.calls import Client, Server, calls_of
+from rtgen.runtime.services.servants import operations_of
 
 PACKAGE = "opaque_rpc_of_idl"
 

@@ -28,7 +28,7 @@ from rtgen.runtime.descriptors import (
     difference,
     plain,
 )
-from rtgen.runtime.json_printers import plain as plain_sample
+from rtgen.runtime.system.json_printers import plain as plain_sample
 from rtgen.runtime.values import (
     AnyValue,
     Box,

@@ -11,10 +11,10 @@ from typing import Any
 import emitted
 import pytest
 
-from rtgen.runtime.calls import Client, Reply, ReplyStatus, Server, calls_of
 from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.cdr_values import ObjectReference
-from rtgen.runtime.services import (
+from rtgen.runtime.services.calls import Client, Reply, ReplyStatus, Server, calls_of
+from rtgen.runtime.services.servants import (
     BadOperation,
     MarshalError,
     ObjectNotExist,

@@ -8,7 +8,7 @@ from typing import Any
 import emitted
 import pytest
 
-from rtgen.runtime.services import (
+from rtgen.runtime.services.servants import (
     BadOperation,
     ObjectNotExist,
     Servant,

@@ -9,7 +9,7 @@ from rtgen.facts.canopen import DAY, EPOCH, MAX_DAYS, milliseconds_of
 from rtgen.runtime.canopen.wire.frames import SECOND
 
 if TYPE_CHECKING:
-    from rtgen.runtime.component import Time
+    from rtgen.runtime.rtc.component import Time
 
 _F32, _U32 = Struct("<f"), Struct("<I")
 _F64, _U64 = Struct("<d"), Struct("<Q")

@@ -6,8 +6,8 @@ from collections import deque
 from collections.abc import Iterator, Sequence
 from typing import Any, Final, TypeVar
 
-from rtgen.runtime.data_ports import InPort
 from rtgen.runtime.descriptors import DataType
+from rtgen.runtime.ports.data_ports import InPort
 
 T = TypeVar("T", bound=DataType)
 

@@ -19,10 +19,14 @@ from rtgen.runtime.errors import (
     PortTypeError,
     TransportError,
 )
-from rtgen.runtime.service_connectors import end, read_properties
-from rtgen.runtime.service_ports import Consumer, ServicePort
-from rtgen.runtime.services import CommunicationFailure, ObjectNotExist, ServiceError
-from rtgen.runtime.transports import RemotePort
+from rtgen.runtime.services.connectors import end, read_properties
+from rtgen.runtime.services.ports import Consumer, ServicePort
+from rtgen.runtime.services.servants import (
+    CommunicationFailure,
+    ObjectNotExist,
+    ServiceError,
+)
+from rtgen.runtime.services.transports import RemotePort
 
 _LOOK_AGAIN = 0.05
 _PAUSE = 0.2

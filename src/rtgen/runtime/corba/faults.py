@@ -7,8 +7,8 @@ from typing import Any
 import omniORB
 from omniORB import CORBA
 
-from rtgen.runtime.calls import SYSTEM_EXCEPTIONS, TOLD_AS, kind_of
-from rtgen.runtime.services import (
+from rtgen.runtime.services.calls import SYSTEM_EXCEPTIONS, TOLD_AS, kind_of
+from rtgen.runtime.services.servants import (
     BadOperation,
     CallTimeout,
     MarshalError,

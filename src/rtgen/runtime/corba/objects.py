@@ -11,7 +11,6 @@ from typing import Any, TypeVar
 import omniORB
 from omniORB import CORBA, PortableServer, tcInternal
 
-from rtgen.runtime.calls import encoded_arguments
 from rtgen.runtime.cdr import UserException
 from rtgen.runtime.cdr_values import (
     ObjectReference,
@@ -24,7 +23,8 @@ from rtgen.runtime.corba.orb import Orb
 from rtgen.runtime.corba.wire_types import Interface, WireTypes
 from rtgen.runtime.descriptors import InterfaceDescriptor
 from rtgen.runtime.failures import described, ends_run, log
-from rtgen.runtime.services import (
+from rtgen.runtime.services.calls import encoded_arguments
+from rtgen.runtime.services.servants import (
     Invoker,
     MarshalError,
     ObjectNotExist,

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any, TypeAlias
 
-from rtgen.runtime.calls import Call, calls_of
 from rtgen.runtime.cdr import UserException
 from rtgen.runtime.corba.wire_types import WireException, WireType, WireTypes
 from rtgen.runtime.descriptors import DataType
-from rtgen.runtime.services import BadOperation, MarshalError, Servant
+from rtgen.runtime.services.calls import Call, calls_of
+from rtgen.runtime.services.servants import BadOperation, MarshalError, Servant
 
 Values: TypeAlias = tuple[Any, ...]
 _CONTEXT = "_context"

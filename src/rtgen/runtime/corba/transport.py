@@ -10,15 +10,14 @@ from functools import partial
 from types import TracebackType
 from typing import Any
 
-from rtgen.runtime.component import Component
 from rtgen.runtime.corba.connector import RemoteConnector, RemoteProvider
 from rtgen.runtime.corba.name_server import NameServer
 from rtgen.runtime.corba.naming import Naming
 from rtgen.runtime.corba.objects import Objects
 from rtgen.runtime.corba.orb import LOOPBACK, Orb
 from rtgen.runtime.errors import TransportError
-from rtgen.runtime.service_ports import Carrier, Provider, ServicePort
-from rtgen.runtime.transports import RemotePort
+from rtgen.runtime.services.ports import Carrier, PortOwner, Provider, ServicePort
+from rtgen.runtime.services.transports import RemotePort
 
 log = logging.getLogger("rtgen.runtime")
 
@@ -86,7 +85,7 @@ class CorbaTransport:
 
     # Interface to the system
 
-    def serve(self, component: Component) -> None:
+    def serve(self, component: PortOwner) -> None:
         """Publish the providers of a component."""
         for (port, name), provider in component.providers.items():
             reference = self._objects.serve(
@@ -96,7 +95,7 @@ class CorbaTransport:
             if self._naming is not None:
                 self._naming.bind((component.instance_name, port), name, reference)
 
-    def withdraw(self, component: Component) -> None:
+    def withdraw(self, component: PortOwner) -> None:
         """Withdraw the providers of a component. Failures of the naming service are logged."""
         for provider in component.providers.values():
             if provider in self._references:

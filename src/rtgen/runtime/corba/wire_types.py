@@ -37,7 +37,7 @@ from rtgen.runtime.descriptors import (
     class_of,
     plain,
 )
-from rtgen.runtime.services import MarshalError, Servant
+from rtgen.runtime.services.servants import MarshalError, Servant
 
 Convert: TypeAlias = Callable[[Any], Any]
 Interface: TypeAlias = type[Servant] | None

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from rtgen.runtime.services import ServiceError
+from rtgen.runtime.services.servants import ServiceError
 
 E_OK: Final = 0
 E_SYS: Final = -5

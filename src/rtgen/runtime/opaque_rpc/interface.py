@@ -10,7 +10,7 @@ from typing import ClassVar, Final, TypeAlias
 from rtgen.runtime import idl
 from rtgen.runtime.cdr import UserException
 from rtgen.runtime.descriptors import InterfaceDescriptor
-from rtgen.runtime.services import Servant, Skeleton, Stub, operation
+from rtgen.runtime.services.servants import Servant, Skeleton, Stub, operation
 
 IDL: Final = Path(__file__).with_name("OpaqueRpc.idl")
 """The definition of the interface."""

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import ClassVar, Final
 
 from rtgen.runtime import idl
-from rtgen.runtime.calls import Call
 from rtgen.runtime.cdr import Aggregated
 from rtgen.runtime.opaque_rpc.interface import OCTETS, OpaqueRpc, OpaqueRpcFailed
+from rtgen.runtime.services.calls import Call
 
 
 class _BeginRequest(Aggregated):

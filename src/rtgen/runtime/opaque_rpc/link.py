@@ -13,7 +13,7 @@ from rtgen.runtime.opaque_rpc.connection import checked_timeout
 from rtgen.runtime.opaque_rpc.errors import E_NOEXS, E_TMOUT, ChannelError
 
 if TYPE_CHECKING:
-    from rtgen.runtime.simulated_network import SimulatedNetwork
+    from rtgen.runtime.timing.simulated_network import SimulatedNetwork
 
 log = logging.getLogger("rtgen.runtime.opaque_rpc")
 

@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping
 from typing import Any, Self
 
 from rtgen.runtime.opaque_rpc.errors import E_OBJ, ChannelError
-from rtgen.runtime.service_ports import Consumer
-from rtgen.runtime.services import Servant, ServiceError
+from rtgen.runtime.services.ports import Consumer
+from rtgen.runtime.services.servants import Servant, ServiceError
 
 
 class CommunicationChannel:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from rtgen.runtime.opaque_rpc.errors import E_BOVR, E_OBJ, E_TMOUT, ChannelError
 from rtgen.runtime.opaque_rpc.messages import MessageReader, Service, serve
-from rtgen.runtime.simulated_network import SimulatedNetwork, Stream
+from rtgen.runtime.timing.simulated_network import SimulatedNetwork, Stream
 
 _BLOCK = 65536
 

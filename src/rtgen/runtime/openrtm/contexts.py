@@ -8,10 +8,10 @@ from collections.abc import Callable
 from types import TracebackType
 from typing import Any
 
-from rtgen.runtime.clocks import RealClock
-from rtgen.runtime.component import Component
-from rtgen.runtime.execution_context import ExecutionContext
 from rtgen.runtime.return_codes import RTC_OK, ReturnCode_t
+from rtgen.runtime.rtc.component import Component
+from rtgen.runtime.rtc.execution_context import ExecutionContext
+from rtgen.runtime.timing.clocks import RealClock
 
 _LOOK_AGAIN = 0.001
 

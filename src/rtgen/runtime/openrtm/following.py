@@ -6,8 +6,6 @@ import threading
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from rtgen.runtime.component import Component
-from rtgen.runtime.execution_context import Participant
 from rtgen.runtime.failures import log
 from rtgen.runtime.return_codes import (
     ACTIVE_STATE,
@@ -15,6 +13,8 @@ from rtgen.runtime.return_codes import (
     INACTIVE_STATE,
     LifeCycleState,
 )
+from rtgen.runtime.rtc.component import Component
+from rtgen.runtime.rtc.execution_context import Participant
 
 _PERIOD = 0.005
 _PATIENCE = 2.0

@@ -9,11 +9,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, TypeVar
 
-from rtgen.runtime.component import FIRST_FOREIGN_HANDLE, Component
 from rtgen.runtime.errors import ConfigurationError
-from rtgen.runtime.execution_context import Participant
 from rtgen.runtime.failures import log
-from rtgen.runtime.life_cycle import Request
 from rtgen.runtime.openrtm.contexts import HostContext, MachineClock
 from rtgen.runtime.openrtm.following import Follower
 from rtgen.runtime.openrtm.ports import Inflow, Outflow
@@ -27,6 +24,9 @@ from rtgen.runtime.return_codes import (
     RTC_OK,
     LifeCycleState,
 )
+from rtgen.runtime.rtc.component import FIRST_FOREIGN_HANDLE, Component
+from rtgen.runtime.rtc.execution_context import Participant
+from rtgen.runtime.rtc.life_cycle import Request
 
 _T = TypeVar("_T")
 

@@ -7,9 +7,9 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from rtgen.facts.connector_properties import EmptyPolicy
-from rtgen.runtime.buffers import BufferSettings, RingBuffer
-from rtgen.runtime.data_ports import InPort, OutPort
 from rtgen.runtime.failures import log
+from rtgen.runtime.ports.buffers import BufferSettings, RingBuffer
+from rtgen.runtime.ports.data_ports import InPort, OutPort
 from rtgen.runtime.return_codes import PORT_OK, PortStatus
 
 _OK = 0

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from rtgen.runtime.service_ports import Consumer, Provider
-from rtgen.runtime.services import ServiceError, Skeleton
+from rtgen.runtime.services.ports import Consumer, Provider
+from rtgen.runtime.services.servants import ServiceError, Skeleton
 
 
 def servant_of(provider: Provider[Any]) -> Any:

@@ -25,7 +25,7 @@ from rtgen.runtime.descriptors import (
     StringDescriptor,
 )
 from rtgen.runtime.openrtm.stubs import StubsMissingError
-from rtgen.runtime.services import ObjectNotExist
+from rtgen.runtime.services.servants import ObjectNotExist
 
 _T = TypeVar("_T")
 

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 from rtgen.runtime.canopen.bus.link import Link
 from rtgen.runtime.canopen.bus.simulated_bus import SimulatedCanBus
 from rtgen.runtime.canopen.errors import LinkError
-from rtgen.runtime.clocks import Clock
-from rtgen.runtime.component import Component
-from rtgen.runtime.simulated_network import SimulatedNetwork
+from rtgen.runtime.rtc.component import Component
+from rtgen.runtime.timing.clocks import Clock
+from rtgen.runtime.timing.simulated_network import SimulatedNetwork
 
 if TYPE_CHECKING:
     from rtgen.runtime.canopen.bus.real_link import RealLink

@@ -11,7 +11,7 @@ from rtgen.runtime.canopen.bus.link import Station
 from rtgen.runtime.canopen.bus.shared_link import Seat, SharedLink
 from rtgen.runtime.canopen.errors import LinkError
 from rtgen.runtime.canopen.wire.frames import MILLISECOND, Frame
-from rtgen.runtime.instants import Instants, SimulatedTime
+from rtgen.runtime.timing.instants import Instants, SimulatedTime
 
 Disturbance: TypeAlias = Callable[[Frame, int], Iterable[tuple[int, Frame]]]
 """Maps a transmitted frame and its time to the frames to deliver, each with a delay in ns.

@@ -22,8 +22,8 @@ from rtgen.runtime.canopen.bus.links import open_link
 from rtgen.runtime.canopen.bus.python_can import frame_of, message_of
 from rtgen.runtime.canopen.errors import LinkError
 from rtgen.runtime.canopen.wire.frames import Frame
-from rtgen.runtime.clocks import SECOND, Clock
-from rtgen.runtime.component import Component
+from rtgen.runtime.rtc.component import Component
+from rtgen.runtime.timing.clocks import SECOND, Clock
 
 Recipient = Callable[[can.Message], object]
 

@@ -12,10 +12,10 @@ from rtgen.runtime.canopen.master.managed_node import NodeReport
 from rtgen.runtime.canopen.master.manager_station import ManagerStation
 from rtgen.runtime.canopen.networks import UnknownNetworkError, load_network
 from rtgen.runtime.canopen.wire.nmt import NmtCommand
-from rtgen.runtime.component import Component
-from rtgen.runtime.data_ports import OutPort
+from rtgen.runtime.ports.data_ports import OutPort
 from rtgen.runtime.return_codes import RTC_OK, ReturnCode_t
-from rtgen.runtime.service_ports import Provider
+from rtgen.runtime.rtc.component import Component
+from rtgen.runtime.services.ports import Provider
 
 _UNSENT_REPORTS: Final = 4096
 """Maximum number of reports queued for the next tick; the oldest are dropped."""

@@ -46,11 +46,11 @@ from rtgen.runtime.canopen.wire.frames import MILLISECOND
 from rtgen.runtime.canopen.wire.nmt import NmtCommand, NmtState
 from rtgen.runtime.canopen.wire.pdo_transmission import TpdoTransmitter
 from rtgen.runtime.canopen.wire.sdo import SdoAbort
-from rtgen.runtime.component import Component
-from rtgen.runtime.context_operations import ExecutionContextOperations
 from rtgen.runtime.failures import log
-from rtgen.runtime.life_cycle import Request
 from rtgen.runtime.return_codes import RTC_OK, ReturnCode_t
+from rtgen.runtime.rtc.component import Component
+from rtgen.runtime.rtc.context_operations import ExecutionContextOperations
+from rtgen.runtime.rtc.life_cycle import Request
 
 _BLOCK: Final = 128
 """Length in octets from which a value is written by block transfer."""

@@ -8,12 +8,12 @@ from typing import Final
 from rtgen.runtime.canopen.master.proxied_node import ProxiedNode
 from rtgen.runtime.canopen.wire.emergency import Emergency, EmergencyPolicy
 from rtgen.runtime.canopen.wire.nmt import NmtState
-from rtgen.runtime.component import Component
 from rtgen.runtime.return_codes import (
     ACTIVE_STATE,
     INACTIVE_STATE,
     LifeCycleState,
 )
+from rtgen.runtime.rtc.component import Component
 
 _MOST_REPORTED: Final = 16
 """Maximum number of reported codes until errors are cleared, or the node boots."""

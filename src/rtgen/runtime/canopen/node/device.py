@@ -22,10 +22,8 @@ from rtgen.runtime.canopen.wire.frames import CobId, Frame
 from rtgen.runtime.canopen.wire.heartbeat import HeartbeatEvent, HeartbeatNews
 from rtgen.runtime.canopen.wire.nmt import NmtCommand, NmtState, Transition
 from rtgen.runtime.canopen.wire.pdo_transmission import RTR, RTR_SYNC
-from rtgen.runtime.component import Component
-from rtgen.runtime.data_ports import DataConnector, InPort, OutPort
 from rtgen.runtime.failures import log
-from rtgen.runtime.life_cycle import Request
+from rtgen.runtime.ports.data_ports import DataConnector, InPort, OutPort
 from rtgen.runtime.return_codes import (
     ACTIVE_STATE,
     ERROR_STATE,
@@ -35,6 +33,8 @@ from rtgen.runtime.return_codes import (
     LifeCycleState,
     ReturnCode_t,
 )
+from rtgen.runtime.rtc.component import Component
+from rtgen.runtime.rtc.life_cycle import Request
 
 _BUFFER: Final = {"dataport.buffer.length": "64"}
 """Buffer between ports and the bus; overwritten samples count as lost."""

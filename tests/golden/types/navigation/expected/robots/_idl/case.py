@@ -11,7 +11,7 @@ from typing import ClassVar, Final, TypeAlias
 from rtgen.runtime import idl
 from rtgen.runtime.cdr import Aggregated, AliasCodec, Enumeration, UserException, field
 from rtgen.runtime.descriptors import InterfaceDescriptor
-from rtgen.runtime.services import Servant, Skeleton, Stub, operation
+from rtgen.runtime.services.servants import Servant, Skeleton, Stub, operation
 
 
 class Time(Aggregated):

@@ -7,10 +7,9 @@ from __future__ import annotations
 from abc import abstractmethod
 from typing import ClassVar
 
-from rtgen.runtime import idl
+from rtgen.runtime import Skeleton, Stub, idl, operation
 from rtgen.runtime.cdr import Aggregated, field
 from rtgen.runtime.descriptors import InterfaceDescriptor
-from rtgen.runtime.services import Skeleton, Stub, operation
 
 from .basic_data_type import Time
 from .canopen import (

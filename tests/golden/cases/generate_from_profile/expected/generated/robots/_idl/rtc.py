@@ -6,10 +6,9 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from rtgen.runtime import idl
+from rtgen.runtime import Servant, Skeleton, Stub, idl
 from rtgen.runtime.cdr import Aggregated
 from rtgen.runtime.descriptors import InterfaceDescriptor
-from rtgen.runtime.services import Servant, Skeleton, Stub
 
 
 class GatePos(Aggregated):

@@ -8,10 +8,9 @@ from abc import abstractmethod
 from dataclasses import dataclass
 from typing import ClassVar
 
-from rtgen.runtime import idl
+from rtgen.runtime import Servant, Skeleton, Stub, idl, operation
 from rtgen.runtime.cdr import Aggregated, UserException
 from rtgen.runtime.descriptors import InterfaceDescriptor
-from rtgen.runtime.services import Servant, Skeleton, Stub, operation
 
 
 class Sample(Aggregated):

@@ -8,7 +8,7 @@ from abc import abstractmethod
 from dataclasses import dataclass
 from typing import ClassVar, Self, TypeAlias
 
-from rtgen.runtime import idl
+from rtgen.runtime import Servant, Skeleton, Stub, idl, operation
 from rtgen.runtime.cdr import (
     Aggregated,
     AliasCodec,
@@ -18,7 +18,6 @@ from rtgen.runtime.cdr import (
     field,
 )
 from rtgen.runtime.descriptors import InterfaceDescriptor
-from rtgen.runtime.services import Servant, Skeleton, Stub, operation
 
 
 class Point(Aggregated):

@@ -7,8 +7,8 @@ from __future__ import annotations
 from typing import ClassVar
 
 from rtgen.runtime import idl
-from rtgen.runtime.calls import Call
 from rtgen.runtime.cdr import Aggregated, field
+from rtgen.runtime.services.calls import Call
 
 from .shapes import Blocked, Point
 

@@ -7,8 +7,8 @@ from __future__ import annotations
 from abc import abstractmethod
 from typing import ClassVar
 
+from rtgen.runtime import Servant, Skeleton, Stub
 from rtgen.runtime.descriptors import InterfaceDescriptor
-from rtgen.runtime.services import Servant, Skeleton, Stub
 
 from .motor import Level, Point
 

@@ -7,10 +7,9 @@ from __future__ import annotations
 from abc import abstractmethod
 from typing import ClassVar, Final, TypeAlias
 
-from rtgen.runtime import idl
+from rtgen.runtime import Servant, Skeleton, Stub, idl, operation
 from rtgen.runtime.cdr import Aggregated, field
 from rtgen.runtime.descriptors import InterfaceDescriptor
-from rtgen.runtime.services import Servant, Skeleton, Stub, operation
 
 WHEELS: Final = 2
 GAIN: Final = 1.5

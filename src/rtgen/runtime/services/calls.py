@@ -20,7 +20,7 @@ from typing import Protocol, TypeAlias, TypeVar
 from rtgen.runtime.cdr import FAILURES, CdrError, UserException
 from rtgen.runtime.cdr_values import ObjectReference, text_value
 from rtgen.runtime.descriptors import DataType
-from rtgen.runtime.services import (
+from rtgen.runtime.services.servants import (
     BadOperation,
     CallTimeout,
     CommunicationFailure,

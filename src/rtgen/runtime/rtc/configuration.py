@@ -6,10 +6,10 @@ import threading
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from rtgen.runtime.conf_file import ConfFile
 from rtgen.runtime.errors import UnknownConfigurationSetError, UnknownParameterError
-from rtgen.runtime.parameter_values import Converter
-from rtgen.runtime.profiles import ParameterProfile
+from rtgen.runtime.rtc.conf_file import ConfFile
+from rtgen.runtime.rtc.parameter_values import Converter
+from rtgen.runtime.rtc.profiles import ParameterProfile
 
 DEFAULT_SET = "default"
 

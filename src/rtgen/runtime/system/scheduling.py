@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, Protocol
 
-from rtgen.runtime.component import Component
-from rtgen.runtime.execution_context import Driver
-from rtgen.runtime.publisher import Publisher
+from rtgen.runtime.ports.publisher import Publisher
+from rtgen.runtime.rtc.component import Component
+from rtgen.runtime.rtc.execution_context import Driver
 
 Action = Callable[[], None]
 

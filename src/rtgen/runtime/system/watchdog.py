@@ -13,10 +13,10 @@ from dataclasses import dataclass, field
 from types import CodeType, FrameType
 from typing import ParamSpec, TypeVar
 
-from rtgen.runtime.callbacks import succeeds
-from rtgen.runtime.execution_context import Participant
 from rtgen.runtime.failures import log
-from rtgen.runtime.places import is_debugger, shown, users_frame
+from rtgen.runtime.rtc.callbacks import succeeds
+from rtgen.runtime.rtc.execution_context import Participant
+from rtgen.runtime.stack_frames import is_debugger, shown, users_frame
 
 PATIENCE = 2.0
 """Seconds after which a call is reported, and after which an ending run abandons it."""

@@ -16,8 +16,6 @@ from rtgen.facts.connector_properties import (
     FullPolicy,
     Subscription,
 )
-from rtgen.runtime import connector_properties
-from rtgen.runtime.buffers import RingBuffer
 from rtgen.runtime.descriptors import DataType, difference
 from rtgen.runtime.errors import (
     ConnectionLimitError,
@@ -25,9 +23,11 @@ from rtgen.runtime.errors import (
     PortTypeError,
     SampleTypeError,
 )
-from rtgen.runtime.guards import SINGLE_THREAD, Guard
-from rtgen.runtime.publisher import Publisher
+from rtgen.runtime.ports import connector_properties
+from rtgen.runtime.ports.buffers import RingBuffer
+from rtgen.runtime.ports.publisher import Publisher
 from rtgen.runtime.return_codes import PORT_OK, PortStatus
+from rtgen.runtime.timing.guards import SINGLE_THREAD, Guard
 
 T = TypeVar("T", bound=DataType)
 

@@ -13,7 +13,7 @@ import socket
 from collections.abc import Callable
 from typing import TypeAlias, TypeVar
 
-from rtgen.runtime.instants import SimulatedTime
+from rtgen.runtime.timing.instants import SimulatedTime
 
 _CHUNK = 65536
 

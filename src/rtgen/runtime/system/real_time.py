@@ -9,19 +9,19 @@ from heapq import heappop, heappush
 from typing import Any
 
 from rtgen.facts.connector_properties import Subscription
-from rtgen.runtime import watchdog
-from rtgen.runtime.clocks import SECOND, RealClock, period_of
-from rtgen.runtime.component import Component
 from rtgen.runtime.errors import BlockedError
-from rtgen.runtime.execution_context import ExecutionContext, Participant
-from rtgen.runtime.publisher import Publisher
-from rtgen.runtime.scheduling import Action
-from rtgen.runtime.watchdog import (
+from rtgen.runtime.ports.publisher import Publisher
+from rtgen.runtime.rtc.component import Component
+from rtgen.runtime.rtc.execution_context import ExecutionContext, Participant
+from rtgen.runtime.system import watchdog
+from rtgen.runtime.system.scheduling import Action
+from rtgen.runtime.system.watchdog import (
     Call,
     Watchdog,
     calls_under_way,
     log_blocked,
 )
+from rtgen.runtime.timing.clocks import SECOND, RealClock, period_of
 
 _LOOK_AGAIN = 5_000_000
 """Polling period of a condition of `run`, in ns, while no state changes."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from rtgen.runtime.services import Servant
+    from rtgen.runtime.services.servants import Servant
 
 
 @dataclass(frozen=True, slots=True)

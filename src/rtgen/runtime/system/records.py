@@ -10,7 +10,7 @@ from rtgen.runtime.descriptors import DataType
 from rtgen.runtime.return_codes import LifeCycleState
 
 if TYPE_CHECKING:
-    from rtgen.runtime.data_ports import OutPort
+    from rtgen.runtime.ports.data_ports import OutPort
 
 
 class StateRecord(NamedTuple):

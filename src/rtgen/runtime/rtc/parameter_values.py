@@ -19,7 +19,7 @@ from rtgen.facts.constraints import (
 )
 from rtgen.facts.primitives import FLOAT_LIMITS, INTEGER_RANGES, OCTET_TYPES
 from rtgen.runtime.errors import ConfigurationError, ParameterValueError
-from rtgen.runtime.profiles import ParameterProfile
+from rtgen.runtime.rtc.profiles import ParameterProfile
 
 T = TypeVar("T")
 

@@ -8,11 +8,11 @@ from heapq import heapify, heappop, heappush, heapreplace
 from typing import Any
 
 from rtgen.facts.connector_properties import Subscription
-from rtgen.runtime.clocks import SimulatedClock, period_of
-from rtgen.runtime.component import Component
-from rtgen.runtime.execution_context import ExecutionContext
-from rtgen.runtime.publisher import Publisher
-from rtgen.runtime.scheduling import Action
+from rtgen.runtime.ports.publisher import Publisher
+from rtgen.runtime.rtc.component import Component
+from rtgen.runtime.rtc.execution_context import ExecutionContext
+from rtgen.runtime.system.scheduling import Action
+from rtgen.runtime.timing.clocks import SimulatedClock, period_of
 
 # Order at one instant; within a band, in order of insertion.
 _ACTIONS, _PUBLISHERS, _CONTEXTS, _BUSES, _WATCHERS = (band << 32 for band in range(5))

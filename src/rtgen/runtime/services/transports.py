@@ -6,8 +6,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from rtgen.runtime.component import Component
-from rtgen.runtime.service_ports import Carrier, Provider, ServicePort
+from rtgen.runtime.services.ports import Carrier, PortOwner, Provider, ServicePort
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,10 +38,10 @@ class RemoteConnector(Protocol):
 class Transport(Protocol):
     """Carries the calls of a system's service ports. Methods raise RtcError."""
 
-    def serve(self, component: Component) -> None:
+    def serve(self, component: PortOwner) -> None:
         """Publish the providers of a component."""
 
-    def withdraw(self, component: Component) -> None:
+    def withdraw(self, component: PortOwner) -> None:
         """Withdraw the providers of a component."""
 
     def reach(self, consumer_interface: Any, provider: Provider[Any]) -> Carrier:

@@ -6,11 +6,11 @@ from collections.abc import Callable
 from typing import Generic, TypeVar
 
 from rtgen.facts.connector_properties import PushPolicy
-from rtgen.runtime.buffers import RingBuffer
-from rtgen.runtime.connector_properties import ConnectorSettings
 from rtgen.runtime.descriptors import DataType
-from rtgen.runtime.guards import Guard
+from rtgen.runtime.ports.buffers import RingBuffer
+from rtgen.runtime.ports.connector_properties import ConnectorSettings
 from rtgen.runtime.return_codes import PORT_OK
+from rtgen.runtime.timing.guards import Guard
 
 T = TypeVar("T", bound=DataType)
 

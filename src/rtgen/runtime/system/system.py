@@ -8,11 +8,6 @@ from functools import partial
 from types import TracebackType
 from typing import Any
 
-from rtgen.runtime.clocks import SECOND, Clock, RealClock, SimulatedClock
-from rtgen.runtime.component import Component
-from rtgen.runtime.configuration import DEFAULT_SET
-from rtgen.runtime.data_ports import DataConnector
-from rtgen.runtime.dependencies import Dependencies
 from rtgen.runtime.errors import (
     DuplicateConnectionError,
     DuplicateInstanceError,
@@ -23,15 +18,8 @@ from rtgen.runtime.errors import (
     UnknownConnectionError,
     UnknownObservableError,
 )
-from rtgen.runtime.execution_context import ExecutionContext, Participant
 from rtgen.runtime.failures import Failure, described, ends_run, log_failure
-from rtgen.runtime.observation import Observation
-from rtgen.runtime.port_names import cannot_join, kinds, port_names, unknown_port
-from rtgen.runtime.real_time import RealTimeScheduler
-from rtgen.runtime.records import (
-    Listener,
-    Statistics,
-)
+from rtgen.runtime.ports.data_ports import DataConnector
 from rtgen.runtime.return_codes import (
     CREATED_STATE,
     INACTIVE_STATE,
@@ -40,12 +28,24 @@ from rtgen.runtime.return_codes import (
     LifeCycleState,
     ReturnCode_t,
 )
-from rtgen.runtime.scheduling import Scheduler
-from rtgen.runtime.service_connectors import ServiceConnector
-from rtgen.runtime.service_ports import ServicePort
-from rtgen.runtime.simulated_time import SimulatedScheduler
-from rtgen.runtime.transports import RemoteConnector, RemotePort, Transport
-from rtgen.runtime.watchdog import calling
+from rtgen.runtime.rtc.component import Component
+from rtgen.runtime.rtc.configuration import DEFAULT_SET
+from rtgen.runtime.rtc.execution_context import ExecutionContext, Participant
+from rtgen.runtime.services.connectors import ServiceConnector
+from rtgen.runtime.services.ports import ServicePort
+from rtgen.runtime.services.transports import RemoteConnector, RemotePort, Transport
+from rtgen.runtime.system.dependencies import Dependencies
+from rtgen.runtime.system.observation import Observation
+from rtgen.runtime.system.port_names import cannot_join, kinds, port_names, unknown_port
+from rtgen.runtime.system.real_time import RealTimeScheduler
+from rtgen.runtime.system.records import (
+    Listener,
+    Statistics,
+)
+from rtgen.runtime.system.scheduling import Scheduler
+from rtgen.runtime.system.simulated_time import SimulatedScheduler
+from rtgen.runtime.system.watchdog import calling
+from rtgen.runtime.timing.clocks import SECOND, Clock, RealClock, SimulatedClock
 
 Connector = DataConnector[Any] | ServiceConnector | RemoteConnector
 PortAddress = tuple[str, str]

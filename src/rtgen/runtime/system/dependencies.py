@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from rtgen.runtime.execution_context import Participant
-from rtgen.runtime.service_connectors import ServiceConnector
+from rtgen.runtime.rtc.execution_context import Participant
+from rtgen.runtime.services.connectors import ServiceConnector
 
 
 class Dependencies:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from rtgen.runtime.component import Component
 from rtgen.runtime.errors import ConnectError, PolarityError, UnknownPortError
-from rtgen.runtime.service_ports import ServicePort
+from rtgen.runtime.rtc.component import Component
+from rtgen.runtime.services.ports import ServicePort
 
 
 def cannot_join(

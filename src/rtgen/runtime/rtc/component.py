@@ -8,16 +8,10 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol, TypeVar, cast
 
-from rtgen.runtime.callbacks import succeeds
-from rtgen.runtime.clocks import SECOND, Clock, SimulatedClock
-from rtgen.runtime.configuration import ConfigurationSets
-from rtgen.runtime.context_operations import ExecutionContextOperations
-from rtgen.runtime.data_ports import InPort, OutPort
 from rtgen.runtime.descriptors import DataType
 from rtgen.runtime.errors import DuplicatePortError
 from rtgen.runtime.failures import Failure, described, ends_run, log, log_failure
-from rtgen.runtime.life_cycle import TRANSITIONS, Request
-from rtgen.runtime.profiles import ComponentProfile
+from rtgen.runtime.ports.data_ports import InPort, OutPort
 from rtgen.runtime.return_codes import (
     CREATED_STATE,
     INACTIVE_STATE,
@@ -26,11 +20,17 @@ from rtgen.runtime.return_codes import (
     RTC_OK,
     ReturnCode_t,
 )
-from rtgen.runtime.service_ports import Consumer, Provider
-from rtgen.runtime.services import Servant
+from rtgen.runtime.rtc.callbacks import succeeds
+from rtgen.runtime.rtc.configuration import ConfigurationSets
+from rtgen.runtime.rtc.context_operations import ExecutionContextOperations
+from rtgen.runtime.rtc.life_cycle import TRANSITIONS, Request
+from rtgen.runtime.rtc.profiles import ComponentProfile
+from rtgen.runtime.services.ports import Consumer, Provider
+from rtgen.runtime.services.servants import Servant
+from rtgen.runtime.timing.clocks import SECOND, Clock, SimulatedClock
 
 if TYPE_CHECKING:
-    from rtgen.runtime.simulated_network import SimulatedNetwork
+    from rtgen.runtime.timing.simulated_network import SimulatedNetwork
 
 T = TypeVar("T", bound=DataType)
 S = TypeVar("S", bound=Servant)

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Generic, TypeVar
 
 from rtgen.facts.connector_properties import EmptyPolicy, FullPolicy
-from rtgen.runtime.guards import SINGLE_THREAD, Guard
 from rtgen.runtime.return_codes import PORT_OK, PortStatus
+from rtgen.runtime.timing.guards import SINGLE_THREAD, Guard
 
 T = TypeVar("T")
 

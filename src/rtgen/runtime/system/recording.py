@@ -7,9 +7,9 @@ import threading
 from collections.abc import Callable
 from typing import Any, TextIO
 
-from rtgen.runtime.data_ports import OutPort
-from rtgen.runtime.json_printers import json_printer, plain
-from rtgen.runtime.records import Record, SampleRecord
+from rtgen.runtime.ports.data_ports import OutPort
+from rtgen.runtime.system.json_printers import json_printer, plain
+from rtgen.runtime.system.records import Record, SampleRecord
 
 
 class JsonLinesRecorder:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any, Generic, Protocol, TypeVar
 
-from rtgen.runtime.services import ObjectNotExist, Servant, Skeleton
+from rtgen.runtime.services.servants import ObjectNotExist, Servant, Skeleton
 
 S = TypeVar("S", bound=Servant)
 

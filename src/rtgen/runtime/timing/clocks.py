@@ -7,9 +7,9 @@ import time
 from abc import ABC, abstractmethod
 from functools import cached_property
 
-from rtgen.runtime.guards import SINGLE_THREAD, Guard
-from rtgen.runtime.instants import Instants
-from rtgen.runtime.simulated_network import SimulatedNetwork
+from rtgen.runtime.timing.guards import SINGLE_THREAD, Guard
+from rtgen.runtime.timing.instants import Instants
+from rtgen.runtime.timing.simulated_network import SimulatedNetwork
 
 SECOND = 1_000_000_000
 """Nanoseconds in a second."""

@@ -7,12 +7,8 @@ from collections import deque
 from collections.abc import Callable
 from typing import Protocol
 
-from rtgen.runtime.callbacks import is_ok, note_answer, note_exception, succeeds
-from rtgen.runtime.clocks import period_of
-from rtgen.runtime.component import Component
 from rtgen.runtime.errors import RateError
 from rtgen.runtime.failures import log
-from rtgen.runtime.life_cycle import GATED, TRANSITIONS, Request
 from rtgen.runtime.return_codes import (
     ACTIVE_STATE,
     BAD_PARAMETER,
@@ -27,6 +23,10 @@ from rtgen.runtime.return_codes import (
     LifeCycleState,
     ReturnCode_t,
 )
+from rtgen.runtime.rtc.callbacks import is_ok, note_answer, note_exception, succeeds
+from rtgen.runtime.rtc.component import Component
+from rtgen.runtime.rtc.life_cycle import GATED, TRANSITIONS, Request
+from rtgen.runtime.timing.clocks import period_of
 
 
 class Driver(Protocol):

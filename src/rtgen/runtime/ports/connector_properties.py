@@ -21,8 +21,8 @@ from rtgen.facts.connector_properties import (
     subscriptions,
     violation,
 )
-from rtgen.runtime.buffers import BufferSettings
 from rtgen.runtime.errors import ConnectorPropertyError
+from rtgen.runtime.ports.buffers import BufferSettings
 
 
 @dataclass(frozen=True, slots=True)

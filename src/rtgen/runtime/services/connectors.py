@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from typing import Any
 
 from rtgen.facts.connector_properties import SERVICE, STRICTNESS, is_pair
-from rtgen.runtime.connector_properties import check
 from rtgen.runtime.descriptors import difference, lineage
 from rtgen.runtime.errors import (
     ConnectionLimitError,
@@ -15,8 +14,9 @@ from rtgen.runtime.errors import (
     PolarityError,
     PortTypeError,
 )
-from rtgen.runtime.service_ports import Carrier, Consumer, Provider, ServicePort
-from rtgen.runtime.transports import Transport
+from rtgen.runtime.ports.connector_properties import check
+from rtgen.runtime.services.ports import Carrier, Consumer, Provider, ServicePort
+from rtgen.runtime.services.transports import Transport
 
 Pair = tuple[Consumer[Any], Provider[Any]]
 

@@ -5,17 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import Any, cast
 
-from rtgen.runtime.component import Component
-from rtgen.runtime.data_ports import OutPort
-from rtgen.runtime.execution_context import Participant
-from rtgen.runtime.records import (
+from rtgen.runtime.ports.data_ports import OutPort
+from rtgen.runtime.return_codes import ERROR_STATE, LifeCycleState
+from rtgen.runtime.rtc.component import Component
+from rtgen.runtime.rtc.execution_context import Participant
+from rtgen.runtime.system.records import (
     Listener,
     Record,
     SampleRecord,
     SampleWriter,
     StateRecord,
 )
-from rtgen.runtime.return_codes import ERROR_STATE, LifeCycleState
 
 
 class Observation:

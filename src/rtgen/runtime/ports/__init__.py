@@ -1,0 +1,1 @@
+"""Data ports (OpenRTM): buffers, subscription types, and the connectors between them."""

@@ -1,0 +1,1 @@
+"""Service ports: servants, stubs and skeletons, connections and transports of calls."""

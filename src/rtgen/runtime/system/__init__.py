@@ -1,0 +1,1 @@
+"""Systems of components: requests, schedulers in real and simulated time, observation."""
