@@ -194,10 +194,10 @@ class _Listener:
         self._decoder = Decoder(_known())
 
     def receive(self, frame: Frame, now: int) -> Iterable[Frame]:
-        told = self._decoder.decode(frame)
-        str(told)
-        told.to_json()
-        self.kinds.add(told.kind)
+        decoded = self._decoder.decode(frame)
+        str(decoded)
+        decoded.to_json()
+        self.kinds.add(decoded.kind)
         return ()
 
     def poll(self, now: int) -> Iterable[Frame]:

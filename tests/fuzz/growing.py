@@ -1096,8 +1096,8 @@ class GrowthTarget:
                 redirect_stderr(messages),
             ):
                 code = run(command)
-        told = messages.getvalue()
-        if code not in (0, 1, 2) or len(told) > _MESSAGES:
-            where = f"{name} {size}: exit code {code}, {len(told):,} characters"
-            raise ViolationError(f"{told[-500:]}\n{where}")
+        output = messages.getvalue()
+        if code not in (0, 1, 2) or len(output) > _MESSAGES:
+            where = f"{name} {size}: exit code {code}, {len(output):,} characters"
+            raise ViolationError(f"{output[-500:]}\n{where}")
         yield ("accepted", "accepted", "refused")[code]

@@ -50,7 +50,7 @@ def test_case(
     update_golden: bool,
 ) -> None:
     folder = CASES / case
-    told = tomllib.loads((folder / "case.toml").read_text(encoding="utf-8"))
+    settings = tomllib.loads((folder / "case.toml").read_text(encoding="utf-8"))
     work = tmp_path / "work"
     work.mkdir()
     if (folder / "input").is_dir():
@@ -58,13 +58,13 @@ def test_case(
     before, places = files_of(work), set(work.rglob("*"))
     monkeypatch.chdir(work)
     monkeypatch.setenv("RTGEN_CACHE_DIR", str(tmp_path / "cache"))
-    code = run(told["arguments"])
+    code = run(settings["arguments"])
     out, err = capfd.readouterr()
     after = files_of(work)
     written = {name: data for name, data in after.items() if before.get(name) != data}
     if update_golden:
         renew(folder, written, {"stdout.txt": out, "stderr.txt": err})
-    assert code == told["exit"], err
+    assert code == settings["exit"], err
     for name, text in {"stdout.txt": out, "stderr.txt": err}.items():
         file = folder / name
         assert text == (file.read_bytes().decode() if file.exists() else ""), name
@@ -72,6 +72,6 @@ def test_case(
     assert sorted(written) == sorted(expected)
     for name, data in expected.items():
         assert written[name].decode() == data.decode(), name
-    assert set(before) <= set(after) | set(told.get("removed", ()))
+    assert set(before) <= set(after) | set(settings.get("removed", ()))
     if code == 2:
         assert set(work.rglob("*")) == places

@@ -47,20 +47,20 @@ def findings(
     """The findings that are to be shown of a case, and the texts that they are about."""
     shutil.copytree(CASES / name, folder, dirs_exist_ok=True)
     toml = folder / "case.toml"
-    told = tomllib.loads(toml.read_text(encoding="utf-8")) if toml.exists() else {}
-    for mark, (text, times) in told.get("fill", {}).items():
+    settings = tomllib.loads(toml.read_text(encoding="utf-8")) if toml.exists() else {}
+    for mark, (text, times) in settings.get("fill", {}).items():
         file = folder / "input.cdl"
         filled = file.read_text(encoding="utf-8").replace(mark, text * times)
         file.write_text(filled, encoding="utf-8")
     monkeypatch.chdir(folder)
     result = load(
-        [Path(file) for file in told.get("files", ["input.cdl"])],
+        [Path(file) for file in settings.get("files", ["input.cdl"])],
         root=folder,
-        include=[Path(folder) for folder in told.get("include", [])],
-        kcode=told.get("kcode", "auto"),
-        prelude=told.get("prelude", True),
+        include=[Path(folder) for folder in settings.get("include", [])],
+        kcode=settings.get("kcode", "auto"),
+        prelude=settings.get("prelude", True),
     )
-    only = told.get("only", rules())
+    only = settings.get("only", rules())
     return tuple(d for d in result.diagnostics if d.code in only), dict(result.sources)
 
 

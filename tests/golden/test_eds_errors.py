@@ -42,24 +42,24 @@ def prepare(case: Path, folder: Path) -> dict[str, Any]:
     """Copy a case's input, complete it, and give its settings."""
     shutil.copytree(case, folder, dirs_exist_ok=True)
     toml = case / "case.toml"
-    told = tomllib.loads(toml.read_text(encoding="utf-8")) if toml.exists() else {}
+    settings = tomllib.loads(toml.read_text(encoding="utf-8")) if toml.exists() else {}
     for file in folder.glob("input.*"):
         content = file.read_bytes()
-        for mark, (text, times) in told.get("fill", {}).items():
+        for mark, (text, times) in settings.get("fill", {}).items():
             lines = (text.replace("#", f"{n:04x}") for n in range(times))
             content = content.replace(mark.encode(), "".join(lines).encode())
-        file.write_bytes(completed(content) if told.get("base", True) else content)
-    return told
+        file.write_bytes(completed(content) if settings.get("base", True) else content)
+    return settings
 
 
 def findings(
     name: str, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> FrontendResult:
     """What reading a case gives."""
-    told = prepare(CASES / name, folder)
+    settings = prepare(CASES / name, folder)
     monkeypatch.chdir(folder)
     inputs = sorted(path.name for path in folder.glob("input.*"))
-    return load([Path(file) for file in told.get("files", inputs)], root=folder)
+    return load([Path(file) for file in settings.get("files", inputs)], root=folder)
 
 
 @pytest.mark.parametrize("name", NAMES)

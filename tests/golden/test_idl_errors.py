@@ -36,30 +36,30 @@ def prepare(case: Path, folder: Path) -> dict[str, Any]:
     """Copy a case's input, fill in its marks, and give its settings."""
     shutil.copytree(case, folder, dirs_exist_ok=True)
     toml = case / "case.toml"
-    told = tomllib.loads(toml.read_text(encoding="utf-8")) if toml.exists() else {}
-    for mark, (text, times) in told.get("fill", {}).items():
+    settings = tomllib.loads(toml.read_text(encoding="utf-8")) if toml.exists() else {}
+    for mark, (text, times) in settings.get("fill", {}).items():
         for file in folder.rglob("*.idl"):
             content = file.read_bytes()
             if mark.encode() in content:
                 file.write_bytes(
                     content.replace(mark.encode(), (text * times).encode())
                 )
-    return told
+    return settings
 
 
 def findings(
     name: str, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> FrontendResult:
     """What reading a case gives, with the findings that are to be shown."""
-    told = prepare(CASES / name, folder)
+    settings = prepare(CASES / name, folder)
     monkeypatch.chdir(folder)
     result = load(
-        [Path(file) for file in told.get("files", ["input.idl"])],
+        [Path(file) for file in settings.get("files", ["input.idl"])],
         root=folder,
-        include=[Path(folder) for folder in told.get("include", [])],
-        define=told.get("define", {}),
+        include=[Path(folder) for folder in settings.get("include", [])],
+        define=settings.get("define", {}),
     )
-    only = told.get("only", rules())
+    only = settings.get("only", rules())
     shown = tuple(d for d in result.diagnostics if d.code in only)
     return replace(result, diagnostics=shown)
 

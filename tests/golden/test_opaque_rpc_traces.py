@@ -27,7 +27,7 @@ def altered(number: int, **changes: Any) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize(
-    ("number", "changes", "told"),
+    ("number", "changes", "message"),
     [
         (2, {"response": "561e00000000556d5e"}, "outs: "),
         (2, {"outs": {"outdata": 85}}, "reply: "),
@@ -40,19 +40,19 @@ def altered(number: int, **changes: Any) -> dict[str, Any]:
         (0, {"function": "none"}, "no function 'none'"),
     ],
 )
-def test_each_difference_is_told(
+def test_each_difference_is_reported(
     tmp_path: Path,
     capsys: pytest.CaptureFixture[str],
     number: int,
     changes: dict[str, Any],
-    told: str,
+    message: str,
 ) -> None:
     path = tmp_path / "traces.json"
     path.write_text(json.dumps(altered(number, **changes)), "utf-8")
     assert run(["rpc", "replay", str(path)]) == 1
     text = capsys.readouterr().out
     assert text.startswith("1 cases, 0 equal\n")
-    assert told in text
+    assert message in text
 
 
 def test_verbose_names_the_equal_cases(

@@ -51,7 +51,7 @@ def sides(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
     orb.destroy()
 
 
-def behaviour(side: Any, told: list[Any]) -> dict[str, Any]:
+def behaviour(side: Any, notes: list[Any]) -> dict[str, Any]:
     """The methods of a servant, in the same words on either side."""
 
     def many(self: Any, a: list[Any]) -> Any:
@@ -74,7 +74,7 @@ def behaviour(side: Any, told: list[Any]) -> dict[str, Any]:
             side.HIGH,
         ),
         "many": many,
-        "note": lambda self, *given: told.append(given),
+        "note": lambda self, *given: notes.append(given),
         # omniORBpy hands over the context, which is empty, as a further argument.
         "where": lambda self, a, context=None: "here" * a,
         "same": lambda self, given: (given, given),
@@ -82,7 +82,7 @@ def behaviour(side: Any, told: list[Any]) -> dict[str, Any]:
     }
 
 
-def check(side: Any, stub: Any, told: list[Any], child: Any) -> None:
+def check(side: Any, stub: Any, notes: list[Any], child: Any) -> None:
     """Calls every operation of the stub."""
     assert stub.level() == 3
     number, b, c, e, f = stub.all(7, 2.5, True, side.Pose(1, 3.0))
@@ -99,15 +99,15 @@ def check(side: Any, stub: Any, told: list[Any], child: Any) -> None:
     assert stub.same(None) == (None, None)
     given, again = stub.same(child)
     assert given.number() == again.number() == 5
-    assert told == [("later", 1.5)]
+    assert notes == [("later", 1.5)]
 
 
 def test_our_stub_calls_their_servant(sides: Any) -> None:
-    told: list[Any] = []
-    methods = behaviour(sides.theirs, told)
+    notes: list[Any] = []
+    methods = behaviour(sides.theirs, notes)
     methods |= {
-        "_get_speed": lambda self: told[-1] if told else 1.0,
-        "_set_speed": lambda self, value: told.append(value),
+        "_get_speed": lambda self: notes[-1] if notes else 1.0,
+        "_set_speed": lambda self, value: notes.append(value),
         "_get_label": lambda self: "omni",
     }
     servant = type("Servant", (sides.skeletons.Probe,), methods)()
@@ -117,12 +117,12 @@ def test_our_stub_calls_their_servant(sides: Any) -> None:
     stub = our_stub(sides.ours.Probe, ior(sides.orb, servant))
     assert stub.speed == 1.0
     stub.speed = 0.25
-    assert stub.speed == told.pop() == 0.25
+    assert stub.speed == notes.pop() == 0.25
     assert stub.label == "omni"
     assert stub.where(2) == "herehere"
     with pytest.raises(UnknownException, match="CORBA/UNKNOWN"):
         stub.fail()
-    check(sides.ours, stub, told, our_stub(sides.ours.Child, ior(sides.orb, child)))
+    check(sides.ours, stub, notes, our_stub(sides.ours.Child, ior(sides.orb, child)))
 
 
 def ior(orb: Any, servant: Any) -> ObjectReference:
@@ -157,8 +157,8 @@ def our_stub(interface: Any, reference: ObjectReference) -> Any:
 
 
 def test_their_stub_calls_our_servant(sides: Any) -> None:
-    told: list[Any] = []
-    methods = behaviour(sides.ours, told)
+    notes: list[Any] = []
+    methods = behaviour(sides.ours, notes)
     servant = type(
         "Servant", (sides.ours.Probe,), {**methods, "speed": 1.0, "label": "ours"}
     )()
@@ -181,4 +181,4 @@ def test_their_stub_calls_our_servant(sides: Any) -> None:
         with pytest.raises(corba.UNKNOWN):
             stub.fail()
         child = their_stub("child", sides.theirs.Child)
-        check(sides.theirs, stub, told, child)
+        check(sides.theirs, stub, notes, child)

@@ -64,14 +64,14 @@ def variables(path: Path, node_id: int | None) -> Iterator[Any]:
 
 def same_default(ours: Variable, theirs: Any, node_id: int | None) -> bool:
     """Whether the package agrees, or has a value that it is known to drop or to misread."""
-    told = resolved(ours.default, node_id)
-    if told == theirs.default or isinstance(told, NodeRelative):
+    value = resolved(ours.default, node_id)
+    if value == theirs.default or isinstance(value, NodeRelative):
         return True
     if theirs.default in ("", b""):
-        return told is None
-    unfolded = isinstance(told, int) and told < 0
+        return value is None
+    unfolded = isinstance(value, int) and value < 0
     return theirs.default is None or (
-        unfolded and theirs.default == told + (1 << (ours.bits or 0))
+        unfolded and theirs.default == value + (1 << (ours.bits or 0))
     )
 
 
@@ -123,9 +123,9 @@ def test_what_the_package_reads(name: str) -> None:
         ours = pdos[key]
         assert ours.transmission_type == theirs["trans"]
         if theirs["cob_id"] is not None:
-            told = resolved(ours.cob_id, device.node_id)
-            assert isinstance(told, int)
-            assert f"{told:#x}" == theirs["cob_id"]
+            cob_id = resolved(ours.cob_id, device.node_id)
+            assert isinstance(cob_id, int)
+            assert f"{cob_id:#x}" == theirs["cob_id"]
         if "map" in theirs:
             entries = [[f"{e.index:#x}", e.subindex, e.bits] for e in ours.entries]
             assert entries == theirs["map"]

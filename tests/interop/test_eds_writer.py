@@ -108,11 +108,11 @@ def same(ours: Variable, theirs: Any) -> None:
         return
     assert theirs.data_type == ours.data_type, place
     for mine, other in ((ours.default, theirs.default), (ours.value, theirs.value)):
-        told = resolved(mine, NODE)
-        if isinstance(told, str):
-            told = told.partition(" ;")[0]
-        not_finite = isinstance(told, float) and not math.isfinite(told)
-        assert other == (None if not_finite else told), place
+        value = resolved(mine, NODE)
+        if isinstance(value, str):
+            value = value.partition(" ;")[0]
+        not_finite = isinstance(value, float) and not math.isfinite(value)
+        assert other == (None if not_finite else value), place
 
 
 REAL = """[FileInfo]

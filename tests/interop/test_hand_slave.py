@@ -132,8 +132,8 @@ class Bench:
             stdout=subprocess.PIPE,
         )
         assert process.stdout is not None
-        with process.stdout as told:
-            assert told.readline() == b"ready\n"
+        with process.stdout as output:
+            assert output.readline() == b"ready\n"
 
         def end() -> None:
             process.kill()
@@ -294,9 +294,9 @@ def test_the_service_of_the_manager(bench: Bench) -> None:
         manager.call(reset, (NODE,))
         bench.wait(lambda: state().phase.name == "NODE_RUNNING")
     refused = of("hand.canopen", "Refused")
-    with pytest.raises(refused) as told:
+    with pytest.raises(refused) as raised:
         manager.call("start", (6,))
-    assert told.value.reason == "the network hand has no node 6"
+    assert raised.value.reason == "the network hand has no node 6"
 
 
 def test_a_proxy_that_is_the_master() -> None:
@@ -350,7 +350,7 @@ def test_it_needs_nothing_but_python_can() -> None:
         "import sys; sys.path.insert(0, '.'); import hand_slave; "
         "print([m for m in sys.modules if m.partition('.')[0] in ('rtgen', 'canopen')])"
     )
-    told = subprocess.run(
+    completed = subprocess.run(
         [sys.executable, "-c", code], cwd=FOLDER, capture_output=True, text=True
     )
-    assert told.stdout.strip() == "[]"
+    assert completed.stdout.strip() == "[]"

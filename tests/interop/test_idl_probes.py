@@ -68,8 +68,8 @@ def differences(
     if len(codes) != len(probe.codes) or not all(
         map(str.startswith, codes, probe.codes)
     ):
-        told = "; ".join(f"{d.code} {d.message}" for d in result.diagnostics)
-        found.append(f"{probe.codes} expected, but: {told or 'accepted'}")
+        reported = "; ".join(f"{d.code} {d.message}" for d in result.diagnostics)
+        found.append(f"{probe.codes} expected, but: {reported or 'accepted'}")
     if answer is not None:
         accepts = answer["status"] == 0
         if accepts != (probe.relation in (Relation.SAME, Relation.STRICTER)):

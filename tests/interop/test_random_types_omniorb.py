@@ -297,7 +297,7 @@ def test_type_codes(types: Types) -> None:
             types.compare_type_code(descriptor, little_endian)
 
 
-def test_a_process_that_ends_is_told_and_started_again(peer: Peer) -> None:
+def test_a_process_that_ends_is_reported_and_started_again(peer: Peer) -> None:
     peer.ask(Reference(REFERENCES[0]))
     assert peer.process is not None
     peer.process.kill()

@@ -39,8 +39,8 @@ def reference(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("reference")
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(ROOT)
-        told = ["generate", "--target", "openrtm", "-o", str(folder), "-q"]
-        code = run(told)
+        arguments = ["generate", "--target", "openrtm", "-o", str(folder), "-q"]
+        code = run(arguments)
     assert code == 0
     return folder / "generated"
 
@@ -151,8 +151,8 @@ def orb(rtm_folders: list[Path]) -> Any:
     """omniORB in this process, as a manager starts it; it lives as long as the process."""
     sys.path.extend(str(path) for path in rtm_folders if str(path) not in sys.path)
     corba = importlib.import_module("omniORB.CORBA")
-    told = ["-ORBnativeCharCodeSet", "UTF-8", "-ORBendPoint", "giop:tcp:127.0.0.1:0"]
-    running = corba.ORB_init(["tests", *told])
+    options = ["-ORBnativeCharCodeSet", "UTF-8", "-ORBendPoint", "giop:tcp:127.0.0.1:0"]
+    running = corba.ORB_init(["tests", *options])
     poa = running.resolve_initial_references("RootPOA")
     poa._get_the_POAManager().activate()
     return running

@@ -63,8 +63,8 @@ def test_the_definition_comes_back(reference: Path) -> None:
     names = set()
     for module in modules(reference):
         result = adopted(module, folders(reference))
-        told = [d.message for d in result.diagnostics if d.code.startswith("RTC05")]
-        assert told == [], module
+        messages = [d.message for d in result.diagnostics if d.code.startswith("RTC05")]
+        assert messages == [], module
         found = found_in(result)
         names.add(found["name"])
         wanted = defined.get(found["name"])

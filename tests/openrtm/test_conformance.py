@@ -215,7 +215,7 @@ def check_profile(module: Module) -> None:
     found = {
         (port.name, texts["port.port_type"], texts.get("dataport.data_type", ""))
         for port in profile.port_profiles
-        for texts in (told(port.properties),)
+        for texts in (name_values(port.properties),)
     }
     prefix = f"{module.name}0."
     data = {
@@ -263,7 +263,7 @@ def check_interfaces(module: Module) -> None:
 
 def check_configuration(module: Module) -> None:
     sets = {
-        each.id: told(each.configuration_data)
+        each.id: name_values(each.configuration_data)
         for each in module.component.get_configuration().get_configuration_sets()
     }
     parameters = module.behaviour.profile.configuration
@@ -278,7 +278,7 @@ def check_configuration(module: Module) -> None:
         assert sets["__type__"][p.name]
 
 
-def told(properties: list[Any]) -> dict[str, str]:
+def name_values(properties: list[Any]) -> dict[str, str]:
     """A list of names and texts as a dictionary."""
     return {each.name: each.value.value() for each in properties}
 

@@ -31,15 +31,15 @@ def sets(relay: Relay) -> dict[str, dict[str, str]]:
 
 
 def test_tools_see_the_definition(relay: Relay) -> None:
-    told = sets(relay)
-    assert told["default"] == DEFAULTS
-    assert told["__widget__"]["gain"] == "slider.0.1"
-    assert told["__constraints__"] == {
+    configured = sets(relay)
+    assert configured["default"] == DEFAULTS
+    assert configured["__widget__"]["gain"] == "slider.0.1"
+    assert configured["__constraints__"] == {
         "gain": "0.0<=x<=10.0",
         "level": "0<=x<=9",
         "speed": "(SLOW,FAST)",
     }
-    assert told["__type__"]["gains"] == "std::vector<double>"
+    assert configured["__type__"]["gains"] == "std::vector<double>"
 
 
 def test_defaults(relay: Relay) -> None:
@@ -143,16 +143,16 @@ def test_an_inactive_component_takes_it_over_when_it_is_activated(
     assert seen == [4.5]
 
 
-def test_a_behaviour_is_told_once_of_several_changes(relay: Relay) -> None:
-    told = []
-    relay.behaviour.configuration_sets.on_change = lambda: told.append(
+def test_a_behaviour_is_notified_once_of_several_changes(relay: Relay) -> None:
+    notified = []
+    relay.behaviour.configuration_sets.on_change = lambda: notified.append(
         relay.behaviour.config.gain
     )
     relay.activate()
     relay.configure(gain="4.5", level="1")
     relay.tick()
     relay.tick()
-    assert told == [4.5]
+    assert notified == [4.5]
 
 
 def test_values_of_the_instance(relay_module: Any, lab: Lab) -> None:

@@ -163,7 +163,7 @@ def test_the_end_comes_in_order(relay: Relay, lab: Lab) -> None:
     ]
 
 
-def test_a_rate_is_told_at_a_tick(relay: Relay, lab: Lab) -> None:
+def test_a_rate_is_notified_at_a_tick(relay: Relay, lab: Lab) -> None:
     rates = []
 
     def changed() -> ReturnCode_t:
@@ -182,7 +182,9 @@ def test_a_rate_is_told_at_a_tick(relay: Relay, lab: Lab) -> None:
     assert relay.tick()[:2] == ["on_rate_changed", "on_aborting"]
 
 
-def test_an_inactive_component_is_told_a_rate_at_once(relay: Relay, lab: Lab) -> None:
+def test_an_inactive_component_is_notified_of_a_rate_at_once(
+    relay: Relay, lab: Lab
+) -> None:
     lab.context(relay.rtc).set_rate(20.0)
     assert relay.calls[-1] == "on_rate_changed"
 

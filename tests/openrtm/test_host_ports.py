@@ -193,7 +193,7 @@ def test_a_connection_that_ends_while_it_is_read(
     assert numbers(data) == [1]
 
 
-def test_a_sample_that_cannot_be_taken_is_told(
+def test_a_sample_that_cannot_be_taken_is_reported(
     relay: Relay, caplog: pytest.LogCaptureFixture
 ) -> None:
     out = source(relay, **DIRECT)
@@ -253,7 +253,9 @@ def test_a_receiver_in_the_process_keeps_its_sample(relay: Relay) -> None:
     ("policy", "status"),
     [("do_nothing", PortStatus.BUFFER_FULL), ("block", PortStatus.BUFFER_TIMEOUT)],
 )
-def test_a_refused_write_is_told(relay: Relay, policy: str, status: PortStatus) -> None:
+def test_a_refused_write_is_reported(
+    relay: Relay, policy: str, status: PortStatus
+) -> None:
     target = sink(
         relay,
         buffer__length="1",

@@ -41,7 +41,7 @@ def reference(relay: Relay, lab: Lab) -> Any:
 
 def test_interfaces_as_openrtm_knows_them(relay: Relay) -> None:
     profiles = relay.rtc.getObjRef().get_component_profile().port_profiles
-    told = {
+    interfaces = {
         port.name.rpartition(".")[2]: [
             (each.instance_name, each.type_name, str(each.polarity))
             for each in port.interfaces
@@ -49,7 +49,7 @@ def test_interfaces_as_openrtm_knows_them(relay: Relay) -> None:
         for port in profiles
         if port.interfaces
     }
-    assert told == {
+    assert interfaces == {
         "counting": [("Counter", "Hosted::Counter", "PROVIDED")],
         "asking": [("Counter", "Hosted::Counter", "REQUIRED")],
         "bells": [("Bell", "lab::Ringer", "PROVIDED")],

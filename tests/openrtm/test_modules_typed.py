@@ -52,7 +52,7 @@ def test_modules_are_typed(reference: Path, tmp_path: Path) -> None:
 def check(files: list[Path], path: list[Path], cache: Path) -> None:
     """The cache is the test's own: of a cached module mypy forgets the options within its file."""
     strict = ["mypy", "--strict", "--config-file", "", *map(str, files)]
-    told = subprocess.run(
+    completed = subprocess.run(
         [sys.executable, "-m", *strict],
         env={
             **os.environ,
@@ -63,4 +63,4 @@ def check(files: list[Path], path: list[Path], cache: Path) -> None:
         text=True,
         check=False,
     )
-    assert told.returncode == 0, told.stdout + told.stderr
+    assert completed.returncode == 0, completed.stdout + completed.stderr

@@ -49,8 +49,10 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> list[Made]:
             (folder / "rtgen.toml").write_text(
                 f'[sources]\npaths = []\n[output]\npackage = "{package}"\n'
             )
-            told = ["generate", str(path), "-q", "-o", str(folder)]
-            assert run([*told, "--target", "openrtm", "--no-cache"]) == 0, path.name
+            arguments = ["generate", str(path), "-q", "-o", str(folder)]
+            assert (
+                run([*arguments, "--target", "openrtm", "--no-cache"]) == 0
+            ), path.name
             places = (folder / "generated/openrtm").iterdir()
             [module] = [p for p in places if (p / f"{p.name}.py").is_file()]
             found.append(Made(folder, package, module / f"{module.name}.py"))
@@ -86,10 +88,10 @@ def test_types(made: list[Made]) -> None:
         batch = list(names.values())
         rest = [each for each in rest if each not in batch]
         places = [place for each in batch for place in each.places]
-        told = [each.module for each in batch]
-        told += [each.folder / "generated" / each.package for each in batch]
+        checkable = [each.module for each in batch]
+        checkable += [each.folder / "generated" / each.package for each in batch]
         checked = subprocess.run(
-            [sys.executable, "-m", "mypy", "--strict", *map(str, told)],
+            [sys.executable, "-m", "mypy", "--strict", *map(str, checkable)],
             env={**os.environ, "MYPYPATH": os.pathsep.join(places)},
             capture_output=True,
             text=True,

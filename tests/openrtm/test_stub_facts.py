@@ -224,8 +224,8 @@ def test_a_profile_has_what_the_specification_says(lab: Lab) -> None:
     assert profile.type_name == component.getTypeName()
     assert (profile.description, profile.version) == ("a test", "1.0")
     assert (profile.vendor, profile.category) == ("labs", "lab")
-    told = lab.rtm.get_component_profile(component.getObjRef())
-    assert told.getProperty("own.property") == "seen"
+    by_manager = lab.rtm.get_component_profile(component.getObjRef())
+    assert by_manager.getProperty("own.property") == "seen"
 
 
 def test_a_transition_need_not_be_waited_for(lab: Lab) -> None:

@@ -42,15 +42,15 @@ def test_a_port_says_what_it_is(lab: Lab) -> None:
         assert profile.name.partition(".")[0] == (
             profile.owner.get_component_profile().instance_name
         )
-        told = {each.name: each.value.value() for each in profile.properties}
-        assert told["port.port_type"] == kind
-        assert told["dataport.data_type"] == "IDL:RTC/TimedLong:1.0"
-        assert "corba_cdr" in told["dataport.interface_type"]
+        properties = {each.name: each.value.value() for each in profile.properties}
+        assert properties["port.port_type"] == kind
+        assert properties["dataport.data_type"] == "IDL:RTC/TimedLong:1.0"
+        assert "corba_cdr" in properties["dataport.interface_type"]
         assert {"push", "pull"} <= {
-            each.strip() for each in told["dataport.dataflow_type"].split(",")
+            each.strip() for each in properties["dataport.dataflow_type"].split(",")
         }
-        assert "cdr" in told["dataport.marshaling_types"]
-        assert "dataport.subscription_type" in told
+        assert "cdr" in properties["dataport.marshaling_types"]
+        assert "dataport.subscription_type" in properties
 
 
 def test_what_is_pushed_is_read_in_order_and_again(lab: Lab) -> None:
@@ -294,11 +294,11 @@ def test_a_connection_says_what_it_was_made_with(lab: Lab) -> None:
     out, inp = pair(lab)
     lab.connect(out, inp)
     (profile,) = inp.getPortRef().get_connector_profiles()
-    told = {each.name: each.value.value() for each in profile.properties}
+    properties = {each.name: each.value.value() for each in profile.properties}
     assert profile.name == "wire"
-    assert told["dataport.interface_type"] == "corba_cdr"
-    assert told["dataport.dataflow_type"] == "push"
-    assert told["dataport.serializer.cdr.endian"].replace(" ", "") == "little,big"
+    assert properties["dataport.interface_type"] == "corba_cdr"
+    assert properties["dataport.dataflow_type"] == "push"
+    assert properties["dataport.serializer.cdr.endian"].replace(" ", "") == "little,big"
 
 
 @pytest.mark.parametrize("endian", ["little,big", "big,little"])

@@ -114,8 +114,8 @@ def test_configuration_files_of_manager_type_and_instance(
         assert rtm.get_current_rate(first, 0) == 50.0
         outlet = rtm.get_port_by_name(first, "Doubler0.out")
         (connection,) = outlet.get_connector_profiles()
-        told = {each.name: each.value.value() for each in connection.properties}
-        assert told["dataport.subscription_type"] == "new"
+        properties = {each.name: each.value.value() for each in connection.properties}
+        assert properties["dataport.subscription_type"] == "new"
 
 
 def script(
@@ -155,7 +155,7 @@ manager.shutdown()
 @pytest.mark.parametrize(
     ("arguments", "refused"), [("", True), ("-ORBnativeCharCodeSet UTF-8", False)]
 )
-def test_texts_are_latin_unless_the_orb_is_told(
+def test_texts_are_latin_unless_the_orb_is_configured(
     rtm_environment: dict[str, str], tmp_path: Path, arguments: str, refused: bool
 ) -> None:
     text = """

@@ -56,8 +56,8 @@ def test_a_port_lists_its_interfaces(provider: Any, consumer: Any) -> None:
         (found,) = profile.interfaces
         assert (found.instance_name, found.type_name) == ("echo", "Facts::Echo")
         assert found.polarity == polarity
-        told = {each.name: each.value.value() for each in profile.properties}
-        assert told["port.port_type"] == "CorbaPort"
+        properties = {each.name: each.value.value() for each in profile.properties}
+        assert properties["port.port_type"] == "CorbaPort"
 
 
 def test_services_are_called_while_the_provider_is_active(

@@ -33,7 +33,7 @@ def read(path: Path) -> System:
     return result.system
 
 
-def told(reference: Path, name: str) -> systems.System:
+def of_script(reference: Path, name: str) -> systems.System:
     """What the connect.py of a system says."""
     made = runpy.run_path(str(reference / "openrtm" / name / "connect.py"))
     system = made["SYSTEM"]
@@ -60,7 +60,7 @@ def test_the_profile_keeps_the_rules_and_says_the_same(
 
 @pytest.mark.parametrize("name", SOURCES)
 def test_the_script_says_what_the_profile_says(reference: Path, name: str) -> None:
-    script = told(reference, name)
+    script = of_script(reference, name)
     profile = read(reference / "openrtm" / name / f"{name}.xml")
     assert [i.name for i in script.instances] == [
         s.instance for s in profile.activation
@@ -78,7 +78,7 @@ def test_the_script_says_what_the_profile_says(reference: Path, name: str) -> No
 
 
 def test_ports_have_openrtm_s_names(reference: Path) -> None:
-    script = told(reference, "rh3_goal")
+    script = of_script(reference, "rh3_goal")
     ends = {c.target: c.source for c in script.connections}
     assert ends["PositionInput0.status"] == "OmniTo2WD0.status_out"
     assert ends["OmniTo2WD0.goal"] == "PositionInput0.positon"
@@ -115,8 +115,10 @@ def test_a_system_saved_by_openrtm_s_tools_runs(
     assert tracks[0] == tracks[1]
     assert len(set(tracks[0].split())) > 100
     command = ["generate", "specs/navigation", str(tmp_path / "saved.xml")]
-    told = run([*command, "--target", "openrtm", "-o", str(tmp_path / "out"), "-q"])
-    assert told == 0
+    of_script = run(
+        [*command, "--target", "openrtm", "-o", str(tmp_path / "out"), "-q"]
+    )
+    assert of_script == 0
     made = read(tmp_path / "out/generated/openrtm/saved/saved.xml")
     assert {(str(c.source), str(c.target)) for c in made.connections} == {
         (str(c.source), str(c.target)) for c in read(emitted).connections
@@ -126,7 +128,7 @@ def test_a_system_saved_by_openrtm_s_tools_runs(
 
 
 def test_connectors_of_poses_are_new_and_those_of_paths_flush(reference: Path) -> None:
-    script = told(reference, "rh3_goal")
+    script = of_script(reference, "rh3_goal")
     found = {
         c.target: c.properties["dataport.subscription_type"] for c in script.connections
     }
@@ -144,7 +146,7 @@ def test_connectors_of_poses_are_new_and_those_of_paths_flush(reference: Path) -
 
 
 def test_providers_are_activated_before_those_that_call_them(reference: Path) -> None:
-    order = [i.name for i in told(reference, "rh3_board").instances]
+    order = [i.name for i in of_script(reference, "rh3_board").instances]
     assert order.index("OpaqueRpcCommunication0") < order.index("MotorBoardMarshaller0")
     profile = read(reference / "openrtm" / "rh3_board" / "rh3_board.xml")
     steps = {s.instance: s for s in profile.activation}
@@ -154,7 +156,7 @@ def test_providers_are_activated_before_those_that_call_them(reference: Path) ->
 def test_service_connectors_are_strict_and_name_their_pairs(reference: Path) -> None:
     [connection] = [
         c
-        for c in told(reference, "rh3_board").connections
+        for c in of_script(reference, "rh3_board").connections
         if c.target == "OpaqueRpcCommunication0.service"
     ]
     assert connection.properties == {
@@ -178,7 +180,9 @@ def test_the_conf_file_has_rate_values_and_what_stands_beside_the_system(
 
 def test_what_a_scale_of_the_rates_changes(reference: Path) -> None:
     [follower] = [
-        i for i in told(reference, "rh3_goal").instances if i.name == "PathFollower0"
+        i
+        for i in of_script(reference, "rh3_goal").instances
+        if i.name == "PathFollower0"
     ]
     assert follower.per_cycle == {
         "control_cycle": 0.001,

@@ -269,9 +269,9 @@ def test_a_system_runs(
     plain = {**rtm_environment, "PATH": f"{others}:/usr/local/bin:/usr/bin:/bin"}
     started = script(folder / "start.sh", plain, *options)
     assert started.returncode == 0, started.stderr
-    told = started.stdout.splitlines()
-    assert told[-1] == "ready"
-    order = [line.split()[0] for line in told if line.endswith(" ACTIVE")]
+    lines = started.stdout.splitlines()
+    assert lines[-1] == "ready"
+    order = [line.split()[0] for line in lines if line.endswith(" ACTIVE")]
     assert order.index("Worker0") < order.index("Source0")
     running = processes(folder)
     assert len(running) == 4  # the naming service is one of them
@@ -367,7 +367,7 @@ def test_a_system_that_does_not_come_up_leaves_nothing(
     assert processes(folder) == []
 
 
-def test_a_component_that_fails_when_it_is_activated_is_told(
+def test_a_component_that_fails_when_it_is_activated_is_reported(
     workshop: Path,
     rtm_environment: dict[str, str],
     naming_service: str,
@@ -396,18 +396,18 @@ def test_a_component_that_fails_when_it_is_activated_is_told(
     assert processes(folder) == []
 
 
-def test_what_is_not_there_is_waited_for_as_long_as_told(
+def test_what_is_not_there_is_waited_for_as_long_as_configured(
     workshop: Path, rtm_environment: dict[str, str], naming_service: str
 ) -> None:
     connect = workshop / "generated/openrtm/line/connect.py"
     options = ["--nameserver", naming_service, "--timeout", "0.2"]
-    told = script(connect, rtm_environment, *options)
-    assert told.returncode == 3
-    assert "Sink0, Source0, Worker0" in told.stderr
+    completed = script(connect, rtm_environment, *options)
+    assert completed.returncode == 3
+    assert "Sink0, Source0, Worker0" in completed.stderr
     nowhere = f"127.0.0.1:{free_port()}"
-    told = script(connect, rtm_environment, "--nameserver", nowhere)
-    assert told.returncode == 3
-    assert "no naming service" in told.stderr
+    completed = script(connect, rtm_environment, "--nameserver", nowhere)
+    assert completed.returncode == 3
+    assert "no naming service" in completed.stderr
 
 
 def test_a_naming_service_elsewhere_is_not_started(
@@ -415,37 +415,39 @@ def test_a_naming_service_elsewhere_is_not_started(
 ) -> None:
     folder = workshop / "generated/openrtm/line"
     elsewhere = f"127.0.0.2:{free_port()}"
-    told = script(folder / "start.sh", rtm_environment, f"--nameserver={elsewhere}")
-    assert told.returncode == 3
-    assert f"no naming service answers at {elsewhere}" in told.stderr
+    completed = script(
+        folder / "start.sh", rtm_environment, f"--nameserver={elsewhere}"
+    )
+    assert completed.returncode == 3
+    assert f"no naming service answers at {elsewhere}" in completed.stderr
     assert script(folder / "start.sh", rtm_environment, "--what").returncode == 2
     for wrong in ("--timeout=soon", "--rate-scale=0", "--nameserver=127.0.0.1:x"):
-        told = script(folder / "start.sh", rtm_environment, wrong)
-        assert told.returncode == 2
-        assert "usage: start.sh" in told.stderr
-    told = script(folder / "connect.py", rtm_environment, "--rate-scale", "nan")
-    assert told.returncode == 2
-    assert "nan is no number above 0" in told.stderr
+        completed = script(folder / "start.sh", rtm_environment, wrong)
+        assert completed.returncode == 2
+        assert "usage: start.sh" in completed.stderr
+    completed = script(folder / "connect.py", rtm_environment, "--rate-scale", "nan")
+    assert completed.returncode == 2
+    assert "nan is no number above 0" in completed.stderr
     bare = {**rtm_environment, "PYTHONPATH": ""}
     if not middleware.REAL:
-        told = script(folder / "start.sh", bare)
-        assert told.returncode == 3
-        assert "does not have OpenRTM_aist" in told.stderr
+        completed = script(folder / "start.sh", bare)
+        assert completed.returncode == 3
+        assert "does not have OpenRTM_aist" in completed.stderr
     nobody = {**rtm_environment, "PYTHON": "/nowhere/python3"}
     assert script(folder / "start.sh", nobody).returncode == 3
 
 
 def test_an_interpreter_without_rtgen_is_reported(workshop: Path) -> None:
     connect = workshop / "generated/openrtm/line/connect.py"
-    told = subprocess.run(
+    completed = subprocess.run(
         [sys.executable, "-I", "-S", str(connect)],
         capture_output=True,
         text=True,
         check=False,
     )
-    assert told.returncode == 3
-    assert "cannot import rtgen" in told.stderr
-    assert "Traceback" not in told.stderr
+    assert completed.returncode == 3
+    assert "cannot import rtgen" in completed.stderr
+    assert "Traceback" not in completed.stderr
 
 
 @pytest.mark.slow

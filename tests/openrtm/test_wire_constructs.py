@@ -316,6 +316,12 @@ def test_the_text_is_blacks_and_type_checks(tmp_path: Path) -> None:
     packages = [
         str(next((tmp_path / str(n)).glob("wired_*"))) for n in range(len(given))
     ]
-    told = ["--strict", "--no-incremental", "--follow-imports", "silent", *packages]
-    out, err, code = api.run(told)
+    arguments = [
+        "--strict",
+        "--no-incremental",
+        "--follow-imports",
+        "silent",
+        *packages,
+    ]
+    out, err, code = api.run(arguments)
     assert (code, err) == (0, ""), out

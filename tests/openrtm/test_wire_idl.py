@@ -438,16 +438,16 @@ octets = cdrMarshal(findTypeCode("IDL:RTC/TimedString:1.0"), to_TimedString(valu
 assert octets == value.to_cdr()
 assert from_TimedString(to_TimedString(value)) == value
 """
-    told = {"out": str(reference), "stubs": str(reopening)}
+    places = {"out": str(reference), "stubs": str(reopening)}
     with_utf_8 = ["-ORBnativeCharCodeSet", "UTF-8"]
-    run = python(text.format(options=with_utf_8, **told), rtm_environment)
+    run = python(text.format(options=with_utf_8, **places), rtm_environment)
     assert (run.returncode, run.stderr) == (0, "")
-    run = python(text.format(options=[], **told), rtm_environment)
+    run = python(text.format(options=[], **places), rtm_environment)
     assert run.returncode == 1
     assert "DATA_CONVERSION" in run.stderr
 
 
-def test_missing_stubs_are_told(orb: Any, tmp_path: Path) -> None:
+def test_missing_stubs_are_reported(orb: Any, tmp_path: Path) -> None:
     with pytest.raises(
         StubsMissingError, match=r"no stub of never\.idl.*idlcompile\.sh"
     ):

@@ -131,13 +131,13 @@ def test_generated_code_runs_with_the_runtime_alone(
     pip = [sys.executable, "-m", "pip", "--python", str(python)]
     pip += ["--disable-pip-version-check"]
     subprocess.run([*pip, "install", "--quiet", str(runtime)], check=True)
-    told = subprocess.run(
+    listed = subprocess.run(
         [*pip, "list", "--format", "json"], check=True, capture_output=True, text=True
     )
     settings = tomllib.loads((ROOT / "runtime" / "pyproject.toml").read_text("utf-8"))
     needs = {NAME.match(need) for need in settings["project"]["dependencies"]}
     names = {found.group() for found in needs if found}
-    assert {each["name"] for each in json.loads(told.stdout)} == {
+    assert {each["name"] for each in json.loads(listed.stdout)} == {
         "rtgen-runtime",
         *names,
     }

@@ -352,11 +352,11 @@ def _judge(run: Run, system: System, watch: _Watch, goal: Pose) -> None:
     run.missed = outcome.missed
     run.under_way = not run.ended and system.time >= LONGEST
     for instance in system.instances:
-        told = system.statistics(instance)
-        word = told.reason or told.condition
-        if told.reason.startswith("contact"):
-            run.contact = told.reason
-        if told.state is INACTIVE_STATE and instance != "GamePad0":
+        statistics = system.statistics(instance)
+        word = statistics.reason or statistics.condition
+        if statistics.reason.startswith("contact"):
+            run.contact = statistics.reason
+        if statistics.state is INACTIVE_STATE and instance != "GamePad0":
             word = "INACTIVE"
         if word and word != ALL_DONE:
             run.words.append(f"{instance}: {word}")

@@ -189,15 +189,15 @@ def test_a_board_needs_an_address_of_its_own() -> None:
 
 
 def test_only_the_hardware_differs_from_the_reference_system() -> None:
-    def told(file: Path) -> tuple[set[Any], set[tuple[str, str]]]:
+    def contents(file: Path) -> tuple[set[Any], set[tuple[str, str]]]:
         system = profile(file)
         return (
             {(c.instance, c.id, c.rate, c.configuration) for c in system.components},
             {(str(c.source), str(c.target)) for c in system.connections},
         )
 
-    components, connections = told(NAVIGATION / "rh3_goal.xml")
-    with_board, with_calls = told(BOARD)
+    components, connections = contents(NAVIGATION / "rh3_goal.xml")
+    with_board, with_calls = contents(BOARD)
     assert {c[0] for c in components - with_board} == {"RefHardRh30"}
     renamed = {
         tuple(end.replace("RefHardRh30", "RefHardRh3Tecs0") for end in ends)
@@ -230,8 +230,8 @@ class Board:
 
     def wait_until_active(self) -> None:
         assert self.process.stderr is not None
-        told = self.process.stderr.readline()
-        assert "SimulatedMotorBoard0 ACTIVE" in told, told
+        line = self.process.stderr.readline()
+        assert "SimulatedMotorBoard0 ACTIVE" in line, line
 
     def end(self) -> str:
         self.process.send_signal(signal.SIGINT)
@@ -287,8 +287,8 @@ def test_a_board_in_another_process_stops_and_goes_on(way: Any, tmp_path: Path) 
     assert kinds[:3] == ["DRIVING", "WATCHDOG", "DRIVING"]
     [stop, *_] = [event for event in board.events() if event["kind"] == "WATCHDOG"]
     assert (stop["left"], stop["right"]) == (0.0, 0.0)
-    told, heard = (_milliseconds(stop[key]) for key in ("tm", "command"))
-    print(f"stopped {told - heard:.1f} ms after the last speeds")
+    stopped, heard = (_milliseconds(stop[key]) for key in ("tm", "command"))
+    print(f"stopped {stopped - heard:.1f} ms after the last speeds")
     [numbers] = re.findall(r"final pose\s+\((.*)\)", report)
     assert_at(Pose(*map(float, numbers.split(","))), 0.4, 0.0, 0.0)
 

@@ -211,7 +211,7 @@ def test_a_drive_that_was_switched_off_counts_anew(bench: Bench, start: float) -
     assert bench.base.plant.angles[0] == before
 
 
-def test_a_fault_in_the_midst_of_it_is_told(bench: Bench) -> None:
+def test_a_fault_in_the_midst_of_it_is_reported(bench: Bench) -> None:
     bench.control.wanted = (3.0, 3.0)
     bench.run(0.5)
     bench.right.drive.fail(0x5000)

@@ -71,9 +71,9 @@ def test_communication(name: str) -> None:
 @pytest.mark.parametrize("name", DRIVES)
 def test_drives_are_of_cia_402(name: str) -> None:
     found = device(name)
-    told = default(found, 0x1000)
-    assert isinstance(told, int)
-    assert told & 0xFFFF == 402
+    device_type = default(found, 0x1000)
+    assert isinstance(device_type, int)
+    assert device_type & 0xFFFF == 402
     wanted = {
         0x6040: (DataType.UNSIGNED16, Access.RWW),
         0x6041: (DataType.UNSIGNED16, Access.RO),

@@ -57,9 +57,9 @@ def started(*arguments: str) -> Iterator[subprocess.Popen[str]]:
 def ended(process: subprocess.Popen[str]) -> tuple[str, str]:
     """Output of a process until SIGTERM; Ctrl-C may be ignored in the background."""
     process.send_signal(signal.SIGTERM)
-    told = process.communicate(timeout=30)
-    assert process.returncode == 0, told
-    return told
+    output = process.communicate(timeout=30)
+    assert process.returncode == 0, output
+    return output
 
 
 @pytest.fixture
@@ -189,9 +189,9 @@ def test_a_record_of_pdo_linking_is_whole_and_replays(
         command = ["run", file, "--clock", "real", "--until", "4", *options(settings)]
         assert run(command) == 0
         ended(recorder)
-    told = ["--json", "--bus", str(BUS)]
+    flags = ["--json", "--bus", str(BUS)]
     capfd.readouterr()
-    assert run(["can", "replay", str(record), "--decode", *told]) == 0
+    assert run(["can", "replay", str(record), "--decode", *flags]) == 0
     recorded = values(capfd.readouterr().out.splitlines())
     # The frames that the nodes send when nobody else does; the motor follows.
     references = [
@@ -217,5 +217,5 @@ def test_a_record_of_pdo_linking_is_whole_and_replays(
         assert run(["can", "replay", str(record), *on, "can1"]) == 0
         ended(recorder)
     capfd.readouterr()
-    assert run(["can", "replay", str(again), "--decode", *told]) == 0
+    assert run(["can", "replay", str(again), "--decode", *flags]) == 0
     assert values(capfd.readouterr().out.splitlines()) == recorded

@@ -279,7 +279,7 @@ def test_a_motor_follows_a_potentiometer_with_no_master(
         ("Palette0", "tpdo4", "palette", "Angle_reference"),
         ("Motor0", "tpdo2", "motor", "Position_actual_value"),
     ):
-        told = [
+        received = [
             round(getattr(s.value, field), 6)
             for s in samples
             if (s.instance, s.port) == (proxy, port)
@@ -290,6 +290,6 @@ def test_a_motor_follows_a_potentiometer_with_no_master(
             if (line.get("name"), line["kind"]) == (node, port)
         ]
         # The proxies listen from their activation on; the last frame has come after their turn.
-        assert len(told) > 1900
-        more = len(shown) - len(told)
-        assert any(shown[n:][: len(told)] == told for n in range(more + 1))
+        assert len(received) > 1900
+        more = len(shown) - len(received)
+        assert any(shown[n:][: len(received)] == received for n in range(more + 1))

@@ -514,7 +514,7 @@ def test_4_8_2_the_state_has_the_waypoint_and_whether_the_robot_travels() -> Non
         assert state.tm.sec > 0
 
 
-def test_4_8_3_every_waypoint_is_told_when_it_is_passed() -> None:
+def test_4_8_3_every_waypoint_is_reported_when_it_is_passed() -> None:
     robot = Robot()
     robot.send("path", path([(0, 0, 0), (1, 0, 0), (2, 0, 0), (2, 1, 0)]))
     passed: dict[int, tuple[float, float, float]] = {}

@@ -154,14 +154,14 @@ def test_controlwords_by_sdo_in_pre_operational_are_kept(drive: Bench) -> None:
     assert drive.power is PowerState.OPERATION_ENABLED
 
 
-def test_faults_are_told_as_emergencies(ftmd: Bench) -> None:
+def test_faults_are_reported_as_emergencies(ftmd: Bench) -> None:
     ftmd.nmt(0x01)
     axis = ftmd.device._runner.drive.axis
     axis.voltage = 5.0
     ftmd.frames.clear()
     ftmd.run(0.1)
-    [told] = ftmd.heard(0x080 + NODE)
-    assert told[:2] == b"\x20\x32"
+    [emergency] = ftmd.heard(0x080 + NODE)
+    assert emergency[:2] == b"\x20\x32"
     assert ftmd.power is PowerState.FAULT
     assert ftmd.device.objects.Error_code == 0x3220
     assert ftmd.device.objects.DC_link_circuit_voltage == 10_000

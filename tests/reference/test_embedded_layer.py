@@ -185,16 +185,16 @@ def test_places_are_taken_from_the_one_not_needed_for_longest() -> None:
 
 
 def test_a_base_learns_where_it_passes() -> None:
-    told: list[str] = []
+    places: list[str] = []
 
     def note(entry: Record) -> None:
         if isinstance(entry, SampleRecord) and entry.port == "contents":
             name = entry.value.name
-            if not told or told[-1] != name:
-                told.append(name)
+            if not places or places[-1] != name:
+                places.append(name)
 
     with build(profile(ENVIRONMENT)) as system:
         system.add_listener(note)
         system.run(20 * SECOND)
         assert system.observable("UcodeSettlement0.asked") == (4.0,)
-    assert told == ["kitchen", "north", "workshop", "east"]
+    assert places == ["kitchen", "north", "workshop", "east"]

@@ -98,12 +98,12 @@ def test_first_values(board: Board) -> None:
 def test_delta(board: Board) -> None:
     enable(board, Delta_of_analogue_input_2=1000)
     board.step()
-    told = []
+    transmitted = []
     for n in range(1, 41):
         board.voltages[1] = n * 100 / 0x7FFF * 5.0
         if "Analogue_input_2" in step(board):
-            told.append(board._objects.Analogue_input_2)
-    assert told == [1000, 2000, 3000, 4000]
+            transmitted.append(board._objects.Analogue_input_2)
+    assert transmitted == [1000, 2000, 3000, 4000]
 
 
 @pytest.mark.parametrize(
@@ -125,12 +125,12 @@ def test_triggers(board: Board, trigger: int, expected: list[int]) -> None:
         Upper_limit_of_analogue_input_1=2400,
         Lower_limit_of_analogue_input_1=1200,
     )
-    told = []
+    transmitted = []
     for value in (2000, 2000, 2500, 2500, 1500, 1000, 1800, 500):
         board.voltages[0] = value / 0x7FFF * 5.0
         if "Analogue_input_1" in step(board):
-            told.append(board._objects.Analogue_input_1)
-    assert told == [2000, *expected]
+            transmitted.append(board._objects.Analogue_input_1)
+    assert transmitted == [2000, *expected]
 
 
 def test_no_trigger_no_event(board: Board) -> None:

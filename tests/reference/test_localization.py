@@ -83,16 +83,16 @@ def test_what_it_goes_on_without_is_reported(bench: Bench) -> None:
     for _ in range(26):
         bench.send("dp_odmIn", pose(3.0, 4.0, 0.1))
         bench.run(0.2)
-    told = bench.system.statistics("LocalizeCenter0")
-    assert told.condition == "dp_ceilIn: nothing newer than 5 s"
+    statistics = bench.system.statistics("LocalizeCenter0")
+    assert statistics.condition == "dp_ceilIn: nothing newer than 5 s"
     bench.sent("dp_out0")
     bench.run(0.7)
     # The ceiling is compared with no pose that old.
     bench.send("dp_ceilIn", pose(5.0, 4.0, 0.1))
     bench.run(0.1)
     assert set(plain(bench.sent("dp_out0"))) == {(3.0, 4.0, 0.1)}
-    told = bench.system.statistics("LocalizeCenter0")
-    assert told.condition == "dp_odmIn: nothing newer than 0.5 s"
+    statistics = bench.system.statistics("LocalizeCenter0")
+    assert statistics.condition == "dp_odmIn: nothing newer than 0.5 s"
 
 
 def test_odometry_is_repeated_every_cycle(bench: Bench) -> None:
@@ -132,8 +132,8 @@ def test_the_base_tells_simulated_sensors_where_it_is() -> None:
     velocity = rtc.Velocity2D(0.3, 0.0, 0.0)
     bench.send("InTargetVelocity", iis.TimedVelocity2D(data=velocity))
     bench.run(1.0)
-    told = bench.sent("PlantPose")
-    assert plain(told)[0] == (1.0, 0.0, 0.5)
-    assert plain(told)[-1] == tuple(bench.component.observables["truth"]())
-    assert plain(told)[-1][0] > 1.2
-    assert told[-1].tm == rtc.Time(1, 0)
+    poses = bench.sent("PlantPose")
+    assert plain(poses)[0] == (1.0, 0.0, 0.5)
+    assert plain(poses)[-1] == tuple(bench.component.observables["truth"]())
+    assert plain(poses)[-1][0] > 1.2
+    assert poses[-1].tm == rtc.Time(1, 0)

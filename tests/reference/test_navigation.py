@@ -40,8 +40,8 @@ def step(bench: Bench, x: float, y: float, theta: float) -> iis.State:
 
 def waypoints(bench: Bench) -> list[tuple[iis.TravelMode, float, float]]:
     """What was sent, without the repetitions."""
-    told = [(p.type, p.x, p.y, p.theta, p.v, p.w) for p in bench.sent("path")]
-    return [(iis.TravelMode(p[0]), p[4], p[5]) for p, _ in groupby(told)]
+    points = [(p.type, p.x, p.y, p.theta, p.v, p.w) for p in bench.sent("path")]
+    return [(iis.TravelMode(p[0]), p[4], p[5]) for p, _ in groupby(points)]
 
 
 STOP = (iis.TravelMode.RUN_STOP, 0.0, 0.0)

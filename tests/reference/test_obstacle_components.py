@@ -38,7 +38,7 @@ def points(*places: tuple[float, float]) -> iis.TimedPoint2DSeq:
     return iis.TimedPoint2DSeq(data=[rtc.Point2D(x, y) for x, y in places])
 
 
-def told(samples: list[iis.TimedVelocity2D]) -> list[tuple[float, float]]:
+def components_of(samples: list[iis.TimedVelocity2D]) -> list[tuple[float, float]]:
     return [(sample.data.vx, sample.data.va) for sample in samples]
 
 
@@ -52,10 +52,10 @@ def test_the_navigation_waits_half_a_second_for_the_hand() -> None:
     bench = switch()
     bench.send("inVelAuto", velocity(0.1))
     bench.run(0.05)
-    assert told(bench.sent("outVel")) == [(0.1, 0.0)]
+    assert components_of(bench.sent("outVel")) == [(0.1, 0.0)]
     bench.send("inVelJoy", velocity(0.9))
     bench.run(0.05)
-    assert told(bench.sent("outVel")) == [(0.9, 0.0)]
+    assert components_of(bench.sent("outVel")) == [(0.9, 0.0)]
     passed = []
     for i in range(1, 13):
         bench.send("inVelAuto", velocity(0.1))
@@ -76,7 +76,7 @@ def test_the_hand_is_passed_on_at_once_and_first() -> None:
     bench.send("inVelAuto", velocity(0.1))
     bench.send("inVelJoy", velocity(0.9))
     bench.run(0.05)
-    assert told(bench.sent("outVel")) == [(0.9, 0.0)]
+    assert components_of(bench.sent("outVel")) == [(0.9, 0.0)]
 
 
 def pad(tmp_path: Path, text: str) -> Bench:
@@ -118,7 +118,7 @@ def test_a_pad_that_goes_lets_go_of_its_sticks_once(tmp_path: Path) -> None:
     sent = [s.data for s in bench.sent("StickLYd")]
     assert sent == [-1.0] * 5 + [0.0]
     # The velocity of the third phase is sent only while the pad is there.
-    assert told(bench.sent("Velocity2DIIS")) == [(pytest.approx(0.4), 0.0)] * 5
+    assert components_of(bench.sent("Velocity2DIIS")) == [(pytest.approx(0.4), 0.0)] * 5
     assert [s.v for s in bench.sent("Velocity")][-1] == 0.0
 
 
@@ -269,7 +269,7 @@ def test_without_scans_the_base_stands() -> None:
     bench.run(0.6)
     bench.send("velocity_in", velocity(0.3))
     bench.run(0.01)
-    assert told(bench.sent("velocity_out")) == [(0.0, 0.0)]
+    assert components_of(bench.sent("velocity_out")) == [(0.0, 0.0)]
 
 
 def test_turning_on_the_spot_and_backing_off_are_passed_on() -> None:
@@ -278,7 +278,7 @@ def test_turning_on_the_spot_and_backing_off_are_passed_on() -> None:
     for asked in ((0.0, 0.5), (-0.2, 0.0)):
         bench.send("velocity_in", velocity(*asked))
         bench.run(0.01)
-        assert told(bench.sent("velocity_out")) == [asked]
+        assert components_of(bench.sent("velocity_out")) == [asked]
 
 
 def test_the_monitor_tells_the_nearest_obstacle() -> None:

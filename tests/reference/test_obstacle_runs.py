@@ -88,8 +88,8 @@ def test_a_blocked_corridor_stops_the_base_before_contact() -> None:
         # It looks for a way, keeps away from the walls, and says that there is none.
         assert run.room_left(room("blocked_room")) > 0.1
         assert max(pose.x for _, pose in run.poses) > 1.5
-        told = built.statistics("Navigation0").condition
-        assert told == "no nearer to (7, 0) for 20 s"
+        condition = built.statistics("Navigation0").condition
+        assert condition == "no nearer to (7, 0) for 20 s"
 
 
 def test_collision_detection_alone_stops_the_base_before_contact() -> None:

@@ -159,8 +159,8 @@ def test_no_path_is_planned_from_an_old_position(bench: Bench) -> None:
     bench.send("goal", pose(1.0, 0.0, 0.0))
     bench.run(0.1)
     assert bench.sent("min_path") == []
-    told = bench.system.statistics(bench.component.instance_name).condition
-    assert told == "current_position: nothing newer than 0.5 s"
+    condition = bench.system.statistics(bench.component.instance_name).condition
+    assert condition == "current_position: nothing newer than 0.5 s"
     bench.send("current_position", pose(0.2, 0.0, 0.0))
     bench.run(0.02)
     assert path(bench)[0] == (0.2, 0.0)

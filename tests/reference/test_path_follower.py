@@ -172,8 +172,8 @@ def test_it_stops_when_an_input_is_too_old_and_goes_on_with_a_new_one(
     v = [v for v, _ in velocities(bench)]
     driven = max(number for number, speed in enumerate(v) if speed)
     assert driven * 0.001 == pytest.approx(age, abs=0.002)
-    told = bench.system.statistics("PathFollower0").condition
-    assert told == f"{dead}: nothing newer than {age:g} s"
+    condition = bench.system.statistics("PathFollower0").condition
+    assert condition == f"{dead}: nothing newer than {age:g} s"
     for port in newest:
         bench.send(port, newest[port])
     bench.run(0.1)

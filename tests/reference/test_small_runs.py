@@ -166,7 +166,7 @@ def test_micropython_gives_the_same(board: Path, embedded: list[str]) -> None:
         pytest.skip("micropython (unix port) is not installed")
     printed = on_board(board, [found], MICROPYPATH=str(board))
 
-    def told(lines: list[str]) -> list[list[str]]:
+    def comparable(lines: list[str]) -> list[list[str]]:
         # Sines of another C library may differ in the last bit, so scans count by their length.
         words = [line.split() for line in lines[: len(embedded)]]
         return [
@@ -174,4 +174,4 @@ def test_micropython_gives_the_same(board: Path, embedded: list[str]) -> None:
             for w in words
         ]
 
-    assert told(printed) == told(embedded)
+    assert comparable(printed) == comparable(embedded)

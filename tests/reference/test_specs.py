@@ -161,8 +161,8 @@ PARAMETERS: dict[type[Component], dict[str, tuple[object, str]]] = {
 PARAMETERS |= {
     PathPlanningBase: {"map_file": ("route_map", "")},
     RefHardRh2Base: {
-        name: told
-        for name, told in PARAMETERS[RefHardRh3Base].items()
+        name: entry
+        for name, entry in PARAMETERS[RefHardRh3Base].items()
         if name != "GearRatio"
     },
     OdometryRh2Base: {

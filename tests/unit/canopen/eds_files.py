@@ -46,8 +46,8 @@ def eds(
     manufacturer = [f"0x{index:04X}" for index in objects]
     pdos = [
         (base + number - 1, entries)
-        for base, told in ((0x1800, tpdos or {}), (0x1400, rpdos or {}))
-        for number, entries in sorted(told.items())
+        for base, pdos_of in ((0x1800, tpdos or {}), (0x1400, rpdos or {}))
+        for number, entries in sorted(pdos_of.items())
     ]
     optional = [f"0x{index + step:04X}" for index, _ in pdos for step in (0, 0x200)]
     mandatory = ["0x1000", "0x1001", "0x1018"]

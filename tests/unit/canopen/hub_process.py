@@ -58,7 +58,7 @@ class HubProcess:
         line: str = self._process.stdout.readline()
         return line.rstrip("\n")
 
-    def told(self) -> str:
+    def error_line(self) -> str:
         """The next line on standard error."""
         assert self._process.stderr is not None
         line: str = self._process.stderr.readline()

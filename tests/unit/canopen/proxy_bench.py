@@ -257,9 +257,9 @@ class SimpleNode:
 
     def receive(self, frame: Frame, now: int) -> Iterable[Frame]:
         if frame.can_id == NMT:
-            told = decode_command(frame)
-            if told is not None and told[1] in (0, self.id):
-                self.commands.append(told[0])
+            command = decode_command(frame)
+            if command is not None and command[1] in (0, self.id):
+                self.commands.append(command[0])
             if not self.obeys:
                 return ()
             self.nmt.receive(frame)
@@ -360,7 +360,7 @@ class Bench:
         """NMT commands on the bus."""
         return [(f.data[0], f.data[1]) for f in self.recorder.frames if f.can_id == NMT]
 
-    def told(self) -> list[int]:
+    def error_control(self) -> list[int]:
         """States in the node's error control on the bus, without repetitions."""
         found: list[int] = []
         for frame in self.recorder.frames:

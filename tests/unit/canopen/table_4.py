@@ -211,7 +211,7 @@ def rounds(number: int, struct: type[Any], time: type[Any]) -> Iterator[Any]:
 def values(name: str, time: type[Any]) -> Values:
     """The values of a data type, as generated code has them."""
     if name in _TIMES:
-        return tuple(time(*told) for told in _TIMES[name])
+        return tuple(time(*fields) for fields in _TIMES[name])
     return BY_NAME[name].values
 
 

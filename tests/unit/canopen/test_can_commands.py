@@ -80,7 +80,7 @@ def test_frames_as_people_write_them(frame: str, sent: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("frame", "told"),
+    ("frame", "message"),
     [
         ("181", "is no frame: write ID#HEX"),
         ("181#0", "hexadecimal digits"),
@@ -99,10 +99,10 @@ def test_frames_as_people_write_them(frame: str, sent: str) -> None:
         ("9.rpdo1 Controlword=1", "9 is not described"),
     ],
 )
-def test_frames_that_are_none(frame: str, told: str) -> None:
+def test_frames_that_are_none(frame: str, message: str) -> None:
     with pytest.raises(Refusal) as caught:
         frame_of_text(frame, FOUR)
-    assert told in caught.value.message
+    assert message in caught.value.message
 
 
 def test_a_frame_by_name(capfd: pytest.CaptureFixture[str]) -> None:
@@ -140,7 +140,7 @@ def test_a_sequence(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "code", "told"),
+    ("text", "code", "message"),
     [
         ("080#\n1.0 081#\n0.5 082#\n", 2, "s.txt:3: 0.5 s is before the line above"),
         ("080#\nnonsense\n", 2, "s.txt:2: 'nonsense' is no frame"),
@@ -150,14 +150,14 @@ def test_a_sequence(tmp_path: Path) -> None:
 def test_sequences_that_are_none(
     text: str,
     code: int,
-    told: str,
+    message: str,
     tmp_path: Path,
     capfd: pytest.CaptureFixture[str],
 ) -> None:
     path = tmp_path / "s.txt"
     path.write_text(text)
     assert command("none", "send", "--file", str(path)) == code
-    assert told in shown(capfd.readouterr().err)
+    assert message in shown(capfd.readouterr().err)
     assert command("none", "send", "--file", str(tmp_path / "x")) == 3
     assert command("none", "send") == 2
     assert command("none", "send", "080#", "--file", str(path)) == 2
@@ -311,11 +311,11 @@ def test_scan_tells_who_is_there(capfd: pytest.CaptureFixture[str]) -> None:
     wait = ["--for", "0.4"]
     with nodes("scan", {1: "motor_core_unit", 7: "epos_drive"}) as made:
         assert command("scan", "scan", "--no-lss", "--json", *wait) == 0
-        told = json.loads(out(capfd))["nodes"]
-        assert [line["node"] for line in told] == [1, 7]
-        assert told[1]["device"] == "Wheel drive 24/5 CiA 402 (drive)"
-        assert told[1]["product"] == 0x57443245
-        assert told[0]["state"] == "pre-operational"
+        listed = json.loads(out(capfd))["nodes"]
+        assert [line["node"] for line in listed] == [1, 7]
+        assert listed[1]["device"] == "Wheel drive 24/5 CiA 402 (drive)"
+        assert listed[1]["product"] == 0x57443245
+        assert listed[0]["state"] == "pre-operational"
         assert made[7].state.name == "PRE_OPERATIONAL"
         assert command("scan", "scan", "--no-lss", "--bus", LINKED, *wait) == 1
         lines = [line.split() for line in out(capfd).splitlines()]
@@ -442,9 +442,9 @@ def test_plot_live_and_refusals(
 def test_timing(capfd: pytest.CaptureFixture[str]) -> None:
     path = str(SPECS / "rh3_beego.toml")
     assert run(["can", "timing", path, "--json"]) == 0
-    told: dict[str, Any] = json.loads(out(capfd))
-    assert told["bit_rate"] == 1000
-    frames = {(m["name"], m["id"], m["frame_ns"]) for m in told["messages"]}
+    report: dict[str, Any] = json.loads(out(capfd))
+    assert report["bit_rate"] == 1000
+    frames = {(m["name"], m["id"], m["frame_ns"]) for m in report["messages"]}
     assert {("NMT", 0, 75_000), ("SYNC", 0x80, 55_000)} < frames
     assert run(["can", "timing", path]) == 0
     assert "Load: 11.5% at most" in out(capfd)

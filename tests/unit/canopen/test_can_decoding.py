@@ -59,7 +59,7 @@ def decoded(known: NodeIndex, can_id: int, data: str = "") -> Decoded:
 
 
 @pytest.mark.parametrize(
-    ("can_id", "data", "told"),
+    ("can_id", "data", "text"),
     [
         (0x000, "0101", "motor nmt start"),
         (0x000, "8200", "all nodes nmt reset communication"),
@@ -101,8 +101,8 @@ def decoded(known: NodeIndex, can_id: int, data: str = "") -> Decoded:
         (0x7E4, "99", "lss no message: 99"),
     ],
 )
-def test_services(linked: NodeIndex, can_id: int, data: str, told: str) -> None:
-    assert str(decoded(linked, can_id, data)) == told
+def test_services(linked: NodeIndex, can_id: int, data: str, text: str) -> None:
+    assert str(decoded(linked, can_id, data)) == text
 
 
 def test_codes_and_nodes_for_machines(linked: NodeIndex) -> None:
@@ -115,8 +115,8 @@ def test_codes_and_nodes_for_machines(linked: NodeIndex) -> None:
     command = Decoder(linked).decode(command_frame(NmtCommand.STOP)).to_json()
     assert (command["node"], command["text"]) == (0, "stop")
     moment = 1_700_000_000_123_000_000
-    told = Decoder(linked).decode(time_frame(moment))
-    assert told.text == "2023-11-14T22:13:20.123Z"
+    message = Decoder(linked).decode(time_frame(moment))
+    assert message.text == "2023-11-14T22:13:20.123Z"
 
 
 def test_remote_frames(linked: NodeIndex) -> None:
@@ -127,20 +127,21 @@ def test_remote_frames(linked: NodeIndex) -> None:
 
 
 def test_a_link_tells_both_ends(linked: NodeIndex) -> None:
-    told = decoded(linked, 0x482, "18fcffff")
-    assert str(told) == "palette tpdo4 -> motor.rpdo2 Angle_reference=-1000"
-    assert told.to_json()["values"] == [
+    message = decoded(linked, 0x482, "18fcffff")
+    assert str(message) == "palette tpdo4 -> motor.rpdo2 Angle_reference=-1000"
+    assert message.to_json()["values"] == [
         {"object": "2100:0", "name": "Angle_reference", "value": -1000}
     ]
 
 
 def test_factors_and_units_of_the_bus_file(fourx: NodeIndex) -> None:
-    told = decoded(fourx, tpdo(2, 3), "e8030000" "18fcffff")
-    assert told.name == "rear_left"
+    message = decoded(fourx, tpdo(2, 3), "e8030000" "18fcffff")
+    assert message.name == "rear_left"
     assert (
-        told.text == "Position_actual_value=1.0 deg, Velocity_actual_value=-1.0 deg/s"
+        message.text
+        == "Position_actual_value=1.0 deg, Velocity_actual_value=-1.0 deg/s"
     )
-    assert told.to_json()["values"][0] == {  # type: ignore[index]
+    assert message.to_json()["values"][0] == {  # type: ignore[index]
         "object": "6064:0",
         "name": "Position_actual_value",
         "value": 1.0,
@@ -175,8 +176,8 @@ def test_a_mapping_that_changes_is_followed(linked: NodeIndex) -> None:
     write(decoder, 0x1A00, 2, 0x60640020, 4)
     write(decoder, 0x1A00, 0, 2, 1)
     write(decoder, 0x1800, 1, 0x40000333, 4)
-    told = decoder.decode(Frame(0x333, b"\x55\xfe\xff\xff\xff"))
-    assert str(told) == "motor tpdo1 Position_actual_value=-2"
+    message = decoder.decode(Frame(0x333, b"\x55\xfe\xff\xff\xff"))
+    assert str(message) == "motor tpdo1 Position_actual_value=-2"
     write(decoder, 0x1014, 0, 0x0F5, 4)
     assert decoder.decode(Frame(0x0F5, bytes(8))).name == "motor"
     decoder.decode(Frame(0x701, b"\0"))
@@ -187,12 +188,12 @@ def test_a_mapping_that_changes_is_followed(linked: NodeIndex) -> None:
 def test_a_refused_write_changes_nothing(linked: NodeIndex) -> None:
     decoder = Decoder(linked)
     decoder.decode(Frame(0x601, bytes.fromhex("2300180181010080")))
-    told = decoder.decode(Frame(0x581, bytes.fromhex("8000180122000008")))
-    assert told.text == (
+    message = decoder.decode(Frame(0x581, bytes.fromhex("8000180122000008")))
+    assert message.text == (
         "abort 1800:1 COB_ID_1800_01 08000022h data cannot be transferred or stored "
         "in the present device state (by the server)"
     )
-    assert told.code == 0x08000022
+    assert message.code == 0x08000022
     assert decoder.decode(Frame(0x181, b"\1\2\3")).kind == "tpdo1"
 
 
@@ -217,9 +218,9 @@ def test_fields_of_any_width(tmp_path: Path) -> None:
     path.write_text(text)
     decoder = Decoder(read_node_index(None, [(9, path)]))
     bits = 1 | 0b10000 << 1 | 0xFFFFFE << 6 | int.from_bytes(b"ok", "little") << 30
-    told = decoder.decode(Frame(0x189, bits.to_bytes(8, "little")))
-    assert told.name == "odd"
-    values = {field.name: field.value for field in told.fields}
+    message = decoder.decode(Frame(0x189, bits.to_bytes(8, "little")))
+    assert message.name == "odd"
+    values = {field.name: field.value for field in message.fields}
     assert values == {
         "Flag": True,
         "Small": -16,
@@ -230,7 +231,7 @@ def test_fields_of_any_width(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("statusword", "told"),
+    ("statusword", "text"),
     [
         (0x0000, "not ready to switch on"),
         (0x0250, "switch on disabled"),
@@ -244,15 +245,15 @@ def test_fields_of_any_width(tmp_path: Path) -> None:
         (0x0001, ""),
     ],
 )
-def test_the_state_of_a_drive(fourx: NodeIndex, statusword: int, told: str) -> None:
+def test_the_state_of_a_drive(fourx: NodeIndex, statusword: int, text: str) -> None:
     data = statusword.to_bytes(2, "little") + b"\3"
     field, _ = Decoder(fourx).decode(Frame(0x181, data)).fields
-    assert field.words == told
-    assert field.to_json().get("words", "") == told
+    assert field.words == text
+    assert field.to_json().get("words", "") == text
 
 
 def test_the_command_to_a_drive(fourx: NodeIndex) -> None:
-    told = {
+    text = {
         0x80: "fault reset",
         0x00: "disable voltage",
         0x02: "quick stop",
@@ -262,7 +263,7 @@ def test_the_command_to_a_drive(fourx: NodeIndex) -> None:
         0x1F: "enable operation",
         0x10F: "enable operation, halt",
     }
-    for controlword, words in told.items():
+    for controlword, words in text.items():
         data = controlword.to_bytes(2, "little") + b"\3"
         assert Decoder(fourx).decode(Frame(0x201, data)).fields[0].words == words
 
@@ -327,10 +328,10 @@ def test_lost_segments_of_blocks_come_again(
 
 
 def test_a_transfer_that_began_before(linked: NodeIndex) -> None:
-    told = decoded(linked, 0x581, "0041414141414141")
-    assert str(told) == "motor sdo answer of a transfer that began before"
-    told = decoded(linked, 0x601, "6000000000000000")
-    assert str(told) == "motor sdo request of a transfer that began before"
+    message = decoded(linked, 0x581, "0041414141414141")
+    assert str(message) == "motor sdo answer of a transfer that began before"
+    message = decoded(linked, 0x601, "6000000000000000")
+    assert str(message) == "motor sdo request of a transfer that began before"
     assert str(decoded(linked, 0x581, "6040600000000000")) == (
         "motor sdo write done 6040:0 Controlword"
     )
@@ -430,6 +431,6 @@ def test_numbers() -> None:
 def test_any_frames_have_words(frames: list[tuple[int, bytes]]) -> None:
     decoder = Decoder(LINKED)
     for can_id, data in frames:
-        told = decoder.decode(Frame(can_id, data))
-        assert told.kind
-        assert told.to_json()["kind"] == told.kind
+        message = decoder.decode(Frame(can_id, data))
+        assert message.kind
+        assert message.to_json()["kind"] == message.kind

@@ -47,9 +47,9 @@ def started(*arguments: str) -> Iterator[subprocess.Popen[str]]:
 def ended(process: subprocess.Popen[str]) -> tuple[str, str]:
     """What a process has said when it ended by Ctrl-C."""
     process.send_signal(signal.SIGINT)
-    told = process.communicate(timeout=20)
-    assert process.returncode == 0, told[1]
-    return told
+    output = process.communicate(timeout=20)
+    assert process.returncode == 0, output[1]
+    return output
 
 
 def frames(text: str) -> list[dict[str, Any]]:
@@ -91,9 +91,9 @@ def test_a_record_of_a_network_shows_what_was_live(
             assert run([*sdo, "read", "palette", "1018:2"]) == 0
             # The hub has given the answer to all when this one has it, or soon after.
             time.sleep(0.3)
-            _, told = ended(recorder)
+            _, errors = ended(recorder)
             live = frames("".join(heads) + ended(monitor)[0])
-    assert f"frames in {path}" in told
+    assert f"frames in {path}" in errors
     capfd.readouterr()
     assert run(["can", "replay", str(path), "--decode", "--json", *shown]) == 0
     again = frames(capfd.readouterr().out)
@@ -109,7 +109,7 @@ def test_a_record_of_a_network_shows_what_was_live(
     assert live[-1]["text"].startswith("read answer 1018:2 Product_code = 0x")
 
 
-def test_the_end_of_the_hub_is_told(tmp_path: Path) -> None:
+def test_the_end_of_the_hub_is_reported(tmp_path: Path) -> None:
     path = tmp_path / "run.blf"
     with HubProcess() as hub, started("record", str(path), *access(hub)) as recorder:
         assert recorder.stderr is not None
@@ -117,9 +117,9 @@ def test_the_end_of_the_hub_is_told(tmp_path: Path) -> None:
         assert run(["can", "send", "181#01", *access(hub)]) == 0
         assert run(["can", "send", "181#R", *access(hub)]) == 3
         hub.end(signal.SIGKILL)
-        _, told = recorder.communicate(timeout=PATIENCE)
+        _, errors = recorder.communicate(timeout=PATIENCE)
     assert recorder.returncode == 3
-    assert "error[ENV0001]: the bus is gone" in told
+    assert "error[ENV0001]: the bus is gone" in errors
     assert run(["can", "replay", str(path), "--decode", "--json"]) == 0
 
 

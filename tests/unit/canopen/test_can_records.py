@@ -167,7 +167,7 @@ def test_the_table_has_a_row_for_each_identifier() -> None:
 
 
 @pytest.mark.parametrize(
-    ("arguments", "code", "told"),
+    ("arguments", "code", "message"),
     [
         (["monitor"], 2, "which bus? Give --interface"),
         (["monitor", "--interface", "sockets"], 3, "no interface 'sockets'"),
@@ -193,7 +193,7 @@ def test_the_table_has_a_row_for_each_identifier() -> None:
 def test_what_cannot_be(
     arguments: list[str],
     code: int,
-    told: str,
+    message: str,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     capfd: pytest.CaptureFixture[str],
@@ -202,7 +202,7 @@ def test_what_cannot_be(
     monkeypatch.setenv("HOME", str(tmp_path))
     assert run(["can", *arguments]) == code
     err = capfd.readouterr().err
-    assert told in " ".join(err.split())
+    assert message in " ".join(err.split())
     assert "Traceback" not in err
 
 

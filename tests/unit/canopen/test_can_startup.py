@@ -101,11 +101,11 @@ def test_the_heartbeat_comes_before_those_that_are_consumed(
 def test_a_pdo_is_switched_off_mapped_anew_and_switched_on(
     written: Callable[..., Written],
 ) -> None:
-    told = written(
+    writes = written(
         '"2020" = 1\n"1800:5" = 250\n"1A00:0" = 2\n"1A00:1" = 0x20050008\n'
         '"1A00:2" = 0x20130020'
     )
-    assert told == [
+    assert writes == [
         ("1800:1", "830100c0"),
         ("1800:5", "fa00"),
         ("1A00:0", "00"),
@@ -120,16 +120,16 @@ def test_a_pdo_is_switched_off_mapped_anew_and_switched_on(
 def test_all_entries_are_written_though_only_one_changes(
     written: Callable[..., Written],
 ) -> None:
-    told = written('"1A01:1" = 0x10010008')
-    assert [place for place, _ in told] == [
+    writes = written('"1A01:1" = 0x10010008')
+    assert [place for place, _ in writes] == [
         *("1801:1", "1A01:0", "1A01:1", "1A01:2", "1A01:3", "1A01:0", "1801:1")
     ]
 
 
 def test_a_pdo_that_is_switched_off_stays_off(written: Callable[..., Written]) -> None:
     assert written('"1802:1" = "$NODEID+0x80000380"') == [("1802:1", "83030080")]
-    told = written('"1401:2" = 255')
-    assert told == [("1401:1", "03030080"), ("1401:2", "ff")]
+    writes = written('"1401:2" = 255')
+    assert writes == [("1401:1", "03030080"), ("1401:2", "ff")]
 
 
 def test_an_empty_mapping_is_counted_once(written: Callable[..., Written]) -> None:

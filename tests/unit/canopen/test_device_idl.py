@@ -141,8 +141,8 @@ def test_components_of_a_device(make: Make) -> None:
         *of_pdos,
         ("provider", "sdo", "CANopen::ObjectDictionary"),
     ]
-    told = {name: p.default for name, p in parameters("DriveProxy").items()}
-    assert told == {
+    defaults = {name: p.default for name, p in parameters("DriveProxy").items()}
+    assert defaults == {
         "interface": "virtual",
         "channel": "can0",
         "bitrate": 0,
@@ -197,7 +197,7 @@ def test_a_factor_out_of_this_world(make: Make) -> None:
     assert parameters("DriveProxy")["Speed"].default is None
 
 
-def test_factors_of_a_description_are_told_only(make: Make) -> None:
+def test_factors_of_a_description_are_reported_only(make: Make) -> None:
     scaled = DRIVE.replace(
         "ParameterName=Speed\n", "ParameterName=Speed\nFactor=0.1\nUnit=rpm\n"
     )
@@ -232,10 +232,10 @@ def test_inspect_has_what_is_included(
 ) -> None:
     make(drive_eds=DRIVE, wheel_idl='#include "Drive.idl"\n')
     assert run(["inspect", "--no-cache", "specs"]) == 0
-    told = capfd.readouterr().out
-    assert "struct Drive::Tpdo1" in told
-    assert "component" not in told
-    assert "device Drive" in told
+    output = capfd.readouterr().out
+    assert "struct Drive::Tpdo1" in output
+    assert "component" not in output
+    assert "device Drive" in output
 
 
 def test_a_misspelt_include_of_a_device(make: Make) -> None:

@@ -63,15 +63,15 @@ def test_nmt_state_says_which_services_there_are(
     assert beats == [Frame(HEARTBEAT, bytes((state,)))]
 
 
-def test_every_transition_is_told() -> None:
-    told: list[Transition] = []
+def test_every_transition_is_reported() -> None:
+    transitions: list[Transition] = []
     loaded: list[range] = []
-    events = NodeEvents(moved=told.append, loaded=loaded.append)
+    events = NodeEvents(moved=transitions.append, loaded=loaded.append)
     bench = Bench(DeviceNode(DEVICE, NODE_ID, events=events))
     bench.start()
     bench.command(NmtCommand.STOP)
     bench.command(NmtCommand.RESET_COMMUNICATION)
-    states = [(t.before.name, t.after.name, t.command) for t in told]
+    states = [(t.before.name, t.after.name, t.command) for t in transitions]
     assert states == [
         ("INITIALISING", "PRE_OPERATIONAL", None),
         ("PRE_OPERATIONAL", "OPERATIONAL", NmtCommand.START),
@@ -266,7 +266,7 @@ def test_emergencies_keep_their_inhibit_time() -> None:
     assert bench.node.deadline is None
 
 
-def test_what_happens_in_stopped_is_told_afterwards() -> None:
+def test_what_happens_in_stopped_is_reported_afterwards() -> None:
     bench = Bench()
     bench.command(NmtCommand.STOP)
     bench.node.add_error(0xFF01)
@@ -382,11 +382,13 @@ def test_time(consumer: bool) -> None:
 
 @pytest.mark.parametrize("can_id", [HEARTBEAT, EMERGENCY, 0x580 + NODE_ID])
 def test_another_node_of_the_same_id_is_noticed_once(can_id: int) -> None:
-    told: list[int] = []
-    bench = Bench(DeviceNode(DEVICE, NODE_ID, events=NodeEvents(collided=told.append)))
+    collisions: list[int] = []
+    bench = Bench(
+        DeviceNode(DEVICE, NODE_ID, events=NodeEvents(collided=collisions.append))
+    )
     frames = [f for _ in range(3) for f in bench.give(can_id, bytes(8))]
     assert [f.data[:3].hex() for f in frames] == ["508111"]
-    assert told == [can_id]
+    assert collisions == [can_id]
 
 
 # The bus goes and comes back
@@ -408,8 +410,8 @@ def test_bus_off_and_return(action: int, state: NmtState) -> None:
     bench.note(bench.node.link_changed(False, bench.now))
     assert bench.node.state is state
     back = bench.note(bench.node.link_changed(True, bench.now))
-    told = [f.data[:2].hex() for f in back]
-    assert told == ([] if state is NmtState.STOPPED else ["4081"])
+    emergencies = [f.data[:2].hex() for f in back]
+    assert emergencies == ([] if state is NmtState.STOPPED else ["4081"])
     assert bench.run(5000) == []
 
 

@@ -97,8 +97,10 @@ def test_long_values_in_segments_and_blocks(size: int) -> None:
 
 def test_the_identity_comes_from_the_description_where_objects_have_none() -> None:
     bench = Bench()
-    told = [int.from_bytes(bench.read(0x1018, sub), "little") for sub in range(1, 5)]
-    assert told == [0x00FFFF01, 0x4242, 0x00010002, 99]
+    identity = [
+        int.from_bytes(bench.read(0x1018, sub), "little") for sub in range(1, 5)
+    ]
+    assert identity == [0x00FFFF01, 0x4242, 0x00010002, 99]
 
 
 def test_node_dependent_defaults() -> None:

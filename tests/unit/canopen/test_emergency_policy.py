@@ -59,18 +59,18 @@ def active(**settings: object) -> Bench:
 def test_a_message_about_a_frame_is_reported_once_and_the_work_goes_on(
     caplog: pytest.LogCaptureFixture,
 ) -> None:
-    told = "node 5 tells EMCY 8210h PDO too short (generic)"
+    message = "node 5 tells EMCY 8210h PDO too short (generic)"
     with active() as bench, caplog.at_level(logging.WARNING):
         for _ in range(3):
             bench.node.send(emergency(0x8210).frame(NODE))
         bench.run(0.1)
         assert bench.state == "ACTIVE"
-        assert bench.reason == told
-        assert caplog.messages == [f"Drive0: {told}"]
+        assert bench.reason == message
+        assert caplog.messages == [f"Drive0: {message}"]
         bench.node.send(emergency(0).frame(NODE))
         bench.node.send(emergency(0x8210).frame(NODE))
         bench.run(0.1)
-        assert caplog.messages == [f"Drive0: {told}"] * 2
+        assert caplog.messages == [f"Drive0: {message}"] * 2
 
 
 def test_a_storm_of_reports_is_bounded(caplog: pytest.LogCaptureFixture) -> None:

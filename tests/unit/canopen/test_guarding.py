@@ -87,9 +87,9 @@ class GuardedNode(SimpleNode):
             return super().receive(frame, now)
         if not frame.remote:
             return ()
-        told = answer(self.state | self.toggle)
+        reply = answer(self.state | self.toggle)
         self.toggle ^= 0 if self.stuck else TOGGLE
-        return (told,)
+        return (reply,)
 
 
 def guarded(guard_time: int = 0, factor: int = 0) -> tuple[Bench, GuardedNode]:
@@ -219,9 +219,9 @@ class GuardedSlave(Slave):
             return super().receive(frame, now)
         if self.dead or not frame.remote:
             return []
-        told = answer(self.nmt.state | self.toggle)
+        reply = answer(self.nmt.state | self.toggle)
         self.toggle ^= TOGGLE
-        return [told]
+        return [reply]
 
 
 class Supervised:
@@ -310,9 +310,9 @@ def test_life_guarding_begins_with_the_first_request() -> None:
     (emergency,) = bench.run(1)
     assert emergency.data[:2] == b"\x30\x81"
     assert bench.node.state is NmtState.PRE_OPERATIONAL
-    told = bench.give(ERROR_CONTROL + NODE_ID, remote=True)
-    assert told[0] == answer(0xFF)
-    assert told[1].data[:2] == b"\0\0", "the error is gone"
+    frames = bench.give(ERROR_CONTROL + NODE_ID, remote=True)
+    assert frames[0] == answer(0xFF)
+    assert frames[1].data[:2] == b"\0\0", "the error is gone"
 
 
 @pytest.mark.parametrize(

@@ -281,8 +281,8 @@ def test_whatever_a_client_sends_others_get_frames_only(pieces: list[bytes]) -> 
 
 def test_who_does_not_read_answers_is_cut_off() -> None:
     async def work() -> None:
-        told: list[str] = []
-        hub = Hub(HubSettings(queue=4), told.append)
+        messages: list[str] = []
+        hub = Hub(HubSettings(queue=4), messages.append)
         port, transport = SocketcandPort(hub), FakeTransport()
         port.connection_made(transport)
         port.pause_writing()
@@ -293,7 +293,7 @@ def test_who_does_not_read_answers_is_cut_off() -> None:
         port.data_received(b"< echo >" * 1000)
         assert transport.aborted
         assert transport.written == b"< hi >" + b"< echo >" * 8
-        assert told == ["127.0.0.1:1: cut off, it does not read"]
+        assert messages == ["127.0.0.1:1: cut off, it does not read"]
 
     asyncio.run(work())
 
@@ -375,8 +375,8 @@ def test_answers(hub: HubProcess) -> None:
         ):
             end.sendall(text.encode())
             assert end.recv(256).decode() == answer
-    assert "refused, no frame: rawmode" in hub.told()
-    assert "2 refused in all" in hub.told()
+    assert "refused, no frame: rawmode" in hub.error_line()
+    assert "2 refused in all" in hub.error_line()
 
 
 @pytest.mark.parametrize("name", ["a" * 33, "two words", "", "\x01"])
@@ -385,7 +385,7 @@ def test_what_is_no_channel(hub: HubProcess, name: str) -> None:
         end.sendall(f"< open {name} >".encode("latin-1"))
         with suppress(ConnectionResetError):
             assert end.recv(256) in (b"< error could not open bus >", b"")
-    assert "cut off, no channel for it" in hub.told()
+    assert "cut off, no channel for it" in hub.error_line()
 
 
 def test_what_is_no_frame_is_refused_told_and_counted(hub: HubProcess) -> None:
@@ -394,9 +394,9 @@ def test_what_is_no_frame_is_refused_told_and_counted(hub: HubProcess) -> None:
         assert frames_of(b, 1) == [("124 ", " ")]
         assert re.fullmatch(
             r"rtgen can hub: 127.0.0.1:\d+ \(refused\): refused, no frame: send 123 4",
-            hub.told(),
+            hub.error_line(),
         )
-    assert re.search(r"\(refused\): 4 refused in all", hub.told())
+    assert re.search(r"\(refused\): 4 refused in all", hub.error_line())
 
 
 def test_what_was_sent_before_the_end_still_goes(hub: HubProcess) -> None:
@@ -414,16 +414,16 @@ def test_who_does_not_read_is_cut_off_and_named() -> None:
         hub.raw() as reader,
     ):
         name = "{}:{}".format(*lazy.getsockname())
-        told: list[str] = []
-        listener = threading.Thread(target=lambda: told.append(hub.told()))
+        messages: list[str] = []
+        listener = threading.Thread(target=lambda: messages.append(hub.error_line()))
         listener.start()
         for _ in range(50_000):
             sender.sendall(b"< send 123 8 1 2 3 4 5 6 7 8 >" * 16)
             assert len(frames_of(reader, 16)) == 16
-            if told:
+            if messages:
                 break
         listener.join()
-        assert told == [f"rtgen can hub: {name} (can0): cut off, it does not read"]
+        assert messages == [f"rtgen can hub: {name} (can0): cut off, it does not read"]
         sender.sendall(b"< send 7ff 0 >")
         assert frames_of(reader, 1) == [("7FF ", " ")]
 
@@ -484,7 +484,7 @@ def test_commands_of_slcan(hub: HubProcess) -> None:
         assert ask(b"O") == b"\r"
         assert ask(b"t1230") == b"z\r"
         assert ask(b"C") == b"\r"
-    assert "refused, no frame: bad" in hub.told()
+    assert "refused, no frame: bad" in hub.error_line()
 
 
 def test_links_of_two_processes(hub: HubProcess) -> None:
@@ -614,10 +614,10 @@ def test_bus_off_and_other_faults() -> None:
         until(other, lambda: len(b.frames) == 3)
         link.detach(a)
         other.detach(b)
-        told = hub.end()
-    assert "bus-off" in told
-    assert "the buses are back" in told
-    assert "can0: 4 carried, 1 lost by faults, 0 refused" in told
+        output = hub.end()
+    assert "bus-off" in output
+    assert "the buses are back" in output
+    assert "can0: 4 carried, 1 lost by faults, 0 refused" in output
 
 
 def test_a_loss_is_the_same_for_the_same_seed() -> None:
@@ -644,9 +644,9 @@ def test_the_end(hub: HubProcess) -> None:
             end.sendall(b"< send 1 0 >")
             end.sendall(b"< echo >")
             assert end.recv(256) == b"< echo >"
-            told = hub.end(how)
+            output = hub.end(how)
             assert hub.code == 0
-            assert told == "can0: 1 carried, 0 lost by faults, 0 refused\n"
+            assert output == "can0: 1 carried, 0 lost by faults, 0 refused\n"
             assert end.recv(1) == b""
 
 
@@ -654,10 +654,10 @@ def test_too_many_clients(monkeypatch: pytest.MonkeyPatch) -> None:
     from rtgen.runtime.canopen.bus import hub as module
 
     monkeypatch.setattr(module, "MAX_CLIENTS", 1)
-    told: list[str] = []
+    messages: list[str] = []
 
     async def work() -> None:
-        hub = module.Hub(HubSettings(), told.append)
+        hub = module.Hub(HubSettings(), messages.append)
         host, port = await hub.listen("localhost", 0)
         reader, writer = await asyncio.open_connection(host, port)
         assert await reader.read(256) == b"< hi >"
@@ -668,8 +668,8 @@ def test_too_many_clients(monkeypatch: pytest.MonkeyPatch) -> None:
         await hub.close()
 
     asyncio.run(work())
-    assert len(told) == 1
-    assert "cut off, there are 1 clients already" in told[0]
+    assert len(messages) == 1
+    assert "cut off, there are 1 clients already" in messages[0]
 
 
 def test_what_cannot_be_served(capfd: pytest.CaptureFixture[str]) -> None:

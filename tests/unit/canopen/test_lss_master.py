@@ -159,7 +159,7 @@ def answered(command: LssCommand, *rest: int) -> Callable[[bytes], bytes | None]
     """A slave that is selected by anything, and answers one command so."""
 
     def answer(data: bytes) -> bytes | None:
-        told = {
+        reply = {
             LssCommand.SWITCH_SERIAL: bytes((LssCommand.SWITCHED,)),
             LssCommand.INQUIRE_NODE_ID: bytes((LssCommand.INQUIRE_NODE_ID, 255)),
             LssCommand.CONFIGURE_NODE_ID: bytes((LssCommand.CONFIGURE_NODE_ID, 0)),
@@ -168,7 +168,7 @@ def answered(command: LssCommand, *rest: int) -> Callable[[bytes], bytes | None]
             ),
             command: bytes((command, *rest)) if rest else b"",
         }.get(LssCommand(data[0]), b"")
-        return told.ljust(8, b"\0") if told else None
+        return reply.ljust(8, b"\0") if reply else None
 
     return answer
 
@@ -238,7 +238,7 @@ def test_a_bit_rate_that_is_refused() -> None:
 def test_inquiries() -> None:
     line = Line(slave(ADDRESS, 5))
     line.run(find(tuple(ADDRESS)))
-    told = [
+    answers = [
         line.run(inquire(command))
         for command in (
             LssCommand.INQUIRE_VENDOR,
@@ -248,7 +248,7 @@ def test_inquiries() -> None:
             LssCommand.INQUIRE_NODE_ID,
         )
     ]
-    assert told == [*ADDRESS, 5]
+    assert answers == [*ADDRESS, 5]
 
 
 def test_procedures_wait_for_each_other() -> None:

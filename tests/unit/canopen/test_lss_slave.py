@@ -105,16 +105,17 @@ def test_bit_timing(table: int, index: int, error: int) -> None:
 
 
 def test_bit_rate_is_activated_with_its_delay() -> None:
-    told: list[tuple[int, int]] = []
+    activated_rates: list[tuple[int, int]] = []
     found = LssSlave(
-        lambda: ADDRESS, activated=lambda rate, delay: told.append((rate, delay))
+        lambda: ADDRESS,
+        activated=lambda rate, delay: activated_rates.append((rate, delay)),
     )
     found.receive(request(0x04, 1))
     assert found.receive(request(0x15, 0xE8, 3)) == []
-    assert told == []
+    assert activated_rates == []
     found.receive(request(0x13, 0, 3))
     found.receive(request(0x15, 0xE8, 3))
-    assert told == [(250, 1000)]
+    assert activated_rates == [(250, 1000)]
 
 
 def test_what_is_not_stored_is_gone_after_a_reset_of_the_node() -> None:
@@ -224,9 +225,9 @@ def test_scan_messages_that_cannot_be_have_no_answer() -> None:
 
 
 def node() -> tuple[Bench, list[tuple[int, int]]]:
-    told: list[tuple[int, int]] = []
-    events = NodeEvents(bit_rate=lambda rate, delay: told.append((rate, delay)))
-    return Bench(DeviceNode(DEVICE, events=events, serial_number=77)), told
+    rates: list[tuple[int, int]] = []
+    events = NodeEvents(bit_rate=lambda rate, delay: rates.append((rate, delay)))
+    return Bench(DeviceNode(DEVICE, events=events, serial_number=77)), rates
 
 
 def lss(bench: Bench, frame: Frame) -> list[Frame]:
@@ -246,13 +247,13 @@ def test_a_node_without_node_id_only_hears_lss_and_nmt() -> None:
 
 
 def test_a_node_boots_when_it_has_its_node_id() -> None:
-    bench, told = node()
+    bench, rates = node()
     for part, number in enumerate(ADDRESS):
         lss(bench, request(0x40 + part, number=number))
     lss(bench, request(0x11, 9))
     lss(bench, request(0x13, 0, 2))
     lss(bench, request(0x15, 100))
-    assert told == [(500, 100)]
+    assert rates == [(500, 100)]
     bench.sent.clear()
     assert lss(bench, request(0x04, 0)) == [Frame(0x709, b"\0")]
     assert bench.node.node_id == 9

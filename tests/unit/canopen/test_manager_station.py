@@ -272,7 +272,7 @@ def test_a_wrong_identity_is_final(place: int, text: str) -> None:
 
 
 @pytest.mark.parametrize("code", sorted(sdo.ABORT_TEXTS))
-def test_every_abort_is_told(code: int) -> None:
+def test_every_abort_is_reported(code: int) -> None:
     bench = Bench(described())
     bench.slave(refused={(0x2000, 0): code})
     bench.start()

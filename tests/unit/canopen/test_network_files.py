@@ -78,9 +78,14 @@ def test_a_dcf_has_the_place_and_the_values_of_its_node(
     bus: Bus, tmp_path: Path
 ) -> None:
     device = read(text_of(bus, "bench/first.dcf"), tmp_path)
-    told = device.commissioning
-    assert told is not None
-    assert (told.node_id, told.node_name, told.bit_rate, told.network_name) == (
+    commissioning = device.commissioning
+    assert commissioning is not None
+    assert (
+        commissioning.node_id,
+        commissioning.node_name,
+        commissioning.bit_rate,
+        commissioning.network_name,
+    ) == (
         *(3, "first", 500),
         "bench",
     )

@@ -47,9 +47,9 @@ PLAIN = {START: OPERATIONAL, STOP: STOPPED, PRE: PRE_OPERATIONAL}
 def test_commands(before: NmtState, command: NmtCommand, node_id: int) -> None:
     slave = slave_in(before)
     after = PLAIN.get(command, INITIALISING)
-    told = slave.receive(command_frame(command, node_id))
+    change = slave.receive(command_frame(command, node_id))
     assert slave.state is after
-    assert told == (None if before is after else Transition(before, after, command))
+    assert change == (None if before is after else Transition(before, after, command))
     if after is INITIALISING:
         assert slave.reset is command
 

@@ -146,9 +146,9 @@ def made(folder: Path) -> Compilation:
     return run
 
 
-def test_what_is_left_out_is_told(made: Compilation) -> None:
-    told = [d for d in made.diagnostics if d.code == "EDS0802"]
-    assert {d.message.partition(": ")[2] for d in told} == {
+def test_what_is_left_out_is_reported(made: Compilation) -> None:
+    reported = [d for d in made.diagnostics if d.code == "EDS0802"]
+    assert {d.message.partition(": ")[2] for d in reported} == {
         "96 bits; a PDO has up to 64",
         "T_09 does not begin and end at an octet",
     }

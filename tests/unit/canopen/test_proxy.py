@@ -191,7 +191,7 @@ def test_parameters_are_written_when_they_change() -> None:
         assert bench.state == "ACTIVE"
 
 
-def test_a_parameter_that_is_refused_while_active_is_told() -> None:
+def test_a_parameter_that_is_refused_while_active_is_reported() -> None:
     with active() as bench:
         bench.node.objects.aborts["write", (0x6083, 0)] = sdo.VALUE_TOO_HIGH
         bench.system.configure("Drive0", "Acceleration", "55")
@@ -306,7 +306,7 @@ def test_without_a_bus_there_is_no_object() -> None:
 
 
 @pytest.mark.parametrize("code", sdo.ABORT_TEXTS)
-def test_every_abort_is_told_by_its_code_and_in_words(code: int) -> None:
+def test_every_abort_is_reported_by_its_code_and_in_words(code: int) -> None:
     with active() as bench:
         aborts = bench.node.objects.aborts
         aborts["read", (0x1018, 1)] = aborts["write", (0x6083, 0)] = code

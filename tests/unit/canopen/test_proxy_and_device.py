@@ -61,7 +61,7 @@ class Pair:
         return [f.data[0] for f in self.recorder.frames if f.can_id == NMT]
 
     @property
-    def told(self) -> list[int]:
+    def error_control(self) -> list[int]:
         """States in the error control, without repetitions."""
         found: list[int] = []
         for frame in self.recorder.frames:
@@ -98,14 +98,14 @@ def test_1_2_created_and_inactive() -> None:
     with Pair() as pair:
         assert pair.states == ("INACTIVE", "INACTIVE")
         assert pair.called == ["on_initialize"]
-        assert pair.told == [0x00]
+        assert pair.error_control == [0x00]
 
 
 def test_3_from_the_proxy() -> None:
     with active() as pair:
         assert pair.commands == [START]
         pair.run(0.2)
-        assert pair.told == [0x00, 0x7F, 0x05]
+        assert pair.error_control == [0x00, 0x7F, 0x05]
 
 
 def test_4_from_the_proxy() -> None:
@@ -113,7 +113,7 @@ def test_4_from_the_proxy() -> None:
         pair.system.deactivate(PROXY)
         pair.both("INACTIVE")
         assert pair.commands == [START, PREOP]
-        assert pair.told[-1] == 0x7F
+        assert pair.error_control[-1] == 0x7F
         assert (pair.called, pair.proxy.calls) == (["on_deactivated"],) * 2
 
 
@@ -122,7 +122,7 @@ def test_4_from_the_device() -> None:
         pair.system.deactivate(DEVICE_NAME)
         pair.both("INACTIVE")
         assert pair.commands == [START]
-        assert pair.told[-1] == 0x7F
+        assert pair.error_control[-1] == 0x7F
         assert (pair.called, pair.proxy.calls) == (["on_deactivated"],) * 2
 
 
@@ -130,7 +130,7 @@ def test_5_from_the_proxy() -> None:
     with in_error() as pair:
         pair.run(0.2)
         assert pair.commands == [START, STOP]
-        assert pair.told[-1] == 0x04
+        assert pair.error_control[-1] == 0x04
         assert pair.proxy.reason == "on purpose"
         assert pair.device.reason == "stopped by the NMT master"
 
@@ -140,7 +140,7 @@ def test_5_from_the_device() -> None:
         pair.device.answers["on_execute"] = RTC_ERROR
         pair.both("ERROR")
         pair.run(0.2)
-        assert pair.told[-1] == 0x04
+        assert pair.error_control[-1] == 0x04
         assert EMERGENCY + NODE in pair.recorder.ids
         assert pair.proxy.reason == ("node 5 tells EMCY 6200h user software (generic)")
         assert (pair.called, pair.proxy.calls) == (["on_aborting"],) * 2
@@ -167,7 +167,7 @@ def test_7_8_from_the_proxy() -> None:
         pair.system.reset(PROXY)
         pair.both("INACTIVE")
         assert pair.commands == [START, STOP, RESET]
-        assert pair.told[-1] == 0x00
+        assert pair.error_control[-1] == 0x00
         assert (pair.called, pair.proxy.calls) == (["on_reset"],) * 2
         pair.system.activate(PROXY)
         pair.both("ACTIVE")

@@ -94,7 +94,7 @@ def test_a_master_identifies_and_configures_the_node(
     ("number", "what"),
     [((0x1000, 0), "device type"), ((0x1018, 1), "vendor"), ((0x1018, 2), "product")],
 )
-def test_another_device_is_told(
+def test_another_device_is_reported(
     monkeypatch: pytest.MonkeyPatch, number: tuple[int, int], what: str
 ) -> None:
     put(monkeypatch, NETWORK)
@@ -270,7 +270,7 @@ def test_a_reset_goes_by_the_manager(monkeypatch: pytest.MonkeyPatch) -> None:
         bench.until("ACTIVE")
 
 
-def test_what_the_manager_finds_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_the_manager_finds_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     put(monkeypatch, NETWORK)
     with ready(master=False) as bench:
         bench.node.objects.values[0x1018, 1] = struct.pack("<I", 0x999)

@@ -57,14 +57,14 @@ def test_1_and_2_a_proxy_is_inactive_before_its_node_is_there() -> None:
         bench.with_node()
         bench.run(0.1)
         assert bench.state == "INACTIVE"
-        assert (bench.commands(), bench.told()) == ([], [BOOT])
+        assert (bench.commands(), bench.error_control()) == ([], [BOOT])
 
 
 def test_3_activate_starts_the_node() -> None:
     with ready() as bench:
         bench.activate()
         assert bench.commands() == [START]
-        assert bench.told() == [BOOT, PRE_OPERATIONAL, OPERATIONAL]
+        assert bench.error_control() == [BOOT, PRE_OPERATIONAL, OPERATIONAL]
         assert bench.proxy.calls == ["on_activated"]
         assert bench.node.state is NmtState.OPERATIONAL
 
@@ -74,7 +74,7 @@ def test_4_deactivate_brings_the_node_to_pre_operational() -> None:
         bench.system.deactivate("Drive0")
         bench.until("INACTIVE")
         assert bench.commands() == [START, PREOP]
-        assert bench.told()[-2:] == [OPERATIONAL, PRE_OPERATIONAL]
+        assert bench.error_control()[-2:] == [OPERATIONAL, PRE_OPERATIONAL]
         assert bench.proxy.calls == ["on_activated", "on_deactivated"]
 
 
@@ -84,7 +84,7 @@ def test_5_a_callback_that_fails_stops_the_node() -> None:
         bench.until("ERROR")
         bench.run(0.2)
         assert bench.commands() == [START, STOP]
-        assert bench.told()[-2:] == [OPERATIONAL, STOPPED]
+        assert bench.error_control()[-2:] == [OPERATIONAL, STOPPED]
         assert bench.proxy.calls == ["on_activated", "on_aborting"]
         assert bench.reason == "on purpose"
 
@@ -108,7 +108,7 @@ def test_7_and_8_reset_waits_for_the_boot_up_message() -> None:
         assert bench.system.time - begun >= 300 * MS
         assert bench.commands() == [START, RESET]
         bench.run(0.2)
-        assert bench.told()[-3:] == [STOPPED, BOOT, PRE_OPERATIONAL]
+        assert bench.error_control()[-3:] == [STOPPED, BOOT, PRE_OPERATIONAL]
         assert bench.proxy.calls[-2:] == ["on_aborting", "on_reset"]
         assert bench.reason == ""
         bench.activate()
@@ -233,17 +233,17 @@ def test_a_lost_heartbeat_is_an_error_within_the_time_out(
         assert bench.node.state is NmtState.STOPPED
 
 
-@pytest.mark.parametrize("told", ["by its parameter", "by the EDS"])
+@pytest.mark.parametrize("where", ["by its parameter", "by the EDS"])
 def test_a_node_that_was_never_activated_is_watched_too(
-    told: str, monkeypatch: pytest.MonkeyPatch
+    where: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     objects = [
         replace(o, default=100) if o.index == 0x1017 else o for o in DESCRIPTION.objects
     ]
     described = replace(DESCRIPTION, objects=tuple(objects))
-    if told == "by the EDS":
+    if where == "by the EDS":
         monkeypatch.setattr(DriveProxy, "description", described)
-    with Bench(settings={"heartbeat_timeout": 0 if "EDS" in told else 300}) as bench:
+    with Bench(settings={"heartbeat_timeout": 0 if "EDS" in where else 300}) as bench:
         bench.with_node()
         bench.node.beat(NmtState.PRE_OPERATIONAL)
         bench.run(0.25)

@@ -274,12 +274,12 @@ def test_toggle_errors() -> None:
     client = SdoClient(5)
     client.upload(0x2000, 0, 0)
     assert client.receive(answer("4100200009000000"), 0) == [request("60" + "00" * 7)]
-    told = client.receive(answer("1061626364656667"), 0)
-    assert told == [request("8000200000000305")]
+    reply = client.receive(answer("1061626364656667"), 0)
+    assert reply == [request("8000200000000305")]
     server = SdoServer(5, Values())
     server.receive(request("2100200009000000"), 0)
-    told = server.receive(request("1061626364656667"), 0)
-    assert told == [answer("8000200000000305")]
+    reply = server.receive(request("1061626364656667"), 0)
+    assert reply == [answer("8000200000000305")]
     assert server.deadline is None
 
 
@@ -299,24 +299,24 @@ def test_a_new_request_ends_the_transfer_before() -> None:
     assert server.receive(request("4000200000000000"), 0) == [
         answer("4f00200078000000")
     ]
-    told = server.receive(request("0061626364656667"), 0)
-    assert texts(told)[0].endswith("01000405")
+    reply = server.receive(request("0061626364656667"), 0)
+    assert texts(reply)[0].endswith("01000405")
     assert values.writes == []
 
 
 def test_bounded_sizes() -> None:
     values = Values()
     server = SdoServer(5, values, max_size=10)
-    told = server.receive(request("210020000b000000"), 0)
-    assert told == [answer("8000200012000706")]
+    reply = server.receive(request("210020000b000000"), 0)
+    assert reply == [answer("8000200012000706")]
     server.receive(request("2000200000000000"), 0)
     server.receive(request("0061626364656667"), 0)
-    told = server.receive(request("1061626364656667"), 0)
-    assert told == [answer("8000200005000405")]
+    reply = server.receive(request("1061626364656667"), 0)
+    assert reply == [answer("8000200005000405")]
     client = SdoClient(5, max_size=10)
     client.upload(0x2000, 0, 0)
-    told = client.receive(answer("410020000b000000"), 0)
-    assert told == [request("8000200005000405")]
+    reply = client.receive(answer("410020000b000000"), 0)
+    assert reply == [request("8000200005000405")]
     with pytest.raises(ValueError, match="11 octets"):
         SdoClient(5, max_size=10).download(0x2000, 0, bytes(11), 0)
 
@@ -325,8 +325,8 @@ def test_lengths_that_are_not_as_told() -> None:
     server = SdoServer(5, Values())
     for size, code in ((3, "12000706"), (5, "13000706")):
         server.receive(request(f"210020000{size}000000"), 0)
-        told = server.receive(request("0761626364000000"), 0)
-        assert told == [answer("80002000" + code)]
+        reply = server.receive(request("0761626364000000"), 0)
+        assert reply == [answer("80002000" + code)]
 
 
 def test_wrong_crc() -> None:
@@ -334,22 +334,22 @@ def test_wrong_crc() -> None:
     server = SdoServer(5, values)
     server.receive(request("c600200003000000"), 0)
     server.receive(request("8161626300000000"), 0)
-    told = server.receive(request("d100000000000000"), 0)
-    assert told == [answer("8000200004000405")]
+    reply = server.receive(request("d100000000000000"), 0)
+    assert reply == [answer("8000200004000405")]
     assert values.writes == []
 
 
 def test_block_sizes_that_cannot_be() -> None:
     server = SdoServer(5, Values())
     for size in ("00", "80"):
-        told = server.receive(request(f"a4002000{size}000000"), 0)
-        assert told == [answer("8000200002000405")]
+        reply = server.receive(request(f"a4002000{size}000000"), 0)
+        assert reply == [answer("8000200002000405")]
 
 
 def test_small_values_by_block_upload_may_come_at_once() -> None:
     server = SdoServer(5, Values(b"ab"))
-    told = server.receive(request("a400200010020000"), 0)
-    assert told == [answer("4b00200061620000")]
+    reply = server.receive(request("a400200010020000"), 0)
+    assert reply == [answer("4b00200061620000")]
 
 
 def test_size_untold() -> None:
@@ -383,8 +383,8 @@ def test_acknowledgements_that_cannot_be() -> None:
     server = SdoServer(5, Values(value_of(20)))
     server.receive(request("a400200002000000"), 0)
     server.receive(request("a3" + "00" * 7), 0)
-    told = server.receive(request("a203020000000000"), 0)
-    assert told == [answer("8000200003000405")]
+    reply = server.receive(request("a203020000000000"), 0)
+    assert reply == [answer("8000200003000405")]
 
 
 def test_blocks_of_which_nothing_arrives() -> None:
@@ -394,8 +394,8 @@ def test_blocks_of_which_nothing_arrives() -> None:
     server.receive(request("a3" + "00" * 7), 0)
     for _ in range(4):
         assert len(server.receive(request("a200020000000000"), 0)) == 2
-    told = server.receive(request("a200020000000000"), 0)
-    assert told == [answer("8000200003000405")]
+    reply = server.receive(request("a200020000000000"), 0)
+    assert reply == [answer("8000200003000405")]
 
 
 def test_blocks_are_bounded() -> None:
@@ -403,13 +403,13 @@ def test_blocks_are_bounded() -> None:
     server.receive(request("c400200000000000"), 0)
     assert server.receive(request("01" + "61" * 7), 0) == []
     assert server.receive(request("02" + "61" * 7), 0) == []
-    told = server.receive(request("03" + "61" * 7), 0)
-    assert told == [answer("8000200005000405")]
+    reply = server.receive(request("03" + "61" * 7), 0)
+    assert reply == [answer("8000200005000405")]
     server.receive(request("c000200000000000"), 0)
     server.receive(request("01" + "61" * 7), 0)
     server.receive(request("82" + "61" * 7), 0)
-    told = server.receive(request("c1" + "00" * 7), 0)
-    assert told == [answer("8000200012000706")]
+    reply = server.receive(request("c1" + "00" * 7), 0)
+    assert reply == [answer("8000200012000706")]
 
 
 def test_aborts_are_matched_within_a_transfer() -> None:
@@ -434,8 +434,8 @@ def test_the_client_drains_after_its_own_abort() -> None:
 def test_toggle_of_upload_requests() -> None:
     server = SdoServer(5, Values(value_of(20)))
     server.receive(request("4000200000000000"), 0)
-    told = server.receive(request("70" + "00" * 7), 0)
-    assert told == [answer("8000200000000305")]
+    reply = server.receive(request("70" + "00" * 7), 0)
+    assert reply == [answer("8000200000000305")]
 
 
 def test_a_request_after_the_last_block() -> None:

@@ -63,8 +63,8 @@ class DeviceProcess:
     """A device in a process of its own, on a bus."""
 
     def __init__(self, generated: Path, bus: Mapping[str, object]) -> None:
-        told = [f"{name}={value}" for name, value in bus.items()]
-        command = [sys.executable, table_4.__file__, str(generated), *told]
+        options = [f"{name}={value}" for name, value in bus.items()]
+        command = [sys.executable, table_4.__file__, str(generated), *options]
         self._process = subprocess.Popen(
             command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
         )

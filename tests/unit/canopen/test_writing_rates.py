@@ -65,6 +65,6 @@ def test_on_the_command_line(
     monkeypatch.chdir(ROOT)
     arguments = ["can", "timing", "--json", "specs/canopen/rh3_beego.toml"]
     assert run([*arguments, "--system", "specs/canopen/rh3_beego.xml"]) == 0
-    told = json.loads(capsys.readouterr().out)
-    periods = {m["name"]: m["period_ns"] for m in told["messages"]}
+    report = json.loads(capsys.readouterr().out)
+    periods = {m["name"]: m["period_ns"] for m in report["messages"]}
     assert periods["left.rpdo1"] == 10_000_000

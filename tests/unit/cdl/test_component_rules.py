@@ -75,8 +75,12 @@ def test_a_join_inside_a_composite_leads_to_a_cell_of_it(
         f" cell tUser U {{ cWork = {target}.eWork; }}; eW => Inner.eWork; }};"
     )
     _, found = read_text(BASE + text)
-    [told] = [d for d in found if d.severity is Severity.ERROR]
-    assert (told.code, told.message, told.hint) == ("CDL0610", message, hint)
+    [diagnostic] = [d for d in found if d.severity is Severity.ERROR]
+    assert (diagnostic.code, diagnostic.message, diagnostic.hint) == (
+        "CDL0610",
+        message,
+        hint,
+    )
 
 
 def test_joins_of_a_cell_whose_celltype_is_missing() -> None:

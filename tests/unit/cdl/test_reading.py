@@ -295,7 +295,7 @@ def test_headers_take_definitions_and_search_paths(
     }
 
 
-def test_what_no_header_declares_right_is_told_once(
+def test_what_no_header_declares_right_is_reported_once(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     result = _read(

@@ -203,7 +203,7 @@ def test_components_of_included_files_are_left_to_them() -> None:
     assert check(model(included)) == []
 
 
-def test_rules_are_told_apart() -> None:
+def test_rules_are_distinguished() -> None:
     assert len({rule.code for rule in rules.RULES}) == len(rules.RULES)
     assert all(rule.explanation.endswith("\n") and rule.title for rule in rules.RULES)
     assert {r.code for r in rules.RULES if r.severity is Severity.WARNING} == {

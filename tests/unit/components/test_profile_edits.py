@@ -141,9 +141,9 @@ def edited(
 
 
 def test_nothing_edited(folder: Folder) -> None:
-    before, after, told = edited(folder, lambda root: None)
+    before, after, messages = edited(folder, lambda root: None)
     assert after == before
-    assert told == []
+    assert messages == []
 
 
 def same_but(before: dict[str, Any], after: dict[str, Any], *keys: str) -> bool:
@@ -161,7 +161,7 @@ def same_but(before: dict[str, Any], after: dict[str, Any], *keys: str) -> bool:
 def test_a_parameter(
     folder: Folder, edit: Edit, field: str, value: object, annotation: str
 ) -> None:
-    before, after, told = edited(folder, edit)
+    before, after, messages = edited(folder, edit)
     one, other = (configuration(found, "steps") for found in (before, after))
     assert other[field] == value
     assert same_but(one, other, field, "annotations")
@@ -170,24 +170,24 @@ def test_a_parameter(
     assert argument(other, "acme") == {"x": 2}
     assert argument(other, "range") == {"min": 1, "max": 9}
     assert same_but(before, after, "configuration")
-    assert told == []
+    assert messages == []
 
 
 def test_bounds(folder: Folder) -> None:
-    _, after, told = edited(folder, upper_bound("steps", "20"))
+    _, after, messages = edited(folder, upper_bound("steps", "20"))
     found = configuration(after, "steps")
     assert (found["min"], found["max"]) == (None, None)
     assert found["constraint"] == argument(found, "constraint") == "1<=x<=20"
     assert argument(found, "range") is None
     assert found["type"] == "octet"
-    assert told == []
+    assert messages == []
 
 
 def test_the_type_of_a_parameter(folder: Folder) -> None:
-    _, after, told = edited(folder, put("steps", "rtc:type", "double"))
+    _, after, messages = edited(folder, put("steps", "rtc:type", "double"))
     found = configuration(after, "steps")
     assert (found["type"], found["default"]) == ("double", 4.0)
-    assert told == []
+    assert messages == []
 
 
 def test_an_enumeration(folder: Folder) -> None:
@@ -195,9 +195,9 @@ def test_an_enumeration(folder: Folder) -> None:
     found = configuration(after, "mode")
     assert (found["type"], found["default"]) == ("Lab::Mode", "Lab::KEEP")
     assert argument(found, "default") == "Lab::KEEP"
-    _, after, told = edited(folder, put("mode", "rtc:defaultValue", "GONE"))
+    _, after, messages = edited(folder, put("mode", "rtc:defaultValue", "GONE"))
     assert configuration(after, "mode")["default"] is None
-    assert any("GONE" in message for message in told)
+    assert any("GONE" in message for message in messages)
 
 
 def test_the_widget(folder: Folder) -> None:
@@ -232,9 +232,9 @@ def test_a_port(folder: Folder) -> None:
 
 def test_the_component(folder: Folder) -> None:
     before, after, _ = edited(folder, put("Arm", "rtc:executionRate", "20.0"))
-    told = argument(after, "rtc")
-    assert told["rate"] == 20.0
-    assert list(told) == list(argument(before, "rtc"))
+    rtc = argument(after, "rtc")
+    assert rtc["rate"] == 20.0
+    assert list(rtc) == list(argument(before, "rtc"))
     assert same_but(before, after, "annotations")
     _, after, _ = edited(folder, put("Arm", "rtc:description", "An arm"))
     assert argument(after, "rtc")["description"] == "An arm"
@@ -244,12 +244,12 @@ def test_the_component(folder: Folder) -> None:
 
 def test_what_is_inherited(folder: Folder) -> None:
     edit = put("inherited_time", "rtc:defaultValue", "2.5")
-    before, after, told = edited(folder, edit)
+    before, after, messages = edited(folder, edit)
     assert before["base"] == "Ancestor"
     assert after["base"] is None
     assert [p["name"] for p in after["ports"]] == [p["name"] for p in before["ports"]]
     assert configuration(after, "inherited_time")["default"] == 2.5
-    assert any("Ancestor" in message for message in told)
+    assert any("Ancestor" in message for message in messages)
 
 
 # The checker of the rules itself.

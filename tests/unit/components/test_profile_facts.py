@@ -65,8 +65,8 @@ def test_kinds(key: str, tmp_path: Path) -> None:
     read = rtc_profile.read(paths, root=tmp_path, include=())
     result = rtc_profile.lowered(read, Model())
     assert all(d.severity is not Severity.ERROR for d in result.diagnostics)
-    told = [d for d in result.diagnostics if d.code == "RTC0546"]
-    assert told
-    assert all(d.span is not None for d in told)
+    diagnostics = [d for d in result.diagnostics if d.code == "RTC0546"]
+    assert diagnostics
+    assert all(d.span is not None for d in diagnostics)
     names = {d.name[-1] for d in result.model.declarations}
     assert {f"Part{number}" for number in range(len(VALUES))} <= names

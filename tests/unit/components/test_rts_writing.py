@@ -118,7 +118,7 @@ def test_what_a_system_leaves_out_is_written() -> None:
 def test_texts_are_escaped_and_conditions_kept() -> None:
     system = read(SYSTEMS[0])
     first, second = system.components[0].instance, system.components[1].instance
-    told = replace(
+    edited = replace(
         system,
         abstract='<&"\n\t>',
         activation=(
@@ -126,10 +126,10 @@ def test_texts_are_escaped_and_conditions_kept() -> None:
             Activation(instance=first, sequence=2, after=(second,)),
         ),
     )
-    text = system_text(told, header=["a -- b"])
+    text = system_text(edited, header=["a -- b"])
     assert broken_rules(text) == []
-    assert again(text).abstract == told.abstract
-    assert again(text).activation == told.activation
+    assert again(text).abstract == edited.abstract
+    assert again(text).activation == edited.activation
 
 
 TEXTS = st.text(

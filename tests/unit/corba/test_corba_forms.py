@@ -60,15 +60,15 @@ def connect(objects: Objects, request: pytest.FixtureRequest) -> Iterator[Connec
             call = interface._skeleton_(servant).dispatch
             reference = objects.serve(interface, call)
             if request.param == "by a socket":
-                told = objects.imported(reference, None)
-                told = stack.enter_context(forwarder.forwarded(told))
-                reference = objects.exported(told, None)
+                imported = objects.imported(reference, None)
+                imported = stack.enter_context(forwarder.forwarded(imported))
+                reference = objects.exported(imported, None)
             return objects.stub(interface, reference)
 
         yield connected
 
 
-def test_arguments_that_do_not_fit_are_told_with_their_place(
+def test_arguments_that_do_not_fit_are_reported_with_their_place(
     forms: Any, connect: Connect
 ) -> None:
     servant = serving(forms.Types, longs=lambda a, c: (a, 0, c, 0))
@@ -100,7 +100,7 @@ def test_results_that_do_not_fit_fail_the_call(forms: Any, connect: Connect) -> 
     assert stub.one_out() == 1
 
 
-def test_failures_are_told(forms: Any, connect: Connect, objects: Objects) -> None:
+def test_failures_are_reported(forms: Any, connect: Connect, objects: Objects) -> None:
     class Servant(forms.Errors):  # type: ignore[misc]
         def one(self, which: int) -> None:
             raise (KeyError("x"), BadOperation("inner"), MarshalError("m"))[which]

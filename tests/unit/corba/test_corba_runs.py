@@ -94,14 +94,14 @@ class Run:
                 text=True,
             )
 
-    def told(self) -> str:
+    def error_text(self) -> str:
         """What it wrote to standard error so far."""
         return self.errors.read_text(encoding="utf-8")
 
     def wait_for(self, text: str) -> None:
         """Waits until it wrote that."""
-        wait_for(lambda: self.process.poll() is not None or text in self.told())
-        assert text in self.told(), self.told()
+        wait_for(lambda: self.process.poll() is not None or text in self.error_text())
+        assert text in self.error_text(), self.error_text()
 
     def end(self) -> int:
         """Asks it to end in order; its exit code."""
@@ -215,7 +215,7 @@ def test_simulated_time_is_the_same_by_every_transport(
 def test_one_process_with_a_naming_service_of_its_own(project: Path) -> None:
     run = Run(project, "--until", "0.5")
     assert run.code() == 0
-    assert "naming service: 127.0.0.1:" in run.told()
+    assert "naming service: 127.0.0.1:" in run.error_text()
     results = run.results()
     assert len(results) > 10
     assert results[-1] == (len(results), "")
@@ -245,8 +245,8 @@ def test_foreign_clients_find_a_provider_by_its_name(
 def test_two_processes(start: Callable[..., Run]) -> None:
     caller = start("--only", "Caller0", "--until", "1")
     counter = start("--only", "Counter0")
-    assert caller.code() == 0, caller.told()
-    assert counter.end() == 0, counter.told()
+    assert caller.code() == 0, caller.error_text()
+    assert counter.end() == 0, counter.error_text()
     results = caller.results()
     assert len(results) > 20
     # Counter0 is ACTIVE before Caller0 is, whichever process was first.
@@ -276,12 +276,12 @@ def test_the_wheels_of_rh3_in_one_process_and_its_marshaller_in_another(
         *("--set", f"SimulatedMotorBoard0.port={port}"),
         system=system,
     )
-    assert robot.code() == 0, robot.told()
-    assert marshaller.end() == 0, marshaller.told()
+    assert robot.code() == 0, robot.error_text()
+    assert marshaller.end() == 0, marshaller.error_text()
     lines = dict(line.split(maxsplit=1) for line in robot.output.splitlines() if line)
     assert lines["RefHardRh3Tecs0"].startswith("ACTIVE")
     x = float(robot.output.partition("final pose")[2].strip(" (").partition(",")[0])
-    assert x > 0.01, robot.told()
+    assert x > 0.01, robot.error_text()
     assert "elapsed [s]" in marshaller.output
 
 
@@ -348,17 +348,17 @@ def test_a_provider_that_is_named_by_a_property(
     serving()
     wish = "Caller0.port.adding.required.Calc::Adder.Adder"
     addresses = ("Caller0", "adding"), ("Counter0", "adding")
-    told = "Counter0.port.adding.provided.Calc::Adder.Adder"
-    here.system.connect(*addresses, {wish: told})
+    key = "Counter0.port.adding.provided.Calc::Adder.Adder"
+    here.system.connect(*addresses, {wish: key})
     assert here.adder.add(2, 3) == 5
     here.system.disconnect(here.system.connectors[0])
-    here.system.connect(*addresses, {wish: told[:-5] + "Other"})
+    here.system.connect(*addresses, {wish: key[:-5] + "Other"})
     with pytest.raises(runtime.PortTypeError, match="it has: Adder"):
         here.transport.await_others(1.0)
     here.system.disconnect(here.system.connectors[0])
     for properties, message in (
         ({wish: "Counter0.port.other.provided.Calc::Adder.Adder"}, "is no provider"),
-        ({"Caller0.port.adding.required.X.Y": told}, "names no consumer"),
+        ({"Caller0.port.adding.required.X.Y": key}, "names no consumer"),
         ({"port.connection.x": "y"}, "unknown connector property"),
     ):
         with pytest.raises(runtime.ConnectorPropertyError, match=message):
@@ -423,7 +423,7 @@ def test_a_provider_that_is_not_active(
     )
     caller = start("--only", "Caller0", "--until", "1.5", "--timeline", str(timeline))
     counter = start("--only", "Counter0", "--timeline", str(timeline))
-    assert caller.code() == 0, caller.told()
+    assert caller.code() == 0, caller.error_text()
     assert counter.end() == 0
     errors = [error for _, error in caller.results()]
     first = errors.index("ObjectNotExist")
@@ -480,7 +480,7 @@ def test_a_process_ends_though_a_servant_does_not_return(
     here.connect()
     with pytest.raises(runtime.CallTimeout):
         here.adder.nap(3600.0)
-    assert counter.end() == 0, counter.told()
+    assert counter.end() == 0, counter.error_text()
 
 
 def answers(here: Here) -> bool:
@@ -518,7 +518,10 @@ def test_an_instance_runs_once(
     serving()
     again = start("--only", "Counter0")
     assert again.code() == 3
-    assert "Counter0.adding:Adder is served by another process already" in again.told()
+    assert (
+        "Counter0.adding:Adder is served by another process already"
+        in again.error_text()
+    )
     here.connect()
     assert here.adder.add(2, 3) == 5
 
@@ -537,8 +540,8 @@ def test_names_that_lead_nowhere_are_replaced(
 def test_nobody_serves_what_is_called(start: Callable[..., Run]) -> None:
     caller = start("--only", "Caller0", "--wait", "0.2")
     assert caller.code() == 3
-    assert "Caller0.adding:Adder waits for Counter0.adding" in caller.told()
-    assert "start the process that runs it" in caller.told()
+    assert "Caller0.adding:Adder waits for Counter0.adding" in caller.error_text()
+    assert "start the process that runs it" in caller.error_text()
 
 
 @pytest.mark.slow
@@ -586,7 +589,7 @@ def test_an_address_of_another_machine(start: Callable[..., Run]) -> None:
     # In a process of its own: an ORB that runs already keeps its end point.
     run = start("--endpoint", "203.0.113.1")
     assert run.code() == 3
-    assert "omniORB cannot listen at 203.0.113.1" in run.told()
+    assert "omniORB cannot listen at 203.0.113.1" in run.error_text()
 
 
 def test_samples_do_not_go_between_processes(
@@ -608,15 +611,15 @@ def test_samples_do_not_go_between_processes(
     )
     options = [*REAL, "--nameserver", names, "--only"]
     assert rtgen(["run", "data.xml", *options, "Counter0"]) == 2
-    told = capfd.readouterr().err
-    assert "data.xml:8:" in told
-    assert "error[SYS0009]: data: data ports of two processes" in told
+    errors = capfd.readouterr().err
+    assert "data.xml:8:" in errors
+    assert "error[SYS0009]: data: data ports of two processes" in errors
     assert (
         rtgen(["run", "data.xml", *options, "Counter0,Caller0", "--until", "0.1"]) == 0
     )
 
 
-def test_a_missing_package_is_told_with_its_extra(
+def test_a_missing_package_is_reported_with_its_extra(
     project: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     for name in [n for n in sys.modules if n.startswith("rtgen.runtime.corba.")]:
@@ -624,9 +627,9 @@ def test_a_missing_package_is_told_with_its_extra(
     monkeypatch.setitem(sys.modules, "omniORB", None)
     command = ["run", "calc.xml", "--transport", "corba", "--until", "1"]
     assert rtgen(command) == 3
-    told = capfd.readouterr().err
-    assert "--transport corba needs omniORBpy, which is not installed" in told
-    assert "pip install 'rtgen[corba]'" in told
+    errors = capfd.readouterr().err
+    assert "--transport corba needs omniORBpy, which is not installed" in errors
+    assert "pip install 'rtgen[corba]'" in errors
 
 
 def test_a_port_that_only_provides_waits_for_nobody(

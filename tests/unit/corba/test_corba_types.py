@@ -104,9 +104,9 @@ def connect(m: Any, request: pytest.FixtureRequest) -> Iterator[Connect]:
             servant = type("Servant", (interface,), methods)()
             reference = objects.exported(servant, None)
             if request.param == "by a socket":
-                told = objects.imported(reference, None)
-                told = stack.enter_context(forwarder.forwarded(told))
-                reference = objects.exported(told, None)
+                imported = objects.imported(reference, None)
+                imported = stack.enter_context(forwarder.forwarded(imported))
+                reference = objects.exported(imported, None)
             return objects.stub(interface, reference)
 
         yield connected
@@ -159,7 +159,7 @@ def test_what_is_converted(m: Any, connect: Connect) -> None:
     )
 
 
-def test_what_does_not_fit_is_told_with_its_place(m: Any, connect: Connect) -> None:
+def test_what_does_not_fit_is_reported_with_its_place(m: Any, connect: Connect) -> None:
     stub = connect(m.Echo)
     for name, value in (
         ("wide_keys", ["あ"]),

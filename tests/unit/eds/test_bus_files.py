@@ -176,15 +176,15 @@ def test_odd_content(tmp_path: Path, old: str, new: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("told", "own", "expected"),
+    ("described", "own", "expected"),
     [(5000, "", 5), (0, "", 2), (5000, "boot_timeout = 1.5", 1.5), (1 << 31, "", 3600)],
 )
 def test_the_boot_time_of_a_device(
-    tmp_path: Path, told: int, own: str, expected: float
+    tmp_path: Path, described: int, own: str, expected: float
 ) -> None:
     text = BASE.read_text(encoding="utf-8")
     text += "\n[1F89]\nParameterName=Boot time\nObjectType=0x7\nDataType=0x0007\n"
-    text += f"AccessType=rw\nDefaultValue={told}\n"
+    text += f"AccessType=rw\nDefaultValue={described}\n"
     (tmp_path / "board.eds").write_text(text, encoding="utf-8")
     (tmp_path / "net.toml").write_text(
         '[bus]\nbit_rate = 500\n[device.board]\neds = "board.eds"\n'

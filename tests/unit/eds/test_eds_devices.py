@@ -274,9 +274,13 @@ Line2=Two
 Key=Value
 """
     found = device(tmp_path, text, "a.DCF")
-    told = found.commissioning
-    assert told is not None
-    assert (told.node_id, told.bit_rate, told.serial_number) == (5, 500, 18)
+    commissioning = found.commissioning
+    assert commissioning is not None
+    assert (
+        commissioning.node_id,
+        commissioning.bit_rate,
+        commissioning.serial_number,
+    ) == (5, 500, 18)
     assert found.objects[0].type is ObjectType.DOMAIN
     assert found.objects[0].links == (0x2001,)
     [variable] = found.variables

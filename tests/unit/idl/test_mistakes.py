@@ -40,7 +40,7 @@ def found(folder: Path, text: str) -> list[Diagnostic]:
     return list(load([path], root=folder).diagnostics)
 
 
-def told(diagnostic: Diagnostic, folder: Path) -> Found:
+def found_as(diagnostic: Diagnostic, folder: Path) -> Found:
     assert diagnostic.span is not None
     hint = (diagnostic.hint or "").replace(folder.as_posix(), "FOLDER")
     return (
@@ -69,7 +69,7 @@ def test_one_message(name: str, folder: Path) -> None:
     text, _, hint = MISTAKES[name]
     [diagnostic] = found(folder, text.replace("§", ""))
     assert hint
-    assert told(diagnostic, folder) == expected(name)
+    assert found_as(diagnostic, folder) == expected(name)
 
 
 def test_the_last_semicolon_of_an_included_file(folder: Path) -> None:
@@ -94,7 +94,7 @@ def test_independent_mistakes_are_all_told_and_nothing_else(
         lines += MISTAKES[name][0].replace("§", "").split("\n")
         lines += ["};", f"struct Sound{number} {{ long whole; }};"]
     diagnostics = found(folder, "\n".join(lines))
-    places = [told(d, folder) for d in diagnostics]
+    places = [found_as(d, folder) for d in diagnostics]
     plain = [(line, column, re.sub(r"\bM\d::", "", m)) for line, column, m, _ in places]
     assert plain == [place[:3] for place in wanted], names
 

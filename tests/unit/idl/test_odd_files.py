@@ -19,7 +19,7 @@ def pipe(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     os.mkfifo(tmp_path / "pipe.idl")
 
 
-def told(text: str | None = None) -> str:
+def errors_of(text: str | None = None) -> str:
     """The findings of a text, or of the pipe itself, as they are printed."""
     if text is not None:
         Path("input.idl").write_text(text)
@@ -29,21 +29,23 @@ def told(text: str | None = None) -> str:
 
 
 def test_as_input() -> None:
-    assert "IDL0001]: pipe.idl is no regular file" in told()
+    assert "IDL0001]: pipe.idl is no regular file" in errors_of()
 
 
 def test_included() -> None:
-    assert "IDL0010]: the file pipe.idl was not found" in told('#include "pipe.idl"\n')
+    assert "IDL0010]: the file pipe.idl was not found" in errors_of(
+        '#include "pipe.idl"\n'
+    )
 
 
 @pytest.mark.parametrize("file", ["pipe.idl", "/dev/zero"])
 def test_named_by_a_line_marker(file: str) -> None:
-    found = told(f'#line 1 "{file}"\nstruct S {{ Nothing a; }};\n')
+    found = errors_of(f'#line 1 "{file}"\nstruct S {{ Nothing a; }};\n')
     assert "IDL0200]: Nothing is unknown" in found
 
 
 def test_beside_a_file_with_an_unknown_name() -> None:
-    assert "IDL0200]: Nothing is unknown" in told("struct S { Nothing a; };\n")
+    assert "IDL0200]: Nothing is unknown" in errors_of("struct S { Nothing a; };\n")
 
 
 def test_link_to_nothing() -> None:

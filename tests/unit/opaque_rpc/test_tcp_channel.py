@@ -365,7 +365,7 @@ def test_an_interface_is_bound() -> None:
 
 
 @pytest.mark.parametrize("bind", ["203.0.113.7", "no-such-nic"])
-def test_what_cannot_be_bound_is_told(bind: str) -> None:
+def test_what_cannot_be_bound_is_reported(bind: str) -> None:
     with scripted("answer") as server, channel_to(server, bind=bind) as channel:
         assert failure(channel) == E_OBJ
 

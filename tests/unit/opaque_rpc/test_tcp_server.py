@@ -117,7 +117,7 @@ def test_a_request_byte_by_byte() -> None:
     ],
     ids=lambda request: request.hex()[:24],
 )
-def test_bad_bytes_are_told_by_closing(request_: bytes) -> None:
+def test_bad_bytes_are_reported_by_closing(request_: bytes) -> None:
     board = Board()
     with serving(board) as server:
         assert answer(server, request_) == b""

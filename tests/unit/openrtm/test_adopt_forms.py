@@ -38,7 +38,7 @@ def codes(result: openrtm_python.ModuleResult) -> list[str]:
 
 
 @pytest.mark.parametrize(
-    ("declared", "encoding", "told"),
+    ("declared", "encoding", "reported"),
     [
         ("euc-jp", "euc_jp", []),
         ("shift_jis", "cp932", []),
@@ -51,7 +51,7 @@ def codes(result: openrtm_python.ModuleResult) -> list[str]:
     ],
 )
 def test_encodings(
-    declared: str, encoding: str, told: list[str], tmp_path: Path
+    declared: str, encoding: str, reported: list[str], tmp_path: Path
 ) -> None:
     path = tmp_path / "a.py"
     line = f"# coding: {declared}\n" if declared else ""
@@ -60,7 +60,7 @@ def test_encodings(
     assert result.profile is not None
     assert result.profile.description == "距離センサ"
     assert [port.name for port in result.profile.data_ports] == ["in"]
-    assert codes(result) == told
+    assert codes(result) == reported
 
 
 def test_python_2_without_its_converter(

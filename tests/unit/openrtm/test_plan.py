@@ -32,7 +32,7 @@ module M { struct T { long x; }; interface I { void f(); }; };
 """
 
 
-def test_equal_names_are_told_apart_and_warned_of(tmp_path: Path) -> None:
+def test_equal_names_are_distinguished_and_warned_of(tmp_path: Path) -> None:
     (plan,), found = planned(
         tmp_path,
         a=TYPES + """component C {
@@ -65,7 +65,7 @@ def test_a_chosen_name_is_taken_without_a_warning(tmp_path: Path) -> None:
     assert [p.name for p in plan.service_ports] == ["other"]
 
 
-def test_what_cannot_be_told_apart_is_an_error(tmp_path: Path) -> None:
+def test_what_cannot_be_distinguished_is_an_error(tmp_path: Path) -> None:
     _, found = planned(
         tmp_path,
         a=TYPES + """component C {

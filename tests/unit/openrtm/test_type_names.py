@@ -92,8 +92,8 @@ def test_an_edited_type_wins(folder: Path, capsys: pytest.CaptureFixture[str]) -
 
 
 def test_modules_and_systems_use_the_name(folder: Path) -> None:
-    told = ["generate", "parts.idl", "pair.xml", "--target", "openrtm", "-q"]
-    assert run(told) == 0
+    arguments = ["generate", "parts.idl", "pair.xml", "--target", "openrtm", "-q"]
+    assert run(arguments) == 0
     made = folder / "generated/openrtm"
     server = (made / "Server/Server.py").read_text(encoding="utf-8")
     asker = (made / "Asker/Asker.py").read_text(encoding="utf-8")

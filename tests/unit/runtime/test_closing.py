@@ -154,7 +154,7 @@ def test_calls_that_do_not_return_are_given_up_together(
     for began in blocked:
         assert began.wait(10)
     system.close()
-    told = [(f.instance, f.callback) for f in failures]
+    reported = [(f.instance, f.callback) for f in failures]
     end.set()
-    assert sorted(told) == [("A", "on_execute"), ("B", "on_execute")]
+    assert sorted(reported) == [("A", "on_execute"), ("B", "on_execute")]
     assert events == ["C"]

@@ -35,7 +35,7 @@ def system() -> System:
     return activated(System(), both, writer, reader)
 
 
-def test_ports_of_one_name_are_told_apart_by_direction(system: System) -> None:
+def test_ports_of_one_name_are_distinguished_by_direction(system: System) -> None:
     system.connect(("writer", "out"), ("both", "status"), name="to")
     system.connect(("both", "status"), ("reader", "in"), name="from")
     system.component("writer").out_ports["out"].write(long(1))

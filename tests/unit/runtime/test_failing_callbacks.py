@@ -175,7 +175,7 @@ def test_the_logger_gets_a_failure_that_nobody_else_takes(
     assert record.exc_info[1] is KINDS["SystemExit"]
 
 
-def test_the_logger_is_told_where_a_callback_without_an_answer_is(
+def test_the_logger_gets_the_place_where_a_callback_without_an_answer_is(
     caplog: pytest.LogCaptureFixture,
 ) -> None:
     system = System()

@@ -134,7 +134,9 @@ def test_half_a_request_is_never_executed(
     assert service.calls == []
 
 
-def test_no_answer_is_told_at_once(channel: SimulatedChannel, service: Service) -> None:
+def test_no_answer_is_reported_at_once(
+    channel: SimulatedChannel, service: Service
+) -> None:
     assert fails(lambda: channel.begin(TELL + b"1", 1)) == E_TMOUT
     assert channel.begin(ECHO + b"2", 3) == b"<2>"
     channel.end()

@@ -81,7 +81,7 @@ def samples():
     yield self_module.One(5)
     yield deep_m.Two(6)
 
-def told(component):
+def lines_of(component):
     config = component.config
     names = getattr(config, "__slots__", None) or vars(config)
     yield sorted(
@@ -95,7 +95,7 @@ EMBEDDED = """
 for sample in samples():
     print(sample.to_cdr(little_endian=True).hex())
 for base in (Odd_NamesBase, ComponentBase):
-    for line in told(base()):
+    for line in lines_of(base()):
         print([(name, getattr(value, "value", value)) for name, value in line])
 """
 
@@ -109,7 +109,7 @@ for sample in samples():
 system = System()
 for base in (Odd_NamesBase, ComponentBase):
     component = base()
-    for line in told(component):
+    for line in lines_of(component):
         print(line)
     system.add(component)
     system.activate(component)

@@ -510,7 +510,7 @@ def refusals(function: str, before: str = "") -> list[TransferError]:
         ),
     ],
 )
-def test_what_cannot_be_transferred_is_told(
+def test_what_cannot_be_transferred_is_reported(
     function: str, before: str, reason: str
 ) -> None:
     (found,) = refusals(function, before)

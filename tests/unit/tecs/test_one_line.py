@@ -91,12 +91,12 @@ def test_the_lines_that_one_line_makes(tmp_path: Path) -> None:
     assert [part for part in counts if not counts[part]] == ["communication code"]
     if not DOCS.exists():
         pytest.skip("docs/tecs.md is missing")
-    told = dict(
+    documented = dict(
         re.findall(r"^\| ([^|]+?) \| (\d+) \|$", DOCS.read_text(), re.MULTILINE)
     )
     wanted = {part: str(count) for part, count in counts.items()}
     wanted["together"] = str(sum(counts.values()))
-    assert {part: told.get(part) for part in wanted} == wanted
+    assert {part: documented.get(part) for part in wanted} == wanted
 
 
 def generated(folder: Path) -> set[str]:

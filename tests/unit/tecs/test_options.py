@@ -93,7 +93,7 @@ def test_wrong_options(
     assert line[finding.span.column - 1 : finding.span.end_column - 1] == place
 
 
-def test_all_wrong_options_are_told(tmp_path: Path) -> None:
+def test_all_wrong_options_are_reported(tmp_path: Path) -> None:
     text = joined(SERVER, "sServer", options="port=x, quux=1, tdr=y")
     _, findings = emit(tmp_path, {"server.cdl": text})
     assert [f.code for f in findings] == ["CDL1002", "CDL1001", "CDL1002"]

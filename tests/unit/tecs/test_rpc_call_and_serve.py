@@ -132,7 +132,7 @@ def test_script(cdl: Path, call: Call, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("line", "told"),
+    ("line", "message"),
     [
         ("{", "line"),
         ("[]", "an object of"),
@@ -144,9 +144,9 @@ def test_script(cdl: Path, call: Call, tmp_path: Path) -> None:
         ('{"function": "go", "delays": 1}', "an object of"),
     ],
 )
-def test_lines_that_cannot_be_used(cdl: Path, line: str, told: str) -> None:
+def test_lines_that_cannot_be_used(cdl: Path, line: str, message: str) -> None:
     service = service_of(read_unit(cdl), "sMove", Peer(NETWORK, "tecsgen", 1.0))
-    with pytest.raises(ScriptError, match=told) as caught:
+    with pytest.raises(ScriptError, match=message) as caught:
         MockBoard(service, f"\n{line}\n")
     assert caught.value.line == 2
 
@@ -158,8 +158,8 @@ def test_calls_are_printed(cdl: Path, call: Call) -> None:
         assert process.stdout is not None
         address = process.stdout.readline().split()[1]
         call(address, "plain", s="abc")
-        told = {"function": "plain", "args": {"s": "abc"}, "return": 0, "outs": {}}
-        assert json.loads(process.stdout.readline()) == told
+        printed = {"function": "plain", "args": {"s": "abc"}, "return": 0, "outs": {}}
+        assert json.loads(process.stdout.readline()) == printed
         process.terminate()
 
 
@@ -176,7 +176,7 @@ def test_nobody_listens(cdl: Path, capsys: pytest.CaptureFixture[str]) -> None:
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "message"),
     [
         (["127.0.0.1", "sMove.stop"], "HOST:PORT"),
         (["127.0.0.1:0", "sMove.stop"], "HOST:PORT"),
@@ -187,10 +187,10 @@ def test_nobody_listens(cdl: Path, capsys: pytest.CaptureFixture[str]) -> None:
     ],
 )
 def test_command_lines_that_are_wrong(
-    cdl: Path, capsys: pytest.CaptureFixture[str], words: list[str], told: str
+    cdl: Path, capsys: pytest.CaptureFixture[str], words: list[str], message: str
 ) -> None:
     assert run(["rpc", "call", "--cdl", str(cdl), *words]) == 2
-    assert told in capsys.readouterr().err
+    assert message in capsys.readouterr().err
 
 
 def test_a_device_that_is_not_there(

@@ -139,7 +139,7 @@ def test_what_is_refused(rpc: Rpc, arguments: tuple[str, ...], message: str) -> 
     assert message in rpc(*arguments, code=2)
 
 
-def test_an_error_in_the_definitions_is_told_at_its_place(
+def test_an_error_in_the_definitions_is_reported_at_its_place(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "wrong.cdl"

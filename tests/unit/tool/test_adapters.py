@@ -55,12 +55,12 @@ def test_numbers_go_where_every_one_of_them_fits(
         )
     )
     assert run(["generate", "--no-cache"]) == 2
-    told = capfd.readouterr().err
+    errors = capfd.readouterr().err
     refused = {
-        (i, j) for i, j in pairs if f"error[ADP0004]: adapter 'P{i}x{j}'" in told
+        (i, j) for i, j in pairs if f"error[ADP0004]: adapter 'P{i}x{j}'" in errors
     }
     assert refused == {(i, j) for i, j in pairs if not fits(types[i], types[j])}
-    assert f"{len(refused)} errors" in told
+    assert f"{len(refused)} errors" in errors
 
 
 def test_an_adapter_converts_all_that_comes(

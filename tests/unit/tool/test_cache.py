@@ -169,10 +169,10 @@ def test_what_inspect_prints_is_kept_too(
 ) -> None:
     pipeline.warn = True
     command = ["inspect", "--json", "a.idl", "-I", "inc"]
-    told = [(run(command), *capfd.readouterr()) for _ in range(2)]
+    results = [(run(command), *capfd.readouterr()) for _ in range(2)]
     assert pipeline.reads == 1
-    assert told[0] == told[1]
-    assert "IDL0998" in told[0][2]
+    assert results[0] == results[1]
+    assert "IDL0998" in results[0][2]
     assert run(command[:1] + command[2:]) == 0
     assert pipeline.reads == 2
     assert len(entries(tmp_path)) == 2
@@ -193,9 +193,9 @@ def test_a_file_that_hides_an_included_one_is_seen(
     Path("main.idl").write_text('#include "part.idl"\n', encoding="latin-1")
     Path("second/part.idl").write_text("struct Old { long a; }; ; // \xe9\n", "latin-1")
     command = ["inspect", "main.idl", "-I", "first", "-I", "second"]
-    told = [(run(command), *capfd.readouterr()) for _ in range(2)]
-    assert told[0] == told[1]
-    assert "\xe9" in told[0][2]
+    results = [(run(command), *capfd.readouterr()) for _ in range(2)]
+    assert results[0] == results[1]
+    assert "\xe9" in results[0][2]
     Path("first/part.idl").write_text("struct New { long a; };\n")
     assert run(command) == 0
     assert "struct New" in capfd.readouterr().out

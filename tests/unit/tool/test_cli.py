@@ -176,7 +176,7 @@ def test_errors_leave_everything_as_it_was(
     assert snapshot() == before
 
 
-def test_warnings_do_not_keep_from_writing_and_are_told_from_the_cache_too(
+def test_warnings_do_not_keep_from_writing_and_are_reported_from_the_cache_too(
     pipeline: Pipeline, capfd: pytest.CaptureFixture[str]
 ) -> None:
     pipeline.warn = True

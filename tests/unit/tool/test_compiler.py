@@ -73,7 +73,7 @@ def test_plug_ins_follow_the_built_in_ones(
     assert len(names) == len(compiler.BUILT_IN) + 1
 
 
-def test_a_broken_plug_in_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_broken_plug_in_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     entry = metadata.EntryPoint(
         "broken", "rtgen_no_such_module:X", plugins.Group.BACKENDS
     )

@@ -80,7 +80,7 @@ def test_trajectories_are_drawn_as_before() -> None:
 
 
 @pytest.mark.parametrize(
-    ("arguments", "code", "told"),
+    ("arguments", "code", "message"),
     [
         (
             ["--plot", "PathFollower0.velocty"],
@@ -96,7 +96,7 @@ def test_trajectories_are_drawn_as_before() -> None:
     ],
 )
 def test_what_is_not_there(
-    arguments: list[str], code: int, told: str, capfd: pytest.CaptureFixture[str]
+    arguments: list[str], code: int, message: str, capfd: pytest.CaptureFixture[str]
 ) -> None:
     assert run([*SHORT, *arguments]) == code
-    assert told in capfd.readouterr().err
+    assert message in capfd.readouterr().err

@@ -42,7 +42,7 @@ def _make(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
 
 
 @pytest.mark.parametrize("python", ["old", "missing"])
-def test_a_python_that_does_not_do_is_told_in_one_line(
+def test_a_python_that_does_not_do_is_reported_in_one_line(
     tmp_path: Path, python: str
 ) -> None:
     old = _script(tmp_path / "old", OLD)

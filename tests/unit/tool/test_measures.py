@@ -129,7 +129,7 @@ def test_a_robot_that_is_nowhere_keeps_no_limit() -> None:
         ),
     ],
 )
-def test_what_is_no_measure_is_told_at_its_place(
+def test_what_is_no_measure_is_reported_at_its_place(
     table: dict[str, Any], key: str, message: str
 ) -> None:
     with pytest.raises(InputError) as error:

@@ -117,7 +117,7 @@ def test_what_a_gitignore_among_the_files_names_is_no_stray(project: Project) ->
     assert planned.changes == ()
 
 
-def test_a_stray_file_is_told_and_left(project: Project) -> None:
+def test_a_stray_file_is_reported_and_left(project: Project) -> None:
     output.write(project, artifacts("p/a.py"), INPUTS)
     stray = project.output / "p" / "notes.txt"
     stray.write_text("mine")

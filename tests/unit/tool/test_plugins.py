@@ -163,8 +163,8 @@ def test_a_lint_check_has_options(capfd: pytest.CaptureFixture[str]) -> None:
 
 def test_rules_are_explained(capfd: pytest.CaptureFixture[str]) -> None:
     assert run(["explain", "acme0001"]) == 0
-    told = capfd.readouterr().out
-    assert told == "# ACME0001: A name is short\n\nNames say what they are.\n"
+    output = capfd.readouterr().out
+    assert output == "# ACME0001: A name is short\n\nNames say what they are.\n"
 
 
 def test_a_code_that_is_taken_is_refused(capfd: pytest.CaptureFixture[str]) -> None:
@@ -208,8 +208,8 @@ def test_a_transport_carries_a_run(capfd: pytest.CaptureFixture[str]) -> None:
     Path("s.xml").write_text(SYSTEM)
     settings('[components]\nQuiet = "quiet_component:Quiet"\n[plugin.acme]\nport = 7\n')
     assert run(["run", "s.xml", "--until", "1", "--transport", "acme", "-q"]) == 0
-    told = capfd.readouterr().out
-    assert told.startswith("opened {'port': 7} True\nserves Quiet0\nawaits others\n")
-    assert "withdraws Quiet0" in told
+    output = capfd.readouterr().out
+    assert output.startswith("opened {'port': 7} True\nserves Quiet0\nawaits others\n")
+    assert "withdraws Quiet0" in output
     assert run(["run", "s.xml", "--until", "1", "--transport", "acne"]) == 2
     assert "'acne' is not one of 'direct', 'corba'" in capfd.readouterr().err

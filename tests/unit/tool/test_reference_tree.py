@@ -104,7 +104,7 @@ def test_a_run_from_the_cache_loads_neither_front_ends_nor_back_ends(
         "heavy = {'lark', 'jinja2', 'rich', 'lxml', 'rtgen.model', 'rtgen.runtime'};"
         "print(code, sorted(heavy & set(sys.modules)))"
     )
-    told = [
+    outputs = [
         subprocess.run(
             [sys.executable, "-c", code],
             cwd=ROOT,
@@ -115,8 +115,8 @@ def test_a_run_from_the_cache_loads_neither_front_ends_nor_back_ends(
         ).stdout
         for _ in range(2)
     ]
-    assert "rtgen.model" in told[0]
-    assert told[1] == "0 []\n"
+    assert "rtgen.model" in outputs[0]
+    assert outputs[1] == "0 []\n"
 
 
 def test_a_kill_in_the_middle_leaves_whole_files(built: Path, tmp_path: Path) -> None:

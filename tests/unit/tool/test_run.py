@@ -370,7 +370,7 @@ def test_what_does_not_fit_is_refused(
         ("pose", "M0.broken", "ZeroDivisionError: division by zero"),
     ],
 )
-def test_an_observable_that_is_no_pose_is_told_at_its_place(
+def test_an_observable_that_is_no_pose_is_reported_at_its_place(
     key: str, name: str, message: str, capfd: pytest.CaptureFixture[str]
 ) -> None:
     Path("m.xml").write_text(profile(("Mover", "M0"), until="1", **{key: name}))
@@ -529,7 +529,7 @@ def test_an_interrupt_ends_a_run_with_its_report(number: signal.Signals) -> None
     assert "Traceback" not in err
 
 
-def test_what_hinders_an_active_component_is_told(
+def test_what_hinders_an_active_component_is_reported(
     capfd: pytest.CaptureFixture[str],
 ) -> None:
     Path("s.xml").write_text(profile(("Hindered", "H0"), ("Hindered", "H1")))
@@ -537,7 +537,7 @@ def test_what_hinders_an_active_component_is_told(
     assert capfd.readouterr().out.endswith("\n\nH0: no scan for 0.5 s\n")
 
 
-def test_what_is_waited_for_is_told(
+def test_what_is_waited_for_is_reported(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     system = tmp_path / "waiting.xml"

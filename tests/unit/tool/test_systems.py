@@ -155,7 +155,7 @@ def test_what_editors_leave_out_and_leave_behind(
     assert "warning" not in capfd.readouterr().err
 
 
-def test_connector_properties_are_told_at_their_places(
+def test_connector_properties_are_reported_at_their_places(
     tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
     name = 'rtsExt:name="dataport.inport.buffer.length" rtsExt:value="1024"'

@@ -122,7 +122,7 @@ def test_a_callback_with_other_parameters_is_shown_where_it_is_defined(
     assert "rtgen/runtime" not in err
 
 
-def test_lost_samples_are_told_with_port_reason_and_advice(
+def test_lost_samples_are_reported_with_port_reason_and_advice(
     project: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
     change = Break("", "= self.temperature.read_newest()", "= None", 0, 0, "")
@@ -135,7 +135,7 @@ def test_lost_samples_are_told_with_port_reason_and_advice(
     )
 
 
-def test_overruns_are_told_with_reason_and_advice(
+def test_overruns_are_reported_with_reason_and_advice(
     project: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
     slow = "            __import__('time').sleep(0.15)\n            cold ="

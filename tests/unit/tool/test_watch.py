@@ -44,10 +44,10 @@ class Watcher:
 
     def said(self) -> str:
         """What it says up to the next time that it begins to watch."""
-        told = ""
-        while not told.endswith("watching; Ctrl-C ends it\n"):
-            told += self._lines.get(timeout=PATIENCE)
-        return told
+        output = ""
+        while not output.endswith("watching; Ctrl-C ends it\n"):
+            output += self._lines.get(timeout=PATIENCE)
+        return output
 
     def end(self) -> int:
         self.process.send_signal(signal.SIGINT)

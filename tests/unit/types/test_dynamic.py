@@ -64,7 +64,7 @@ def type_code(descriptor: Any, little_endian: bool = True) -> bytes:
     return encoded(TYPE_CODE, described, little_endian)
 
 
-def every_truncation_is_told(type_: Any, octets: bytes) -> None:
+def every_truncation_is_reported(type_: Any, octets: bytes) -> None:
     for end in range(len(octets)):
         with pytest.raises(CdrError):
             type_.from_cdr(octets[:end])
@@ -82,7 +82,7 @@ def test_a_type_code_of_a_struct(dyn: Any) -> None:
     )
 
 
-def test_what_was_told_is_referred_to(dyn: Any) -> None:
+def test_what_was_written_is_referred_to(dyn: Any) -> None:
     octets = type_code(dyn.B)
     assert octets.count(b"IDL:Dyn/A:1.0") == 1
     place = octets.index(b"\xff" * 4)
@@ -167,7 +167,7 @@ def test_any(dyn: Any) -> None:
     again = AnyValue.from_cdr(octets, False)
     assert again == value
     assert type(again.value) is dyn.A
-    every_truncation_is_told(AnyValue, value.to_cdr())
+    every_truncation_is_reported(AnyValue, value.to_cdr())
     assert AnyValue().to_cdr() == bytes(4)
     assert pickle.loads(pickle.dumps(value)) == value
 
@@ -249,7 +249,7 @@ def test_members_of_type_any(dyn: Any) -> None:
     for little_endian in (True, False):
         assert dyn.Anys.from_cdr(anys.to_cdr(little_endian), little_endian) == anys
         assert dyn.Both.from_cdr(both.to_cdr(little_endian), little_endian) == both
-    every_truncation_is_told(dyn.Anys, anys.to_cdr())
+    every_truncation_is_reported(dyn.Anys, anys.to_cdr())
     copy = both._snapshot_()
     copy.c.c[0].value.x = 9
     assert anys.c[0].value.x == 3
@@ -292,7 +292,7 @@ def test_a_value_of_the_expected_type(dyn: Any) -> None:
     assert words(value.to_cdr()) == (
         "08ffff7f 04000000 01000000 08ffff7f 08000000 02000000 00000000 ffffffff"
     )
-    every_truncation_is_told(dyn.V, value.to_cdr())
+    every_truncation_is_reported(dyn.V, value.to_cdr())
 
 
 def test_shared_values_and_null(dyn: Any) -> None:
@@ -306,7 +306,7 @@ def test_shared_values_and_null(dyn: Any) -> None:
         assert again.c is again.d
         assert (again.a.x, again.d.value, again.e[1]) == (7, "aa", None)
         assert again.to_cdr(little_endian) == octets
-    every_truncation_is_told(dyn.Values, octets)
+    every_truncation_is_reported(dyn.Values, octets)
     copy = value._snapshot_()
     assert copy.a is copy.b
     assert copy.a is not shared
@@ -388,7 +388,7 @@ def test_boxes_abstract_bases_and_anys_inside_of_values(dyn: Any) -> None:
         assert again.c.value.value == [dyn.A(1)]
         assert (again.d, again.e.data, again.f) == (value.d, b"abc", reference)
         assert again.to_cdr(little_endian) == octets
-    every_truncation_is_told(dyn.Holds, octets)
+    every_truncation_is_reported(dyn.Holds, octets)
     value.e = reference
     assert dyn.Holds.from_cdr(value.to_cdr()).e == reference
     with pytest.raises(CdrError) as caught:
@@ -420,7 +420,7 @@ def test_values_are_made_as_their_implementation(tmp_path: Path) -> None:
     assert made.next() == 5
 
 
-def test_a_long_chain_of_values_is_told_not_to_fit(dyn: Any) -> None:
+def test_a_long_chain_of_values_does_not_fit(dyn: Any) -> None:
     value = None
     for number in range(5000):
         value = dyn.V(number, value)
@@ -439,7 +439,7 @@ def test_optional_members_have_headers(dyn: Any) -> None:
         for little_endian in (True, False):
             octets = value.to_cdr(little_endian)
             assert dyn.Opt.from_cdr(octets, little_endian) == value
-        every_truncation_is_told(dyn.Opt, octets)
+        every_truncation_is_reported(dyn.Opt, octets)
         both = dyn.HasOpt(value, [value, absent])
         assert dyn.HasOpt.from_cdr(both.to_cdr()) == both
         assert both._snapshot_() == both
@@ -456,8 +456,8 @@ def test_samples_in_logs(dyn: Any) -> None:
     value.next = value
     anys = dyn.Anys(1, AnyValue(dyn.A, dyn.A(2)), e=dyn.A._descriptor_)
     assert plain_sample(value) == {"x": 1, "next": "Dyn::V"}
-    told = plain_sample(anys)
-    assert (told["a"], told["e"]) == ({"x": 2}, "Dyn::A")
+    plain = plain_sample(anys)
+    assert (plain["a"], plain["e"]) == ({"x": 2}, "Dyn::A")
     assert plain_sample(dyn.Text("t")) == {"value": "t"}
     assert plain_sample(dyn.U.of_p(3)) == {"discriminator": 1, "value": 3}
 
