@@ -86,7 +86,7 @@ class DeviceIdl:
     def _with_base(self, declaration: Declaration) -> Declaration:
         if not isinstance(declaration, Component) or declaration.file != _MANAGER:
             return declaration
-        from rtgen.backends.canopen.components import manager
+        from rtgen.lowering.canopen.components import manager
 
         return manager(declaration, self._buses)
 
@@ -99,9 +99,9 @@ def device_idl(
     `definitions` are the project's IDL files. With `given` the devices are part of the project;
     without, their IDL is only available for includes.
     """
-    from rtgen.backends.canopen.components import device_components
-    from rtgen.backends.canopen.idl_model import idl_of
-    from rtgen.backends.canopen.kinds import check, file_name, kinds_of
+    from rtgen.backends.canopen.idl_file import idl_of
+    from rtgen.lowering.canopen.components import device_components
+    from rtgen.lowering.canopen.kinds import check, file_name, kinds_of
     from rtgen.typemap.canopen_ports import DevicePorts
 
     model = result.model

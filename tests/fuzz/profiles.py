@@ -17,9 +17,9 @@ from rtgen.diagnostics import Diagnostic, InputError, has_errors
 from rtgen.diagnostics.report import report
 from rtgen.frontends import idl, profile_yaml, rtc_profile, rts_profile
 from rtgen.frontends.kit import located_xml
-from rtgen.frontends.rtc_profile.rules import RULES
 from rtgen.inspection.models import inspect
 from rtgen.model import Model
+from rtgen.typemap.profile_rules import RULES
 
 ROOT = Path(__file__).parents[2]
 CASES = ROOT / "tests/golden"

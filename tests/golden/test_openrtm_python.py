@@ -12,7 +12,7 @@ from rtgen.backends.idl_text import idl_text
 from rtgen.diagnostics import Diagnostic, in_order
 from rtgen.frontends import idl, openrtm_python
 from rtgen.frontends.openrtm_python import rules
-from rtgen.frontends.rtc_profile.lowering import components
+from rtgen.lowering.profiles.components import components
 
 CASES = Path(__file__).parent / "openrtm_python"
 

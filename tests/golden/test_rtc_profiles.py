@@ -11,7 +11,7 @@ from rtgen.backends.idl_text import idl_text
 from rtgen.cli import run
 from rtgen.diagnostics import Diagnostic, has_errors, in_order
 from rtgen.frontends import idl, rtc_profile
-from rtgen.frontends.rtc_profile import rules
+from rtgen.typemap import profile_rules as rules
 
 CASES = Path(__file__).parent / "rtc_profile"
 SPECS = Path(__file__).parents[2] / "specs" / "idl"

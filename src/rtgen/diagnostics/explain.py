@@ -24,11 +24,12 @@ MODULES = (
     "rtgen.frontends.idl.rules",
     "rtgen.frontends.openrtm_python.rules",
     "rtgen.frontends.profile_yaml",
-    "rtgen.frontends.rtc_profile.rules",
+    "rtgen.typemap.profile_rules",
     "rtgen.frontends.rts_profile",
     "rtgen.lint.rules",
     "rtgen.project.rules",
     "rtgen.lowering.adapter_rules",
+    "rtgen.lowering.canopen.rules",
     "rtgen.systems.checks",
     "rtgen.systems.rules",
 )

@@ -8,14 +8,14 @@ from rtgen.backends import Artifact, Emission, Options
 from rtgen.backends.canopen.codecs_module import codecs_text
 from rtgen.backends.canopen.device_module import device_text
 from rtgen.backends.canopen.eds_text import eds_text
-from rtgen.backends.canopen.idl_model import idl_of
-from rtgen.backends.canopen.kinds import file_name, folder_of, kinds_of
+from rtgen.backends.canopen.idl_file import idl_of
 from rtgen.backends.canopen.mirror import mirrored
 from rtgen.backends.canopen.network_files import network_files
 from rtgen.backends.canopen.objects_module import objects_text
 from rtgen.backends.canopen.proxy_module import proxy_text
 from rtgen.backends.canopen.shared_files import shared_files
 from rtgen.backends.python_text import header, header_comment
+from rtgen.lowering.canopen.kinds import file_name, folder_of, kinds_of
 from rtgen.model import Component, Model
 from rtgen.typemap.canopen_ports import DevicePorts
 from rtgen.typemap.idl_python import PythonNames

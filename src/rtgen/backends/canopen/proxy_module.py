@@ -6,9 +6,7 @@ from collections.abc import Iterator
 
 from rtgen.backends import Options
 from rtgen.backends.canopen.component_module import ComponentModule
-from rtgen.backends.canopen.components import SERVICE_PORT
 from rtgen.backends.canopen.conversions import is_plain, to_codec, to_object
-from rtgen.backends.canopen.kinds import OBJECT_ACCESS, service_of
 from rtgen.backends.canopen.literals import call, items, literal, number
 from rtgen.backends.canopen.objects_module import (
     CONFIGURATION,
@@ -19,6 +17,8 @@ from rtgen.backends.canopen.objects_module import (
 from rtgen.backends.canopen.service_module import SERVANT
 from rtgen.backends.quoting.python import docstring, number_literal, string_literal
 from rtgen.layouts.can_startup import configuration
+from rtgen.lowering.canopen.components import SERVICE_PORT
+from rtgen.lowering.canopen.kinds import OBJECT_ACCESS, service_of
 from rtgen.model import Component, Interface, Model, PortKind
 from rtgen.model.canopen import NodeRelative, PdoDirection
 from rtgen.typemap.canopen_ports import DevicePorts, ObjectPort, PdoSample, Quantity

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from rtgen.backends import Options
-from rtgen.backends.canopen.kinds import OBJECT_DICTIONARY
 from rtgen.backends.components.imports import Imports
 from rtgen.backends.python_text import fit_text
 from rtgen.backends.quoting.python import docstring
+from rtgen.lowering.canopen.kinds import OBJECT_DICTIONARY
 from rtgen.model import Interface, Model
 from rtgen.typemap.idl_python import PythonNames
 

@@ -15,8 +15,8 @@ from rtgen.diagnostics import Diagnostic, InputError
 from rtgen.frontends import Dependency, FrontendResult, key_of, profile_yaml
 from rtgen.frontends.kit import located_xml
 from rtgen.frontends.profile_yaml import YAML_SUFFIXES
-from rtgen.frontends.rtc_profile.lowering import components
 from rtgen.frontends.rtc_profile.reader import Reader, idl_files
+from rtgen.lowering.profiles.components import components
 from rtgen.model import Model, SourceFile
 from rtgen.model.rtc_profile import RtcProfile
 

@@ -9,7 +9,6 @@ from pathlib import PureWindowsPath
 from rtgen.diagnostics import Diagnostic, Rule, Span
 from rtgen.facts.constraints import Constraint
 from rtgen.frontends.kit.located_xml import Element
-from rtgen.frontends.rtc_profile import rules
 from rtgen.frontends.rtc_profile.constraints import NoTextFormError, constraint
 from rtgen.frontends.rtc_profile.names import (
     ACTIVITY_TYPES,
@@ -27,6 +26,7 @@ from rtgen.model.rtc_profile import (
     ProfileServicePort,
     RtcProfile,
 )
+from rtgen.typemap import profile_rules as rules
 from rtgen.typemap.dates import has_zone, is_date
 from rtgen.typemap.profile_facts import PROPERTY, Facts, checked, facts_from
 from rtgen.typemap.profile_texts import lines, one_line

@@ -1,21 +1,18 @@
-"""The IDL of a device: types of its ports, and operations for the objects that a bus file lists."""
+"""The types of a device's ports, and the interface of its SDO service."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from typing import Any
 
-from rtgen.backends.canopen.kinds import OBJECT_ACCESS, OBJECT_DICTIONARY, file_name
-from rtgen.backends.idl_text import idl_text
 from rtgen.diagnostics import Span
+from rtgen.lowering.canopen.kinds import OBJECT_ACCESS, OBJECT_DICTIONARY, file_name
 from rtgen.model import (
     VOID,
     Declaration,
     Direction,
     Interface,
     Member,
-    Model,
     NamedType,
     Operation,
     Parameter,
@@ -29,30 +26,15 @@ from rtgen.typemap.canopen_ports import (
     DevicePorts,
     PdoSample,
 )
-from rtgen.typemap.canopen_texts import line, told
+from rtgen.typemap.canopen_texts import told
 
 _OCTETS = NamedType(("CANopen", "Octets"))
 _TIME = NamedType(("RTC", "Time"))
 _RAISED: tuple[ScopedName, ...] = (("CANopen", "SdoAbort"), ("CANopen", "BusGone"))
 
 
-def idl_of(ports: DevicePorts) -> str:
-    """The text of the IDL file of a device, without its components."""
-    macro = re.sub(r"[^A-Za-z0-9]", "_", f"{ports.kind.module}_IDL")
-    macro = f"CANOPEN_{macro.upper()}"
-    declarations = tuple(_declarations(ports))
-    body = idl_text(Model(declarations=declarations), declarations, annotations=False)
-    info = ports.device.info
-    about = " ".join(filter(None, (info.vendor_name, info.product_name)))
-    title = f"// {line(about)}\n" if about else ""
-    return (
-        f"{title}\n#ifndef {macro}\n#define {macro}\n\n"
-        f'#include "BasicDataType.idl"\n#include "Canopen.idl"\n\n'
-        f"{body}\n#endif // {macro}\n"
-    )
-
-
-def _declarations(ports: DevicePorts) -> Iterator[Declaration]:
+def declarations(ports: DevicePorts) -> Iterator[Declaration]:
+    """The structs of the ports, and the interface with operations that a bus file lists."""
     if ports.per_object:
         yield from _timed(ports)
     else:

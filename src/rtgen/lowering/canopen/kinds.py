@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from rtgen.backends.canopen.rules import (
+from rtgen.diagnostics import Diagnostic, Related
+from rtgen.lowering.canopen.rules import (
     BAD_PARAMETER,
     NO_DEFAULT,
     NO_PORT,
     SAME_MODULE,
     TAKEN_MODULE,
 )
-from rtgen.diagnostics import Diagnostic, Related
 from rtgen.model import Bus, Device, ScopedName
 from rtgen.model.can_bus import DeviceKind, kind_of
 from rtgen.typemap.canopen_ports import DevicePorts, can_be_parameter

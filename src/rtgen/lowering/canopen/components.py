@@ -7,8 +7,8 @@ from dataclasses import replace
 from math import isfinite
 from typing import Any
 
-from rtgen.backends.canopen.kinds import file_name, folder_of, service_of
 from rtgen.diagnostics import Span
+from rtgen.lowering.canopen.kinds import file_name, folder_of, service_of
 from rtgen.model import (
     Bus,
     Component,

@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 from typing import Any, TypeAlias, TypeVar
 
 from rtgen.diagnostics import Diagnostic, Span
-from rtgen.frontends.rtc_profile import rules
 from rtgen.model import (
     Annotation,
     Component,
@@ -27,6 +26,7 @@ from rtgen.model import (
 )
 from rtgen.model.rtc_profile import EVENT, EVENT_PORT, ProfileParameter, RtcProfile
 from rtgen.typemap import profile_facts, profile_texts
+from rtgen.typemap import profile_rules as rules
 from rtgen.typemap.component_annotations import (
     WrittenAnnotation,
     annotations_from,

@@ -9,8 +9,7 @@ from typing import TypeVar
 
 from rtgen.diagnostics import Diagnostic, Related, Rule, Span
 from rtgen.facts.constraints import Constraint, text_of
-from rtgen.frontends.rtc_profile import rules
-from rtgen.frontends.rtc_profile.definitions import Definitions, identifier_of
+from rtgen.lowering.profiles.definitions import Definitions, identifier_of
 from rtgen.model import (
     Annotation,
     Component,
@@ -38,6 +37,7 @@ from rtgen.model.rtc_profile import (
     ProfileParameter,
     RtcProfile,
 )
+from rtgen.typemap import profile_rules as rules
 from rtgen.typemap import profile_texts
 from rtgen.typemap.parameter_words import type_of
 from rtgen.typemap.parameters import Parameters, ValueMismatchError

@@ -1,0 +1,1 @@
+"""Lowers CANopen devices to types, interfaces and components."""

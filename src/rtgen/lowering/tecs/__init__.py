@@ -1,0 +1,1 @@
+"""Lowers CDL files with joins through `RTCPlugin` to packages of interfaces and components."""
