@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import builtins
+from collections.abc import Mapping
 
 from rtgen.layouts.tdr import (
     Basic,
@@ -18,34 +19,44 @@ from rtgen.model import ScopedName
 from rtgen.model.tecs import Scalar, Signature
 from rtgen.typemap.python_names import identifier, module_name
 
-CODEC_NAMES = (
-    "Codec",
-    "FAILURES",
-    "More",
-    "REPLY_LIMIT",
-    "REQUEST_LIMIT",
-    "Room",
-    "Text",
-    "WideText",
-    "argument_error",
-    "cast",
-    "element",
-    "exactly",
-    "is_rpc_error",
-    "leading",
-    "leading_bytes",
-    "present",
-    "quotient",
-    "remainder",
-    "shifted_left",
-    "shifted_right",
-    "size_error",
-    "within",
-)
-"""Names of `rtgen.runtime.opaque_rpc.codecs` that generated codecs import."""
+CODEC_IMPORTS: Mapping[str, tuple[str, ...]] = {
+    "channel": ("More",),
+    "codecs": ("Codec", "Messages", "REPLY_LIMIT", "REQUEST_LIMIT", "RecordCodec"),
+    "tdr": (
+        "EOP_NOTHING_FOLLOWS",
+        "EOP_REPLY_FOLLOWS",
+        "INT8",
+        "Items",
+        "NETWORK",
+        "SOP_REPLY",
+        "SOP_REQUEST",
+        "Tdr",
+        "UINT8",
+    ),
+    "values": (
+        "ByteBudget",
+        "FAILURES",
+        "Text",
+        "WideText",
+        "argument_error",
+        "cast",
+        "element",
+        "exactly",
+        "is_rpc_error",
+        "leading",
+        "leading_bytes",
+        "present",
+        "quotient",
+        "remainder",
+        "shifted_left",
+        "shifted_right",
+        "size_error",
+        "within",
+    ),
+}
+"""Names that generated codecs import, by module of `rtgen.runtime.opaque_rpc`."""
 
-FUNCTION_NAMES = ("Messages", "RecordCodec")
-"""Names of the module `functions` that generated codecs import."""
+IMPORTED_NAMES = frozenset(name for names in CODEC_IMPORTS.values() for name in names)
 
 CODEC_ATTRIBUTES = frozenset(
     (
@@ -62,24 +73,9 @@ CODEC_ATTRIBUTES = frozenset(
 )
 """Attributes of codecs, besides those for functions."""
 
-TDR_NAMES = (
-    "EOP_NOTHING_FOLLOWS",
-    "EOP_REPLY_FOLLOWS",
-    "INT8",
-    "Items",
-    "NETWORK",
-    "SOP_REPLY",
-    "SOP_REQUEST",
-    "Tdr",
-    "UINT8",
-)
-"""Names of the module `tdr` that generated codecs import."""
-
 _OF_MODULES = frozenset(
     (
-        *CODEC_NAMES,
-        *FUNCTION_NAMES,
-        *TDR_NAMES,
+        *IMPORTED_NAMES,
         *("ABC", "Channel", "ClassVar", "Final", "Handlers", "Mapping", "Sequence"),
         *("TypeAlias", "abstractmethod", "annotations", "dataclass", "field"),
         *dir(builtins),

@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from rtgen.runtime.opaque_rpc import E_MAGIC, E_PAR, ProtocolError
-from rtgen.runtime.opaque_rpc.messages import Handlers, More
+from rtgen.runtime.opaque_rpc.channel import Handlers, More
 
 TWO_WAY, NOTHING_FOLLOWS = b"\x5a\x3c", b"\x6d\x5e"
 SOP, REPLY_SOP = b"\x67\x2a", b"\x56\x1e"

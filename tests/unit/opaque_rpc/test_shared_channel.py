@@ -18,7 +18,7 @@ from rtgen.runtime.opaque_rpc import (
     TcpChannel,
     TcpServer,
 )
-from rtgen.runtime.opaque_rpc.messages import Handlers, More
+from rtgen.runtime.opaque_rpc.channel import Handlers, More
 
 LONG = 20.0
 REQUEST = bytes.fromhex("2a670100785634123c5a")

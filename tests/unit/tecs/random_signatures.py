@@ -255,7 +255,7 @@ class Signatures:
         self._names += 1
         if self._random.random() < 0.05:
             return f"{prefix}{self._names}"
-        odd = ("more", "lambda", "len", "first", "None", "self", "room", "class")
+        odd = ("more", "lambda", "len", "first", "None", "self", "budget", "class")
         if self._names <= len(odd):
             return odd[self._names - 1]
         return f"{prefix}{self._names}"

@@ -22,9 +22,9 @@ CLASHES = """
 const int32_t Final = 3; const char_t *const TEXT = "a\\tb"; const double64_t RATE = 0.5;
 struct tagBox { uint8_t _int; };
 struct Text { int8_t list; struct tagBox box; struct tagBox field[2]; };
-typedef struct Text Room;
+typedef struct Text ByteBudget;
 signature sOne {
-  ER f( [in] Room Text, [in,size_is(len)] const struct tagBox *tagBox, [in] uint8_t len,
+  ER f( [in] ByteBudget Text, [in,size_is(len)] const struct tagBox *tagBox, [in] uint8_t len,
         [out] int8_t *returned, [inout] int32_t *self );
   ER g( [in,size_is((number > 3 ? 1 : 0) + (number != 3 || number >= 9 ? 5 : 2))] const int8_t *v,
         [in,size_is(((number + 1) / 2) * ((number + 3) % 4) + ((number - 1) * (number - 2)))]

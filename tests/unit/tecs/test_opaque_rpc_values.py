@@ -17,8 +17,9 @@ from rtgen.runtime.opaque_rpc import (
     ProtocolError,
     make_tdr,
 )
-from rtgen.runtime.opaque_rpc.codecs import (
-    Room,
+from rtgen.runtime.opaque_rpc.tdr import INT8, LITTLE, UINT8, Items, Order
+from rtgen.runtime.opaque_rpc.values import (
+    ByteBudget,
     Text,
     WideText,
     cast,
@@ -28,7 +29,6 @@ from rtgen.runtime.opaque_rpc.codecs import (
     remainder,
     shifted_left,
 )
-from rtgen.runtime.opaque_rpc.tdr import INT8, LITTLE, UINT8, Items, Order
 
 
 def test_composite_codes_are_those_that_c_clients_return() -> None:
@@ -119,13 +119,13 @@ def test_a_text_ends_at_the_first_zero_or_without_one() -> None:
 
 
 def test_sizes_are_checked_before_anything_is_read() -> None:
-    room = Room(10)
-    assert room.take(3, 2, 3) == 6
+    budget = ByteBudget(10)
+    assert budget.take(3, 2, 3) == 6
     for count, most, code in ((-1, None, E_PAR), (2, 1, E_PAR), (5, None, E_NOMEM)):
         with pytest.raises(ProtocolError) as caught:
-            room.take(count, 1, most)
+            budget.take(count, 1, most)
         assert caught.value.sub == code
-    assert room.take(4, 1) == 4
+    assert budget.take(4, 1) == 4
 
 
 def test_arithmetic_is_that_of_c() -> None:

@@ -20,7 +20,7 @@ from rtgen.runtime.opaque_rpc import (
     TcpServer,
     make_tdr,
 )
-from rtgen.runtime.opaque_rpc.codecs import is_rpc_error
+from rtgen.runtime.opaque_rpc.values import is_rpc_error
 
 ORDERS: tuple[Order, ...] = ("network", "little", "big")
 REPLIES: tuple[ReplyOrder, ...] = ("tecsgen", "paper")

@@ -8,20 +8,8 @@ from collections.abc import Sequence
 
 from typing import ClassVar
 
-from rtgen.runtime.opaque_rpc.codecs import (
-    Codec,
-    FAILURES,
-    More,
-    REPLY_LIMIT,
-    REQUEST_LIMIT,
-    Room,
-    Text,
-    argument_error,
-    exactly,
-    is_rpc_error,
-    within,
-)
-from rtgen.runtime.opaque_rpc.functions import Messages
+from rtgen.runtime.opaque_rpc.channel import More
+from rtgen.runtime.opaque_rpc.codecs import Codec, Messages, REPLY_LIMIT, REQUEST_LIMIT
 from rtgen.runtime.opaque_rpc.tdr import (
     EOP_NOTHING_FOLLOWS,
     EOP_REPLY_FOLLOWS,
@@ -30,6 +18,15 @@ from rtgen.runtime.opaque_rpc.tdr import (
     SOP_REPLY,
     SOP_REQUEST,
     Tdr,
+)
+from rtgen.runtime.opaque_rpc.values import (
+    ByteBudget,
+    FAILURES,
+    Text,
+    argument_error,
+    exactly,
+    is_rpc_error,
+    within,
 )
 
 from ._types import tagWheelState
@@ -58,10 +55,10 @@ class IdentifyMessages(Messages[[], tuple[int, str]]):
         return self._request
 
     def read_request(self, more: More) -> tuple[()]:
-        room = Room(self.request_limit)
+        budget = ByteBudget(self.request_limit)
         if (eop_bytes := more(2)) != self.awaiting_reply:
             raise self.wrong_mark("EOP", EOP_REPLY_FOLLOWS, eop_bytes)
-        room.take(32, 1)
+        budget.take(32, 1)
         return ()
 
     def encode_reply(self, returned: int, name: str) -> bytes:
@@ -84,7 +81,7 @@ class IdentifyMessages(Messages[[], tuple[int, str]]):
             ) from failure
 
     def read_reply(self, first: bytes, more: More) -> tuple[int, tuple[str] | None]:
-        room = Room(self.reply_limit)
+        budget = ByteBudget(self.reply_limit)
         sop, returned = self._run5.unpack(first)
         if sop != SOP_REPLY:
             raise self.wrong_mark("SOP", SOP_REPLY, sop)
@@ -93,7 +90,7 @@ class IdentifyMessages(Messages[[], tuple[int, str]]):
                 raise self.wrong_mark("EOP", EOP_NOTHING_FOLLOWS, eop_bytes)
             return returned, None
         (name_count,) = self._run6.unpack(more(self._run6.size))
-        name_size = room.take(name_count, 1, 32)
+        name_size = budget.take(name_count, 1, 32)
         packet = more(name_size + self._run4.size)
         name = self._text.text(packet[:name_size])
         (eop,) = self._run4.unpack_from(packet, name_size)
@@ -196,10 +193,10 @@ class DriveMessages(Messages[[Sequence[float], int], tuple[int, tagWheelState]])
             ) from failure
 
     def read_request(self, more: More) -> tuple[list[float], int]:
-        room = Room(self.request_limit)
+        budget = ByteBudget(self.request_limit)
         (count,) = self._run3.unpack(more(self._run3.size))
         speed_count = count
-        speed_size = room.take(speed_count, self._items_d.width, 2)
+        speed_size = budget.take(speed_count, self._items_d.width, 2)
         packet = more(speed_size + self._run2.size)
         speed = self._items_d.floats(packet, speed_count)
         (eop,) = self._run2.unpack_from(packet, speed_size)

@@ -43,9 +43,8 @@ from rtgen.layouts.tdr_messages import is_error_code, layout_of
 from rtgen.model.tecs import Signature, TecsDirection, TecsFunction, TecsUnit
 from rtgen.typemap.python_names import identifier
 from rtgen.typemap.tecs_python import (
-    CODEC_NAMES,
-    FUNCTION_NAMES,
-    TDR_NAMES,
+    CODEC_IMPORTS,
+    IMPORTED_NAMES,
     annotation,
     argument_annotation,
     codec_class,
@@ -174,7 +173,7 @@ def _named(
     Classes that differ only in their name are merged.
     """
     taken = {name for signature in signatures for name in signature.structs}
-    taken |= {*CODEC_NAMES, *TDR_NAMES, *FUNCTION_NAMES}
+    taken |= IMPORTED_NAMES
     taken |= {signature.name for signature in signatures}
     classes: dict[str, _Class] = {}
     users: dict[str, set[str]] = {}
@@ -216,13 +215,11 @@ def _module(
         lines += ["from collections.abc import Sequence", ""]
     if "ClassVar" in words:
         lines += ["from typing import ClassVar", ""]
-    for module, names in (
-        ("rtgen.runtime.opaque_rpc.codecs", used(CODEC_NAMES)),
-        ("rtgen.runtime.opaque_rpc.functions", used(FUNCTION_NAMES)),
-        ("rtgen.runtime.opaque_rpc.tdr", used(TDR_NAMES)),
-    ):
-        if names:
-            lines.append(f"from {module} import {', '.join(names)}")
+    for module, imported in CODEC_IMPORTS.items():
+        if names := used(imported):
+            lines.append(
+                f"from rtgen.runtime.opaque_rpc.{module} import {', '.join(names)}"
+            )
     local = ((f".{SHARED}", used(shared)), ("._types", used(structs)))
     beside = [f"from {m} import {', '.join(n)}" for m, n in local if n]
     lines += ["", *beside] if beside else []
@@ -268,7 +265,7 @@ def _record(record: Record, structs: Sequence[str]) -> _Class:
     methods = [
         start,
         _method("write", [f"value: {name}"], "bytes", write),
-        _method("read", ["more: More", "room: Room"], name, read),
+        _method("read", ["more: More", "budget: ByteBudget"], name, read),
     ]
     body = "\n\n".join([doc, *methods])
     return _Class(record_class(name), "RecordCodec", body, tuple(attributes.records))
@@ -422,7 +419,9 @@ class _Function:
             {Role.EOP: self._eop},
         )
         lines = decoder.body(_without(layout.request, (Role.SOP, Role.ID)))
-        room = ["room = Room(self.request_limit)"] if decoder.needs_room else []
+        budget = (
+            ["budget = ByteBudget(self.request_limit)"] if decoder.needs_budget else []
+        )
         values = [
             f"not {decoder.flag(item)}" if item.asked else _value(scope, item)
             for item in layout.arguments
@@ -430,7 +429,7 @@ class _Function:
         types = [
             "bool" if item.asked else item_annotation(item) for item in layout.arguments
         ]
-        body = [*room, *lines, f"return {_tuple(values)}"]
+        body = [*budget, *lines, f"return {_tuple(values)}"]
         return _method(
             "read_request",
             ["more: More"],
@@ -527,10 +526,12 @@ class _Function:
             start = _first_run(steps)
         size = decoder.run_size(start)
         lines += decoder.body(steps, first)
-        room = ["room = Room(self.reply_limit)"] if decoder.needs_room else []
+        budget = (
+            ["budget = ByteBudget(self.reply_limit)"] if decoder.needs_budget else []
+        )
         outs = _tuple([_value(scope, item) for item in layout.outs])
         returned = "None" if layout.is_void else "returned"
-        body = [*room, *lines, f"return {returned}, {outs}"]
+        body = [*budget, *lines, f"return {returned}, {outs}"]
         body = _guarded(body, environment, "self.function")
         types = _tuple_type([item_annotation(item) for item in layout.outs])
         result = f"tuple[{annotation(layout.returned.node)}, {types}]"

@@ -21,17 +21,17 @@ from rtgen.layouts.tdr import (
 )
 from rtgen.model.tecs import Expression
 from rtgen.typemap.python_names import identifier
-from rtgen.typemap.tecs_python import CODEC_NAMES, TDR_NAMES
+from rtgen.typemap.tecs_python import IMPORTED_NAMES
 
 _LOCALS = (
-    *("self", "more", "first", "returned", "room", "parts", "failure"),
+    *("self", "more", "first", "returned", "budget", "parts", "failure"),
     *("packet", "unpacked", "sop", "eop", "eop_bytes", "value"),
 )
 _SIMPLE = re.compile(r"[\w.]+|present\(\w+\)")
 _DEEPEST = 16
 """The deepest indentation of a statement."""
 
-_RESERVED = frozenset((*CODEC_NAMES, *TDR_NAMES, *_LOCALS, *dir(builtins)))
+_RESERVED = frozenset((*IMPORTED_NAMES, *_LOCALS, *dir(builtins)))
 
 
 class Attributes:

@@ -56,7 +56,7 @@ class Decoder:
         self._checks = checks
         self._flags: dict[str, str] = {}
         self._counts: dict[str, str] = {}
-        self.needs_room = False
+        self.needs_budget = False
 
     def body(self, steps: Sequence[Step], first: str | None = None) -> list[str]:
         """The statements; `first` is the name of bytes that are there: those of the first run."""
@@ -155,7 +155,7 @@ class Decoder:
         """Reads elements or units, together with a run after them."""
         node = item.node
         assert isinstance(node, Counted | String)
-        self.needs_room = True
+        self.needs_budget = True
         count = self._named(self._counts, item, "count")
         size = self._scope.new(f"{item.name}_size")
         lines = self._counted(node, count, size)
@@ -182,7 +182,7 @@ class Decoder:
         if isinstance(node, Counted) and node.most is not None:
             bounds.append(str(node.most))
         bound = f"min({', '.join(bounds)})" if len(bounds) == 2 else "".join(bounds)
-        return f"room.take({count}, {width}{f', {bound}' if bound else ''})"
+        return f"budget.take({count}, {width}{f', {bound}' if bound else ''})"
 
     def _width(self, node: Counted | String) -> str:
         """The size of an element or unit in bytes."""
@@ -220,14 +220,17 @@ class Decoder:
 
     def _reserve(self, item: Item) -> list[str]:
         """Reserves memory for the results of the call."""
-        self.needs_room = True
+        self.needs_budget = True
         node = item.node
         assert isinstance(node, Counted | String)
         count = self._environment.reserved(node)
         most = node.most if isinstance(node, Counted) else None
         bound = f", {most}" if most is not None else ""
         width = self._least(node)
-        lines = [*self._environment.statements(), f"room.take({count}, {width}{bound})"]
+        lines = [
+            *self._environment.statements(),
+            f"budget.take({count}, {width}{bound})",
+        ]
         if item.nullable:
             lines = [f"    {line}" for line in lines]
             return [f"if not {self._flags[item.name]}:", *lines]
@@ -243,17 +246,17 @@ class Decoder:
         """An expression that reads a compound value."""
         match node:
             case String():
-                self.needs_room = True
+                self.needs_budget = True
                 length = self._environment.length(node)
                 bound = "" if length is None else f", {length}"
-                return f"{self._attributes.text(node)}.read(more, room{bound})"
+                return f"{self._attributes.text(node)}.read(more, budget{bound})"
             case Record(struct) if not node.fixed:
-                self.needs_room = True
-                return f"{self._attributes.record(struct_class(struct.name))}.read(more, room)"
+                self.needs_budget = True
+                return f"{self._attributes.record(struct_class(struct.name))}.read(more, budget)"
             case FixedArray(element, times) if not is_fixed(element):
                 return f"[{self._read(element)} for _ in range({times})]"
             case Counted(element):
-                self.needs_room = True
+                self.needs_budget = True
                 taken = self._taken(node, self._environment.count(node), "1")
                 return f"[{self._read(element)} for _ in range({taken})]"
         raise AssertionError(node)

@@ -28,8 +28,8 @@ from rtgen.runtime.opaque_rpc import (
     SerialChannel,
     TcpChannel,
 )
-from rtgen.runtime.opaque_rpc.codecs import is_rpc_error
 from rtgen.runtime.opaque_rpc.serial import BAUDRATE
+from rtgen.runtime.opaque_rpc.values import is_rpc_error
 
 
 @click.command("call")

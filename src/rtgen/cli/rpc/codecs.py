@@ -37,7 +37,7 @@ from rtgen.runtime.opaque_rpc import (
     ReplyOrder,
     Tdr,
 )
-from rtgen.runtime.opaque_rpc.functions import Messages
+from rtgen.runtime.opaque_rpc.codecs import Messages
 from rtgen.runtime.opaque_rpc.tdr import SOP_REQUEST
 from rtgen.typemap.tecs_python import codec_class, codec_module, zero
 

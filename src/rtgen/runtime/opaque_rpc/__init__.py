@@ -1,11 +1,17 @@
 """TECS OpaqueRPC: what generated codecs, proxies and unmarshallers import."""
 
-from rtgen.runtime.opaque_rpc.channel import Channel, ExchangeChannel
+from rtgen.runtime.opaque_rpc.channel import (
+    Channel,
+    ExchangeChannel,
+    Handler,
+    Handlers,
+    More,
+)
 from rtgen.runtime.opaque_rpc.codecs import (
     REPLY_LIMIT,
     REQUEST_LIMIT,
     Codec,
-    More,
+    Messages,
     ReplyOrder,
 )
 from rtgen.runtime.opaque_rpc.digest import check_signature, peer_digest
@@ -32,13 +38,10 @@ from rtgen.runtime.opaque_rpc.errors import (
     ProtocolError,
     RpcError,
 )
-from rtgen.runtime.opaque_rpc.functions import Messages
 from rtgen.runtime.opaque_rpc.interface import OpaqueRpc
 from rtgen.runtime.opaque_rpc.link import Link, LinkSettings
 from rtgen.runtime.opaque_rpc.messages import (
     Dispatcher,
-    Handler,
-    Handlers,
     MessageReader,
     PacketServer,
     SharedUnmarshaller,

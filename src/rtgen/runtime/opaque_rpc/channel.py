@@ -1,11 +1,20 @@
-"""Interface of channels for callers, and a channel without a connection."""
+"""Interface of channels for callers, types of their servers, and a channel without a connection."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Protocol
+from collections.abc import Callable, Mapping
+from typing import Protocol, TypeAlias
 
 from rtgen.runtime.opaque_rpc.errors import E_BOVR, ChannelError
+
+More: TypeAlias = Callable[[int], bytes]
+"""Returns exactly n octets of the message, or raises ChannelError."""
+
+Handler: TypeAlias = Callable[[More], bytes | None]
+"""Serves a request whose first octets have been read; returns the reply, None of a oneway one."""
+
+Handlers: TypeAlias = Mapping[bytes, Handler]
+"""Handlers by SOP and function id as they are on the wire."""
 
 
 class Channel(Protocol):

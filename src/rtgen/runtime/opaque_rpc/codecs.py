@@ -1,39 +1,53 @@
-"""Base class and helpers of generated codecs: texts, checks of sizes, C arithmetic.
+"""Bases of generated codecs: a signature, and the messages, call and dispatch of a function.
 
-`rtgen.runtime.opaque_rpc.functions` has the base class of the messages of one function.
+A generated codec has an attribute for each function, whose class is generated, too. For a function
+`f` of a codec:
+
+`codec.f.encode_request(...)`
+    The whole request, SOP to EOP. Arguments are the inward parameters in order; for a nullable
+    `out` parameter a bool in its place: whether the caller wants it.
+`codec.f.read_request(more)`
+    The tuple of those arguments, from what follows SOP and function id. The EOP is checked.
+`codec.f.encode_reply(kept..., returned, outs...)`
+    The whole reply; without `returned` for a void function. `kept` are those arguments of the
+    request that the reply's layout depends on: a size, whether a nullable parameter was there.
+    They bear the parameter's name; `given_p` where the reply has a value of `p` of its own.
+`codec.f.first`
+    How many bytes of a reply can be asked for before anything of it is known.
+`codec.f.read_reply(first, more, kept...)`
+    `(returned, outs)`: returned is None for a void function, outs a tuple, or None where
+    the server left them out: the type is `ER` or `ER_INT`, the main code `E_RPC`.
+
+A oneway function has no reply. Encoding raises ArgumentError, reading ProtocolError and what
+`more` raises: `more(n)` returns exactly n bytes or raises ChannelError.
 """
 
 from __future__ import annotations
 
-import struct
-from collections.abc import Callable, Mapping, Sequence, Sized
+import logging
+from collections.abc import Callable
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal, TypeAlias, TypeVar
-
-from rtgen.runtime.opaque_rpc.errors import (
-    E_NOMEM,
-    E_PAR,
-    E_RPC,
-    ArgumentError,
-    ProtocolError,
+from typing import (
+    Any,
+    ClassVar,
+    Concatenate,
+    Final,
+    Generic,
+    Literal,
+    ParamSpec,
+    TypeAlias,
+    TypeVar,
 )
+
+from rtgen.runtime.opaque_rpc.channel import Channel, Handler, More
+from rtgen.runtime.opaque_rpc.errors import E_MAGIC, E_OK, ProtocolError, RpcError
 from rtgen.runtime.opaque_rpc.tdr import (
     EOP_NOTHING_FOLLOWS,
     EOP_REPLY_FOLLOWS,
     NETWORK,
     SOP_REQUEST,
-    Items,
     Tdr,
 )
-
-if TYPE_CHECKING:
-    from rtgen.runtime.opaque_rpc.functions import Messages
-
-_T = TypeVar("_T")
-_S = TypeVar("_S", bound=Sized)
-
-More: TypeAlias = Callable[[int], bytes]
-"""Returns exactly n octets of the message, or raises ChannelError."""
 
 ReplyOrder: TypeAlias = Literal["tecsgen", "paper"]
 """`tecsgen` sends the return value before the outs, `paper` after them."""
@@ -42,17 +56,16 @@ REQUEST_LIMIT: Final = 4096
 """Default limit of the octets of arrays and texts in one request at a server."""
 
 REPLY_LIMIT: Final = 1 << 24
-"""The same for a reply in a client."""
+"""Default limit of the octets of arrays and texts in one reply at a client."""
 
-FAILURES: Final = (
-    struct.error,
-    ArithmeticError,
-    AttributeError,
-    LookupError,
-    TypeError,
-    ValueError,
-)
-"""Exceptions raised by encoding a value of a wrong type, range or length."""
+log = logging.getLogger("rtgen.runtime.opaque_rpc")
+
+_P = ParamSpec("_P")
+_R = TypeVar("_R")
+
+
+def _no_outs(*arguments: Any) -> tuple[()]:
+    return ()
 
 
 class Codec:
@@ -87,8 +100,6 @@ class Codec:
     @cached_property
     def functions(self) -> dict[str, Messages[..., Any]]:
         """The functions by attribute, which is also the method of proxy and target."""
-        from rtgen.runtime.opaque_rpc.functions import Messages
-
         return {n: f for n, f in vars(self).items() if isinstance(f, Messages)}
 
     def request_head(self, number: int) -> bytes:
@@ -96,189 +107,154 @@ class Codec:
         return self.request_sop + self.tdr.int16(number)
 
 
-class Room:
-    """The memory that a message may still take."""
+class Messages(Generic[_P, _R]):
+    """The messages of a function that takes `_P` and returns `_R`, for one codec.
 
-    __slots__ = ("_left",)
+    `name` is the function's in CDL, `number` its id. The class attributes describe the function:
+    `kept` the arguments (by index) that the reply depends on, `results` how many values come back,
+    `oneway` and `error_code` (the type is `ER` or `ER_INT`) what CDL declares.
+    """
 
-    def __init__(self, size: int) -> None:
-        self._left = size
+    kept: ClassVar[tuple[int, ...]] = ()
+    results: ClassVar[int] = 0
+    is_void: ClassVar[bool] = False
+    error_code: ClassVar[bool] = False
+    oneway: ClassVar[bool] = False
 
-    def take(self, count: int, width: int, most: int | None = None) -> int:
-        """The size of `count` elements in octets, subtracted from the remaining room.
+    encode_request: Callable[..., bytes]
+    read_request: Callable[[More], tuple[Any, ...]]
+    encode_reply: Callable[..., bytes]
+    read_reply: Callable[..., tuple[Any, tuple[Any, ...] | None]]
+    first: int = 0
 
-        Raises ProtocolError: E_PAR if the count is negative or over `most`, E_NOMEM if there is
-        not enough room.
+    unset: Callable[..., tuple[Any, ...]] = _no_outs
+    """The outs of a call that fails, for its arguments: inouts unchanged, others zero."""
+
+    call: Callable[Concatenate[Channel, _P], _R]
+    """Calls the function over a channel.
+
+    A function that returns `ER` or `ER_INT` returns the composite error code if the call fails, and
+    logs why; others raise RpcError. Raises ArgumentError for a value that cannot be sent.
+    """
+
+    def __init__(self, codec: Codec, name: str, number: int) -> None:
+        self.name = name
+        self.id = number
+        self.function = f"{codec.signature}.{name}"
+        self.tdr = codec.tdr
+        self.request_limit = codec.request_limit
+        self.reply_limit = codec.reply_limit
+        self.awaiting_reply = codec.awaiting_reply
+        self.nothing_follows = codec.nothing_follows
+        call: Any = self._call_code if self.error_code else self._call_value
+        if self.oneway:
+            call = self._send_code if self.error_code else self._send
+        self.call = call
+
+    def wrong_mark(self, mark: str, expected: int, found: int | bytes) -> ProtocolError:
+        """The exception for a wrong start or end of a message.
+
+        `mark` is `SOP` or `EOP`, `found` the octets of the message there.
         """
-        if count < 0:
-            raise ProtocolError(E_PAR, f"a size of {count}")
-        if most is not None and count > most:
-            raise ProtocolError(E_PAR, f"a size of {count}, at most {most} allowed")
-        size = count * width
-        if size > self._left:
-            raise ProtocolError(E_NOMEM, f"{size} bytes, {self._left} are left")
-        self._left -= size
-        return size
+        have = self.tdr.int16(found) if isinstance(found, int) else found
+        wanted = self.tdr.int16(expected).hex(" ")
+        return ProtocolError(
+            E_MAGIC, f"{self.function}: {mark} is {have.hex(' ')}, expected {wanted}"
+        )
+
+    def _send(self, channel: Channel, /, *arguments: Any) -> Any:
+        channel.begin(self.encode_request(*arguments), 0)
+        channel.end()
+
+    def _send_code(self, channel: Channel, /, *arguments: Any) -> Any:
+        request = self.encode_request(*arguments)
+        try:
+            channel.begin(request, 0)
+            channel.end()
+        except RpcError as error:
+            return self._failed(error, channel)
+        return E_OK
+
+    def _kept_of(self, arguments: tuple[Any, ...]) -> tuple[Any, ...]:
+        """Those arguments that the reply depends on."""
+        kept = self.kept
+        if len(kept) == 1:
+            return (arguments[kept[0]],)
+        return tuple([arguments[index] for index in kept])
+
+    # An exchange is spelled out twice, since a further call costs a tenth of its time.
+
+    def _call_code(self, channel: Channel, /, *arguments: Any) -> Any:
+        request = self.encode_request(*arguments)
+        try:
+            head = channel.begin(request, self.first)
+            try:
+                returned, outs = self.read_reply(
+                    head, channel.more, *(self.kept and self._kept_of(arguments))
+                )
+            except BaseException:
+                channel.reset()
+                raise
+            channel.end()
+        except RpcError as error:
+            returned, outs = self._failed(error, channel), None
+        if self.results == 1:
+            return returned
+        return returned, *(self.unset(*arguments) if outs is None else outs)
+
+    def _call_value(self, channel: Channel, /, *arguments: Any) -> Any:
+        request = self.encode_request(*arguments)
+        head = channel.begin(request, self.first)
+        try:
+            returned, outs = self.read_reply(
+                head, channel.more, *(self.kept and self._kept_of(arguments))
+            )
+        except BaseException:
+            channel.reset()
+            raise
+        channel.end()
+        if not self.is_void:
+            return (returned, *outs) if outs else returned
+        if outs:
+            return outs if len(outs) > 1 else outs[0]
+        return None
+
+    def _failed(self, error: RpcError, channel: Channel) -> int:
+        """The code to return; the log says why, since the code alone does not."""
+        log.warning("%s at %s: %s", self.function, channel, error)
+        return error.code
+
+    def handler(self, target: Callable[_P, _R]) -> Handler:
+        """The handler that serves requests of the function by calling `target`."""
+        read, kept, results = self.read_request, self.kept, self.results
+        function: Callable[..., Any] = target
+
+        def handle_oneway(more: More) -> None:
+            function(*read(more))
+
+        if self.oneway:
+            return handle_oneway
+        encode = self.encode_reply
+
+        def handle_plain(more: More) -> bytes:
+            return encode(function(*read(more)))
+
+        def handle_several(more: More) -> bytes:
+            return encode(*function(*read(more)))
+
+        def handle(more: More) -> bytes:
+            arguments = read(more)
+            result = function(*arguments)
+            values = (result,) if results == 1 else result or ()
+            return encode(*self._kept_of(arguments), *values)
+
+        if kept or results == 0:
+            return handle
+        return handle_plain if results == 1 else handle_several
 
 
-class Text:
-    """Strings of 8-bit units."""
+class RecordCodec:
+    """Base class for structs whose size depends on values."""
 
-    def __init__(self, tdr: Tdr, encoding: str) -> None:
-        self._order = tdr.byte_order
-        self._encoding = encoding
-
-    def units(self, text: str, most: int | None = None) -> bytes:
-        """The octets after the length: code units and a zero.
-
-        With `most`, the size of the buffer, C peers send another zero if there is room, and none
-        if the text fills it. Raises ValueError if the text is longer or contains NUL.
-        """
-        data = text.encode(self._encoding)
-        if 0 in data:
-            raise ValueError("a NUL inside a text")
-        if most is None:
-            return data + b"\0"
-        return (data + b"\0\0")[: _sent(len(data), most)]
-
-    def whole(self, text: str, most: int | None = None) -> bytes:
-        """The same after its length."""
-        data = self.units(text, most)
-        return len(data).to_bytes(4, self._order) + data
-
-    def text(self, data: bytes) -> str:
-        """The text up to the first zero; what is none in the encoding becomes U+FFFD."""
-        return data.partition(b"\0")[0].decode(self._encoding, "replace")
-
-    def read(self, more: More, room: Room, most: int | None = None) -> str:
-        """A text after its length; raises ProtocolError."""
-        count = int.from_bytes(more(4), self._order, signed=True)
-        return self.text(more(room.take(count, 1, most)))
-
-
-class WideText:
-    """Strings of 16, 32 or 64-bit units, as lists of numbers."""
-
-    def __init__(self, tdr: Tdr, kind: str) -> None:
-        self._order = tdr.byte_order
-        self._items = Items(tdr, kind)
-        self.width: Final = self._items.width
-
-    def units(self, text: Sequence[int], most: int | None = None) -> bytes:
-        """As `Text.units`."""
-        if 0 in text:
-            raise ValueError("a zero inside a text")
-        sent = len(text) + 1 if most is None else _sent(len(text), most)
-        return self._items.pack([*text, 0, 0][:sent])
-
-    def whole(self, text: Sequence[int], most: int | None = None) -> bytes:
-        """As `Text.whole`."""
-        data = self.units(text, most)
-        return (len(data) // self.width).to_bytes(4, self._order) + data
-
-    def text(self, data: bytes) -> list[int]:
-        """The units up to the first zero."""
-        units = self._items.integers(data, len(data) // self.width)
-        return units[: units.index(0)] if 0 in units else units
-
-    def read(self, more: More, room: Room, most: int | None = None) -> list[int]:
-        """As `Text.read`."""
-        count = int.from_bytes(more(4), self._order, signed=True)
-        return self.text(more(room.take(count, self.width, most)))
-
-
-def _sent(length: int, most: int) -> int:
-    """How many units of a text of that length travel from a buffer of `most` units."""
-    if length > most:
-        raise ValueError(f"a text of {length} units, at most {most} fit")
-    return min(length + 2, most)
-
-
-def exactly(values: _S, count: int) -> _S:
-    """The values, after a check of their number. Raises ValueError."""
-    if len(values) != count:
-        raise ValueError(f"{len(values)} elements, {count} are needed")
-    return values
-
-
-def leading(values: Sequence[_T], count: int, most: int) -> Sequence[_T]:
-    """The first `count` values of an array that holds at most `most`; raises ValueError."""
-    if not count <= len(values) <= max(count, most) or not 0 <= count <= most:
-        raise ValueError(f"{len(values)} elements, {count} to be sent, {most} fit")
-    return values if len(values) == count else values[:count]
-
-
-def leading_bytes(data: bytes, count: int, most: int) -> bytes:
-    """The same of an array of octets."""
-    leading(data, count, most)
-    return data[:count]
-
-
-def within(count: int, most: int) -> int:
-    """The count, which has to be 0 to `most`; raises ValueError."""
-    if not 0 <= count <= most:
-        raise ValueError(f"a size of {count}, at most {most} allowed")
-    return count
-
-
-def present(value: _T | None) -> _T:
-    """The value, which must not be NULL; raises ValueError."""
-    if value is None:
-        raise ValueError("NULL where a value is needed")
-    return value
-
-
-def element(values: Sequence[_T], index: int) -> _T:
-    """C's subscript. Raises ValueError for an index out of range."""
-    return values[within(index, len(values) - 1)]
-
-
-def quotient(left: int, right: int) -> int:
-    """C's `/`, towards zero; raises ZeroDivisionError."""
-    size = abs(left) // abs(right)
-    return size if (left < 0) == (right < 0) else -size
-
-
-def remainder(left: int, right: int) -> int:
-    """C's `%`, with the sign of the dividend; raises ZeroDivisionError."""
-    return left - right * quotient(left, right)
-
-
-def shifted_left(value: int, bits: int) -> int:
-    """C's `<<` of a value of at most 64 bits; raises ValueError."""
-    return value << within(bits, 63)
-
-
-def shifted_right(value: int, bits: int) -> int:
-    """C's `>>`; raises ValueError."""
-    return value >> within(bits, 63)
-
-
-def cast(value: float, bits: int, signed: bool) -> int:
-    """C's conversion to an integer type."""
-    low = int(value) & ((1 << bits) - 1)
-    return low - (1 << bits) if signed and low >> (bits - 1) else low
-
-
-def argument_error(
-    function: str, failure: Exception, values: Mapping[str, object]
-) -> ArgumentError:
-    """The exception for values that cannot be encoded."""
-    shown = ", ".join(f"{name}={_short(value)}" for name, value in values.items())
-    what = f"{failure} is out of range" if isinstance(failure, KeyError) else failure
-    return ArgumentError(f"{function}({shown}): {what}")
-
-
-def size_error(function: str, failure: Exception) -> ProtocolError:
-    """The exception for message sizes that cannot be computed from the values."""
-    return ProtocolError(E_PAR, f"{function}: {failure}")
-
-
-def is_rpc_error(code: int) -> bool:
-    """Whether the main code is E_RPC: the outs are left out then."""
-    return code & 0xFF == E_RPC & 0xFF
-
-
-def _short(value: object) -> str:
-    text = repr(value)
-    return text if len(text) <= 60 else f"{text[:57]}..."
+    def __init__(self, codec: Codec) -> None:
+        self.tdr = codec.tdr

@@ -8,15 +8,12 @@ docs/opaque-rpc.md describes the messages.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
+from rtgen.runtime.opaque_rpc.channel import Channel, Handler, More
+from rtgen.runtime.opaque_rpc.codecs import Codec
 from rtgen.runtime.opaque_rpc.errors import E_MAGIC, ProtocolError
 from rtgen.runtime.opaque_rpc.tdr import SOP_REPLY
-
-if TYPE_CHECKING:
-    from rtgen.runtime.opaque_rpc.channel import Channel
-    from rtgen.runtime.opaque_rpc.codecs import Codec, More
-    from rtgen.runtime.opaque_rpc.messages import Handler
 
 DIGEST: Final = 0x7FFF
 """The id of the function that answers with the digest."""

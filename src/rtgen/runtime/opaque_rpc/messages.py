@@ -5,11 +5,12 @@ from __future__ import annotations
 import logging
 import sys
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from typing import Final, Literal, Protocol, TypeAlias
 
 from rtgen.runtime.failures import described, ends_run
-from rtgen.runtime.opaque_rpc.codecs import Codec, More
+from rtgen.runtime.opaque_rpc.channel import Handler, Handlers, More
+from rtgen.runtime.opaque_rpc.codecs import Codec
 from rtgen.runtime.opaque_rpc.digest import DIGEST, digest_handler
 from rtgen.runtime.opaque_rpc.errors import (
     E_BOVR,
@@ -22,8 +23,6 @@ from rtgen.runtime.opaque_rpc.errors import (
 )
 from rtgen.runtime.opaque_rpc.tdr import SHARED_BEGIN, SHARED_END
 
-Handler: TypeAlias = Callable[[More], bytes | None]
-Handlers: TypeAlias = Mapping[bytes, Handler]
 Send: TypeAlias = Callable[[bytes], None]
 
 HEAD: Final = 4

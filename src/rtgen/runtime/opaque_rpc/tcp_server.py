@@ -11,6 +11,7 @@ from time import monotonic
 from types import TracebackType
 
 from rtgen.facts.opaque_rpc import TIMEOUT
+from rtgen.runtime.opaque_rpc.channel import Handlers
 from rtgen.runtime.opaque_rpc.connection import (
     BLOCK,
     SMALL_BLOCK,
@@ -21,7 +22,6 @@ from rtgen.runtime.opaque_rpc.connection import (
 from rtgen.runtime.opaque_rpc.errors import E_OBJ, E_TMOUT, ChannelError
 from rtgen.runtime.opaque_rpc.messages import (
     HEAD,
-    Handlers,
     MessageReader,
     Send,
     Service,

@@ -8,22 +8,14 @@ from collections.abc import Sequence
 
 from typing import ClassVar
 
+from rtgen.runtime.opaque_rpc.channel import More
 from rtgen.runtime.opaque_rpc.codecs import (
     Codec,
-    FAILURES,
-    More,
+    Messages,
     REPLY_LIMIT,
     REQUEST_LIMIT,
-    Room,
-    Text,
-    WideText,
-    argument_error,
-    exactly,
-    is_rpc_error,
-    present,
-    within,
+    RecordCodec,
 )
-from rtgen.runtime.opaque_rpc.functions import Messages, RecordCodec
 from rtgen.runtime.opaque_rpc.tdr import (
     EOP_NOTHING_FOLLOWS,
     EOP_REPLY_FOLLOWS,
@@ -34,6 +26,17 @@ from rtgen.runtime.opaque_rpc.tdr import (
     SOP_REQUEST,
     Tdr,
     UINT8,
+)
+from rtgen.runtime.opaque_rpc.values import (
+    ByteBudget,
+    FAILURES,
+    Text,
+    WideText,
+    argument_error,
+    exactly,
+    is_rpc_error,
+    present,
+    within,
 )
 
 from ._types import nBoard_tagPoint, nBoard_tagState
@@ -70,7 +73,7 @@ class nBoard_tagStateRecord(RecordCodec):
             ),
         )
 
-    def read(self, more: More, room: Room) -> nBoard_tagState:
+    def read(self, more: More, budget: ByteBudget) -> nBoard_tagState:
         unpacked = self._run1.unpack(more(self._run1.size))
         count = unpacked[0]
         level = unpacked[1]
@@ -80,13 +83,13 @@ class nBoard_tagStateRecord(RecordCodec):
         raw = list(unpacked[5:8])
         grid = list(unpacked[8:10])
         nick_count = unpacked[10]
-        nick_size = room.take(nick_count, 1, 8)
+        nick_size = budget.take(nick_count, 1, 8)
         packet = more(nick_size + self._run2.size)
         nick = self._text.text(packet[:nick_size])
         unpacked = self._run2.unpack_from(packet, nick_size)
         at = nBoard_tagPoint(unpacked[0], unpacked[1])
         data_count = count
-        data_size = room.take(data_count, self._items_b.width)
+        data_size = budget.take(data_count, self._items_b.width)
         packet = more(data_size)
         data = self._items_b.integers(packet, data_count)
         return nBoard_tagState(
@@ -144,14 +147,14 @@ class SetMessages(Messages[[int, int, bytes, Sequence[int], int], int]):
             ) from failure
 
     def read_request(self, more: More) -> tuple[int, int, bytes, list[int], int]:
-        room = Room(self.request_limit)
+        budget = ByteBudget(self.request_limit)
         n, level, sign = self._run3.unpack(more(self._run3.size))
         text_count = n
-        text_size = room.take(text_count, 1)
+        text_size = budget.take(text_count, 1)
         packet = more(text_size)
         text = packet
         raw_count = n
-        raw_size = room.take(raw_count, self._items_b.width)
+        raw_size = budget.take(raw_count, self._items_b.width)
         packet = more(raw_size + self._run2.size)
         raw = self._items_b.integers(packet, raw_count)
         (eop,) = self._run2.unpack_from(packet, raw_size)
@@ -247,8 +250,8 @@ class StateMessages(Messages[[nBoard_tagState], tuple[int, nBoard_tagState]]):
             raise argument_error(self.function, failure, {"given": given}) from failure
 
     def read_request(self, more: More) -> tuple[nBoard_tagState]:
-        room = Room(self.request_limit)
-        given = self._nBoard_tagState.read(more, room)
+        budget = ByteBudget(self.request_limit)
+        given = self._nBoard_tagState.read(more, budget)
         if (eop_bytes := more(2)) != self.awaiting_reply:
             raise self.wrong_mark("EOP", EOP_REPLY_FOLLOWS, eop_bytes)
         return (given,)
@@ -276,7 +279,7 @@ class StateMessages(Messages[[nBoard_tagState], tuple[int, nBoard_tagState]]):
         first: bytes,
         more: More,
     ) -> tuple[int, tuple[nBoard_tagState] | None]:
-        room = Room(self.reply_limit)
+        budget = ByteBudget(self.reply_limit)
         sop, returned = self._run4.unpack(first)
         if sop != SOP_REPLY:
             raise self.wrong_mark("SOP", SOP_REPLY, sop)
@@ -284,7 +287,7 @@ class StateMessages(Messages[[nBoard_tagState], tuple[int, nBoard_tagState]]):
             if (eop_bytes := more(2)) != self.nothing_follows:
                 raise self.wrong_mark("EOP", EOP_NOTHING_FOLLOWS, eop_bytes)
             return returned, None
-        state = self._nBoard_tagState.read(more, room)
+        state = self._nBoard_tagState.read(more, budget)
         if (eop_bytes := more(2)) != self.nothing_follows:
             raise self.wrong_mark("EOP", EOP_NOTHING_FOLLOWS, eop_bytes)
         return returned, (state,)
@@ -474,17 +477,17 @@ class NamesMessages(Messages[[Sequence[str], int, Sequence[int]], tuple[int, str
             ) from failure
 
     def read_request(self, more: More) -> tuple[list[str], int, list[int]]:
-        room = Room(self.request_limit)
+        budget = ByteBudget(self.request_limit)
         (n,) = self._run2.unpack(more(self._run2.size))
-        list_ = [self._text.read(more, room, 12) for _ in range(room.take(n, 1))]
+        list_ = [self._text.read(more, budget, 12) for _ in range(budget.take(n, 1))]
         (wide_count,) = self._run2.unpack(more(self._run2.size))
-        wide_size = room.take(wide_count, self._text_H.width)
+        wide_size = budget.take(wide_count, self._text_H.width)
         packet = more(wide_size + self._run3.size)
         wide = self._text_H.text(packet[:wide_size])
         (eop,) = self._run3.unpack_from(packet, wide_size)
         if eop != EOP_REPLY_FOLLOWS:
             raise self.wrong_mark("EOP", EOP_REPLY_FOLLOWS, eop)
-        room.take(24, 1)
+        budget.take(24, 1)
         return (list_, n, wide)
 
     def encode_reply(self, returned: int, joined: str) -> bytes:
@@ -507,7 +510,7 @@ class NamesMessages(Messages[[Sequence[str], int, Sequence[int]], tuple[int, str
             ) from failure
 
     def read_reply(self, first: bytes, more: More) -> tuple[int, tuple[str] | None]:
-        room = Room(self.reply_limit)
+        budget = ByteBudget(self.reply_limit)
         sop, returned = self._run6.unpack(first)
         if sop != SOP_REPLY:
             raise self.wrong_mark("SOP", SOP_REPLY, sop)
@@ -516,7 +519,7 @@ class NamesMessages(Messages[[Sequence[str], int, Sequence[int]], tuple[int, str
                 raise self.wrong_mark("EOP", EOP_NOTHING_FOLLOWS, eop_bytes)
             return returned, None
         (joined_count,) = self._run2.unpack(more(self._run2.size))
-        joined_size = room.take(joined_count, 1, 24)
+        joined_size = budget.take(joined_count, 1, 24)
         packet = more(joined_size + self._run3.size)
         joined = self._text.text(packet[:joined_size])
         (eop,) = self._run3.unpack_from(packet, joined_size)
@@ -571,10 +574,10 @@ class PartMessages(
             ) from failure
 
     def read_request(self, more: More) -> tuple[list[nBoard_tagPoint], int]:
-        room = Room(self.request_limit)
+        budget = ByteBudget(self.request_limit)
         (n,) = self._run4.unpack(more(self._run4.size))
         points_count = n
-        points_size = room.take(points_count, self._run2.size, 8)
+        points_size = budget.take(points_count, self._run2.size, 8)
         packet = more(points_size + self._run3.size)
         points = [
             nBoard_tagPoint(unpacked[0], unpacked[1])
@@ -583,7 +586,7 @@ class PartMessages(
         (eop,) = self._run3.unpack_from(packet, points_size)
         if eop != EOP_REPLY_FOLLOWS:
             raise self.wrong_mark("EOP", EOP_REPLY_FOLLOWS, eop)
-        room.take(3, self._booleans.width)
+        budget.take(3, self._booleans.width)
         return (points, n)
 
     def encode_reply(
@@ -614,7 +617,7 @@ class PartMessages(
         first: bytes,
         more: More,
     ) -> tuple[int, tuple[nBoard_tagPoint, list[bool]] | None]:
-        room = Room(self.reply_limit)
+        budget = ByteBudget(self.reply_limit)
         sop, returned = self._run7.unpack(first)
         if sop != SOP_REPLY:
             raise self.wrong_mark("SOP", SOP_REPLY, sop)
@@ -625,7 +628,7 @@ class PartMessages(
         unpacked = self._run2.unpack(more(self._run2.size))
         sum_ = nBoard_tagPoint(unpacked[0], unpacked[1])
         flags_count = 3
-        flags_size = room.take(flags_count, self._booleans.width)
+        flags_size = budget.take(flags_count, self._booleans.width)
         packet = more(flags_size + self._run3.size)
         flags = self._booleans.booleans(packet, flags_count)
         (eop,) = self._run3.unpack_from(packet, flags_size)
@@ -667,13 +670,13 @@ class WideMessages(Messages[[Sequence[bytes]], tuple[int, bytes]]):
             raise argument_error(self.function, failure, {"grid": grid}) from failure
 
     def read_request(self, more: More) -> tuple[list[bytes]]:
-        room = Room(self.request_limit)
+        budget = ByteBudget(self.request_limit)
         unpacked = self._run2.unpack(more(self._run2.size))
         grid = list(unpacked[0:2])
         eop = unpacked[2]
         if eop != EOP_REPLY_FOLLOWS:
             raise self.wrong_mark("EOP", EOP_REPLY_FOLLOWS, eop)
-        room.take(4, 1)
+        budget.take(4, 1)
         return (grid,)
 
     def encode_reply(self, returned: int, label: bytes) -> bytes:
@@ -693,12 +696,12 @@ class WideMessages(Messages[[Sequence[bytes]], tuple[int, bytes]]):
             ) from failure
 
     def read_reply(self, first: bytes, more: More) -> tuple[int, tuple[bytes]]:
-        room = Room(self.reply_limit)
+        budget = ByteBudget(self.reply_limit)
         sop, returned = self._run3.unpack(first)
         if sop != SOP_REPLY:
             raise self.wrong_mark("SOP", SOP_REPLY, sop)
         label_count = 4
-        label_size = room.take(label_count, 1)
+        label_size = budget.take(label_count, 1)
         packet = more(label_size + self._run4.size)
         label = packet[:label_size]
         (eop,) = self._run4.unpack_from(packet, label_size)

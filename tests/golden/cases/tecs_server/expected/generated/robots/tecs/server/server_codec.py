@@ -6,16 +6,8 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from rtgen.runtime.opaque_rpc.codecs import (
-    Codec,
-    FAILURES,
-    More,
-    REPLY_LIMIT,
-    REQUEST_LIMIT,
-    argument_error,
-    is_rpc_error,
-)
-from rtgen.runtime.opaque_rpc.functions import Messages
+from rtgen.runtime.opaque_rpc.channel import More
+from rtgen.runtime.opaque_rpc.codecs import Codec, Messages, REPLY_LIMIT, REQUEST_LIMIT
 from rtgen.runtime.opaque_rpc.tdr import (
     EOP_NOTHING_FOLLOWS,
     EOP_REPLY_FOLLOWS,
@@ -25,6 +17,7 @@ from rtgen.runtime.opaque_rpc.tdr import (
     Tdr,
     UINT8,
 )
+from rtgen.runtime.opaque_rpc.values import FAILURES, argument_error, is_rpc_error
 
 
 class Func1Messages(Messages[[int], int]):
