@@ -94,7 +94,7 @@ def test_the_wheel_is_rtgen_alone(whole: Path) -> None:
     entries = configparser.ConfigParser()
     entries.read_string(found[f"{info}/entry_points.txt"].decode())
     assert {name: dict(entries[name]) for name in entries.sections()} == {
-        "console_scripts": {"rtgen": "rtgen.cli:main"}
+        "console_scripts": {"rtgen": "rtgen.__main__:main"}
     }
     for name in ("runtime/system/system.py", "compiler.py", "grammars/idl.lark"):
         assert f"rtgen/{name}" in found

@@ -143,7 +143,7 @@ def profile_text(model: Model, component: Component, options: Options) -> str:
         "rtc_profile/RTC.xml.j2",
         header=comment,
         component=component,
-        id=profile_id(component),
+        id=component.profile_id,
         name=component.name[-1],
         description=summary(component),
         doc=written(component.doc),
@@ -155,17 +155,6 @@ def profile_text(model: Model, component: Component, options: Options) -> str:
         ],
         service_ports=_service_ports(model, component),
     )
-
-
-def profile_id(component: Component) -> str:
-    """The id in profiles of the component and of systems, in the form with colons."""
-    parts = (
-        component.vendor,
-        component.category,
-        component.name[-1],
-        component.version,
-    )
-    return ":".join(("RTC", *parts))
 
 
 def _parameter(parameters: Parameters, parameter: ConfigurationParameter) -> _Parameter:

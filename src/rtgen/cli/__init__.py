@@ -43,11 +43,6 @@ def application() -> None:
     """
 
 
-def main() -> None:
-    """The program `rtgen`."""
-    sys.exit(run(sys.argv[1:]))
-
-
 def run(arguments: Sequence[str]) -> int:
     """Runs a command line and returns its exit code; nothing but that leaves it."""
     try:

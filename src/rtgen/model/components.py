@@ -89,6 +89,13 @@ class Component(Declaration):
     factory: str = ""
     other_file: str = ""
 
+    @property
+    def profile_id(self) -> str:
+        """The id of the component in profiles of components and systems, written with colons."""
+        return ":".join(
+            ("RTC", self.vendor, self.category, self.name[-1], self.version)
+        )
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Adapter:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
-from rtgen.backends.rtc_profile import profile_id
 from rtgen.diagnostics import Diagnostic, Rule, Severity, Span
 from rtgen.facts import connector_properties, parameter_texts
 from rtgen.frontends.kit.suggestions import nearest
@@ -230,7 +229,7 @@ def _component(c: SystemComponent, known: Mapping[str, Known]) -> Iterator[Diagn
         message = f"the component {c.type!r} of {c.instance} is not defined"
         yield UNKNOWN_COMPONENT.at(c.span, message, hint=hint)
         return
-    id_ = profile_id(definition.component)
+    id_ = definition.component.profile_id
     if c.id not in (id_, _dotted(id_)):
         message = f"the id of {c.instance} is {c.id!r}, its definition's {id_!r}"
         yield OTHER_DEFINITION.at(c.span, message)

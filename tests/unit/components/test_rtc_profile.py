@@ -22,7 +22,7 @@ from hypothesis import strategies as st
 from lxml import etree
 from profile_rules import NAMESPACES, check_schema
 
-from rtgen.backends.rtc_profile import BACKEND, profile_id
+from rtgen.backends.rtc_profile import BACKEND
 from rtgen.model import (
     Component,
     EnumeratorName,
@@ -280,7 +280,7 @@ def test_any_text_survives(description: str, unit: str, default: str) -> None:
 
 
 def test_ids() -> None:
-    assert re.fullmatch(r"RTC:Lab:Move:Limiter:1\.0\.0", profile_id(component()))
+    assert re.fullmatch(r"RTC:Lab:Move:Limiter:1\.0\.0", component().profile_id)
 
 
 def test_nothing_is_written_that_real_profiles_do_not_have() -> None:

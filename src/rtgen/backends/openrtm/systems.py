@@ -19,7 +19,6 @@ from rtgen.backends.quoting.code import HashComment
 from rtgen.backends.quoting.properties import Conf, is_conf_key, is_conf_value
 from rtgen.backends.quoting.python import number_literal, string_literal
 from rtgen.backends.rendering import render
-from rtgen.backends.rtc_profile import profile_id
 from rtgen.backends.rts_profile import InstancePorts, system_text
 from rtgen.diagnostics import Diagnostic, Span, has_errors
 from rtgen.facts.connector_properties import (
@@ -327,7 +326,7 @@ class _Writer:
         components = [
             replace(
                 i.component,
-                id=profile_id(i.plan.component),
+                id=i.plan.component.profile_id,
                 rate=i.rate,
                 path_uri=f"localhost/{name}.rtc",
             )
