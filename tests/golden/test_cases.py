@@ -1,7 +1,8 @@
 """Every folder below `cases` is a run of rtgen: a new test is a folder, no code.
 
 `case.toml` says what to run (`arguments`) and its `exit` code; `input/` is the folder it runs in;
-`expected/` is what it writes; `stdout.txt` and `stderr.txt` are what it prints.
+`expected/` is what it writes, some of it as `digest` and `like` of `case.toml` say (README.md);
+`stdout.txt` and `stderr.txt` are what it prints.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from condensed import condensed
 
 from rtgen.cli import run
 
@@ -26,13 +28,13 @@ def files_of(folder: Path) -> dict[str, bytes]:
     }
 
 
-def renew(case: Path, written: dict[str, bytes], streams: dict[str, str]) -> None:
+def renew(case: Path, stored: dict[str, str], streams: dict[str, str]) -> None:
     """Makes the folder of a case say what has happened."""
     shutil.rmtree(case / "expected", ignore_errors=True)
-    for name, data in written.items():
+    for name, text in stored.items():
         file = case / "expected" / name
         file.parent.mkdir(parents=True, exist_ok=True)
-        file.write_bytes(data)
+        file.write_bytes(text.encode())
     for name, text in streams.items():
         (case / name).unlink(missing_ok=True)
         if text:
@@ -62,16 +64,23 @@ def test_case(
     out, err = capfd.readouterr()
     after = files_of(work)
     written = {name: data for name, data in after.items() if before.get(name) != data}
+    stored = condensed(
+        written,
+        digest=settings.get("digest", ()),
+        like=settings.get("like"),
+        folder=work,
+    )
     if update_golden:
-        renew(folder, written, {"stdout.txt": out, "stderr.txt": err})
+        renew(folder, stored, {"stdout.txt": out, "stderr.txt": err})
     assert code == settings["exit"], err
     for name, text in {"stdout.txt": out, "stderr.txt": err}.items():
         file = folder / name
         assert text == (file.read_bytes().decode() if file.exists() else ""), name
     expected = files_of(folder / "expected") if (folder / "expected").is_dir() else {}
-    assert sorted(written) == sorted(expected)
+    assert sorted(stored) == sorted(expected)
     for name, data in expected.items():
-        assert written[name].decode() == data.decode(), name
+        lines = data.decode().splitlines(keepends=True)
+        assert stored[name].splitlines(keepends=True) == lines, f"{name} in {work}"
     assert set(before) <= set(after) | set(settings.get("removed", ()))
     if code == 2:
         assert set(work.rglob("*")) == places

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from condensed import shortened
 
 from rtgen.diagnostics.explain import rules
 from rtgen.diagnostics.report import report
@@ -54,21 +55,26 @@ def prepare(case: Path, folder: Path) -> dict[str, Any]:
 
 def findings(
     name: str, folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> FrontendResult:
-    """What reading a case gives."""
+) -> tuple[FrontendResult, dict[str, Any]]:
+    """What reading a case gives, and its settings."""
     settings = prepare(CASES / name, folder)
     monkeypatch.chdir(folder)
     inputs = sorted(path.name for path in folder.glob("input.*"))
-    return load([Path(file) for file in settings.get("files", inputs)], root=folder)
+    return (
+        load([Path(file) for file in settings.get("files", inputs)], root=folder),
+        settings,
+    )
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_findings(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, update_golden: bool
 ) -> None:
-    result = findings(name, tmp_path, monkeypatch)
+    result, settings = findings(name, tmp_path, monkeypatch)
     found = report(result.diagnostics, result.sources)
     found = found.replace(tmp_path.as_posix(), "FOLDER")
+    if "shown" in settings:
+        found = shortened(found, settings["shown"])
     expected = CASES / name / "expected.txt"
     if update_golden:
         expected.write_text(found, encoding="utf-8")
