@@ -15,6 +15,8 @@ from pathlib import Path
 
 import pytest
 
+from rtgen.diagnostics.explain import rules
+
 ROOT = Path(__file__).parents[2]
 BUILT_FROM = ("src", "grammars", "specs/idl", "runtime")
 FILES = ("pyproject.toml", "hatch_build.py", "README.md", "LICENSE")
@@ -98,6 +100,8 @@ def test_the_wheel_is_rtgen_alone(whole: Path) -> None:
     }
     for name in ("runtime/system/system.py", "compiler.py", "grammars/idl.lark"):
         assert f"rtgen/{name}" in found
+    pages = {Path(name).stem for name in found if name.endswith(".md")}
+    assert pages >= set(rules())
 
 
 def test_the_runtime_is_a_part_of_the_wheel(whole: Path, runtime: Path) -> None:

@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import StrEnum
+from pathlib import Path
+
+_PAGES = Path(__file__).parent / "pages"
 
 
 class Severity(StrEnum):
@@ -58,13 +61,24 @@ class Diagnostic:
 class Rule:
     """A rule: the record behind `rtgen explain` and behind each diagnostic with its code.
 
-    `explanation` is Markdown: the error, an example, and how to fix it.
+    `text` is the explanation of a plug-in's rule; rtgen's own rules have theirs in a file.
     """
 
     code: str
     title: str
     severity: Severity
-    explanation: str
+    text: str | None = None
+
+    @property
+    def explanation(self) -> str:
+        """Markdown: the error, an example, and how to fix it; read from `pages/<code>.md`.
+
+        Empty for a plug-in's rule without one.
+        """
+        if self.text is not None:
+            return self.text
+        page = _PAGES / f"{self.code}.md"
+        return page.read_text(encoding="utf-8") if page.is_file() else ""
 
     def at(
         self,

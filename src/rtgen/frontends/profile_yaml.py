@@ -21,12 +21,8 @@ YAML_SUFFIXES = (".yaml", ".yml")
 
 XSI = "http://www.w3.org/2001/XMLSchema-instance"
 
-_BAD_YAML = """\
-The file is not YAML, or not the YAML form of a profile: a mapping with the key `rtcProfile` or
-`rtsProfile`. Anchors and aliases are refused; profiles have none.
-"""
 
-BAD_YAML = Rule("RTC0545", "not a profile in YAML", Severity.ERROR, _BAD_YAML)
+BAD_YAML = Rule("RTC0545", "not a profile in YAML", Severity.ERROR)
 RULES = (BAD_YAML,)
 
 _ACTIONS = (

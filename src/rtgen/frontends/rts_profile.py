@@ -30,71 +30,17 @@ from rtgen.model.components import NO_DATE
 RTS = "http://www.openrtp.org/namespaces/rts"
 RTS_EXT = "http://www.openrtp.org/namespaces/rts_ext"
 
-_NOT_A_SYSTEM = """\
-The root element is not `RtsProfile` of the namespace `http://www.openrtp.org/namespaces/rts`. A
-file whose root is `RtcProfile` describes one component, not a system.
-"""
 
-_MISSING = """\
-An attribute without which the element means nothing is not there, or is empty. Attributes of a
-profile are namespace-qualified: `rts:instanceName`, not `instanceName`.
-"""
-
-_SAME_INSTANCE = """\
-Connectors, activation and configuration name components by instance name, which must be unique
-in a system.
-"""
-
-_UNKNOWN_INSTANCE = """\
-A connector, a start condition or a start target names a component that the system does not have.
-"""
-
-_NO_END = """\
-A data connector has exactly one `rts:sourceDataPort` and one `rts:targetDataPort`, a service
-connector one `rts:sourceServicePort` and one `rts:targetServicePort`.
-"""
-
-_NUMBER = """\
-Rates and intervals are numbers in Hz above zero; waiting times are whole milliseconds; sequence
-numbers and the parts of a location are whole numbers.
-"""
-
-_CYCLE = """\
-The `rts:Preceding` conditions of the activation wait for each other in a ring, so none could ever
-be first.
-"""
-
-_ID = """\
-The id of a component is `RTC:vendor:category:type:version` (older files:
-`RTC:vendor.category.type:version`); the type in it tells which component is meant.
-"""
-
-_OTHER_ID = """\
-An end of a connector, or a target of the activation, names an instance with another id than the
-instance has. rtshell compares both and would not find the component.
-"""
-
-_TWICE = """\
-The same two ports are joined by two connectors. OpenRTM refuses the second one, unless
-`dataport.allow_dup_connection` is set.
-"""
-
-NOT_A_SYSTEM = Rule("RTC0510", "not an RtsProfile", Severity.ERROR, _NOT_A_SYSTEM)
-MISSING = Rule("RTC0511", "attribute missing", Severity.ERROR, _MISSING)
-SAME_INSTANCE = Rule(
-    "RTC0512", "two components of one name", Severity.ERROR, _SAME_INSTANCE
-)
-UNKNOWN_INSTANCE = Rule(
-    "RTC0513", "unknown instance", Severity.ERROR, _UNKNOWN_INSTANCE
-)
-NO_END = Rule("RTC0514", "connector without its two ends", Severity.ERROR, _NO_END)
-NUMBER = Rule("RTC0515", "bad number", Severity.ERROR, _NUMBER)
-CYCLE = Rule("RTC0516", "activation waits for itself", Severity.ERROR, _CYCLE)
-ID = Rule("RTC0517", "id without a component type", Severity.ERROR, _ID)
-OTHER_ID = Rule(
-    "RTC0518", "id is not that of the instance", Severity.WARNING, _OTHER_ID
-)
-TWICE = Rule("RTC0519", "ports joined twice", Severity.WARNING, _TWICE)
+NOT_A_SYSTEM = Rule("RTC0510", "not an RtsProfile", Severity.ERROR)
+MISSING = Rule("RTC0511", "attribute missing", Severity.ERROR)
+SAME_INSTANCE = Rule("RTC0512", "two components of one name", Severity.ERROR)
+UNKNOWN_INSTANCE = Rule("RTC0513", "unknown instance", Severity.ERROR)
+NO_END = Rule("RTC0514", "connector without its two ends", Severity.ERROR)
+NUMBER = Rule("RTC0515", "bad number", Severity.ERROR)
+CYCLE = Rule("RTC0516", "activation waits for itself", Severity.ERROR)
+ID = Rule("RTC0517", "id without a component type", Severity.ERROR)
+OTHER_ID = Rule("RTC0518", "id is not that of the instance", Severity.WARNING)
+TWICE = Rule("RTC0519", "ports joined twice", Severity.WARNING)
 
 RULES = (
     *located_xml.RULES,

@@ -24,108 +24,25 @@ from rtgen.model.system_links import DATA_KINDS, Known, interfaces, service_pair
 from rtgen.typemap.parameters import Parameters, ValueMismatchError
 
 UNKNOWN_COMPONENT = Rule(
-    "RTC0580",
-    "system with a component that is not defined",
-    Severity.ERROR,
-    """
-The id of a component, `RTC:vendor:category:type:version`, names a type that none of the
-definitions has. Type names are compared letter by letter.
-
-```xml
-<rts:Components rts:id="RTC:me:Demo:Swign:1.0.0" rts:instanceName="Swing0" .../>
-```
-
-Give the definition, or the component's RTC.xml, as a source.
-""",
+    "RTC0580", "system with a component that is not defined", Severity.ERROR
 )
-
 UNKNOWN_PORT = Rule(
-    "RTC0581",
-    "connector with a port that is not there",
-    Severity.ERROR,
-    """
-`rts:portName` of a connector's end names no port that the component's definition has: no data port
-for a data connector, no service port for a service connector. The prefix `<Instance>.` may stand
-there once.
-
-A component's behaviour may make ports of its own, of which the definition knows nothing. Say so:
-
-```xml
-<rtsExt:Properties rtsExt:name="rtgen.own_port" rtsExt:value="Board0.voltage"/>
-```
-""",
+    "RTC0581", "connector with a port that is not there", Severity.ERROR
 )
-
-PORTS_DIFFER = Rule(
-    "RTC0582",
-    "ports that cannot be joined",
-    Severity.ERROR,
-    """
-A data connector goes from an OutPort to an InPort of the same type; a service connector joins a
-port with a consumer to one with a provider of its interface. OpenRTM joins ports of different types
-without a word, and the receiver then reads nonsense. A type that was not found when its profile was
-read is opaque and cannot be joined either.
-""",
-)
-
-UNKNOWN_PROPERTY = Rule(
-    "RTC0583",
-    "unknown connector property",
-    Severity.ERROR,
-    """
-A property of a connector is called like one of OpenRTM's, but is none: it would do nothing.
-Properties with other names, such as the editor's `POSITION`, are left alone.
-
-```xml
-<rtsExt:Properties rtsExt:name="dataport.bufer.length" rtsExt:value="8"/>
-```
-""",
-)
-
+PORTS_DIFFER = Rule("RTC0582", "ports that cannot be joined", Severity.ERROR)
+UNKNOWN_PROPERTY = Rule("RTC0583", "unknown connector property", Severity.ERROR)
 PROPERTY_VALUE = Rule(
-    "RTC0584",
-    "connector property with a value that it does not take",
-    Severity.ERROR,
-    """
-The message says what the property takes. OpenRTM refuses such a connection, or takes the default
-without a word.
-
-```xml
-<rtsExt:Properties rtsExt:name="dataport.buffer.length" rtsExt:value="many"/>
-```
-""",
+    "RTC0584", "connector property with a value that it does not take", Severity.ERROR
 )
-
 DATA_TYPE = Rule(
-    "RTC0585",
-    "connector says another type than its ports",
-    Severity.WARNING,
-    """
-`rts:dataType` is not the repository id of the type of the two ports. It informs only, but tools
-show it.
-""",
+    "RTC0585", "connector says another type than its ports", Severity.WARNING
 )
-
 SYSTEM_PARAMETER = Rule(
     "RTC0586",
     "configuration that the component's definition does not have",
     Severity.ERROR,
-    """
-A `ConfigurationData` names no parameter of the component, or its text is no value of the
-parameter's type.
-""",
 )
-
-OTHER_DEFINITION = Rule(
-    "RTC0592",
-    "id is not that of the definition",
-    Severity.WARNING,
-    """
-Vendor, category or version in the id of a component are not those of its definition. The type
-counts here, but rtshell and RT System Editor compare the whole id with that of the running
-component.
-""",
-)
+OTHER_DEFINITION = Rule("RTC0592", "id is not that of the definition", Severity.WARNING)
 
 RULES = (
     UNKNOWN_COMPONENT,

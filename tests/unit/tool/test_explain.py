@@ -10,6 +10,7 @@ import pytest
 
 import rtgen
 from rtgen.cli import run
+from rtgen.diagnostics import Rule, Severity
 from rtgen.diagnostics.explain import MODULES, rules
 
 SOURCES = Path(rtgen.__file__).parent
@@ -36,6 +37,18 @@ def test_codes_titles_and_stories_are_whole() -> None:
         assert re.fullmatch(r"[A-Z]{2,4}\d{4}", code)
         assert rule.title
         assert len(rule.explanation.split()) > 4, code
+
+
+def test_every_page_belongs_to_a_rule() -> None:
+    pages = {file.stem for file in (SOURCES / "diagnostics" / "pages").iterdir()}
+    assert pages == {code for code, rule in rules().items() if rule.text is None}
+
+
+def test_a_rule_of_a_plug_in_brings_its_text() -> None:
+    assert (
+        Rule("ACME0001", "a title", Severity.ERROR, "A text.").explanation == "A text."
+    )
+    assert Rule("ACME0001", "a title", Severity.ERROR).explanation == ""
 
 
 def test_every_story_of_definitions_has_an_example() -> None:

@@ -16,35 +16,11 @@ from xml.parsers import expat
 from rtgen.diagnostics import InputError, Rule, Severity, Span
 from rtgen.frontends.kit.lines import LineTable
 
-_MALFORMED = """\
-The file is not well-formed XML: a tag is not closed, an attribute is not quoted, a prefix is not
-declared. The place is where the reader noticed, which may be after the mistake.
-"""
-
-_DOCTYPE = """\
-Profiles have no document type declaration. It is refused since entities declared there can fetch
-files and blow up memory. Delete the `<!DOCTYPE ...>`.
-"""
-
-_ENCODING = """\
-The bytes of the file do not agree with the encoding of its XML declaration (UTF-8 without one).
-Save it as UTF-8.
-"""
-
-_DEPTH = """\
-Elements are nested deeper than any profile is. Profiles use fewer than ten levels.
-"""
-
-_UNREADABLE = """\
-The file cannot be opened: it is missing, it is a folder, or access is denied; or it is larger than
-any profile is.
-"""
-
-MALFORMED = Rule("RTC0501", "not well-formed XML", Severity.ERROR, _MALFORMED)
-DOCTYPE = Rule("RTC0502", "document type declaration", Severity.ERROR, _DOCTYPE)
-ENCODING = Rule("RTC0503", "bytes do not fit the encoding", Severity.ERROR, _ENCODING)
-DEPTH = Rule("RTC0504", "elements nested too deep", Severity.ERROR, _DEPTH)
-UNREADABLE = Rule("RTC0505", "profile cannot be opened", Severity.ERROR, _UNREADABLE)
+MALFORMED = Rule("RTC0501", "not well-formed XML", Severity.ERROR)
+DOCTYPE = Rule("RTC0502", "document type declaration", Severity.ERROR)
+ENCODING = Rule("RTC0503", "bytes do not fit the encoding", Severity.ERROR)
+DEPTH = Rule("RTC0504", "elements nested too deep", Severity.ERROR)
+UNREADABLE = Rule("RTC0505", "profile cannot be opened", Severity.ERROR)
 
 RULES = (MALFORMED, DOCTYPE, ENCODING, DEPTH, UNREADABLE)
 
