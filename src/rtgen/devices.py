@@ -19,7 +19,8 @@ from rtgen.model import Component, Model
 from rtgen.resources import idl_file
 
 if TYPE_CHECKING:
-    from rtgen.model import Bus, Declaration
+    from rtgen.model import Declaration
+    from rtgen.model.can_bus import Bus
     from rtgen.project import Project
     from rtgen.typemap.canopen_ports import DevicePorts
 

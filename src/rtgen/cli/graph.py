@@ -10,7 +10,8 @@ import click
 from rtgen import compiler
 from rtgen.cli.common import BAD_INPUT, OK, Console, with_console, write_out
 from rtgen.diagnostics import Diagnostic, ToolError, has_errors, in_order
-from rtgen.model import Bus, Component
+from rtgen.model import Component
+from rtgen.model.can_bus import Bus
 from rtgen.project import load
 from rtgen.systems import timeline
 

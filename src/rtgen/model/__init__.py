@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 from rtgen.facts.primitives import Primitive
-from rtgen.model.can_bus import Bus
-from rtgen.model.canopen import Device
 from rtgen.model.components import (
     Activation,
     Adapter,
@@ -50,7 +49,6 @@ from rtgen.model.declarations import (
     ValueBox,
     Valuetype,
 )
-from rtgen.model.tecs import TecsUnit
 from rtgen.model.types import (
     VOID,
     ArrayType,
@@ -64,6 +62,11 @@ from rtgen.model.types import (
     Type,
 )
 
+if TYPE_CHECKING:  # many classes, which most commands do not need
+    from rtgen.model.can_bus import Bus
+    from rtgen.model.canopen import Device
+    from rtgen.model.tecs import TecsUnit
+
 __all__ = [
     "VOID",
     "Activation",
@@ -74,7 +77,6 @@ __all__ = [
     "Bitfield",
     "Bitmask",
     "Bitset",
-    "Bus",
     "Case",
     "Component",
     "ConfigurationParameter",
@@ -82,7 +84,6 @@ __all__ = [
     "Const",
     "ConstantValue",
     "Declaration",
-    "Device",
     "Direction",
     "Documented",
     "Enum",
@@ -114,7 +115,6 @@ __all__ = [
     "Struct",
     "System",
     "SystemComponent",
-    "TecsUnit",
     "Type",
     "Typedef",
     "Union",

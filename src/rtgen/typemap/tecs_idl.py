@@ -18,7 +18,6 @@ from rtgen.model import (
     ScopedName,
     SequenceType,
     StringType,
-    TecsUnit,
     Type,
 )
 from rtgen.model.tecs import (
@@ -38,6 +37,7 @@ from rtgen.model.tecs import (
     TecsDirection,
     TecsParameter,
     TecsStruct,
+    TecsUnit,
     resolve,
 )
 

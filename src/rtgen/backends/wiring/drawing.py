@@ -31,7 +31,8 @@ from rtgen.backends.wiring.routing import (
     subtitle,
     text_width,
 )
-from rtgen.model import Bus, PortKind, System
+from rtgen.model import PortKind, System
+from rtgen.model.can_bus import Bus
 
 _LEGEND_ROW = 24
 _SAMPLE = 34

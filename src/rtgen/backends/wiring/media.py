@@ -11,8 +11,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from rtgen.backends.wiring.diagram import Box, Diagram, Link, LinkStyle, Medium, Tab
-from rtgen.model import Bus, PortKind, System, SystemComponent
-from rtgen.model.can_bus import PdoLink
+from rtgen.model import PortKind, System, SystemComponent
+from rtgen.model.can_bus import Bus, PdoLink
 
 _CAN = frozenset({"interface", "channel", "network"})
 _ADDRESSES = ("ipaddr", "host")

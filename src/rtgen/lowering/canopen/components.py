@@ -10,7 +10,6 @@ from typing import Any
 from rtgen.diagnostics import Span
 from rtgen.lowering.canopen.kinds import file_name, folder_of, service_of
 from rtgen.model import (
-    Bus,
     Component,
     ConfigurationParameter,
     ConstantValue,
@@ -22,6 +21,7 @@ from rtgen.model import (
     StringType,
     Type,
 )
+from rtgen.model.can_bus import Bus
 from rtgen.model.canopen import (
     DataType,
     PdoDirection,

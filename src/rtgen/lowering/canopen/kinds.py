@@ -12,8 +12,9 @@ from rtgen.lowering.canopen.rules import (
     SAME_MODULE,
     TAKEN_MODULE,
 )
-from rtgen.model import Bus, Device, ScopedName
-from rtgen.model.can_bus import DeviceKind, kind_of
+from rtgen.model import ScopedName
+from rtgen.model.can_bus import Bus, DeviceKind, kind_of
+from rtgen.model.canopen import Device
 from rtgen.typemap.canopen_ports import DevicePorts, can_be_parameter
 from rtgen.typemap.python_names import module_name
 

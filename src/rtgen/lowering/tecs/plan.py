@@ -14,8 +14,8 @@ from rtgen.lowering.tecs.rules import (
     SAME_COMPONENT,
     SAME_NAME,
 )
-from rtgen.model import Model, ScopedName, SourceFile, TecsUnit
-from rtgen.model.tecs import Cell, Join, Signature, Through
+from rtgen.model import Model, ScopedName, SourceFile
+from rtgen.model.tecs import Cell, Join, Signature, TecsUnit, Through
 from rtgen.typemap.python_names import identifier, module_name
 from rtgen.typemap.tecs_python import plain_name
 
