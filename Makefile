@@ -26,7 +26,7 @@ endif
 endif
 endif
 
-.PHONY: demo gallery test check format lint types pyright imports drift pytest test-openrtm interpreters fuzz bench clean
+.PHONY: demo gallery test check format lint types pyright imports drift pytest test-openrtm interpreters further fuzz bench clean
 
 demo: $(VENV)/demo.stamp
 	$(BIN)/rtgen generate
@@ -40,10 +40,12 @@ demo: $(VENV)/demo.stamp
 gallery: $(VENV)/test.stamp
 	$(BIN)/python tests/reference/gallery.py
 
-# Tests wait for clocks and processes now and then; what else is checked is done meanwhile.
+# Tests wait for clocks and processes now and then; what else is checked is done meanwhile. What is
+# the same on each interpreter, and fast, is left to the further one: `pytest` alone runs all.
+test: SELECTED = -m "not once or slow or peer or random"
 test: $(VENV)/test.stamp
-	$(MAKE) --no-print-directory -j 2 pytest lint types imports drift
-	$(MAKE) --no-print-directory interpreters
+	$(MAKE) --no-print-directory -j 2 pytest lint types imports drift further SELECTED='$(SELECTED)'
+	$(BIN)/python tests/interpreters.py --made
 
 lint: $(VENV)/test.stamp
 	$(BIN)/black --check --quiet src tests benchmarks
@@ -65,7 +67,7 @@ drift: $(VENV)/test.stamp
 
 # Each worker begins with a half of the files, so what tests of a file share is made once.
 pytest: $(VENV)/test.stamp
-	$(BIN)/pytest -n 2 --dist worksteal
+	$(BIN)/pytest -n 2 --dist worksteal $(SELECTED)
 
 # The tests of OpenRTM on an installed OpenRTM-aist-Python: SITE is the folder that has its package
 # OpenRTM_aist and its .pth file. One process: OpenRTM has one manager and one ORB in each.
@@ -78,6 +80,10 @@ test-openrtm: $(VENV)/test.stamp
 # Each commit tries one; `tests/interpreters.py --all` tries all that this machine has.
 interpreters: $(VENV)/test.stamp
 	$(BIN)/python tests/interpreters.py
+
+# The environment of that interpreter.
+further: $(VENV)/test.stamp
+	$(BIN)/python tests/interpreters.py --make
 
 # The random tests with thirty times their inputs, others each time: `make fuzz RTGEN_SEED=7` repeats them.
 fuzz: export RTGEN_SEED ?= $(shell date +%s)

@@ -23,6 +23,9 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 TESTS = Path(__file__).parent
+ONCE = ("openrtm", "reference")
+"""Folders of tests that are the same on each interpreter: OpenRTM's modules, simulated robots."""
+
 DRAWN = {seeds.seed, seeds.budget, seeds.cases}
 """A file that uses one of them has tests with many drawn inputs."""
 
@@ -62,6 +65,8 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         is_random = any(getattr(item.module, f.__name__, None) is f for f in DRAWN)
         if is_random:
             item.add_marker("random")
+        if item.path.relative_to(TESTS).parts[0] in ONCE:
+            item.add_marker("once")
         if is_random or item.get_closest_marker("slow"):
             item.add_marker("no_cover")
 

@@ -1,6 +1,7 @@
 """Builds the wheel and runs the fast tests on it with another interpreter.
 
 One of those found, chosen by the commit, so that commits try them in turn; `--all` tries each.
+`--make` makes the environment only, beside other checks; `--made` runs the tests in what was made.
 """
 
 from __future__ import annotations
@@ -9,7 +10,6 @@ import os
 import shutil
 import subprocess
 import sys
-import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -23,6 +23,11 @@ MONITORED = ("3.12", "3.13")
 
 PROCESSES = "2"
 """So many run the tests."""
+
+SELECTED = "not slow and not peer and not random"
+"""The markers of the tests; `make test` runs the others, and all that are not `once`, before."""
+
+ENVIRONMENTS = ROOT / "build" / "interpreters"
 
 TRIED_ONCE = ("tests/interop", "tests/fuzz", "tests/packages")
 """Comparisons with peers and random inputs are the same on each interpreter.
@@ -56,22 +61,25 @@ def build(folder: Path) -> Path:
     return next(folder.glob("rtgen-*.whl"))
 
 
-def try_on(
-    interpreter: str, wheel: Path, folder: Path, *, measured: bool
-) -> tuple[int, str]:
-    """The exit code and output of the fast tests on the wheel in an environment of its own.
-
-    `measured`: with the coverage of lines.
-    """
+def make(interpreter: str, folder: Path) -> None:
+    """An environment of its own for an interpreter, with the wheel and the reference build."""
+    shutil.rmtree(folder, ignore_errors=True)
     subprocess.run([interpreter, "-m", "venv", str(folder)], check=True)
     python = str(folder / "bin" / "python")
     install = [python, "-m", "pip", "install", "--quiet", "--no-compile"]
-    install += ["--disable-pip-version-check", f"{wheel}[plot,test]"]
+    install += ["--disable-pip-version-check", f"{build(folder)}[plot,test]"]
     subprocess.run(install, check=True)
     _install_application(python, folder)
+
+
+def run_tests(folder: Path, *, measured: bool) -> tuple[int, str]:
+    """The exit code and output of the fast tests in an environment.
+
+    `measured`: with the coverage of lines.
+    """
+    python = str(folder / "bin" / "python")
     tests = [python, "-m", "pytest", "-q", "-o", f"cache_dir={folder / 'cache'}"]
-    tests += ["-m", "not slow and not peer and not random"]
-    tests += ["-n", PROCESSES, "--dist", "worksteal"]
+    tests += ["-m", SELECTED, "-n", PROCESSES, "--dist", "worksteal"]
     tests += [f"--ignore={name}" for name in TRIED_ONCE]
     measuring = ["--cov", "--cov-report=term:skip-covered"] * measured
     environment = {
@@ -137,19 +145,16 @@ def main() -> int:
     found = found or {own: sys.executable}
     tried = list(found) if "--all" in sys.argv[1:] else [chosen([*found], commit())]
     failed = []
-    with tempfile.TemporaryDirectory() as temporary:
-        folder = Path(temporary)
-        wheel = build(folder)
-        for version in tried:
-            code, output = try_on(
-                found[version], wheel, folder / version, measured=version in MONITORED
-            )
-            print(
-                f"Python {version}: the fast tests on {wheel.name}\n{output}",
-                flush=True,
-            )
-            if code != 0:
-                failed.append(version)
+    for version in tried:
+        folder = ENVIRONMENTS / version
+        if "--made" not in sys.argv[1:]:
+            make(found[version], folder)
+        if "--make" in sys.argv[1:]:
+            continue
+        code, output = run_tests(folder, measured=version in MONITORED)
+        print(f"Python {version}: the fast tests on the wheel\n{output}", flush=True)
+        if code != 0:
+            failed.append(version)
     for version in failed:
         print(f"Python {version}: FAILED", file=sys.stderr)
     return 1 if failed else 0

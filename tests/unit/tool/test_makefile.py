@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import itertools
 import os
+import re
 import shutil
 import subprocess
 import sys
 from pathlib import Path
 
+import interpreters
 import pytest
 
 ROOT = Path(__file__).parents[3]
@@ -79,3 +82,26 @@ def test_an_environment_of_another_python_is_refused(tmp_path: Path) -> None:
     assert here.exists()
     assert _make(tmp_path, "-n", "demo", f"PYTHON={sys.executable}").returncode == 0
     assert _make(tmp_path, "-n", "clean", f"PYTHON={newer}").returncode == 0
+
+
+def test_each_test_is_run_on_one_interpreter_at_least() -> None:
+    """What `make test` leaves out is what it runs on the further interpreter."""
+    text = (ROOT / "Makefile").read_text(encoding="utf-8")
+    [own] = re.findall(r'^test: SELECTED = -m "(.+)"$', text, re.MULTILINE)
+    markers = ("once", "slow", "peer", "random")
+    left_out = 0
+    for values in itertools.product((False, True), repeat=len(markers)):
+        marked = dict(zip(markers, values, strict=True))
+        runs = eval(own, {}, marked)
+        left_out += not runs
+        assert runs or eval(interpreters.SELECTED, {}, marked)
+    assert left_out == 1
+    folders = {Path(name).name for name in interpreters.TRIED_ONCE}
+    assert folders.isdisjoint(conftest_folders())
+
+
+def conftest_folders() -> set[str]:
+    """The folders whose tests are marked as `once`."""
+    text = (ROOT / "tests" / "conftest.py").read_text(encoding="utf-8")
+    [names] = re.findall(r"^ONCE = \((.+)\)$", text, re.MULTILINE)
+    return set(re.findall(r'"(\w+)"', names))

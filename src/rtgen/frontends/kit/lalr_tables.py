@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 from pathlib import Path
 from typing import Any
@@ -89,7 +90,9 @@ def _rule(rule: Any) -> list[Any]:
 
 
 def write(grammar: Path) -> None:
-    """Write the tables of a grammar beside it."""
+    """Write the tables of a grammar beside it, in one step: others may be reading them."""
     tables = make(grammar.read_text(encoding="utf-8"))
     text = json.dumps(tables, separators=(",", ":"))
-    grammar.with_suffix(".json").write_text(text, encoding="utf-8")
+    written = grammar.with_suffix(f".{os.getpid()}")
+    written.write_text(text, encoding="utf-8")
+    written.replace(grammar.with_suffix(".json"))
