@@ -12,11 +12,12 @@ import sys
 import time
 from pathlib import Path
 
-from rtgen import compiler, runtime
+from rtgen import runtime
 from rtgen.cli.assembly import assemble
 from rtgen.cli.factories import Factories
 from rtgen.project import load
 from rtgen.systems import timeline
+from rtgen.systems.reading import read_file
 
 ROOT = Path(__file__).resolve().parent.parent
 EXPERIMENTS = Path("specs/experiments")
@@ -28,7 +29,7 @@ ROUNDS = 3
 def ratio(name: str) -> tuple[float, float]:
     """Simulated seconds, and how many of them in each second, of one experiment."""
     folder = EXPERIMENTS / name
-    profile, diagnostics, _ = compiler.read_system(folder / "system.xml")
+    profile, diagnostics, _ = read_file(folder / "system.xml")
     if profile is None:
         raise SystemExit("\n".join(d.message for d in diagnostics))
     plan = timeline.load(folder / "timeline.toml", profile)

@@ -16,12 +16,13 @@ from collections.abc import Callable
 from pathlib import Path
 from tempfile import TemporaryFile
 
-from rtgen import compiler, runtime
+from rtgen import runtime
 from rtgen.cli.assembly import assemble
 from rtgen.cli.factories import Factories
 from rtgen.model import System
 from rtgen.project import load
 from rtgen.runtime import RTC_OK, Component, ReturnCode_t
+from rtgen.systems.reading import read_file
 
 ROOT = Path(__file__).resolve().parent.parent
 SYSTEM = Path("specs/navigation/rh3_goal.xml")
@@ -62,7 +63,7 @@ def ratio(profile: System, factories: Factories, *, logged: bool = False) -> flo
 def main() -> None:
     """Prints the ratios and shares."""
     os.chdir(ROOT)
-    profile, diagnostics, _ = compiler.read_system(SYSTEM)
+    profile, diagnostics, _ = read_file(SYSTEM)
     if profile is None:
         raise SystemExit("\n".join(d.message for d in diagnostics))
     project = load()

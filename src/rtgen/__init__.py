@@ -4,7 +4,7 @@
 when they are used, since generated code imports this package for its runtime.
 """
 
-__version__ = "0.1.0"
+from rtgen.facts.version import __version__
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -9,14 +9,15 @@ import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
-from rtgen import __version__, compiler
-from rtgen.backends import Backend, Emission, Options
+from rtgen import compiler
+from rtgen.backends import Backend, Emission, Options, stage
 from rtgen.diagnostics import InputError, has_errors, in_order
-from rtgen.frontends import FrontendResult, idl
+from rtgen.facts.version import __version__
+from rtgen.frontends import FrontendResult
 from rtgen.frontends.kit.library import VirtualFile
+from rtgen.frontends.stage import read_idl
 from rtgen.model import Model
 from rtgen.project import load, with_arguments
-from rtgen.standard_idl import standard_idl
 
 Paths = str | os.PathLike[str]
 
@@ -52,17 +53,14 @@ def read(
         include=[os.fspath(folder) for folder in include],
         define=tuple((define or {}).items()),
     )
-    if not isinstance(source, str):
-        project = project if paths else replace(project, sources=(), systems=())
-        return compiler.read(project, lowered=lowered)
-    return idl.load(
-        (),
-        root=project.root,
-        include=project.include,
-        define=dict(project.define),
-        ignore_case_clashes=project.ignore_case_clashes,
-        virtual={**standard_idl(()), TEXT: VirtualFile(TEXT, source, given=True)},
+    project = (
+        project if paths else replace(project, sources=(), systems=(), adapters=())
     )
+    also = []
+    if isinstance(source, str):
+        text = VirtualFile(TEXT, source, given=True)
+        also.append(read_idl((), project.reading, text=text))
+    return compiler.read(project, lowered=lowered, also=also)
 
 
 def compile(  # noqa: A001 - the name that users look for, as in re.compile
@@ -90,7 +88,7 @@ def emit(
     `backends` are back ends or the names of installed ones, without any all of them. `options`
     are by default those of a project without `rtgen.toml`. Raises ValueError for an unknown name.
     """
-    installed = {backend.name: backend for backend in compiler.backends()}
+    installed = {backend.name: backend for backend in stage.backends()}
     unknown = [b for b in backends if isinstance(b, str) and b not in installed]
     if unknown:
         known = ", ".join(installed)

@@ -16,6 +16,7 @@ class Group(StrEnum):
     BACKENDS = "rtgen.backends"
     FRONTENDS = "rtgen.frontends"
     LINT = "rtgen.lint"
+    LOWERINGS = "rtgen.lowerings"
     RULES = "rtgen.rules"
     TRANSPORTS = "rtgen.transports"
 

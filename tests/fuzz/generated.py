@@ -16,7 +16,7 @@ from types import ModuleType
 from fuzzing import ViolationError
 
 from rtgen.backends import Backend, Options
-from rtgen.compiler import BUILT_IN
+from rtgen.backends.stage import BUILT_IN
 from rtgen.diagnostics import InputError, has_errors
 from rtgen.model import Model
 from rtgen.runtime import descriptors

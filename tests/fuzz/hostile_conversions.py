@@ -22,6 +22,7 @@ from rtgen.frontends.kit import located_xml
 from rtgen.model import Component
 from rtgen.project import load
 from rtgen.resources import idl_file
+from rtgen.systems.reading import read_file
 
 Made = tuple[list[str], dict[str, str]]
 """The codes of the findings, and files by their paths; none if there are errors."""
@@ -118,7 +119,7 @@ def system(texts: Texts, folder: Path) -> Made:
         run = compile_project(project)
         made = {a.path: str(a.text) for a in run.artifacts if "/s/" in a.path}
         if not run.failed:
-            read, _, _ = compiler.read_system(path)
+            read, _, _ = read_file(path)
             model = compiler.read(project, lowered=True).model
             views = {
                 d.name[-1]: view_of(d)

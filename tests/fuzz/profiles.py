@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from random import Random
@@ -18,6 +19,8 @@ from rtgen.diagnostics.report import report
 from rtgen.frontends import idl, profile_yaml, rtc_profile, rts_profile
 from rtgen.frontends.kit import located_xml
 from rtgen.inspection.models import inspect
+from rtgen.lowering.profiles.lower import lower
+from rtgen.lowering.settings import Settings
 from rtgen.model import Model
 from rtgen.typemap.profile_rules import RULES
 
@@ -86,20 +89,23 @@ class ProfileTarget:
         suffix = "yaml" if number % 7 == 0 else "xml"
         path = self._folder / f"input.{suffix}"
         path.write_bytes(_as_yaml(data) if suffix == "yaml" else data)
-        read = rtc_profile.read([path], root=self._folder, include=())
+        read = rtc_profile.load([path], root=self._folder, include=())
         base = _base()
-        result = rtc_profile.lowered(read, base)
-        _hold(result.diagnostics)
-        report(result.diagnostics, result.sources)
-        yield from {d.code for d in result.diagnostics}
-        if has_errors(result.diagnostics):
+        known = replace(
+            base,
+            files=(*base.files, *read.model.files),
+            profiles=read.model.profiles,
+        )
+        lowered = lower(known, Settings())
+        model = lowered.model
+        diagnostics = (*read.diagnostics, *lowered.diagnostics)
+        _hold(diagnostics)
+        report(diagnostics, read.sources)
+        yield from {d.code for d in diagnostics}
+        if has_errors(diagnostics):
             yield "errors"
             return
-        model = Model(
-            files=(*base.files, *result.model.files),
-            declarations=(*base.declarations, *result.model.declarations),
-        )
-        inspect(model, result.diagnostics)
+        inspect(model, diagnostics)
         wrong = [d for d in check(model) if has_errors([d])]
         if wrong:
             raise ViolationError(f"{wrong[0].code}: {wrong[0].message}")

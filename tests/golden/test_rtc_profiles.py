@@ -11,6 +11,8 @@ from rtgen.backends.idl_text import idl_text
 from rtgen.cli import run
 from rtgen.diagnostics import Diagnostic, has_errors, in_order
 from rtgen.frontends import idl, rtc_profile
+from rtgen.lowering.profiles.lower import lower
+from rtgen.lowering.settings import Settings
 from rtgen.typemap import profile_rules as rules
 
 CASES = Path(__file__).parent / "rtc_profile"
@@ -22,16 +24,16 @@ def read(path: Path) -> tuple[str, list[Diagnostic]]:
     known = [SPECS / "BasicDataType.idl", CASES / "base" / "Taken.idl"]
     base = idl.load(known, root=SPECS).model
     given = frozenset(file.as_posix() for file in known)
-    profiles = rtc_profile.read([path], root=CASES, include=())
-    result = rtc_profile.lowered(profiles, base, given)
-    made = result.model.declarations
-    whole = replace(
+    result = rtc_profile.load([path], root=CASES, include=())
+    model = replace(
         base,
         files=(*base.files, *result.model.files),
-        declarations=(*base.declarations, *made),
+        profiles=result.model.profiles,
     )
-    text = idl_text(whole, made, components=True)
-    return text, in_order(result.diagnostics)
+    lowered = lower(model, Settings(definitions=given))
+    made = [d for d in lowered.model.declarations if d not in base.declarations]
+    text = idl_text(lowered.model, made, components=True)
+    return text, in_order((*result.diagnostics, *lowered.diagnostics))
 
 
 def shown(found: list[Diagnostic]) -> str:
@@ -90,8 +92,8 @@ def test_the_idl_is_read_again(name: str, tmp_path: Path) -> None:
 def test_no_file_harms(name: str, text: str, code: str, tmp_path: Path) -> None:
     path = tmp_path / name
     path.write_text(text, encoding="utf-8")
-    found = rtc_profile.read([path], root=tmp_path, include=())
-    assert not found.profiles
+    found = rtc_profile.load([path], root=tmp_path, include=())
+    assert not found.model.profiles
     assert [each.code for each in found.diagnostics] == [code]
 
 
@@ -110,7 +112,7 @@ def test_encodings(
     )
     path = tmp_path / "RTC.xml"
     path.write_bytes(data)
-    found = rtc_profile.read([path], root=tmp_path, include=())
-    assert [each.vendor for each in found.profiles] == ["産総研"]
+    found = rtc_profile.load([path], root=tmp_path, include=())
+    assert [each.vendor for each in found.model.profiles] == ["産総研"]
     assert run(["convert", str(path), "--to", "rtc-xml", "-q"]) == 0
     assert capfdbinary.readouterr().out == data

@@ -12,10 +12,11 @@ from pathlib import Path
 
 import pytest
 
-from rtgen.compiler import Compilation, compile_project
+from rtgen.compiler import compile_project
 from rtgen.diagnostics import has_errors
 from rtgen.frontends.eds import load as load_eds
 from rtgen.project import load, output
+from rtgen.project.compilation import Compilation
 
 GOLDEN = Path(__file__).parents[3] / "shared" / "golden" / "eds"
 FOLDERS = [Path(p) for p in (str(GOLDEN), os.environ.get("RTGEN_EDS_CORPUS", "")) if p]

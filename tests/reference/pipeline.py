@@ -11,7 +11,6 @@ from refnav.geometry import Pose
 from rtgen import model
 from rtgen.cli.assembly import assemble
 from rtgen.cli.factories import Factories
-from rtgen.compiler import read_system
 from rtgen.project import load
 from rtgen.runtime import (
     ERROR_STATE,
@@ -21,6 +20,7 @@ from rtgen.runtime import (
     SimulatedClock,
     System,
 )
+from rtgen.systems.reading import read_file
 from rtgen.systems.timeline import assignment
 
 NAVIGATION = Path(__file__).parents[2] / "specs" / "navigation"
@@ -32,7 +32,7 @@ LONGEST = 600 * SECOND
 
 def profile(file: Path = GOAL) -> model.System:
     """A system as described by its file."""
-    system, diagnostics, _ = read_system(file)
+    system, diagnostics, _ = read_file(file)
     assert system is not None, diagnostics
     assert not diagnostics
     return system

@@ -57,3 +57,14 @@ def test_no_circle_across_files(package: str) -> None:
         TopologicalSorter({name: _imports(name) for name in names}).prepare()
     except CycleError as circle:
         pytest.fail(" -> ".join(circle.args[1]))
+
+
+def test_no_circle_across_packages_of_the_compiler() -> None:
+    """Nor with the packages around them; those of the runtime are examined above."""
+    runtime = ("rtgen.runtime", "rtgen.small_runtime")
+    names = [n for n in MODULES if not n.startswith(runtime)]
+    assert {"rtgen", "rtgen.api", "rtgen.compiler", "rtgen.cli.cached"} <= {*names}
+    try:
+        TopologicalSorter({n: _imports(n) & {*names} for n in names}).prepare()
+    except CycleError as circle:
+        pytest.fail(" -> ".join(circle.args[1]))

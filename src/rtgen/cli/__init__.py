@@ -8,8 +8,8 @@ from collections.abc import Sequence
 
 import click
 
-from rtgen import __version__
 from rtgen.cli.groups import LazyGroup
+from rtgen.facts.version import __version__
 
 COMMANDS = {
     "generate": "Make the files that the definitions ask for.",

@@ -10,10 +10,9 @@ from rtgen import compiler
 from rtgen.backends.components.places import summary
 from rtgen.backends.openrtm.plan import openrtm_port_name
 from rtgen.backends.openrtm.rules import OTHER_PROFILE
-from rtgen.component_profiles import declared_in, type_names
 from rtgen.diagnostics import Diagnostic, Span, has_errors, in_order
-from rtgen.frontends import openrtm_python
-from rtgen.frontends.rtc_profile import Profiles
+from rtgen.frontends import FrontendResult, openrtm_python
+from rtgen.lowering.openrtm_idl import declared_in, type_names
 from rtgen.model import Component, Model, NamedType, PortKind, SourceFile
 from rtgen.model.rtc_profile import RtcProfile
 from rtgen.project import Project, load, with_arguments
@@ -40,38 +39,40 @@ def adopted(path: Path, include: Sequence[Path]) -> Adopted:
     if module.profile is None:
         return Adopted(None, Model(), module.diagnostics, module.sources)
     shown = module.profile.file
-    profiles = Profiles(
-        (module.profile,),
-        (SourceFile(name=shown, key=path.name, sha256="", main=True),),
+    file = SourceFile(name=shown, key=path.name, sha256="", main=True)
+    profile = FrontendResult(
+        Model(files=(file,), profiles=(module.profile,)),
         module.diagnostics,
-        dict(module.sources),
+        module.sources,
+        (),
     )
     beside = path.with_name(_PROFILE)
     if not module.generated or not beside.is_file():
-        return _with_neighbours(path, include, shown, profiles)
+        return _with_neighbours(path, include, profile)
     alone = with_arguments(
         load(), paths=(str(beside),), include=[str(folder) for folder in include]
     )
-    from_profile = _with_types(alone, beside.as_posix(), None)
+    from_profile = _with_types(alone, beside.as_posix())
     if from_profile.component is not None and _agree(
         from_profile.model, from_profile.component, module.profile
     ):
         return from_profile
-    plain = _with_neighbours(path, include, shown, profiles)
+    plain = _with_neighbours(path, include, profile)
     message = f"{beside.as_posix()} says something else"
     other = OTHER_PROFILE.at(Span(shown, 1, 1, 1, 2), message)
     return replace(plain, diagnostics=tuple(in_order([*plain.diagnostics, other])))
 
 
 def _with_neighbours(
-    path: Path, include: Sequence[Path], shown: str, profiles: Profiles
+    path: Path, include: Sequence[Path], profile: FrontendResult
 ) -> Adopted:
     """The component, with the IDL files near the module if they can be read.
 
     IDL files are searched in the module's folder and in a folder `idl` inside or beside it, for
     declarations of the types that the ports need.
     """
-    wanted = type_names(profiles)
+    [adopted] = profile.model.profiles
+    wanted = type_names(adopted)
     folders = [
         path.parent,
         *(path.parent / each for each in ("idl", "../idl")),
@@ -86,10 +87,10 @@ def _with_neighbours(
     given = {file.resolve() for file in plain.sources}
     beside = [file for file in beside if file.resolve() not in given]
     if beside:
-        found = _with_types(_definitions(include, beside), shown, profiles)
+        found = _with_types(_definitions(include, beside), adopted.file, [profile])
         if found.component is not None:
             return found
-    return _with_types(plain, shown, profiles)
+    return _with_types(plain, adopted.file, [profile])
 
 
 def _definitions(include: Sequence[Path], beside: Sequence[Path]) -> Project:
@@ -103,9 +104,11 @@ def _definitions(include: Sequence[Path], beside: Sequence[Path]) -> Project:
     return replace(project, sources=tuple(files), include=included, adapters=())
 
 
-def _with_types(project: Project, shown: str, profiles: Profiles | None) -> Adopted:
+def _with_types(
+    project: Project, shown: str, profiles: Sequence[FrontendResult] = ()
+) -> Adopted:
     """Compile the project and pick the component whose profile has the file name `shown`."""
-    read = compiler.read(project, lowered=True, adopted=profiles)
+    read = compiler.read(project, lowered=True, also=profiles)
     found = tuple(in_order(read.diagnostics))
     components = [
         d

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from rtgen import compiler
+from rtgen.cli.cached import build
 from rtgen.cli.can.common import counted
 from rtgen.cli.common import (
     BAD_INPUT,
@@ -49,7 +49,7 @@ def check(
         definitions, output, add=output is None, node_id=node_id, target=target
     )
     require_target(project)
-    run = compiler.build(project, None if no_cache else cache.default())
+    run = build(project, None if no_cache else cache.default())
     console.findings(run.diagnostics, run.sources)
     if run.failed:
         return BAD_INPUT

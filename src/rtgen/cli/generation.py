@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from rtgen import compiler
+from rtgen.cli.cached import build
 from rtgen.cli.common import (
     BAD_INPUT,
     OK,
@@ -52,7 +52,7 @@ class Request:
 def generate_once(console: Console, request: Request) -> tuple[int, Iterable[Path]]:
     """The exit code, and the paths of the files that the run looked for."""
     project = request.project()
-    run = compiler.build(project, cache.default() if request.cached else None)
+    run = build(project, cache.default() if request.cached else None)
     looked_for = map(Path, run.dependencies)
     if run.failed:
         console.findings(run.diagnostics, run.sources)

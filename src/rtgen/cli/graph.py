@@ -46,7 +46,7 @@ def graph(
     from rtgen.systems import reading as systems
 
     path = Path(system)
-    profile, found, sources = compiler.read_system(
+    profile, found, sources = systems.read_file(
         path / "system.xml" if path.is_dir() else path
     )
     diagnostics: list[Diagnostic] = list(found)

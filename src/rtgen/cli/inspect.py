@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from rtgen import compiler
+from rtgen.cli import cached
 from rtgen.cli.common import (
     BAD_INPUT,
     OK,
@@ -54,7 +54,7 @@ def inspect(
     project = None
     if others or not profiles:
         project = project_of(replace(definitions, paths=others), node_id=node_id)
-    run = compiler.inspect(
+    run = cached.inspect(
         project,
         [Path(p) for p in profiles],
         None if no_cache else cache.default(),

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import click
 
-from rtgen import compiler, runtime
+from rtgen import runtime
 from rtgen.cli import shares, transports
 from rtgen.cli.assembly import assemble
 from rtgen.cli.common import BAD_INPUT, NO, OK, Console, with_console, write_out
@@ -38,6 +38,7 @@ from rtgen.runtime.system.watchdog import Watchdog
 from rtgen.systems import measures, timeline
 from rtgen.systems.checks import check_properties
 from rtgen.systems.measures import Measure
+from rtgen.systems.reading import read_file
 from rtgen.systems.rules import CONDITION, MEASURE, OBSERVABLE
 from rtgen.systems.timeline import SECOND, Condition
 
@@ -122,9 +123,7 @@ def run(
     carrying.check(simulated=simulated)
     path = Path(system)
     folder = path if path.is_dir() else None
-    profile, diagnostics, sources = compiler.read_system(
-        path / "system.xml" if folder else path
-    )
+    profile, diagnostics, sources = read_file(path / "system.xml" if folder else path)
     found = [*diagnostics, *(check_properties(profile) if profile is not None else ())]
     console.findings(in_order(found), sources)
     if profile is None or has_errors(found):

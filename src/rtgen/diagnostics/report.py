@@ -12,8 +12,8 @@ from typing import TypeAlias
 from unicodedata import category, east_asian_width
 from urllib.parse import quote
 
-from rtgen import __version__
 from rtgen.diagnostics import Diagnostic, Rule, Severity, Span, in_order
+from rtgen.facts.version import __version__
 
 FORMS = ("text", "json", "sarif", "github")
 

@@ -25,13 +25,19 @@ class FrontendResult:
 
     `sources` maps displayed paths to decoded texts, for excerpts in diagnostics. `dependencies`
     holds every file that was read and every path that was searched for: while none of them
-    changes, reading again gives the same result.
+    changes, reading again gives the same result. `idl` are IDL files that the definitions name.
     """
 
     model: Model
     diagnostics: tuple[Diagnostic, ...]
     sources: Mapping[str, str]
     dependencies: tuple[Dependency, ...]
+    idl: tuple[Path, ...] = ()
+
+    @property
+    def hashes(self) -> dict[str, str | None]:
+        """The dependencies: sha256 by absolute path, None for what is missing."""
+        return {str(d.path.absolute()): d.sha256 for d in self.dependencies}
 
 
 class Frontend(Protocol):
@@ -77,9 +83,11 @@ def together(results: Sequence[FrontendResult]) -> FrontendResult:
             tecs=tuple(u for m in models for u in m.tecs),
             devices=tuple(d for m in models for d in m.devices),
             buses=tuple(b for m in models for b in m.buses),
+            profiles=tuple(p for m in models for p in m.profiles),
             adapters=tuple(a for m in models for a in m.adapters),
         ),
         diagnostics=tuple(in_order(d for r in results for d in r.diagnostics)),
         sources={name: text for r in results for name, text in r.sources.items()},
         dependencies=tuple(d for r in results for d in r.dependencies),
+        idl=tuple(dict.fromkeys(path for r in results for path in r.idl)),
     )

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
 
 from rtgen.diagnostics import Span
 
@@ -20,6 +22,12 @@ class AdapterEntry:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Settings:
-    """The settings of all lowerings."""
+    """The settings of all lowerings.
+
+    `definitions` are the displayed paths of the IDL files that the user named. `plugins` has the
+    table `[plugin.NAME]` of rtgen.toml for each name.
+    """
 
     adapters: tuple[AdapterEntry, ...] = ()
+    definitions: frozenset[str] = frozenset()
+    plugins: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)

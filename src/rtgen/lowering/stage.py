@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from importlib import import_module
 from typing import Final, TypeAlias
 
+from rtgen import plugins
 from rtgen.diagnostics import Diagnostic
 from rtgen.lowering.settings import Settings
 from rtgen.model import Model
@@ -24,12 +25,22 @@ Lower: TypeAlias = Callable[[Model, Settings], Lowered]
 """The signature of a lowering, a pure function."""
 
 
+def _no_idl(_: Model) -> list[str]:
+    return []
+
+
 @dataclass(frozen=True, slots=True)
 class Lowering:
-    """A lowering: its module has `lower`, and is imported only if the model needs it."""
+    """A lowering of rtgen: its module has `lower`, and is imported only if the model needs it.
+
+    `idl` gives the names of the IDL files of rtgen whose types the lowering uses. `definitions`:
+    the result counts as definitions of the project, which `inspect` shows.
+    """
 
     module: str
     needed: Callable[[Model, Settings], bool]
+    idl: Callable[[Model], list[str]] = _no_idl
+    definitions: bool = False
 
     def __call__(self, model: Model, settings: Settings) -> Lowered:
         """The lowered model; the model itself if it has nothing to lower."""
@@ -39,25 +50,70 @@ class Lowering:
         return lower(model, settings)
 
 
-DEFINITIONS: Final = (
-    Lowering("rtgen.lowering.adapters", lambda _, settings: bool(settings.adapters)),
-)
-"""The lowerings whose results count as definitions of the project: `inspect` shows them."""
+def _idl_of_devices(model: Model) -> list[str]:
+    if not model.devices and not model.buses:
+        return []
+    return [
+        *("BasicDataType.idl", "Canopen.idl"),
+        *(["CanopenManager.idl"] if model.buses else []),
+    ]
+
+
+def _idl_of_profiles(model: Model) -> list[str]:
+    if not model.profiles:
+        return []
+    from rtgen.lowering.openrtm_idl import needed_idl
+
+    return needed_idl(model.profiles)
+
 
 LOWERINGS: Final = (
-    *DEFINITIONS,
+    Lowering(
+        "rtgen.lowering.canopen.lower",
+        lambda model, _: bool(model.devices or model.buses),
+        _idl_of_devices,
+    ),
+    Lowering(
+        "rtgen.lowering.profiles.lower",
+        lambda model, _: bool(model.profiles),
+        _idl_of_profiles,
+        definitions=True,
+    ),
+    Lowering(
+        "rtgen.lowering.adapters",
+        lambda _, settings: bool(settings.adapters),
+        definitions=True,
+    ),
     Lowering("rtgen.lowering.tecs.boards", lambda model, _: bool(model.tecs)),
 )
-"""All lowerings, in order."""
+"""The lowerings of rtgen, in order. Those of plug-ins follow them."""
 
 
-def lowered(
-    model: Model, settings: Settings, lowerings: Sequence[Lowering] = LOWERINGS
-) -> Lowered:
-    """The model after these lowerings, each applied to the result of the previous one."""
+def lowerings(*, complete: bool) -> tuple[Lowering, ...]:
+    """The lowerings of rtgen; unless `complete`, those whose results count as definitions."""
+    return tuple(each for each in LOWERINGS if complete or each.definitions)
+
+
+def needed_idl(model: Model, *, complete: bool) -> list[str]:
+    """The names of the IDL files of rtgen whose types the lowerings use, each once."""
+    names = (name for each in lowerings(complete=complete) for name in each.idl(model))
+    return list(dict.fromkeys(names))
+
+
+def lowered(model: Model, settings: Settings, *, complete: bool = True) -> Lowered:
+    """The model after the lowerings, each applied to the result of the previous one.
+
+    Raises ToolError for a plug-in that cannot be imported.
+    """
     found: list[Diagnostic] = []
-    for lower in lowerings:
+    steps: Iterable[Lower] = lowerings(complete=complete)
+    for lower in (*steps, *(_of_plugins() if complete else ())):
         made = lower(model, settings)
         model = made.model
         found += made.diagnostics
     return Lowered(model, tuple(found))
+
+
+def _of_plugins() -> Iterator[Lower]:
+    for _, lower in plugins.loaded(plugins.Group.LOWERINGS):
+        yield lower

@@ -65,6 +65,7 @@ from rtgen.model.types import (
 if TYPE_CHECKING:  # many classes, which most commands do not need
     from rtgen.model.can_bus import Bus
     from rtgen.model.canopen import Device
+    from rtgen.model.rtc_profile import RtcProfile
     from rtgen.model.tecs import TecsUnit
 
 __all__ = [
@@ -155,6 +156,7 @@ class Model:
     tecs: tuple[TecsUnit, ...] = ()
     devices: tuple[Device, ...] = ()
     buses: tuple[Bus, ...] = ()
+    profiles: tuple[RtcProfile, ...] = ()
     adapters: tuple[Adapter, ...] = ()
     packages: tuple[Package, ...] = ()
     _by_name: dict[ScopedName, Declaration] = field(

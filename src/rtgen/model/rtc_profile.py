@@ -88,7 +88,8 @@ class ProfileServicePort:
 class RtcProfile:
     """Content of `rtc:RtcProfile`; `format_version` of the profile, `version` of the component.
 
-    `rate` is in Hz, None if not given.
+    `rate` is in Hz, None if not given. `implements`: a component of this name in the definitions is
+    the same one, which the profile describes anew.
     """
 
     file: str
@@ -112,3 +113,4 @@ class RtcProfile:
     data_ports: tuple[ProfileDataPort, ...]
     service_ports: tuple[ProfileServicePort, ...]
     facts: Mapping[str, Any] = field(default_factory=dict)
+    implements: bool = False

@@ -11,17 +11,16 @@ import contextlib
 import json
 import os
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from hashlib import sha256
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import rtgen
 from rtgen.backends import Artifact, Owner
-from rtgen.compiler import Compilation
 from rtgen.diagnostics import Diagnostic, Related, Severity, Span
-from rtgen.project import SYSTEMS_TARGET, Project
+from rtgen.project.compilation import Compilation
+from rtgen.project.loading import Project
 
 if TYPE_CHECKING:
     from importlib import metadata
@@ -32,7 +31,7 @@ _LIBRARIES = {"artifacts": ("jinja2", "lark")}
 
 _MOST_ENTRIES = 128
 _MOST_BYTES = 64 * 1024 * 1024
-_PACKAGE = Path(rtgen.__file__).parent
+_PACKAGE = Path(__file__).parents[1]
 _NOT_COMPILER = frozenset({"__pycache__", "cli", "runtime"})
 
 
@@ -60,8 +59,8 @@ class Cache:
             str(project.root),
             list(map(str, project.sources)),
             (
-                [str(project.output), *map(str, project.systems)]
-                if project.target == SYSTEMS_TARGET
+                [str(project.output), *map(str, project.emitted_systems)]
+                if project.emitted_systems
                 else []
             ),
             list(map(str, project.include)),
@@ -89,6 +88,15 @@ class Cache:
             json.dumps(project.plugins, default=str, sort_keys=True),
         ]
         return sha256(json.dumps(content).encode()).hexdigest()
+
+    def kept(self, key: str, make: Callable[[], Compilation]) -> Compilation:
+        """The entry of a key; else what `make` gives, which is stored unless it has errors."""
+        found = self.load(key)
+        if found is None:
+            found = make()
+            if not found.failed:
+                self.store(key, found)
+        return found
 
     def load(self, key: str) -> Compilation | None:
         """The entry of a key, if it exists and its dependencies are unchanged."""

@@ -10,7 +10,9 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from rtgen.backends import Options
 from rtgen.diagnostics import Diagnostic, InputError, Span
+from rtgen.facts.version import __version__
 from rtgen.lowering.settings import AdapterEntry, Settings
 from rtgen.project.kinds import (
     FILE_NAME,
@@ -22,6 +24,7 @@ from rtgen.project.kinds import (
 from rtgen.project.rules import PATH_OVERLAP, PROJECT_NAME, SOURCE_KIND, SOURCE_NONE
 
 if TYPE_CHECKING:
+    from rtgen.frontends.stage import Settings as FrontendSettings
     from rtgen.project import file as project_file
 
 TARGETS = ("embedded", "openrtm", "small", "dds")
@@ -81,9 +84,53 @@ class Project:
     node_id: int | None = None
 
     @property
+    def reading(self) -> FrontendSettings:
+        """The settings of front ends."""
+        from rtgen.frontends.stage import Settings as FrontendSettings
+
+        return FrontendSettings(
+            root=self.root,
+            include=self.include,
+            define=dict(self.define),
+            ignore_case_clashes=self.ignore_case_clashes,
+            tecs_path=self.tecs_path,
+            kcode=self.kcode,
+            prelude=self.prelude == "kernel",
+            node_id=self.node_id,
+            plugins=self.plugins,
+        )
+
+    @property
     def lowering(self) -> Settings:
-        """What lowerings take from rtgen.toml."""
-        return Settings(adapters=self.adapters)
+        """The settings of lowerings."""
+        idl = (path for path in self.sources if path.suffix.lower() == ".idl")
+        return Settings(
+            adapters=self.adapters,
+            definitions=frozenset(path.as_posix() for path in idl),
+            plugins=self.plugins,
+        )
+
+    @property
+    def options(self) -> Options:
+        """The options of back ends."""
+        return Options(
+            package=self.package,
+            skeleton_package=self.skeleton_package,
+            version=__version__,
+            target=self.target,
+            small=self.small,
+            representation=self.representation,
+            extensibility=self.extensibility,
+            tecs_corba=self.tecs_corba,
+            factories=dict(self.components),
+            skeleton_path=self.skeleton_path,
+            plugins=self.plugins,
+        )
+
+    @property
+    def emitted_systems(self) -> tuple[Path, ...]:
+        """The systems, if files are generated for them."""
+        return self.systems if self.target == SYSTEMS_TARGET else ()
 
     @property
     def skeleton_package(self) -> str:

@@ -19,9 +19,9 @@ from fnmatch import fnmatchcase
 from hashlib import sha256
 from pathlib import Path, PurePosixPath
 
-from rtgen import __version__
 from rtgen.backends import Artifact, Owner
 from rtgen.diagnostics import Diagnostic, InputError, Rule, ToolError
+from rtgen.facts.version import __version__
 from rtgen.project import Project, shown
 from rtgen.project.rules import (
     ENCODING,

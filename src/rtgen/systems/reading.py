@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from hashlib import sha256
 from pathlib import Path
 
-from rtgen.diagnostics import Diagnostic
-from rtgen.frontends import Dependency, key_of, rts_profile
+from rtgen.diagnostics import Diagnostic, has_errors
+from rtgen.frontends import Dependency, FrontendResult, key_of, rts_profile
 from rtgen.frontends.kit import located_xml
 from rtgen.model import Model, System, SystemComponent
 from rtgen.model.system_links import known_components
-from rtgen.systems.checks import check
+from rtgen.systems.checks import check, check_properties
 from rtgen.typemap.openrtm_ports import ports_of, with_definition_names
 
 _MOST_OF_CONF = 1024 * 1024
@@ -70,6 +70,44 @@ def _way(start: Path, folder: Path) -> str:
         return Path(os.path.relpath(folder, start)).as_posix()
     except ValueError:
         return ""
+
+
+def read_file(
+    path: Path,
+) -> tuple[System | None, Sequence[Diagnostic], Mapping[str, str]]:
+    """The system of an RtsProfile (None if it has errors), the diagnostics, and the sources."""
+    return rts_profile.load(path, display=path.as_posix())
+
+
+def added(
+    result: FrontendResult, paths: Sequence[Path], *, root: Path, output: Path
+) -> FrontendResult:
+    """The result with systems, which are checked against its definitions; see `read`."""
+    found = read(paths, root=root, output=output)
+    named, diagnostics = against(found.systems, result)
+    return replace(
+        result,
+        model=replace(result.model, systems=tuple(named)),
+        diagnostics=(*result.diagnostics, *found.diagnostics, *diagnostics),
+        sources={**result.sources, **found.sources},
+        dependencies=(*result.dependencies, *found.dependencies),
+    )
+
+
+def against(
+    systems: Sequence[System], definitions: FrontendResult
+) -> tuple[Sequence[System], list[Diagnostic]]:
+    """The systems with the definitions' names of ports, and their diagnostics.
+
+    If the definitions have errors, only properties are checked.
+    """
+    if has_errors(definitions.diagnostics):
+        found = [d for each in systems for d in check_properties(each)]
+        return systems, found
+    model = definitions.model
+    models = [model, *(package.model for package in model.packages)]
+    named = as_defined(systems, models)
+    return named, list(checked(named, models))
 
 
 def as_defined(systems: Iterable[System], models: Iterable[Model]) -> list[System]:

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import fields, is_dataclass
 from pathlib import Path
 
 import pytest
 from eds_files import Thing, eds, entry
 
 from rtgen.cli import run
-from rtgen.compiler import Compilation, compile_project, read
-from rtgen.model import Component, Interface, NamedType, Struct
+from rtgen.compiler import compile_project, read
+from rtgen.diagnostics import Span
+from rtgen.model import Component, Declaration, Interface, NamedType, Struct
 from rtgen.model.components import ConfigurationParameter
-from rtgen.project import load
+from rtgen.project import load, with_arguments
+from rtgen.project.compilation import Compilation
 
 THINGS = (
     Thing("Speed", 0x04, default="1500"),
@@ -48,7 +51,7 @@ def make(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Make:
 
     def compiled(**files: str) -> Compilation:
         here = tmp_path / "specs"
-        here.mkdir()
+        here.mkdir(exist_ok=True)
         (tmp_path / "rtgen.toml").write_text(
             '[sources]\npaths = ["specs"]\n[output]\npackage = "robots"\n'
         )
@@ -322,3 +325,72 @@ def test_other_toml_files_are_no_bus_files(make: Make) -> None:
     made = make(drive_eds=DRIVE, timeline_toml='[[step]]\nname = "[bus]"\n')
     assert not made.failed
     assert made.inputs.keys() & {"specs/timeline.toml"} == set()
+
+
+def _alike(declaration: Declaration) -> object:
+    """A declaration without its places and texts for readers."""
+
+    def stripped(value: object) -> object:
+        if isinstance(value, Span):
+            return None
+        if isinstance(value, tuple):
+            return [stripped(each) for each in value]
+        if is_dataclass(value):
+            named = ((f.name, getattr(value, f.name)) for f in fields(value))
+            return [
+                (n, stripped(each)) for n, each in named if n not in ("doc", "file")
+            ]
+        return value
+
+    return stripped(declaration)
+
+
+@pytest.mark.parametrize("kind", ["pdo", "object"])
+def test_the_printed_idl_declares_what_the_lowering_makes(
+    make: Make, kind: str, tmp_path: Path
+) -> None:
+    settings = f'ports = "{kind}"\noperations = ["2001", "2002", "2003", "2000"]'
+    assert not make(drive_eds=DRIVE, net_toml=BUS.format(settings=settings)).failed
+    lowered = read(load(), lowered=True).model
+    made = {d.name: _alike(d) for d in lowered.of_file("Drive.idl")}
+    made = {name: each for name, each in made.items() if len(name) == 2}
+    assert {name[1] for name in made} >= {"ObjectAccess"}
+    including = tmp_path / "user.idl"
+    including.write_text('#include "Drive.idl"\ntypedef Drive::ObjectAccess Objects;\n')
+    project = with_arguments(load(), paths=(str(including),), add=True)
+    printed = read(project).model
+    assert {d.name: _alike(d) for d in printed.of_file("Drive.idl")} == made
+    both = read(project, lowered=True).model
+    assert {
+        d.name: _alike(d) for d in both.of_file("Drive.idl") if len(d.name) == 2
+    } == made
+    [file] = [each for each in both.files if each.name == "Drive.idl"]
+    assert file.main
+    assert file.sha256 == both.devices[0].sha256
+
+
+def test_a_name_of_the_device_that_a_definition_declares(make: Make) -> None:
+    taken = make(
+        drive_eds=DRIVE,
+        user_idl="module Drive { struct Tpdo1 { long other; }; };\n"
+        "component DriveProxy { attribute long count; };\n",
+    )
+    assert codes(taken) == ["EDS0806", "EDS0806"]
+    clashes = [d for d in taken.diagnostics if d.code == "EDS0806"]
+    assert all(d.related[0].span.file.endswith("user.idl") for d in clashes)
+
+
+def test_a_copy_of_the_devices_idl_is_no_clash(make: Make) -> None:
+    first = make(drive_eds=DRIVE)
+    [idl] = [a.text for a in first.artifacts if a.path.endswith("/Drive.idl")]
+    assert not make(drive_eds=DRIVE, Drive_idl=idl).failed
+
+
+def test_an_own_file_without_the_types_of_ports(make: Make) -> None:
+    made = make(
+        drive_eds=DRIVE,
+        BasicDataType_idl="module RTC { struct Time { unsigned long sec; }; };\n",
+        net_toml=BUS.format(settings='ports = "object"'),
+    )
+    assert "EDS0807" in codes(made)
+    assert any("RTC::TimedLong" in d.message for d in made.diagnostics)

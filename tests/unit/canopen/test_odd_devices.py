@@ -13,9 +13,10 @@ import programs
 import pytest
 from eds_files import WIDTHS, Thing, eds, entry
 
-from rtgen.compiler import Compilation, compile_project
+from rtgen.compiler import compile_project
 from rtgen.frontends.eds import load as load_eds
 from rtgen.project import load, output
+from rtgen.project.compilation import Compilation
 from rtgen.typemap.canopen_ports import DevicePorts
 
 NAMES = (

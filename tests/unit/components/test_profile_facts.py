@@ -11,7 +11,8 @@ import pytest
 
 from rtgen.diagnostics import Severity
 from rtgen.frontends import rtc_profile
-from rtgen.model import Model
+from rtgen.lowering.profiles.lower import lower
+from rtgen.lowering.settings import Settings
 
 KEYS = (
     *("name", "port", "instance", "identifier", "type", "constraint", "widget", "doc"),
@@ -62,10 +63,11 @@ def test_kinds(key: str, tmp_path: Path) -> None:
         )
         path.write_text(text)
         paths.append(path)
-    read = rtc_profile.read(paths, root=tmp_path, include=())
-    result = rtc_profile.lowered(read, Model())
-    assert all(d.severity is not Severity.ERROR for d in result.diagnostics)
-    diagnostics = [d for d in result.diagnostics if d.code == "RTC0546"]
+    read = rtc_profile.load(paths, root=tmp_path, include=())
+    result = lower(read.model, Settings())
+    found = (*read.diagnostics, *result.diagnostics)
+    assert all(d.severity is not Severity.ERROR for d in found)
+    diagnostics = [d for d in found if d.code == "RTC0546"]
     assert diagnostics
     assert all(d.span is not None for d in diagnostics)
     names = {d.name[-1] for d in result.model.declarations}

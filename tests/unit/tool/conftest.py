@@ -8,6 +8,7 @@ import pytest
 from small_pipeline import Pipeline
 
 from rtgen import compiler
+from rtgen.backends import stage
 
 
 @pytest.fixture
@@ -15,7 +16,7 @@ def pipeline(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Pipeline:
     """The pipeline in a folder of its own with two inputs, a cache, and no project file."""
     small = Pipeline()
     monkeypatch.setattr(compiler, "read", small.read)
-    monkeypatch.setattr(compiler, "backends", small.emitting)
+    monkeypatch.setattr(stage, "backends", small.emitting)
     monkeypatch.setenv("RTGEN_CACHE_DIR", str(tmp_path / "cache"))
     work = tmp_path / "work"
     work.mkdir()

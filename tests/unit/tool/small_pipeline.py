@@ -36,7 +36,13 @@ class Pipeline:
     warn: bool = False
     backends: list[Backend] = field(default_factory=lambda: [SmallBackend()])
 
-    def read(self, project: Project, *, lowered: bool = False) -> FrontendResult:
+    def read(
+        self,
+        project: Project,
+        *,
+        lowered: bool = False,
+        also: Sequence[FrontendResult] = (),
+    ) -> FrontendResult:
         self.reads += 1
         files: list[SourceFile] = []
         found: list[Diagnostic] = []

@@ -13,8 +13,9 @@ from small_pipeline import Pipeline
 import rtgen
 from rtgen import plugins
 from rtgen.cli import run
-from rtgen.compiler import Compilation, build
+from rtgen.cli.cached import build
 from rtgen.project import Project, cache, load, with_arguments
+from rtgen.project.compilation import Compilation
 
 
 def project(*paths: str) -> Project:

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from rtgen.compiler import build, inspect, read
+from rtgen.cli.cached import build, inspect
+from rtgen.compiler import read
 from rtgen.project import Project, cache, load, with_arguments
 
 

@@ -10,7 +10,7 @@ import pytest
 from small_pipeline import Pipeline
 
 from rtgen import compiler, plugins
-from rtgen.backends import Artifact, Emission, Options
+from rtgen.backends import Artifact, Emission, Options, stage
 from rtgen.diagnostics import Diagnostic, Severity, ToolError
 from rtgen.model import Model
 from rtgen.project import Project, load, with_arguments
@@ -68,9 +68,9 @@ def test_plug_ins_follow_the_built_in_ones(
         "x", "rtgen_some_plugin:BACKEND", plugins.Group.BACKENDS
     )
     monkeypatch.setattr(plugins, "announced", lambda *_: (entry,))
-    names = [getattr(b, "name", b) for b in compiler.backends()]
+    names = [getattr(b, "name", b) for b in stage.backends()]
     assert names[-1] == "the back end"
-    assert len(names) == len(compiler.BUILT_IN) + 1
+    assert len(names) == len(stage.BUILT_IN) + 1
 
 
 def test_a_broken_plug_in_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -78,9 +78,9 @@ def test_a_broken_plug_in_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
         "broken", "rtgen_no_such_module:X", plugins.Group.BACKENDS
     )
     monkeypatch.setattr(plugins, "announced", lambda *_: (entry,))
-    monkeypatch.setattr(compiler, "BUILT_IN", ())
+    monkeypatch.setattr(stage, "BUILT_IN", ())
     with pytest.raises(ToolError, match="broken"):
-        list(compiler.backends())
+        list(stage.backends())
 
 
 STANDARD = """\

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
+from functools import partial
 
 from rtgen.backends.idl_text import idl_text
+from rtgen.lowering.canopen.kinds import file_name, kinds_of
 from rtgen.lowering.canopen.types import declarations
 from rtgen.model import Model
 from rtgen.typemap.canopen_ports import DevicePorts
@@ -25,3 +28,10 @@ def idl_of(ports: DevicePorts) -> str:
         f'#include "BasicDataType.idl"\n#include "Canopen.idl"\n\n'
         f"{body}\n#endif // {macro}\n"
     )
+
+
+def idl_files(model: Model) -> dict[str, Callable[[], str]]:
+    """The texts of the files of all devices, by the name that includes them."""
+    kinds, _ = kinds_of(model.devices, model.buses)
+    devices = (DevicePorts(kind.device, kind) for kind in kinds)
+    return {file_name(ports): partial(idl_of, ports) for ports in devices}

@@ -19,11 +19,12 @@ MAX_BYTES = 32 * 1024 * 1024
 class VirtualFile:
     """A file that others may include without its being on the disk.
 
-    `key` is the one for generated text. `given`: it is read as a file that was given is.
+    `key` is the one for generated text; a `text` that is a function is made when it is included.
+    `given`: it is read as a file that was given is.
     """
 
     key: str
-    text: str
+    text: str | Callable[[], str]
     given: bool = False
 
 
@@ -86,7 +87,8 @@ class Library(Generic[F]):
         if file is None or isinstance(file, Path):
             return None if file is None else self.open(file)
         if name not in self._made:
-            source = self._make(name, file.key, self._root / name, file.text.encode())
+            text = file.text if isinstance(file.text, str) else file.text()
+            source = self._make(name, file.key, self._root / name, text.encode())
             self._made[name] = source
         return self._made[name]
 

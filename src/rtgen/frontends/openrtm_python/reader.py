@@ -119,6 +119,7 @@ class ModuleReader:
             parameters=tuple(self._parameters(place, values)),
             data_ports=tuple(ports.data_ports()),
             service_ports=tuple(ports.service_ports()),
+            implements=True,
         )
 
     def _report_at(

@@ -7,7 +7,6 @@ read with a warning.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from hashlib import sha256
 from pathlib import Path
 
@@ -16,28 +15,16 @@ from rtgen.frontends import Dependency, FrontendResult, key_of, profile_yaml
 from rtgen.frontends.kit import located_xml
 from rtgen.frontends.profile_yaml import YAML_SUFFIXES
 from rtgen.frontends.rtc_profile.reader import Reader, idl_files
-from rtgen.lowering.profiles.components import components
 from rtgen.model import Model, SourceFile
 from rtgen.model.rtc_profile import RtcProfile
 
-__all__ = ["Profiles", "lowered", "read", "xml_text"]
+__all__ = ["load", "xml_text"]
 
 
-@dataclass(frozen=True, slots=True)
-class Profiles:
-    """Result of `read`: the profiles without errors, and the places of their files."""
-
-    profiles: tuple[RtcProfile, ...] = ()
-    files: tuple[SourceFile, ...] = ()
-    diagnostics: tuple[Diagnostic, ...] = ()
-    sources: dict[str, str] = field(default_factory=dict)
-    dependencies: tuple[Dependency, ...] = ()
-    idl: tuple[Path, ...] = ()
-    """Existing IDL files that the profiles name."""
-
-
-def read(paths: Sequence[Path], *, root: Path, include: Sequence[Path]) -> Profiles:
-    """Read profiles, and search for the IDL files that they name.
+def load(
+    paths: Sequence[Path], *, root: Path, include: Sequence[Path]
+) -> FrontendResult:
+    """Read profiles into a model, and search for the IDL files that they name.
 
     These are searched for beside the profile, in a folder `idl` there, and in `include`. All
     problems of a file are in the diagnostics.
@@ -83,9 +70,8 @@ def read(paths: Sequence[Path], *, root: Path, include: Sequence[Path]) -> Profi
                     idl[candidate] = None
                     break
                 dependencies.append(Dependency(candidate, None))
-    return Profiles(
-        tuple(profiles),
-        tuple(files),
+    return FrontendResult(
+        Model(files=tuple(files), profiles=tuple(profiles)),
         tuple(found),
         sources,
         tuple(dependencies),
@@ -98,19 +84,3 @@ def xml_text(data: bytes, file: str) -> str:
     if file.lower().endswith(YAML_SUFFIXES):
         return profile_yaml.to_xml(data.decode("utf-8", "replace"), file)
     return located_xml.decode(data, file)
-
-
-def lowered(
-    read: Profiles, model: Model, given: frozenset[str] = frozenset()
-) -> FrontendResult:
-    """The components of profiles, with the types of the model, and placeholders for others.
-
-    `given` are the displayed paths of the definition files that the user named.
-    """
-    declarations, found = components(read.profiles, model, given)
-    return FrontendResult(
-        Model(files=read.files, declarations=declarations),
-        (*read.diagnostics, *found),
-        read.sources,
-        read.dependencies,
-    )

@@ -29,7 +29,7 @@ from rtgen.typemap.canopen_ports import (
 from rtgen.typemap.canopen_texts import told
 
 _OCTETS = NamedType(("CANopen", "Octets"))
-_TIME = NamedType(("RTC", "Time"))
+TIME = NamedType(("RTC", "Time"))
 _RAISED: tuple[ScopedName, ...] = (("CANopen", "SdoAbort"), ("CANopen", "BusGone"))
 
 
@@ -44,18 +44,21 @@ def declarations(ports: DevicePorts) -> Iterator[Declaration]:
 
 
 def _common(ports: DevicePorts, name: str, span: Span, doc: str) -> dict[str, Any]:
-    scoped = (ports.kind.module, name)
     return {
-        "name": scoped,
-        "repository_id": f"IDL:{'/'.join(scoped)}:1.0",
+        "name": (ports.kind.module, name),
+        "repository_id": _repository_id(ports, name),
         "file": file_name(ports),
         "span": span,
         "doc": doc,
     }
 
 
+def _repository_id(ports: DevicePorts, *names: str) -> str:
+    return f"IDL:{'/'.join((ports.kind.module, *names))}:1.0"
+
+
 def _stamp(span: Span, what: str) -> Member:
-    return Member(name=STAMP, type=_TIME, span=span, doc=what)
+    return Member(name=STAMP, type=TIME, span=span, doc=what)
 
 
 def _struct(ports: DevicePorts, sample: PdoSample) -> Struct:
@@ -103,14 +106,27 @@ def _service(ports: DevicePorts) -> Interface:
         type_ = _type(quantity.type)
         if variable.access.readable:
             name = f"get_{quantity.name}"
-            operations.append(Operation(name=name, returns=type_, **common))
+            operations.append(
+                Operation(
+                    name=name,
+                    repository_id=_repository_id(ports, OBJECT_ACCESS, name),
+                    returns=type_,
+                    **common,
+                )
+            )
         if variable.access.writable:
             name = f"set_{quantity.name}"
             value = Parameter(
                 direction=Direction.IN, name="value", type=type_, span=variable.span
             )
             operations.append(
-                Operation(name=name, returns=VOID, parameters=(value,), **common)
+                Operation(
+                    name=name,
+                    repository_id=_repository_id(ports, OBJECT_ACCESS, name),
+                    returns=VOID,
+                    parameters=(value,),
+                    **common,
+                )
             )
     doc = "Objects of the device by name, beside all of them by number."
     return Interface(

@@ -127,7 +127,8 @@ class Lowering:
         name = self._definitions.name(profile, last)
         known = self._by_name.get(name)
         if isinstance(known, Component):
-            if known.file in self.given or known.file == profile.file:
+            given = known.file in self.given and not profile.implements
+            if given or known.file == profile.file:
                 message = f"there is a component {known.scoped} already"
                 related = [Related(known.span, "the other one")]
                 found = rules.SAME_COMPONENT.at(profile.span, message, related=related)

@@ -1,0 +1,100 @@
+"""Runs of the compiler, from the cache unless one of their inputs has changed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rtgen import plugins
+from rtgen.project import Project
+from rtgen.project.cache import Cache
+from rtgen.project.compilation import Compilation
+
+if TYPE_CHECKING:  # a run from the cache needs no model
+    from rtgen.diagnostics import Diagnostic
+    from rtgen.model import System
+
+
+def build(project: Project, cache: Cache | None) -> Compilation:
+    """The project's artifacts."""
+
+    def made() -> Compilation:
+        from rtgen.compiler import compile_project
+
+        return compile_project(project)
+
+    if cache is None:
+        return made()
+    return cache.kept(cache.key(project, plugins.announced(*plugins.Group)), made)
+
+
+def inspect(
+    project: Project | None,
+    profiles: Sequence[Path],
+    cache: Cache | None,
+    *,
+    as_json: bool,
+) -> Compilation:
+    """The model of a project's definitions and of system profiles as text: one artifact.
+
+    It is kept in the cache unless there are profiles.
+    """
+    if cache is None or project is None or profiles:
+        return _inspected(project, profiles, as_json)
+    key = cache.key(
+        project,
+        plugins.announced(plugins.Group.FRONTENDS),
+        made="json" if as_json else "text",
+    )
+    return cache.kept(key, lambda: _inspected(project, (), as_json))
+
+
+def _inspected(
+    project: Project | None, profiles: Sequence[Path], as_json: bool
+) -> Compilation:
+    from dataclasses import replace
+
+    from rtgen import compiler
+    from rtgen.backends import Artifact
+    from rtgen.diagnostics import in_order
+    from rtgen.frontends import together
+    from rtgen.inspection.models import json_text, tree
+
+    result = together(()) if project is None else compiler.read(project)
+    systems: list[System] = []
+    diagnostics = list(result.diagnostics)
+    sources = dict(result.sources)
+    for profile in profiles:
+        from rtgen.systems.reading import read_file
+
+        system, found, texts = read_file(profile)
+        diagnostics += found
+        sources |= texts
+        if system is not None:
+            named, seen = _checked(system, project)
+            systems += named
+            diagnostics += seen
+    model = replace(result.model, systems=tuple(systems))
+    diagnostics = in_order(diagnostics)
+    text = json_text(model, diagnostics) if as_json else tree(model)
+    return Compilation(
+        artifacts=(Artifact("model", text, ()),),
+        inputs={},
+        diagnostics=tuple(diagnostics),
+        dependencies=result.hashes,
+        sources=sources,
+    )
+
+
+def _checked(
+    system: System, project: Project | None
+) -> tuple[Sequence[System], Sequence[Diagnostic]]:
+    """The system with the definitions' names of ports; without a project, as it is."""
+    from rtgen import compiler
+    from rtgen.systems import checks, reading
+
+    if project is None:
+        found = checks.check_properties(system)
+        return [system], checks.as_warnings(found)
+    return reading.against([system], compiler.read(project, lowered=True))

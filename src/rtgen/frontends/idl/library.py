@@ -1,0 +1,41 @@
+"""The IDL files that ship with rtgen, which definitions may include without having them."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Sequence
+from functools import partial
+from hashlib import sha256
+from pathlib import Path
+
+from rtgen.frontends import Dependency
+from rtgen.frontends.kit.library import VirtualFile
+from rtgen.model import SourceFile
+from rtgen.resources import IDL_FILES, idl_file, idl_source
+
+
+def shipped(
+    definitions: Sequence[Path], needed: Collection[str]
+) -> dict[str, VirtualFile | Path]:
+    """The files by name: that of the name among `definitions`, else the one of rtgen.
+
+    Those `needed` are read in any case, others where they are included.
+    """
+    own = {path.name: path for path in definitions}
+    return {
+        name: own.get(name)
+        or VirtualFile(_key(name), partial(idl_source, name), given=name in needed)
+        for name in IDL_FILES
+    }
+
+
+def dependencies(files: Sequence[SourceFile]) -> Iterator[Dependency]:
+    """Those of the files that ship with rtgen."""
+    keys = {file.key for file in files}
+    for name in IDL_FILES:
+        if _key(name) in keys:
+            path = idl_file(name)
+            yield Dependency(path, sha256(path.read_bytes()).hexdigest())
+
+
+def _key(name: str) -> str:
+    return f"rtgen/idl/{name}"

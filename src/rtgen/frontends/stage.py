@@ -1,0 +1,148 @@
+"""The front ends with the suffixes of their files; those of plug-ins follow the built-in ones."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any, Final, TypeAlias
+
+from rtgen import plugins
+from rtgen.frontends import FrontendResult, together
+from rtgen.frontends.kit.library import VirtualFile
+from rtgen.model import Model
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Settings:
+    """The settings of all front ends.
+
+    `root` is the project's folder, which keys of files are relative to. `include` are the folders
+    of `#include` and `import`, `tecs_path` those that are searched for imports of CDL after them;
+    `define` are macros. `kcode` is the encoding of CDL files; with `prelude` they know the scalar
+    types of TOPPERS kernels. `node_id` is the node that devices are read for. `plugins` has the
+    table `[plugin.NAME]` of rtgen.toml for each name.
+    """
+
+    root: Path
+    include: tuple[Path, ...] = ()
+    define: Mapping[str, str] = field(default_factory=dict)
+    ignore_case_clashes: bool = False
+    tecs_path: tuple[Path, ...] = ()
+    kcode: str = "auto"
+    prelude: bool = True
+    node_id: int | None = None
+    plugins: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+
+
+Read: TypeAlias = Callable[[Sequence[Path], Settings], FrontendResult]
+
+
+def _profiles(paths: Sequence[Path], settings: Settings) -> FrontendResult:
+    from rtgen.frontends import rtc_profile
+
+    return rtc_profile.load(paths, root=settings.root, include=settings.include)
+
+
+def _devices(paths: Sequence[Path], settings: Settings) -> FrontendResult:
+    from rtgen.frontends import eds
+
+    return eds.load(paths, root=settings.root, node_id=settings.node_id)
+
+
+def _buses(paths: Sequence[Path], settings: Settings) -> FrontendResult:
+    from rtgen.frontends import bus
+
+    found = [bus.load(path, root=settings.root) for path in paths]
+    return together(
+        [
+            FrontendResult(
+                Model(buses=() if each.bus is None else (each.bus,)),
+                each.diagnostics,
+                each.sources,
+                each.dependencies,
+            )
+            for each in found
+        ]
+    )
+
+
+def _boards(paths: Sequence[Path], settings: Settings) -> FrontendResult:
+    from rtgen.frontends import cdl
+
+    return cdl.load(
+        paths,
+        root=settings.root,
+        include=(*settings.include, *settings.tecs_path),
+        define=settings.define,
+        kcode=settings.kcode,
+        prelude=settings.prelude,
+    )
+
+
+FRONTENDS: Final[tuple[tuple[tuple[str, ...], Read], ...]] = (
+    ((".xml", ".yaml", ".yml"), _profiles),
+    ((".eds", ".dcf"), _devices),
+    ((".toml",), _buses),
+    ((".cdl", ".cde"), _boards),
+)
+"""The front ends but that of IDL, which comes last: other definitions name IDL files."""
+
+_IDL: Final = (".idl",)
+
+
+def read(paths: Sequence[Path], settings: Settings) -> Iterator[FrontendResult]:
+    """What each front end but that of IDL makes of its files. Raises ToolError for a plug-in."""
+    for suffixes, load in FRONTENDS:
+        if chosen := ending_with(paths, suffixes):
+            yield load(chosen, settings)
+    for name, frontend in plugins.loaded(plugins.Group.FRONTENDS):
+        if chosen := ending_with(paths, frontend.suffixes):
+            yield frontend.load(
+                chosen,
+                root=settings.root,
+                include=settings.include,
+                options=settings.plugins.get(name, {}),
+            )
+
+
+def read_idl(
+    paths: Sequence[Path],
+    settings: Settings,
+    *,
+    text: VirtualFile | None = None,
+    named: Sequence[Path] = (),
+    needed: Sequence[str] = (),
+    printed: Mapping[str, Callable[[], str]] | None = None,
+) -> FrontendResult:
+    """The IDL files of the paths, a `text`, and files `named` or `needed` by other definitions.
+
+    `needed` are names of IDL files that ship with rtgen. `printed` are texts of IDL files that
+    exist only when they are included, by name.
+    """
+    chosen = (*ending_with(paths, _IDL), *named)
+    if not chosen and not needed and text is None:
+        return together(())
+    from rtgen.frontends import idl
+    from rtgen.frontends.idl import library
+
+    virtual = {
+        **library.shipped(chosen, needed),
+        **{name: VirtualFile(name, make) for name, make in (printed or {}).items()},
+        **({} if text is None else {text.key: text}),
+    }
+    found = idl.load(
+        chosen,
+        root=settings.root,
+        include=settings.include,
+        define=settings.define,
+        ignore_case_clashes=settings.ignore_case_clashes,
+        virtual=virtual,
+    )
+    shipped = library.dependencies(found.model.files)
+    return replace(found, dependencies=(*found.dependencies, *shipped))
+
+
+def ending_with(paths: Sequence[Path], suffixes: Sequence[str]) -> list[Path]:
+    """The paths with one of the suffixes, in any case."""
+    return [path for path in paths if path.suffix.lower() in suffixes]

@@ -1,0 +1,43 @@
+"""The IDL files of OpenRTM's data types that profiles need."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+from rtgen.model.rtc_profile import RtcProfile
+from rtgen.resources import OPENRTM_IDL, idl_source
+
+_DECLARED = re.compile(r"\b(?:struct|union|interface)\s+(\w+)\s*[:{]")
+
+
+def needed_idl(profiles: Iterable[RtcProfile]) -> list[str]:
+    """The files that declare types of data ports, by name."""
+    types = [port.type for profile in profiles for port in profile.data_ports]
+    parts = [type_.split("::") for type_ in types]
+    names = {p[-1] for p in parts if len(p) == 1 or p[-2] == "RTC"}
+    return [
+        file
+        for file in OPENRTM_IDL
+        if names and not names.isdisjoint(_DECLARED.findall(idl_source(file)))
+    ]
+
+
+def type_names(profile: RtcProfile) -> set[str]:
+    """The last parts of the types of all ports."""
+    return {type_.replace(".", "::").split("::")[-1] for type_ in _types(profile)}
+
+
+def _types(profile: RtcProfile) -> Iterator[str]:
+    yield from (port.type for port in profile.data_ports)
+    for service in profile.service_ports:
+        yield from (each.type for each in service.interfaces)
+
+
+def declared_in(path: Path) -> set[str]:
+    """The structs, unions and interfaces that an IDL file likely declares; none if unreadable."""
+    try:
+        return set(_DECLARED.findall(path.read_text("utf-8", "replace")))
+    except OSError:
+        return set()

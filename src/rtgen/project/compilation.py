@@ -1,0 +1,30 @@
+"""The result of a run of the compiler: what is written, and what it depends on."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from rtgen.backends import Artifact
+from rtgen.diagnostics import Diagnostic, has_errors
+
+
+@dataclass(frozen=True, slots=True)
+class Compilation:
+    """The result of a run: artifacts (none if there are errors), and their inputs.
+
+    `inputs` maps the key of each file read to its sha256; `dependencies` maps the path of each
+    file looked for to its sha256, or to None where it was missing. `sources` are the texts of
+    the files that diagnostics refer to, by their displayed paths.
+    """
+
+    artifacts: tuple[Artifact, ...]
+    inputs: Mapping[str, str]
+    diagnostics: tuple[Diagnostic, ...]
+    dependencies: Mapping[str, str | None]
+    sources: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def failed(self) -> bool:
+        """Whether the input has errors."""
+        return has_errors(self.diagnostics)
