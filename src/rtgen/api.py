@@ -37,7 +37,7 @@ def read(
     `source` is IDL (`str`), the path of a file or folder (`pathlib.Path`), or several paths in a
     list, strings or not. The settings of the `rtgen.toml` around the working folder hold, if
     there is one, but not the files that it names. `include` are further include folders,
-    `define` macros by name; `lowered` adds what lowerings make: the IDL and the components of
+    `define` macros by name; `lowered` adds what lowerings make: the types and the components of
     devices, the packages of TECS boards. Back ends need it for these.
 
     Raises InputError for a path that is no definition and for a wrong `rtgen.toml`; whatever is

@@ -1,4 +1,4 @@
-"""Plug-ins of an installed package: front end, lint check, rules, back end, transport, options."""
+"""Plug-ins of an installed package in each group of entry points, with options."""
 
 from __future__ import annotations
 
@@ -9,22 +9,26 @@ from pathlib import Path
 
 import pytest
 
+import rtgen
 from rtgen.cli import run
 from rtgen.diagnostics import explain
 from rtgen.project import kinds
 
 MODULE = '''
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 from rtgen.backends import Artifact, Emission
 from rtgen.diagnostics import Rule, Severity, Span
 from rtgen.frontends import Dependency, FrontendResult
+from rtgen.lowering.stage import Lowered
 from rtgen.model import Model, SourceFile, Struct
 
 SHORT = Rule("ACME0001", "A name is short", Severity.WARNING, "Names say what they are.")
 EMPTY = Rule("ACME0002", "A list is empty", Severity.ERROR, "Write a name on each line.")
-RULES = (SHORT, EMPTY)
+TWIN = Rule("ACME0003", "A name is taken by a twin", Severity.ERROR, "Choose another suffix.")
+RULES = (SHORT, EMPTY, TWIN)
 
 
 class Lists:
@@ -67,6 +71,22 @@ class Names:
         return Emission([Artifact("names.txt", "".join(lines), tuple(f.key for f in model.files))])
 
 
+def lower(model, settings):
+    """A twin of each struct; one that has a twin already is an error."""
+    options = settings.plugins.get("acme", {})
+    if "twins" not in options:
+        return Lowered(model)
+    known = {d.name for d in model.declarations}
+    twins, found = [], []
+    for struct in model.declarations:
+        name = (struct.name[-1] + options["twins"],)
+        if name in known:
+            found.append(TWIN.at(struct.span, f"{struct.scoped} has a twin already"))
+        twins.append(replace(struct, name=name, repository_id=f"IDL:{name[0]}:1.0"))
+    whole = replace(model, declarations=(*model.declarations, *twins))
+    return Lowered(whole, tuple(found))
+
+
 @contextmanager
 def opened(options, *, simulated):
     print(f"opened {options} {simulated}")
@@ -96,6 +116,8 @@ acme = acme_rtgen:Lists
 acme = acme_rtgen:check
 [rtgen.rules]
 acme = acme_rtgen:RULES
+[rtgen.lowerings]
+acme = acme_rtgen:lower
 [rtgen.backends]
 acme = acme_rtgen:Names
 [rtgen.transports]
@@ -184,6 +206,35 @@ def test_a_back_end_has_options_and_the_cache_knows_them() -> None:
         assert run(["generate", "-q"]) == 0
         assert Path("generated/names.txt").read_text() == f"{mark} Pose\n{mark} Xy\n"
         assert run(["check", "-q"]) == 0
+
+
+def test_a_lowering_adds_to_what_back_ends_take(
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    settings('[plugin.acme]\ntwins = "Twin"\n')
+    assert run(["generate", "-q"]) == 0
+    names = Path("generated/names.txt").read_text()
+    assert names == "- Pose\n- Xy\n- PoseTwin\n- XyTwin\n"
+    assert "class PoseTwin" in Path("generated/robots/_idl/a.py").read_text()
+    assert run(["inspect", "--json"]) == 0
+    declared = json.loads(capfd.readouterr().out)["declarations"]
+    assert [d["name"] for d in declared] == ["Pose", "Xy"]
+    result = rtgen.read([Path("defs/a.list")], lowered=True)
+    assert [d.scoped for d in result.model.declarations][-1] == "XyTwin"
+
+
+def test_an_error_of_a_lowering_ends_the_run(
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    Path("defs/a.list").write_text("Pose\nPoseTwin\n")
+    settings('[plugin.acme]\ntwins = "Twin"\n')
+    assert run(["generate"]) == 2
+    error = capfd.readouterr().err
+    assert "error[ACME0003]: Pose has a twin already" in error
+    assert "defs/a.list:1:1" in error
+    assert not Path("generated").exists()
+    assert run(["explain", "ACME0003"]) == 0
+    assert "Choose another suffix." in capfd.readouterr().out
 
 
 def test_options_are_tables(capfd: pytest.CaptureFixture[str]) -> None:
