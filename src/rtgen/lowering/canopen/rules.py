@@ -14,7 +14,9 @@ TAKEN_NAME = Rule(
 )
 
 MISSING_TYPE = Rule(
-    "EDS0807", "type of OpenRTM or CANopen that the project's own file lacks", Severity.ERROR
+    "EDS0807",
+    "type of OpenRTM or CANopen that the project's own file lacks",
+    Severity.ERROR,
 )
 
 RULES = (
