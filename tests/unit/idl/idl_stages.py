@@ -1,0 +1,75 @@
+"""The stages of the IDL front end one by one, for texts without files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from rtgen.diagnostics import Diagnostic
+from rtgen.frontends.idl.lowering.lower import Lowering
+from rtgen.frontends.idl.meaning.typetable import Types
+from rtgen.frontends.idl.names.resolver import Resolver
+from rtgen.frontends.idl.names.scopes import Entity
+from rtgen.frontends.idl.names.tables import Tables
+from rtgen.frontends.idl.syntax import tree
+from rtgen.frontends.idl.syntax.parser import parse
+from rtgen.frontends.idl.text.preprocessor import Preprocessor, predefined
+from rtgen.frontends.idl.text.source import Library, Source
+from rtgen.frontends.idl.text.unit import Unit
+from rtgen.model import Declaration
+
+Messages = list[str]
+
+
+def source(text: str) -> Source:
+    """The text as a file."""
+    return Source("some.idl", "some.idl", Path("some.idl"), text.encode())
+
+
+def preprocessed(text: str) -> tuple[Unit, Messages]:
+    """The unit, and the messages of the preprocessor."""
+    found: list[Diagnostic] = []
+    preprocessor = Preprocessor(Library(Path(), []), found.append)
+    unit = preprocessor.translation_unit(source(text), predefined({}))
+    return unit, [diagnostic.message for diagnostic in found]
+
+
+def parsed(text: str) -> tuple[Unit, tuple[tree.Item, ...], Messages]:
+    """The unit, its tree, and the syntax errors."""
+    unit, messages = preprocessed(text)
+    assert not messages
+    found: list[Diagnostic] = []
+    items = parse(unit, found.append)
+    return unit, items, [diagnostic.message for diagnostic in found]
+
+
+def resolved(text: str) -> tuple[Tables, Messages]:
+    """The tables of a text without syntax errors, and the messages of name resolution."""
+    unit, items, errors = parsed(text)
+    assert not errors
+    found: list[Diagnostic] = []
+    resolver = Resolver(lambda _: items, found.append, lambda *_: None, False)
+    tables = resolver.run(unit)
+    return tables, [diagnostic.message for diagnostic in found]
+
+
+def typed(text: str) -> tuple[Types, list[Diagnostic]]:
+    """The types of a text whose names are all known, and the list that findings are put into."""
+    tables, errors = resolved(text)
+    assert not errors
+    found: list[Diagnostic] = []
+    return Types(tables, found.append), found
+
+
+def entity(tables: Tables, name: str) -> Entity:
+    """The declaration of a scoped name."""
+    [found] = [e for e in tables.declared if e.scoped == name]
+    return found
+
+
+def lowered(text: str) -> tuple[dict[str, Declaration], Messages]:
+    """The declarations of the model by name, before they are checked, and the messages."""
+    types, found = typed(text)
+    lowering = Lowering(types, found.append)
+    made = [lowering.declaration(e) for e in types.tables.declared]
+    declarations = {d.scoped: d for d in made if d is not None}
+    return declarations, [diagnostic.message for diagnostic in found]
