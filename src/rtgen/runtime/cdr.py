@@ -83,34 +83,6 @@ def decoding_error(
     return fault_in_octets(descriptor, name, data, little_endian, failure)
 
 
-def to_xcdr2(type_: Any, value: object, little_endian: bool) -> bytes:
-    """The XCDR2 body of a value of a generated type or typedef; raises CdrError."""
-    from rtgen.runtime.xcdr import encode
-
-    return encode(type_, value, 2, little_endian)
-
-
-def from_xcdr2(type_: Any, data: Buffer, little_endian: bool) -> Any:
-    """The value of an XCDR2 body; raises CdrError."""
-    from rtgen.runtime.xcdr import decode
-
-    return decode(type_, data, 2, little_endian)
-
-
-def to_xcdr1(type_: Any, value: object, little_endian: bool) -> bytes:
-    """The XCDR1 body of a value of a generated type or typedef; raises CdrError."""
-    from rtgen.runtime.xcdr import encode
-
-    return encode(type_, value, 1, little_endian)
-
-
-def from_xcdr1(type_: Any, data: Buffer, little_endian: bool) -> Any:
-    """The value of an XCDR1 body; raises CdrError."""
-    from rtgen.runtime.xcdr import decode
-
-    return decode(type_, data, 1, little_endian)
-
-
 def _name(descriptor: Any) -> str:
     """The unscoped name of a type."""
     return str(descriptor.name).rpartition("::")[2]
@@ -136,18 +108,13 @@ class _Compiled:
 
     def _method(self, descriptor: Any) -> Any:
         from rtgen.runtime.marshalling.compiler import compiled
-        from rtgen.runtime.marshalling.formats import Format, NotCompiledError
+        from rtgen.runtime.marshalling.formats import Format
 
         way, _, form = self._kind.partition("_")
         if way not in ("to", "from"):
             return compiled(self._kind, descriptor)
         version = descriptor.representation if form == "cdr" else int(form[-1])
-        try:
-            function = compiled(f"{way}_cdr", descriptor, Format(version))
-        except NotCompiledError:
-            if not version:
-                raise
-            return vars(_InSteps)[f"{way}_xcdr{version}"]
+        function = compiled(f"{way}_cdr", descriptor, Format(version))
         return classmethod(function) if way == "from" else function
 
 
@@ -167,33 +134,35 @@ def _register(cls: type[Any]) -> None:
             setattr(cls, kind, method)
 
 
-class _InSteps:
-    """XCDR methods of types that are marshalled by interpreting their descriptors."""
+class _Xcdr:
+    """The methods of values in both versions of XCDR."""
 
     __slots__ = ()
 
-    def to_xcdr2(self, little_endian: bool = True) -> bytes:
-        """The value as an XCDR2 body; raises CdrError."""
-        return to_xcdr2(type(self), self, little_endian)
+    if TYPE_CHECKING:
 
-    @classmethod
-    def from_xcdr2(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of an XCDR2 body; raises CdrError."""
-        value: Self = from_xcdr2(cls, data, little_endian)
-        return value
+        def to_xcdr2(self, little_endian: bool = True) -> bytes:
+            """The value as an XCDR2 body; raises CdrError."""
 
-    def to_xcdr1(self, little_endian: bool = True) -> bytes:
-        """The value as an XCDR1 body; raises CdrError."""
-        return to_xcdr1(type(self), self, little_endian)
+        @classmethod
+        def from_xcdr2(cls, data: Buffer, little_endian: bool = True) -> Self:
+            """The value of an XCDR2 body; raises CdrError."""
 
-    @classmethod
-    def from_xcdr1(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of an XCDR1 body; raises CdrError."""
-        value: Self = from_xcdr1(cls, data, little_endian)
-        return value
+        def to_xcdr1(self, little_endian: bool = True) -> bytes:
+            """The value as an XCDR1 body; raises CdrError."""
+
+        @classmethod
+        def from_xcdr1(cls, data: Buffer, little_endian: bool = True) -> Self:
+            """The value of an XCDR1 body; raises CdrError."""
+
+    else:
+        to_xcdr1 = _COMPILED["to_xcdr1"]
+        from_xcdr1 = _COMPILED["from_xcdr1"]
+        to_xcdr2 = _COMPILED["to_xcdr2"]
+        from_xcdr2 = _COMPILED["from_xcdr2"]
 
 
-class _Number(_InSteps):
+class _Number(_Xcdr):
     """A type marshalled as one unsigned integer."""
 
     __slots__ = ()
@@ -293,7 +262,7 @@ class Bitset(_Number, msgspec.Struct, frozen=True, gc=False):
         return cls(*(f.unpacked(number) for f in cls._descriptor_.fields))
 
 
-class Aggregated(msgspec.Struct, gc=False):
+class Aggregated(_Xcdr, msgspec.Struct, gc=False):
     """The base of generated structs and unions."""
 
     _descriptor_: ClassVar[Any]
@@ -302,20 +271,6 @@ class Aggregated(msgspec.Struct, gc=False):
         _register(cls)
 
     if TYPE_CHECKING:
-
-        def to_xcdr2(self, little_endian: bool = True) -> bytes:
-            """The value as an XCDR2 body; raises CdrError."""
-
-        @classmethod
-        def from_xcdr2(cls, data: Buffer, little_endian: bool = True) -> Self:
-            """The value of an XCDR2 body; raises CdrError."""
-
-        def to_xcdr1(self, little_endian: bool = True) -> bytes:
-            """The value as an XCDR1 body; raises CdrError."""
-
-        @classmethod
-        def from_xcdr1(cls, data: Buffer, little_endian: bool = True) -> Self:
-            """The value of an XCDR1 body; raises CdrError."""
 
         def to_cdr(self, little_endian: bool = True) -> bytes:
             """The value as a CDR body; raises CdrError."""
@@ -330,17 +285,13 @@ class Aggregated(msgspec.Struct, gc=False):
         to_cdr = _COMPILED["to_cdr"]
         from_cdr = _COMPILED["from_cdr"]
         _snapshot_ = _COMPILED["_snapshot_"]
-        to_xcdr1 = _COMPILED["to_xcdr1"]
-        from_xcdr1 = _COMPILED["from_xcdr1"]
-        to_xcdr2 = _COMPILED["to_xcdr2"]
-        from_xcdr2 = _COMPILED["from_xcdr2"]
 
     def key_hash(self) -> bytes:
         """The 16 octets that identify a DDS instance; raises CdrError if the type has no key.
 
         DDSI-RTPS 2.5, 9.6.4.8, of the key in XCDR2 (DDS-XTypes 1.3, 7.6.8).
         """
-        from rtgen.runtime.xcdr_keys import key_hash
+        from rtgen.runtime.marshalling.keys import key_hash
 
         return key_hash(type(self), self)
 
@@ -406,45 +357,26 @@ class AliasCodec(Generic[_T]):
 
     _descriptor_: ClassVar[AliasDescriptor]
 
-    @classmethod
-    def to_cdr(cls, value: _T, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        version = cls._descriptor_.representation
-        if version:
-            return (to_xcdr1, to_xcdr2)[version - 1](cls, value, little_endian)
-        octets: bytes = _of_alias(cls, "to_cdr")(value, little_endian)
-        return octets
+    if TYPE_CHECKING:
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> _T:
-        """The value of a CDR body; raises CdrError."""
-        version = cls._descriptor_.representation
-        if version:
-            value: _T = (from_xcdr1, from_xcdr2)[version - 1](cls, data, little_endian)
-        else:
-            value = _of_alias(cls, "from_cdr")(cls, data, little_endian)
-        return value
+        @classmethod
+        def to_cdr(cls, value: _T, little_endian: bool = True) -> bytes:
+            """The value as a CDR body; raises CdrError."""
 
-    @classmethod
-    def to_xcdr2(cls, value: _T, little_endian: bool = True) -> bytes:
-        """The value as an XCDR2 body; raises CdrError."""
-        return to_xcdr2(cls, value, little_endian)
+        @classmethod
+        def from_cdr(cls, data: Buffer, little_endian: bool = True) -> _T:
+            """The value of a CDR body; raises CdrError."""
 
-    @classmethod
-    def from_xcdr2(cls, data: Buffer, little_endian: bool = True) -> _T:
-        """The value of an XCDR2 body; raises CdrError."""
-        value: _T = from_xcdr2(cls, data, little_endian)
-        return value
+        @classmethod
+        def to_xcdr2(cls, value: _T, little_endian: bool = True) -> bytes:
+            """The value as an XCDR2 body; raises CdrError."""
 
+        @classmethod
+        def from_xcdr2(cls, data: Buffer, little_endian: bool = True) -> _T:
+            """The value of an XCDR2 body; raises CdrError."""
 
-def _of_alias(codec: Any, kind: str) -> Any:
-    """The compiled function of a typedef, which replaces the lazy method."""
-    from rtgen.runtime.marshalling.compiler import compiled
-
-    function = compiled(kind, codec._descriptor_)
-    setattr(
-        codec,
-        kind,
-        staticmethod(function) if kind == "to_cdr" else classmethod(function),
-    )
-    return function
+    else:
+        to_cdr = _COMPILED["to_cdr"]
+        from_cdr = _COMPILED["from_cdr"]
+        to_xcdr2 = _COMPILED["to_xcdr2"]
+        from_xcdr2 = _COMPILED["from_xcdr2"]

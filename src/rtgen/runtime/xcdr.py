@@ -7,36 +7,15 @@ PLAIN_CDR2, DELIMITED_CDR and PL_CDR2, as the extensibility of each type says.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from enum import IntEnum
-from functools import partial
 from typing import Any, TypeVar
 
-from rtgen.runtime.cdr import FAILURES, Buffer, CdrError, encoding_error
-from rtgen.runtime.descriptors import (
-    AliasDescriptor,
-    DataType,
-    Descriptor,
-    StructDescriptor,
-    UnionDescriptor,
-    plain,
-)
-from rtgen.runtime.faults import LOCATED, Fault
+from rtgen.runtime.cdr import Buffer, CdrError
+from rtgen.runtime.descriptors import DataType
 from rtgen.runtime.marshalling.compiler import compiled
-from rtgen.runtime.marshalling.formats import Format, NotCompiledError
-from rtgen.runtime.xcdr_codecs import (
-    Codec,
-    UnsupportedError,
-    refuse,
-)
-from rtgen.runtime.xcdr_codecs import (
-    Format as StepFormat,
-)
-from rtgen.runtime.xcdr_compiler import codec_of
-from rtgen.runtime.xcdr_structs import open_ended
+from rtgen.runtime.marshalling.formats import Format
 
 _T = TypeVar("_T", bound=DataType)
-_COMPILED = (StructDescriptor, UnionDescriptor, AliasDescriptor)
 
 
 class Representation(IntEnum):
@@ -125,83 +104,15 @@ def _check_kind(type_: type[DataType], representation: Representation) -> None:
 
 def encode(type_: Any, value: object, version: int, little_endian: bool) -> bytes:
     """The body of a value of a generated type or typedef; raises CdrError."""
-    function = _compiled(type_._descriptor_, "to_cdr", version)
-    if function is not None:
-        body: bytes = function(value, little_endian)
-        return body
-    try:
-        out = bytearray()
-        _root(type_._descriptor_, version, little_endian).write(out, value)
-        return bytes(out)
-    except UnsupportedError as failure:
-        raise CdrError(_name(type_) + failure.path, str(failure)) from failure
-    except FAILURES as failure:
-        raise encoding_error(type_._descriptor_, value, failure) from failure
+    function = compiled("to_cdr", type_._descriptor_, Format(version))
+    body: bytes = function(value, little_endian)
+    return body
 
 
 def decode(type_: Any, data: Buffer, version: int, little_endian: bool) -> Any:
     """The value of a body; raises CdrError."""
-    function = _compiled(type_._descriptor_, "from_cdr", version)
-    if function is not None:
-        return function(type_, data, little_endian)
-    return decode_in_steps(type_, data, version, little_endian)
-
-
-def _compiled(descriptor: Any, kind: str, version: int) -> Callable[..., Any] | None:
-    """The compiled function of a type; None for one marshalled by `xcdr_codecs`."""
-    if not isinstance(descriptor, _COMPILED):
-        return None
-    try:
-        return compiled(kind, descriptor, Format(version))
-    except NotCompiledError:
-        return None
-
-
-def decode_in_steps(type_: Any, data: Buffer, version: int, little_endian: bool) -> Any:
-    """The value of a body, read member by member; raises CdrError with the place of a fault.
-
-    Fallback for octets that a compiled codec rejects: damaged ones, other versions of a type.
-    """
-    octets = data if type(data) is bytes else _octets(type_, data)
-    try:
-        read = _root(type_._descriptor_, version, little_endian).read
-        try:
-            value, offset = read(octets, 0)
-        except LOCATED as failure:
-            refuse(failure, "")
-        if offset != len(octets):
-            raise Fault(f"{len(octets) - offset} octets too many")
-        return value
-    except UnsupportedError as failure:
-        raise CdrError(_name(type_) + failure.path, str(failure)) from failure
-    except RecursionError as failure:
-        message = "the value is nested too deeply"
-        raise CdrError(_name(type_), message) from failure
-    except Fault as fault:
-        raise fault.error(_name(type_)) from fault
-
-
-def _root(descriptor: Any, version: int, little_endian: bool) -> Codec:
-    """The codec of a whole body, cached for each format."""
-    key = version << 1 | bool(little_endian)
-    codec: Codec | None = descriptor.codecs.get(key)
-    if codec is None:
-        format_ = StepFormat(version, bool(little_endian))
-        codec = descriptor.codecs[key] = _root_codec(descriptor, format_)
-    return codec
-
-
-def _root_codec(descriptor: Descriptor, format_: StepFormat) -> Codec:
-    codec = codec_of(descriptor, format_)
-    target = plain(descriptor)
-    if (
-        format_.version == 1
-        and isinstance(target, StructDescriptor)
-        and target.extensibility == "appendable"
-    ):
-        of = partial(codec_of, format_=format_)
-        return Codec(codec.write, open_ended(format_, target, of), codec.least)
-    return codec
+    function = compiled("from_cdr", type_._descriptor_, Format(version))
+    return function(type_, data, little_endian)
 
 
 def _name(type_: Any) -> str:

@@ -11,9 +11,14 @@ from collections.abc import Callable
 from threading import RLock
 from typing import Any
 
-from rtgen.runtime.marshalling.formats import CLASSIC, Format, NotCompiledError
+from rtgen.runtime.cdr import FAILURES, Buffer, CdrError
+from rtgen.runtime.descriptors import StructDescriptor
+from rtgen.runtime.faults import Fault
+from rtgen.runtime.marshalling.fault_search import fault_in_body
+from rtgen.runtime.marshalling.formats import CLASSIC, Format, UnsupportedError
 from rtgen.runtime.marshalling.functions import FUNCTIONS
 from rtgen.runtime.marshalling.references import References
+from rtgen.runtime.marshalling.trees import can_evolve, unsupported
 
 _LOCK = RLock()
 
@@ -23,19 +28,73 @@ def compiled(
 ) -> Callable[..., Any]:
     """The compiled function of a kind (a key of `FUNCTIONS`) for a type in a format.
 
-    Raises NotCompiledError for a type that has none.
+    The codec of a type that XCDR does not have raises CdrError. Raises UnsupportedError for one
+    that CDR does not have.
     """
     key = (kind, format_)
     if key not in descriptor.codecs:
         with _LOCK:
             try:
                 _compile(kind, descriptor, format_)
-            except NotCompiledError:
-                descriptor.codecs[key] = None
-    function: Callable[..., Any] | None = descriptor.codecs[key]
-    if function is None:
-        raise NotCompiledError(descriptor.name)
+            except UnsupportedError:
+                if not format_.version:
+                    raise
+                descriptor.codecs[key] = _refusing(descriptor, format_)
+    function: Callable[..., Any] = descriptor.codecs[key]
     return function
+
+
+def decoded_again(
+    type_: Any, data: Buffer, format_: Format, little_endian: bool, failure: Exception
+) -> Any:
+    """The value of a body that the codec of its type refused: of another version of the type.
+
+    Raises CdrError with the place of the fault.
+    """
+    descriptor = type_._descriptor_
+    name = str(descriptor.name).rpartition("::")[2]
+    try:
+        octets = bytes(memoryview(data))
+    except TypeError:
+        message = f"octets are needed, not {type(data).__name__}"
+        raise CdrError(name, message) from failure
+    if _evolves(descriptor, format_):
+        decode = compiled("from_evolved", descriptor, format_)
+        try:
+            return decode(type_, octets, little_endian)
+        except FAILURES as again:
+            failure = again
+    if isinstance(failure, RecursionError):
+        raise CdrError(name, "the value is nested too deeply") from failure
+    fault = fault_in_body(descriptor, octets, format_, little_endian)
+    if fault is None:
+        fault = Fault(str(failure))
+    raise fault.error(name) from failure
+
+
+def _evolves(descriptor: Any, format_: Format) -> bool:
+    """Whether octets of another version of the type can be read."""
+    if format_.version == 1:
+        extensibility = getattr(descriptor, "extensibility", "")
+        return isinstance(descriptor, StructDescriptor) and (
+            extensibility == "appendable"
+        )
+    key = ("evolves", format_)
+    if key not in descriptor.codecs:
+        descriptor.codecs[key] = can_evolve(descriptor)
+    evolves: bool = descriptor.codecs[key]
+    return evolves
+
+
+def _refusing(descriptor: Any, format_: Format) -> Callable[..., Any]:
+    """The codec of a type that the format does not have."""
+    name = str(descriptor.name).rpartition("::")[2]
+    path, message = unsupported(descriptor, format_)
+
+    def refuse(*_: object) -> None:
+        raise CdrError(name + path, message)
+
+    return refuse
 
 
 def _compile(kind: str, descriptor: Any, format_: Format) -> None:
@@ -62,11 +121,10 @@ def _compile(kind: str, descriptor: Any, format_: Format) -> None:
 def _function(
     kind: str, descriptor: Any, format_: Format
 ) -> tuple[Callable[..., Any], References]:
-    references = References(format_)
+    references = References(format_, decoded_again)
     head, lines = FUNCTIONS[kind](descriptor, references)
     text = "".join(f"{line}\n" for line in [head, *(f"    {x}" for x in lines)])
-    form = f"XCDR{format_.version}" if format_.version else "CDR"
-    file = _unused(f"<{form} {kind} of {descriptor.name}>")
+    file = _unused(f"<{format_} {kind} of {descriptor.name}>")
     linecache.cache[file] = (len(text), None, text.splitlines(keepends=True), file)
     namespace = references.namespace.values
     namespace["__name__"] = __name__

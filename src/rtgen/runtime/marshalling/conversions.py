@@ -23,7 +23,11 @@ from rtgen.runtime.cdr_values import (
     wide_octets,
     wide_value,
 )
-from rtgen.runtime.marshalling.layout import Atom, Form, Text
+from rtgen.runtime.marshalling.nodes import (
+    Atom,
+    Form,
+    Text,
+)
 from rtgen.runtime.marshalling.text import Namespace
 
 

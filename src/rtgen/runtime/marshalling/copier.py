@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rtgen.runtime.marshalling.layout import (
+from rtgen.runtime.marshalling.nodes import (
     AtomArray,
     AtomSequence,
     Call,

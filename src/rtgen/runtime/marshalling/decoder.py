@@ -4,32 +4,48 @@ from __future__ import annotations
 
 from rtgen.runtime.cdr_values import nested, read_reference
 from rtgen.runtime.marshalling.conversions import Conversions, each
+from rtgen.runtime.marshalling.headers import Lengths, next_member, next_parameter
 from rtgen.runtime.marshalling.layout import (
+    ALIGNED,
+    ANYWHERE,
+    ORIGIN,
+    Entry,
+    Frame,
+    Jump,
+    Loop,
+    Run,
+    Section,
+    Step,
+    steps_of,
+)
+from rtgen.runtime.marshalling.nodes import (
     Atom,
     AtomArray,
     AtomSequence,
     Call,
     Delimited,
     Dynamic,
-    Entry,
     Field,
-    Frame,
     Group,
-    Jump,
-    Loop,
+    Member,
+    MemberList,
     Node,
     Optional,
+    Parameter,
     Path,
     Records,
-    Run,
-    Section,
-    Step,
     TextArray,
     TextSequence,
 )
 from rtgen.runtime.marshalling.references import References
-from rtgen.runtime.marshalling.shapes import LENGTHS, Layouts
+from rtgen.runtime.marshalling.shapes import Layouts
 from rtgen.runtime.marshalling.text import Body, Locals
+
+EMPTY_ELEMENTS = 65536
+"""The largest number of elements without octets in a collection."""
+
+_MOST_COMPARED = 8
+"""The number of ids that are compared one by one."""
 
 
 class Decoder:
@@ -43,6 +59,8 @@ class Decoder:
         self._offset: int | None = None
         self._readers = 0
         self.body = Body(references.namespace)
+        self.cut = False
+        """Whether `data` stands for a part of the data somewhere."""
 
     def fixed(self, run: Run, node: Node) -> list[str]:
         """The body for a value of fixed size, unpacked by one `struct` call."""
@@ -96,33 +114,172 @@ class Decoder:
 
     def _frame(self, frame: Frame, path: Path) -> None:
         self._settle()
+        node = frame.node
+        match node:
+            case Optional():
+                self._optional(frame, node, path)
+            case Parameter():
+                self._parameter(node, path)
+            case MemberList(members=members):
+                self.listed(members, path)
+            case Delimited(node=inner):
+                end = self._locals.name(path, "end_")
+                self.take_length(end)
+                if isinstance(inner, MemberList):
+                    self.listed(inner.members, path, end)
+                    return
+                self.steps(frame.steps, path)
+                self._settle()
+                self.refuse(f"offset != {end}")
+
+    def _optional(self, frame: Frame, node: Optional, path: Path) -> None:
         body = self.body
-        if isinstance(frame.node, Optional):
-            name = self._locals.name(path)
-            present = self._locals.name(path, "has_")
-            body.add(f"{present} = data[offset]")
-            body.add("offset += 1")
-            body.block(f"if {present} == 1:")
-            self.steps(frame.steps, path)
-            self._settle()
-            body.add(f"{name} = {self.value(frame.node.node, path)}")
-            body.end()
-            body.block("else:")
-            self.refuse(present, "a flag that is not a boolean")
-            body.add(f"{name} = None")
-            body.end()
-            return
-        end = self._locals.name(path, "end_")
-        self.take_length(end)
+        name = self._locals.name(path)
+        present = self._locals.name(path, "has_")
+        body.add(f"{present} = data[offset]")
+        body.add("offset += 1")
+        body.block(f"if {present} == 1:")
         self.steps(frame.steps, path)
         self._settle()
-        self.refuse(f"offset != {end}")
+        body.add(f"{name} = {self.value(node.node, path)}")
+        body.end()
+        body.block("else:")
+        self.refuse(present, "a flag that is not a boolean")
+        body.add(f"{name} = None")
+        body.end()
+
+    def _parameter(self, node: Parameter, path: Path) -> None:
+        """An optional member in XCDR1 outside of a list; absent if its parameter is empty."""
+        body = self.body
+        name, stop = self._locals.name(path), self._locals.name(path, "stop_")
+        read = self._refer.function(next_parameter)
+        body.add(
+            f"member, required, offset, {stop} = {read}(data, offset, little_endian)"
+        )
+        self.refuse(f"member != {node.id}", f"the parameter {node.id} is needed")
+        body.add(f"{name} = None")
+        body.block(f"if offset != {stop}:")
+        self._content(node, path, stop, name)
+        body.end()
+
+    def listed(
+        self,
+        members: tuple[tuple[str, Member | Parameter], ...],
+        path: Path,
+        end: str | None = None,
+    ) -> None:
+        """Members in any order, by attribute in a dict: up to `end`, or to the end of a list."""
+        body = self.body
+        found, stop = self.found(path), self._locals.name(path, "stop_")
+        body.add(f"{found} = {{}}")
+        if end is not None:
+            self.refuse(f"{end} > len(data)", "a length beyond the end")
+            read = self._refer.function(next_member)
+            body.block(f"while offset < {end}:")
+            arguments = f"data, offset, {end}, little_endian"
+        else:
+            read = self._refer.function(next_parameter)
+            body.block("while True:")
+            arguments = "data, offset, little_endian"
+        body.add(f"member, required, offset, {stop} = {read}({arguments})")
+        if end is None:
+            self._break("member < 0")
+        self._select(sorted(members, key=lambda m: m[1].id), path, stop)
+        body.end()
+        for attribute, member in members:
+            if member.key:
+                self.refuse(f"{attribute!r} not in {found}", "a key is missing")
+
+    def found(self, path: Path) -> str:
+        """The variable for the members of a list that were found."""
+        return self._locals.name(path, "found_")
+
+    def _select(
+        self, members: list[tuple[str, Member | Parameter]], path: Path, stop: str
+    ) -> None:
+        """Read the member of the id in `member`; skip one that is not known."""
+        body = self.body
+        if len(members) > _MOST_COMPARED:
+            half = len(members) // 2
+            body.block(f"if member < {members[half][1].id}:")
+            self._select(members[:half], path, stop)
+            body.end()
+            body.block("else:")
+            self._select(members[half:], path, stop)
+            body.end()
+            return
+        found = self.found(path)
+        word = "if"
+        for attribute, member in members:
+            body.block(f"{word} member == {member.id}:")
+            self.refuse(f"{attribute!r} in {found}", "the member stands twice")
+            inner = (*path, attribute)
+            self._content(member, inner, stop, f"{found}[{attribute!r}]")
+            body.end()
+            word = "elif"
+        body.block("elif required:" if members else "if required:")
+        body.add('raise ValueError("a member that must be understood")')
+        body.end()
+        body.block("else:")
+        body.add(f"offset = {stop}")
+        body.end()
+
+    def _content(
+        self, node: Member | Parameter, path: Path, stop: str, target: str
+    ) -> None:
+        """The value of a member, which fills the octets up to `stop` but for padding."""
+        body = self.body
+        if isinstance(node, Member):
+            self.steps(steps_of(node.node, ALIGNED), path)
+            self._settle()
+            self.refuse(f"offset != {stop}")
+            body.add(f"{target} = {self.value(node.node, path)}")
+            return
+        outer = self._locals.name(path, "outer_")
+        body.add(f"{outer} = data")
+        body.add(f"data = memoryview(data)[offset:{stop}]")
+        self.cut = True
+        self._offset = 0
+        self.steps(steps_of(node.node, ORIGIN), path)
+        self._settle()
+        end = (
+            "offset <= len(data) < offset + 4"
+            if node.in_list
+            else "offset == len(data)"
+        )
+        self.refuse(f"not {end}")
+        body.add(f"{target} = {self.value(node.node, path)}")
+        body.add(f"data = {outer}")
+        body.add(f"offset = {stop}")
+
+    def enclose(self, end: str) -> None:
+        """Let the data end at the offset in a variable."""
+        self.refuse(f"{end} > len(data)", "a length beyond the end")
+        self.body.add(f"data = memoryview(data)[:{end}]")
+
+    def evolving(self, group: Group, end: str) -> None:
+        """The members that are there up to `end`, in `values`; further octets are ignored."""
+        body = self.body
+        body.add("values = []")
+        body.block("while True:")
+        for attribute, node in group.members:
+            self._break(f"offset >= {end}")
+            self.steps(steps_of(node, ANYWHERE), (attribute,))
+            self._settle()
+            body.add(f"values.append({self.value(node, (attribute,))})")
+        body.add("break")
+        body.end()
+
+    def _break(self, condition: str) -> None:
+        self.body.block(f"if {condition}:")
+        self.body.add("break")
+        self.body.end()
 
     def take_length(self, end: str) -> None:
         """The end of a delimited value, from its DHEADER."""
         self._settle()
         body = self.body
-        body.choose("get", "get", LENGTHS, "get")
+        body.choose("get", "get", Lengths, "get")
         body.add("offset += -offset & 3")
         body.add("(size,) = get(data, offset)")
         body.add("offset += 4")
@@ -138,6 +295,9 @@ class Decoder:
                 return f"{made}({', '.join(inner)})"
             case Records():
                 return self._records(node, path)
+            case MemberList(type=type_):
+                made = "cls" if outermost else self._refer.made(type_)
+                return f"{made}(**{self.found(path)})"
             case Delimited(node=inner):
                 return self.value(inner, path, outermost)
         raw = self._locals.name(path)
@@ -233,7 +393,8 @@ class Decoder:
         if node.length is None:
             count = self._locals.name(path, "n_")
             least = f"{count} * {node.minimum}" if node.minimum > 1 else count
-            self.refuse(f"{least} > len(data) - offset", "a length beyond the end")
+            most = "len(data) - offset" if node.minimum else str(EMPTY_ELEMENTS)
+            self.refuse(f"{least} > {most}", "a length beyond the end")
         items = self._locals.name(path)
         self.body.add(f"{items} = {'{}' if node.key is not None else '[]'}")
         self.body.block(f"for _ in range({count}):")

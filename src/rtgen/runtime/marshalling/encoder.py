@@ -4,29 +4,46 @@ from __future__ import annotations
 
 from rtgen.runtime.cdr_values import exact, flat, write_reference
 from rtgen.runtime.marshalling.conversions import Conversions, each
+from rtgen.runtime.marshalling.headers import (
+    LONG_MUST_UNDERSTAND,
+    PID_EXTENDED,
+    SHORT_MUST_UNDERSTAND,
+    Lengths,
+    MemberHeaders,
+    Parameters,
+)
 from rtgen.runtime.marshalling.layout import (
+    Frame,
+    Jump,
+    Loop,
+    Run,
+    Step,
+    has_varying_length,
+    settled_size,
+)
+from rtgen.runtime.marshalling.nodes import (
     Atom,
     AtomArray,
     AtomSequence,
     Call,
+    Delimited,
     Dynamic,
     Field,
-    Frame,
-    Jump,
-    Loop,
+    Header,
+    Member,
+    MemberList,
     Node,
     Optional,
+    Parameter,
     Path,
     Records,
     Repeat,
-    Run,
-    Step,
     Text,
     TextArray,
     TextSequence,
 )
 from rtgen.runtime.marshalling.references import References
-from rtgen.runtime.marshalling.shapes import LENGTHS, Layouts
+from rtgen.runtime.marshalling.shapes import Layouts
 from rtgen.runtime.marshalling.text import Body, Locals
 
 
@@ -82,25 +99,101 @@ class Encoder:
 
     def _frame(self, frame: Frame, path: Path) -> None:
         body = self.body
-        if isinstance(frame.node, Optional):
-            value = self._items(path)
-            body.block(f"if {value} is None:")
-            body.add('out += b"\\0"')
-            body.end()
-            body.block("else:")
-            body.add('out += b"\\1"')
-            self.steps(frame.steps, path)
-            body.end()
+        node = frame.node
+        match node:
+            case Optional():
+                body.block(f"if {self._items(path)} is None:")
+                body.add('out += b"\\0"')
+                body.end()
+                body.block("else:")
+                body.add('out += b"\\1"')
+                self.steps(frame.steps, path)
+                body.end()
+            case Delimited():
+                start = self._locals.name(path, "start_")
+                self.begin_delimited(start)
+                self.steps(frame.steps, path)
+                self.put_length(start)
+            case MemberList():
+                self.steps(frame.steps, path)
+                if self._refer.format.version == 1:
+                    self.end_list()
+            case Member() | Parameter():
+                self.headed(node, frame.steps, path)
+
+    def headed(
+        self, node: Member | Parameter, steps: tuple[Step, ...], path: Path
+    ) -> None:
+        """A member with a header of its own, left out if it is optional and None."""
+        if not node.optional:
+            self._headed(node, steps, path)
             return
-        start = self._locals.name(path, "start_")
-        body.add('out += bytes(-len(out) & 3) + b"\\0\\0\\0\\0"')
-        body.add(f"{start} = len(out)")
-        self.steps(frame.steps, path)
-        self.put_length(start)
+        value = self._items(path)
+        self.body.block(f"if {value} is not None:")
+        self._headed(node, steps, path)
+        self.body.end()
+        if isinstance(node, Parameter) and not node.in_list:
+            self.body.block("else:")
+            self._parameter(node, "0")
+            self.body.end()
+
+    def _headed(
+        self, node: Member | Parameter, steps: tuple[Step, ...], path: Path
+    ) -> None:
+        body = self.body
+        match node:
+            case Member() if has_varying_length(node):
+                start = self._locals.name(path, "start_")
+                body.add("out += bytes((-len(out) & 3) + 8)")
+                body.add(f"{start} = len(out)")
+                self.steps(steps, path)
+                body.choose("put_header", "put_header", MemberHeaders, "put")
+                length = f"len(out) - {start}"
+                body.add(f"put_header(out, {start} - 8, {node.header}, {length})")
+            case Member():
+                self.steps(steps, path)
+            case Parameter():
+                size = settled_size(steps)
+                padding = 0 if size is None or not node.in_list else -size & 3
+                if size is not None:
+                    self._parameter(node, str(size + padding))
+                    self.steps(steps, path)
+                    if padding:
+                        body.add(f"out += bytes({padding})")
+                    return
+                outer = self._locals.name(path, "outer_")
+                body.add(f"{outer} = out")
+                body.add("out = bytearray()")
+                self.steps(steps, path)
+                if node.in_list:
+                    body.add("out += bytes(-len(out) & 3)")
+                content = self._locals.name(path, "content_")
+                body.add(f"{content} = out")
+                body.add(f"out = {outer}")
+                self._parameter(node, f"len({content})")
+                body.add(f"out += {content}")
+
+    def _parameter(self, node: Parameter, size: str) -> None:
+        """The header of a parameter in the extended form."""
+        pid = PID_EXTENDED | SHORT_MUST_UNDERSTAND
+        flags = node.must_understand * LONG_MUST_UNDERSTAND | node.id
+        self.body.choose("pack_header", "pack_header", Parameters, "pack")
+        header = f"pack_header({pid}, 8, {flags}, {size})"
+        self.body.add(f"out += bytes(-len(out) & 3) + {header}")
+
+    def end_list(self) -> None:
+        """The parameter that ends a list of XCDR1."""
+        self.body.choose("list_end", "list_end", Parameters, "end")
+        self.body.add("out += bytes(-len(out) & 3) + list_end")
+
+    def begin_delimited(self, start: str) -> None:
+        """Reserve the DHEADER of a value that starts behind it, at the offset in a variable."""
+        self.body.add('out += bytes(-len(out) & 3) + b"\\0\\0\\0\\0"')
+        self.body.add(f"{start} = len(out)")
 
     def put_length(self, start: str) -> None:
         """Write the DHEADER of a value that starts at the offset in a variable."""
-        self.body.choose("put", "put", LENGTHS, "put")
+        self.body.choose("put", "put", Lengths, "put")
         self.body.add(f"put(out, {start} - 4, len(out) - {start})")
 
     def bind(self, path: Path, expression: str) -> None:
@@ -127,7 +220,7 @@ class Encoder:
         else:
             if node.length is not None:
                 items = f"{self._refer.function(exact)}({items}, {node.length})"
-            if not loop.steps:  # an array of empty structs
+            if not loop.steps:  # empty elements
                 self.body.add(items)
                 return
             self.body.block(f"for {item} in {items}:")
@@ -156,6 +249,8 @@ class Encoder:
         match node:
             case Atom():
                 return None, convert.packed(node, self._value(path))
+            case Header(number):
+                return None, str(number)
             case AtomArray(atom=atom, dimensions=(length,)):
                 items = self._items(path)
                 self._require(f"len({items}) != {length}")

@@ -1,4 +1,4 @@
-"""The formats of compiled codecs: classic CDR and the versions of XCDR."""
+"""The formats of compiled codecs: classic CDR, the versions of XCDR, keys."""
 
 from __future__ import annotations
 
@@ -6,18 +6,26 @@ from typing import NamedTuple
 
 
 class Format(NamedTuple):
-    """Classic CDR (version 0), or XCDR version 1 or 2 (DDS-XTypes 1.3, 7.4.3.2)."""
+    """Classic CDR (version 0), or XCDR version 1 or 2 (DDS-XTypes 1.3, 7.4.3.2).
+
+    `key`: only the key of a value, members by id, without headers (7.6.8).
+    """
 
     version: int
+    key: bool = False
 
     @property
     def widest(self) -> int:
         """The largest alignment."""
         return 4 if self.version == 2 else 8
 
+    def __str__(self) -> str:
+        name = f"XCDR{self.version}" if self.version else "CDR"
+        return f"{name} key" if self.key else name
+
 
 CLASSIC = Format(0)
 
 
-class NotCompiledError(TypeError):
-    """A type without a compiled codec in the format: parameter lists, empty elements."""
+class UnsupportedError(TypeError):
+    """A type that has no representation in the format."""

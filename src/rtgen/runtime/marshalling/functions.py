@@ -7,7 +7,11 @@ from copy import deepcopy
 from typing import Any, TypeAlias
 
 from rtgen.runtime.cdr import FAILURES, decoding_error, encoding_error
-from rtgen.runtime.descriptors import AliasDescriptor, UnionDescriptor
+from rtgen.runtime.descriptors import (
+    ExceptionDescriptor,
+    StructDescriptor,
+    UnionDescriptor,
+)
 from rtgen.runtime.marshalling import unions
 from rtgen.runtime.marshalling.copier import Copier
 from rtgen.runtime.marshalling.decoder import Decoder
@@ -15,13 +19,22 @@ from rtgen.runtime.marshalling.encoder import Encoder
 from rtgen.runtime.marshalling.layout import (
     ANYWHERE,
     ORIGIN,
-    Delimited,
-    Node,
     Run,
     steps_of,
 )
+from rtgen.runtime.marshalling.nodes import (
+    Delimited,
+    Group,
+    Node,
+)
 from rtgen.runtime.marshalling.references import References
-from rtgen.runtime.marshalling.trees import body_of, has_headers, is_dynamic, tree_of
+from rtgen.runtime.marshalling.trees import (
+    body_of,
+    has_headers,
+    is_delimited,
+    is_dynamic,
+    tree_of,
+)
 
 Function: TypeAlias = tuple[str, list[str]]
 """The head of a function and the lines of its body."""
@@ -29,7 +42,8 @@ Function: TypeAlias = tuple[str, list[str]]
 
 def _encode(descriptor: Any, refer: References) -> Function:
     """The whole body of a value."""
-    name = "value" if isinstance(descriptor, AliasDescriptor) else "self"
+    members = StructDescriptor | ExceptionDescriptor | UnionDescriptor
+    name = "self" if isinstance(descriptor, members) else "value"
     lines = _encoding(descriptor, refer, name)
     failure = (
         f"{refer.function(encoding_error)}({refer.descriptor(descriptor)}, {name}, "
@@ -40,21 +54,45 @@ def _encode(descriptor: Any, refer: References) -> Function:
 
 def _decode(descriptor: Any, refer: References) -> Function:
     """The value of a whole body."""
-    lines = _decoding(descriptor, refer)
+    decoder = Decoder(refer)
+    lines = _decoding(descriptor, decoder, refer)
     head = "def from_cdr(cls, data, little_endian=True):"
-    version = refer.format.version
-    if version:
-        from rtgen.runtime.xcdr import decode_in_steps
-
-        again = (
-            f"{refer.function(decode_in_steps)}(cls, data, {version}, little_endian)"
-        )
-        return head, _guarded(refer, lines, f"return {again}")
+    if refer.format.version:
+        again = refer.function(refer.decoded_again)
+        format_ = refer.namespace.bind("format_", refer.format)
+        whole = "whole" if decoder.cut else "data"
+        first = ["whole = data"] if decoder.cut else []
+        value = f"{again}(cls, {whole}, {format_}, little_endian, failure)"
+        return head, _guarded(refer, [*first, *lines], f"return {value}")
     failure = (
         f"{refer.function(decoding_error)}({refer.descriptor(descriptor)}, data, "
         "little_endian, failure)"
     )
     return head, _guarded(refer, lines, f"raise {failure} from failure")
+
+
+def _decode_evolved(descriptor: Any, refer: References) -> Function:
+    """The value of a whole body, of any version of the appendable types in it."""
+    refer.evolving = True
+    head = "def from_evolved(cls, data, little_endian):"
+    extensibility = getattr(descriptor, "extensibility", "")
+    if isinstance(descriptor, StructDescriptor) and extensibility == "appendable":
+        decoder = Decoder(refer)
+        end = "len(data)"
+        decoder.body.add("offset = 0")
+        if refer.format.version == 2:
+            end = "end"
+            decoder.take_length(end)
+            decoder.refuse("end != len(data)", "octets too many")
+        decoder.evolving(_group(descriptor, refer), end)
+        return head, [*decoder.body.lines, "return cls(*values)"]
+    return head, _decoding(descriptor, Decoder(refer), refer)
+
+
+def _group(descriptor: Any, refer: References) -> Group:
+    body = body_of(descriptor, refer.format)
+    assert isinstance(body, Group)
+    return body
 
 
 def _guarded(refer: References, lines: list[str], reaction: str) -> list[str]:
@@ -87,7 +125,7 @@ def _encoding(descriptor: Any, refer: References, name: str) -> list[str]:
     return [f"out = {out}()", *lines, "return bytes(out)"]
 
 
-def _decoding(descriptor: Any, refer: References) -> list[str]:
+def _decoding(descriptor: Any, decoder: Decoder, refer: References) -> list[str]:
     first = []
     if is_dynamic(descriptor):
         from rtgen.runtime.cdr_reader import Input
@@ -103,7 +141,6 @@ def _decoding(descriptor: Any, refer: References) -> list[str]:
             f"same = cls is {made}",
             "return value if same else cls(value.discriminator, value.value)",
         ]
-    decoder = Decoder(refer)
     node = _node(descriptor, refer)
     steps = steps_of(node, ORIGIN)
     if len(steps) == 1 and isinstance(steps[0], Run) and _is_fixed(steps[0]):
@@ -113,13 +150,10 @@ def _decoding(descriptor: Any, refer: References) -> list[str]:
 
 def _node(descriptor: Any, refer: References) -> Node:
     """The tree of a type other than a union."""
-    if isinstance(descriptor, AliasDescriptor):
-        return tree_of(descriptor.target, refer.format)
+    if not isinstance(descriptor, StructDescriptor | ExceptionDescriptor):
+        return tree_of(descriptor, refer.format)
     body = body_of(descriptor, refer.format)
-    extensibility = getattr(descriptor, "extensibility", "final")
-    if refer.format.version == 2 and extensibility == "appendable":
-        return Delimited(body)
-    return body
+    return Delimited(body) if is_delimited(descriptor, refer.format) else body
 
 
 def _is_fixed(run: Run) -> bool:
@@ -148,6 +182,25 @@ def _read(descriptor: Any, refer: References) -> Function:
     return "def read(data, offset, little_endian):", lines
 
 
+def _evolve(descriptor: Any, refer: References) -> Function:
+    """The value at an offset, of any version of the appendable types in it."""
+    refer.evolving = True
+    head = "def evolve(data, offset, little_endian):"
+    if isinstance(descriptor, UnionDescriptor) or not (
+        is_delimited(descriptor, refer.format)
+        and descriptor.extensibility == "appendable"
+    ):
+        return head, _read(descriptor, refer)[1]
+    decoder = Decoder(refer)
+    decoder.take_length("end")
+    decoder.enclose("end")
+    decoder.evolving(_group(descriptor, refer), "end")
+    return head, [
+        *decoder.body.lines,
+        f"return {refer.made(descriptor)}(*values), end",
+    ]
+
+
 def _snapshot(descriptor: Any, refer: References) -> Function:
     """A deep copy; immutable values are shared."""
     head = "def _snapshot_(self):"
@@ -156,15 +209,17 @@ def _snapshot(descriptor: Any, refer: References) -> Function:
     copier = Copier(refer)
     if isinstance(descriptor, UnionDescriptor):
         return head, unions.copy(descriptor, copier, refer)
-    expression = copier.copy(body_of(descriptor, refer.format), "self")
+    expression = copier.copy(_group(descriptor, refer), "self")
     return head, [*copier.body.lines, f"return {expression}"]
 
 
 FUNCTIONS: dict[str, Callable[[Any, References], Function]] = {
     "to_cdr": _encode,
     "from_cdr": _decode,
+    "from_evolved": _decode_evolved,
     "write": _write,
     "read": _read,
+    "evolve": _evolve,
     "_snapshot_": _snapshot,
 }
 """The functions that can be compiled for a type, by kind."""

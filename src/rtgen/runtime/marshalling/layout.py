@@ -9,205 +9,32 @@ loops over elements of varying size, and calls of the codecs of unions and recur
 from __future__ import annotations
 
 from dataclasses import dataclass
-from enum import Enum, auto
 from math import gcd, prod
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
-
-class Form(Enum):
-    """The Python representation of an atom."""
-
-    NUMBER = auto()
-    BOOLEAN = auto()
-    CHARACTER = auto()
-    WIDE_CHARACTER = auto()
-    ENUMERATOR = auto()
-    FLAGS = auto()
-    BITS = auto()
-    UNIT = auto()
-    QUAD = auto()
-    FIXED = auto()
-
-
-class Text(Enum):
-    """The Python representation of a run of octets."""
-
-    OCTETS = auto()
-    CHARACTERS = auto()
-    STRING = auto()
-    WIDE_STRING = auto()
-    UNITS = auto()
-
-
-@dataclass(frozen=True, slots=True)
-class Atom:
-    """A value of fixed size: its `struct` code, its size and alignment in octets.
-
-    `type` describes the enum, bitmask or bitset; `digits` and `scale` are those of a fixed-point
-    type (`digits` is the number of bits of a bitmask).
-    """
-
-    code: str
-    size: int
-    align: int
-    form: Form = Form.NUMBER
-    type: Any = None
-    digits: int = 0
-    scale: int = 0
-
-
-COUNT = Atom("I", 4, 4)
-"""The count before a sequence or string."""
-
-
-@dataclass(frozen=True, slots=True)
-class AtomArray:
-    """An array of atoms that `struct` can repeat; dimensions outermost first."""
-
-    atom: Atom
-    dimensions: tuple[int, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class TextArray:
-    """An array of octets or characters of that length."""
-
-    text: Text
-    length: int
-
-
-@dataclass(frozen=True, slots=True)
-class AtomSequence:
-    """A sequence of atoms that `struct` can repeat."""
-
-    atom: Atom
-    bound: int | None
-
-
-@dataclass(frozen=True, slots=True)
-class TextSequence:
-    """A count of octets, then the octets.
-
-    `bound` is in octets (of UTF-8), for a wide string in UTF-16 units, as omniORB counts.
-    """
-
-    text: Text
-    bound: int | None
-
-    @property
-    def most(self) -> int | None:
-        """The largest count: a string's NUL and a wide string's byte-order mark included."""
-        if self.bound is None:
-            return None
-        extra = {
-            Text.STRING: self.bound + 1,
-            Text.WIDE_STRING: 2 * self.bound + 2,
-            Text.UNITS: 2 * self.bound,
-        }
-        return extra.get(self.text, self.bound)
-
-
-@dataclass(frozen=True, slots=True)
-class Records:
-    """A sequence (or an array, with its length) of elements of one size and no gap between them.
-
-    `format` is the `struct` format of an element, `size` its size, a multiple of `align`.
-    """
-
-    element: Node
-    fields: tuple[Field, ...]
-    format: str
-    size: int
-    align: int
-    bound: int | None = None
-    length: int | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class Repeat:
-    """A sequence (or an array, with its length) of elements of varying size.
-
-    `minimum` is the least size of an element in octets; `key` is that of a map.
-    """
-
-    element: Node
-    minimum: int
-    bound: int | None = None
-    length: int | None = None
-    key: Node | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class Group:
-    """A struct whose members are laid out in place: (attribute, node) in order."""
-
-    type: Any
-    members: tuple[tuple[str, Node], ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Call:
-    """A value with a codec of its own: a union, a recursive struct, a large one."""
-
-    type: Any
-    minimum: int
-
-
-@dataclass(frozen=True, slots=True)
-class Reference:
-    """An object reference (IOR: type id, profiles)."""
-
-
-@dataclass(frozen=True, slots=True)
-class Dynamic:
-    """A value marshalled by interpreting its descriptor: `any`, a type code, a value."""
-
-    type: Any
-    minimum: int = 4
-
-
-@dataclass(frozen=True, slots=True)
-class Delimited:
-    """A value after its length in octets (DHEADER; DDS-XTypes 1.3, 7.4.3.4.2)."""
-
-    node: Node
-
-
-@dataclass(frozen=True, slots=True)
-class Optional:
-    """A value, or None, after an octet that is its presence flag (DDS-XTypes 1.3, 7.4.3.4.1)."""
-
-    node: Node
-
-
-Node: TypeAlias = (
-    Atom
-    | AtomArray
-    | TextArray
-    | AtomSequence
-    | TextSequence
-    | Records
-    | Repeat
-    | Group
-    | Call
-    | Reference
-    | Dynamic
-    | Delimited
-    | Optional
+from rtgen.runtime.marshalling.nodes import (
+    Atom,
+    AtomArray,
+    AtomSequence,
+    Call,
+    Delimited,
+    Dynamic,
+    Field,
+    Group,
+    Header,
+    Member,
+    MemberList,
+    Node,
+    Optional,
+    Parameter,
+    Path,
+    Placed,
+    Records,
+    Reference,
+    Repeat,
+    TextArray,
+    TextSequence,
 )
-
-Path: TypeAlias = tuple[str, ...]
-"""Member names from the root value to a value inside it."""
-
-Placed: TypeAlias = Atom | AtomArray | TextArray | AtomSequence | TextSequence | Records
-
-
-@dataclass(frozen=True, slots=True)
-class Field:
-    """A value in a run; of a `Repeat` only the count lies in the run."""
-
-    path: Path
-    node: Placed | Repeat
 
 
 @dataclass(frozen=True, slots=True)
@@ -271,11 +98,17 @@ class Jump:
 
 @dataclass(frozen=True, slots=True)
 class Frame:
-    """The steps of a value that is delimited or optional."""
+    """The steps of a value that is delimited, optional, or after a header of its own.
+
+    Those of a `MemberList` are in the order in which it is written.
+    """
 
     path: Path
-    node: Delimited | Optional
+    node: Framed
     steps: tuple[Step, ...]
+
+
+Framed: TypeAlias = Delimited | Optional | Member | Parameter | MemberList
 
 
 Step: TypeAlias = Run | Loop | Jump | Frame
@@ -314,13 +147,23 @@ ANYWHERE = Position(1, 0)
 """Inside a body, after a value of varying size."""
 
 
-_ALIGNED = Position(4, 0)
-"""After a length."""
+ALIGNED = Position(4, 0)
+"""After a length or a header."""
 
 
 def steps_of(node: Node, start: Position) -> tuple[Step, ...]:
     """The layout of a value that begins at `start`."""
-    return _Arrangement(start).steps(node)
+    return _Arrangement(start).steps(fields_of(node))
+
+
+def settled_size(steps: tuple[Step, ...]) -> int | None:
+    """The size of a value that always has the same; None if it varies, or has several runs."""
+    if not steps:
+        return 0
+    if len(steps) > 1 or not isinstance(steps[0], Run):
+        return None
+    sections = steps[0].sections
+    return sum(s.size for s in sections) if all(s.settled for s in sections) else None
 
 
 def fields_of(node: Node, path: Path = ()) -> list[Field | Loop | Jump | Frame]:
@@ -336,10 +179,48 @@ def fields_of(node: Node, path: Path = ()) -> list[Field | Loop | Jump | Frame]:
             return [Loop(path, node, ())]
         case Call() | Reference() | Dynamic():
             return [Jump(path, node)]
-        case Delimited() | Optional():
+        case MemberList() | Parameter() | Delimited() | Optional():
+            return [Frame(path, node, ())]
+        case Member(node=inner) if not node.optional:
+            headers = _headers(node)
+            if headers is None:
+                return [Frame(path, node, ())]
+            return [Field(path, header) for header in headers] + fields_of(inner, path)
+        case Member():
             return [Frame(path, node, ())]
         case _:
             return [Field(path, node)]
+
+
+def has_varying_length(member: Member) -> bool:
+    """Whether the length after the EMHEADER has to be worked out for each value."""
+    return _headers(member) is None
+
+
+def _headers(member: Member) -> list[Header] | None:
+    """What precedes each value; None if its length varies."""
+    if member.length_code != 4:
+        return [Header(member.header)]
+    size = settled_size(steps_of(member.node, ALIGNED))
+    return None if size is None else [Header(member.header), Header(size)]
+
+
+def _framed(node: Framed) -> tuple[Step, ...]:
+    match node:
+        case MemberList(members=members):
+            fields = [f for name, inner in members for f in fields_of(inner, (name,))]
+            return _Arrangement(ALIGNED).steps(fields)
+        case Member(node=inner):
+            headers = _headers(node)
+            if headers is None:
+                return steps_of(inner, ALIGNED)
+            fields = [Field((), header) for header in headers]
+            return _Arrangement(ANYWHERE).steps(fields + fields_of(inner))
+        case Parameter(node=inner):
+            return steps_of(inner, ORIGIN)
+        case Delimited(node=inner):
+            return steps_of(inner, ALIGNED)
+    return steps_of(node.node, ANYWHERE)
 
 
 def fixed_format(fields: tuple[Field, ...]) -> tuple[str, int, int, bool]:
@@ -357,38 +238,13 @@ def fixed_format(fields: tuple[Field, ...]) -> tuple[str, int, int, bool]:
     return text, offset, most, gapless
 
 
-def minimum_size(node: Node) -> int:
-    """The minimum number of octets of a value, without padding."""
-    match node:
-        case Atom(size=size):
-            return size
-        case AtomArray(atom=atom, dimensions=dimensions):
-            return atom.size * prod(dimensions)
-        case TextArray(length=length):
-            return length
-        case AtomSequence() | TextSequence():
-            return 4
-        case Records(length=length, size=size):
-            return 4 if length is None else length * size
-        case Repeat(length=length, minimum=minimum):
-            return 4 if length is None else length * minimum
-        case Group(members=members):
-            return sum(minimum_size(inner) for _, inner in members)
-        case Call(minimum=minimum) | Dynamic(minimum=minimum):
-            return minimum
-        case Reference():
-            return 8
-        case Delimited(node=inner):
-            return 4 + minimum_size(inner)
-        case Optional():
-            return 1
-
-
 def _token(node: Placed | Repeat) -> tuple[str, int, int]:
     """(token, size, alignment) of a value without a count."""
     match node:
         case Atom(size=size, align=align):
             return _aligned(node), size, align
+        case Header():
+            return "I", 4, 4
         case AtomArray(atom=atom, dimensions=dimensions):
             number = prod(dimensions)
             return f"{number}{_aligned(atom)}", number * atom.size, atom.align
@@ -425,8 +281,8 @@ class _Arrangement:
         self._steps: list[Step] = []
         self._begin_run()
 
-    def steps(self, node: Node) -> tuple[Step, ...]:
-        for item in fields_of(node):
+    def steps(self, fields: list[Field | Loop | Jump | Frame]) -> tuple[Step, ...]:
+        for item in fields:
             match item:
                 case Field():
                     self._place(item)
@@ -442,11 +298,9 @@ class _Arrangement:
                 case Jump():
                     self._end_run()
                     self._steps.append(item)
-                case Frame(path=path, node=frame):
+                case Frame(path=path, node=framed):
                     self._end_run()
-                    start = _ALIGNED if isinstance(frame, Delimited) else ANYWHERE
-                    steps = steps_of(frame.node, start)
-                    self._steps.append(Frame(path, frame, steps))
+                    self._steps.append(Frame(path, framed, _framed(framed)))
             self._position = ANYWHERE
             self._begin_run()
         self._end_run()

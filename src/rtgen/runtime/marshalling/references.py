@@ -7,16 +7,21 @@ from typing import Any
 
 from rtgen.runtime.marshalling.formats import Format
 from rtgen.runtime.marshalling.text import Namespace
+from rtgen.runtime.marshalling.trees import can_evolve
 
 
 class References:
     """Binds names in the globals of a function.
 
     `needed` are the compiled functions among them (name, kind, descriptor), of the same `format`.
+    `decoded_again` is what a decoder of XCDR calls with octets that it refuses. `evolving`: values
+    are read that may be of other versions of appendable types.
     """
 
-    def __init__(self, format_: Format) -> None:
+    def __init__(self, format_: Format, decoded_again: Callable[..., Any]) -> None:
         self.format = format_
+        self.decoded_again = decoded_again
+        self.evolving = False
         self.namespace = Namespace()
         self.needed: dict[tuple[str, int], tuple[str, str, Any]] = {}
 
@@ -48,7 +53,8 @@ class References:
 
     def reader(self, descriptor: Any) -> str:
         """The function that reads a value of the type at an offset."""
-        return self.compiled("read", descriptor)
+        evolving = self.evolving and can_evolve(descriptor)
+        return self.compiled("evolve" if evolving else "read", descriptor)
 
     def dynamic_writer(self) -> str:
         """The function that appends a value whose type is known only at run time."""

@@ -16,7 +16,12 @@ from struct import Struct
 from typing import Any, TypeAlias, TypeVar
 
 from rtgen.runtime.cdr import Buffer
-from rtgen.runtime.marshalling.layout import Records, Run
+from rtgen.runtime.marshalling.layout import (
+    Run,
+)
+from rtgen.runtime.marshalling.nodes import (
+    Records,
+)
 
 _V = TypeVar("_V")
 _Reader: TypeAlias = tuple[Callable[..., tuple[Any, ...]], int]
@@ -171,18 +176,6 @@ def _arranged(sections: Iterable[str], phase: int, counts: Iterator[int]) -> str
             texts.append(f"{padding}x{number}{code}")
             offset += padding + number * size
     return "".join(texts)
-
-
-class _Lengths:
-    """Writes and reads the length of a delimited value."""
-
-    put_little = Struct("<I").pack_into
-    put_big = Struct(">I").pack_into
-    get_little = Struct("<I").unpack_from
-    get_big = Struct(">I").unpack_from
-
-
-LENGTHS = _Lengths
 
 
 class Layouts:

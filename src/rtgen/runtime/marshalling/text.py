@@ -5,7 +5,9 @@ from __future__ import annotations
 from keyword import iskeyword
 from typing import Any
 
-from rtgen.runtime.marshalling.layout import Path
+from rtgen.runtime.marshalling.nodes import (
+    Path,
+)
 
 _LONGEST = 32
 _FIXED = frozenset(
@@ -14,13 +16,21 @@ _FIXED = frozenset(
     | {
         "end",
         "get",
+        "list_end",
+        "member",
+        "pack_header",
         "put",
+        "put_header",
+        "required",
         "start",
+        "values",
+        "whole",
         "ValueError",
         "bytearray",
         "bytes",
         "len",
         "list",
+        "memoryview",
         "range",
     }
 )

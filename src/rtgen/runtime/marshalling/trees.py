@@ -29,8 +29,12 @@ from rtgen.runtime.descriptors import (
     ValueDescriptor,
     plain,
 )
-from rtgen.runtime.marshalling.formats import Format, NotCompiledError
+from rtgen.runtime.marshalling.formats import Format, UnsupportedError
 from rtgen.runtime.marshalling.layout import (
+    fields_of,
+    fixed_format,
+)
+from rtgen.runtime.marshalling.nodes import (
     Atom,
     AtomArray,
     AtomSequence,
@@ -40,16 +44,17 @@ from rtgen.runtime.marshalling.layout import (
     Field,
     Form,
     Group,
+    Member,
+    MemberList,
     Node,
     Optional,
+    Parameter,
     Records,
     Reference,
     Repeat,
     Text,
     TextArray,
     TextSequence,
-    fields_of,
-    fixed_format,
     minimum_size,
 )
 
@@ -71,6 +76,9 @@ TEXTS: dict[str, Text] = {
 }
 """The basic types of which sequences and arrays are `bytes` or `str`."""
 
+DISCRIMINATOR = "discriminator"
+"""The attribute of a union that selects its branch."""
+
 _DYNAMIC = (Primitive.ANY, Primitive.TYPE_CODE, Primitive.VALUE_BASE)
 
 MOST_IN_PLACE = 128
@@ -83,16 +91,50 @@ MOST_LOOPS_IN_PLACE = 6
 def tree_of(descriptor: Descriptor, format_: Format) -> Node:
     """The tree of a type in a member or element.
 
-    Raises TypeError for one without a layout, NotCompiledError for one without a compiled codec.
+    Raises UnsupportedError.
     """
     return _Trees(format_).of(descriptor)
 
 
 def body_of(
     descriptor: StructDescriptor | ExceptionDescriptor, format_: Format
-) -> Group:
+) -> Group | MemberList:
     """The members of a struct or exception in place, those of its bases first."""
     return _Trees(format_).body(descriptor)
+
+
+def union_members(
+    descriptor: UnionDescriptor, format_: Format
+) -> tuple[tuple[str, Member | Parameter], ...]:
+    """The members of a mutable union: the discriminator, then each branch."""
+    trees = _Trees(format_)
+    switch = MemberDescriptor(
+        DISCRIMINATOR, descriptor.switch, DISCRIMINATOR, 0, key=True
+    )
+    return (
+        (DISCRIMINATOR, trees.headed(switch)),
+        *((branch.attribute, trees.headed(branch)) for branch in descriptor.branches),
+    )
+
+
+def has_list(descriptor: Any, format_: Format) -> bool:
+    """Whether values of the type are lists of members with headers."""
+    extensibility = getattr(descriptor, "extensibility", "")
+    return extensibility == "mutable" and format_.version > 0 and not format_.key
+
+
+def is_delimited(descriptor: Any, format_: Format) -> bool:
+    """Whether a DHEADER precedes values of the type."""
+    extensibility = getattr(descriptor, "extensibility", "final")
+    return format_.version == 2 and extensibility != "final" and not format_.key
+
+
+def key_members(
+    descriptor: StructDescriptor | ExceptionDescriptor,
+) -> list[MemberDescriptor]:
+    """The members of the key, by id: those marked, or all if none is (7.2.2.4.7)."""
+    marked = [m for m in descriptor.members if m.key] or descriptor.members
+    return sorted(marked, key=lambda member: member.id)
 
 
 class _Trees:
@@ -114,7 +156,9 @@ class _Trees:
                     return Call(target, 1)
                 return self.of(target)
             case StructDescriptor():
-                if self._version == 2 and descriptor.extensibility != "final":
+                if has_list(descriptor, self._format) or is_delimited(
+                    descriptor, self._format
+                ):
                     return Call(descriptor, 4)
                 return self._struct(descriptor)
             case UnionDescriptor(switch=switch):
@@ -157,28 +201,44 @@ class _Trees:
                     return Reference()
                 case PrimitiveDescriptor(name) if name in _DYNAMIC:
                     return Dynamic(descriptor)
-        raise NotCompiledError(f"CDR has no representation of {descriptor}")
+        name = "XCDR" if self._version else "CDR"
+        raise UnsupportedError(f"{name} has no representation of {descriptor}")
 
-    def body(self, descriptor: StructDescriptor | ExceptionDescriptor) -> Group:
-        if getattr(descriptor, "extensibility", "") == "mutable" and self._version:
-            raise NotCompiledError("a parameter list")
-        members = [(m.attribute, self._member(m)) for m in descriptor.members]
-        return Group(descriptor, tuple(members))
+    def body(
+        self, descriptor: StructDescriptor | ExceptionDescriptor
+    ) -> Group | MemberList:
+        if has_list(descriptor, self._format):
+            headed = [(m.attribute, self.headed(m)) for m in descriptor.members]
+            return MemberList(descriptor, tuple(headed))
+        chosen = key_members(descriptor) if self._format.key else descriptor.members
+        return Group(descriptor, tuple((m.attribute, self._member(m)) for m in chosen))
+
+    def headed(
+        self, entry: MemberDescriptor | BranchDescriptor, in_list: bool = True
+    ) -> Member | Parameter:
+        """A member with a header of its own."""
+        node = self.of(entry.type)
+        traits = (False, False, False)
+        if isinstance(entry, MemberDescriptor):
+            traits = (entry.must_understand, entry.optional, entry.key)
+        if self._version == 2:
+            return Member(node, entry.id, *traits)
+        return Parameter(node, entry.id, *traits, in_list)
 
     def _struct(self, descriptor: StructDescriptor) -> Group | Call:
         found = self._structs.get(id(descriptor))
         if found is None:
-            found = _called_if_large(self.body(descriptor))
-            self._structs[id(descriptor)] = found
+            body = self.body(descriptor)
+            assert isinstance(body, Group)
+            found = self._structs[id(descriptor)] = _called_if_large(body)
         return found
 
     def _member(self, member: MemberDescriptor) -> Node:
-        node = self.of(member.type)
         if not member.optional or not self._version:
-            return node
+            return self.of(member.type)
         if self._version == 1:
-            raise NotCompiledError("a parameter")
-        return Optional(node)
+            return self.headed(member, in_list=False)
+        return Optional(self.of(member.type))
 
     def _delimited(self, node: Node, *parts: Descriptor) -> Node:
         """A collection, after its DHEADER in version 2 if its elements are not primitive."""
@@ -226,8 +286,8 @@ class _Trees:
             if gapless:
                 return Records(element, atoms, text, size, align, bound, length)
         least = minimum_size(element)
-        if least == 0 and length is None:
-            raise NotCompiledError("a sequence of empty elements")
+        if least == 0 and length is None and not self._version:
+            raise UnsupportedError("CDR has no sequence of empty elements")
         return Repeat(element, least, bound, length)
 
     def _atom(self, atom: Atom) -> Atom:
@@ -249,6 +309,41 @@ def _innermost(array: ArrayDescriptor) -> Descriptor:
     """The element of an array of arrays."""
     element = plain(array.element)
     return _innermost(element) if isinstance(element, ArrayDescriptor) else element
+
+
+def can_evolve(descriptor: Descriptor) -> bool:
+    """Whether values of other versions of the type are read: it has an appendable part."""
+    return any(
+        getattr(part, "extensibility", "") == "appendable"
+        for part in _parts(descriptor)
+    )
+
+
+def unsupported(descriptor: Descriptor, format_: Format) -> tuple[str, str]:
+    """The path to the first part of a type that the format does not have, and what that is."""
+    trees = _Trees(format_)
+    seen: set[int] = set()
+
+    def search(part: Descriptor, path: str) -> tuple[str, str] | None:
+        part = plain(part)
+        if id(part) in seen:
+            return None
+        seen.add(id(part))
+        match part:
+            case SequenceDescriptor(element=inner) | ArrayDescriptor(element=inner):
+                return search(inner, path)
+            case MapDescriptor(key=key, value=value):
+                return search(key, path) or search(value, path)
+            case StructDescriptor(members=entries) | UnionDescriptor(branches=entries):
+                found = (search(e.type, f"{path}.{e.name}") for e in entries)
+                return next(filter(None, found), None)
+        try:
+            trees.of(part)
+        except UnsupportedError as failure:
+            return path, str(failure)
+        return None
+
+    return search(descriptor, "") or ("", f"{format_} has no representation of it")
 
 
 def is_dynamic(descriptor: Descriptor) -> bool:
@@ -336,7 +431,7 @@ def _values(node: Node) -> int:
             return 1 + _values(element) + (0 if key is None else _values(key))
         case Records(fields=fields):
             return 1 + len(fields)
-        case Delimited(node=inner) | Optional(node=inner):
+        case Delimited(node=inner) | Optional(node=inner) | Parameter(node=inner):
             return 1 + _values(inner)
     return 1
 
@@ -348,6 +443,6 @@ def _loops(node: Node) -> int:
             return max((_loops(inner) for _, inner in members), default=0)
         case Repeat(element=element, key=key):
             return 1 + max(_loops(element), 0 if key is None else _loops(key))
-        case Delimited(node=inner) | Optional(node=inner):
+        case Delimited(node=inner) | Optional(node=inner) | Parameter(node=inner):
             return 1 + _loops(inner)
     return 0

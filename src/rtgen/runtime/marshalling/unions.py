@@ -9,12 +9,26 @@ from rtgen.runtime.descriptors import BranchDescriptor, UnionDescriptor
 from rtgen.runtime.marshalling.copier import Copier
 from rtgen.runtime.marshalling.decoder import Decoder
 from rtgen.runtime.marshalling.encoder import Encoder
-from rtgen.runtime.marshalling.formats import Format, NotCompiledError
-from rtgen.runtime.marshalling.layout import ANYWHERE, Atom, Form, steps_of
+from rtgen.runtime.marshalling.formats import Format
+from rtgen.runtime.marshalling.initial import initial_value
+from rtgen.runtime.marshalling.layout import (
+    ANYWHERE,
+    steps_of,
+)
+from rtgen.runtime.marshalling.nodes import (
+    Atom,
+    Form,
+)
 from rtgen.runtime.marshalling.references import References
-from rtgen.runtime.marshalling.trees import tree_of
+from rtgen.runtime.marshalling.trees import (
+    DISCRIMINATOR,
+    has_list,
+    is_delimited,
+    tree_of,
+    union_members,
+)
 
-_DISCRIMINATOR = ("discriminator",)
+_PATH = (DISCRIMINATOR,)
 
 
 def encode(
@@ -22,22 +36,24 @@ def encode(
 ) -> list[str]:
     """The body of a function that appends a union to a buffer."""
     switch = _switch(descriptor, refer.format)
+    listed = has_list(descriptor, refer.format)
+    members = dict(union_members(descriptor, refer.format)) if listed else {}
     body = encoder.body
     chosen = "value.discriminator"
     if switch.form in (Form.BOOLEAN, Form.ENUMERATOR):
         chosen = encoder.convert.packed(switch, chosen)
     body.add(f"discriminator = {chosen}")
-    delimited = _is_delimited(descriptor, refer.format)
+    delimited = is_delimited(descriptor, refer.format)
     if delimited:
-        body.add('out += bytes(-len(out) & 3) + b"\\0\\0\\0\\0"')
-        body.add("start = len(out)")
-    encoder.bind(_DISCRIMINATOR, "discriminator")
-    encoder.steps(steps_of(switch, ANYWHERE), _DISCRIMINATOR)
+        encoder.begin_delimited("start")
+    encoder.bind(_PATH, "discriminator")
+    encoder.steps(steps_of(members.get(DISCRIMINATOR, switch), ANYWHERE), _PATH)
     body.add("inner = value.value")
     for head, branch in _choices(descriptor, "discriminator"):
         body.block(head)
         body.choose_here()
-        steps = steps_of(tree_of(branch.type, refer.format), ANYWHERE)
+        node = members.get(branch.attribute) or tree_of(branch.type, refer.format)
+        steps = steps_of(node, ANYWHERE)
         path = (branch.attribute,)
         encoder.bind(path, "inner")
         encoder.steps(steps, path)
@@ -51,6 +67,9 @@ def encode(
     if delimited:
         body.choose_here()
         encoder.put_length("start")
+    elif listed:
+        body.choose_here()
+        encoder.end_list()
     return body.lines
 
 
@@ -58,29 +77,73 @@ def decode(
     descriptor: UnionDescriptor, decoder: Decoder, refer: References
 ) -> list[str]:
     """The body of a function that reads a union at an offset."""
-    switch = _switch(descriptor, refer.format)
-    made = refer.made(descriptor)
-    body = decoder.body
-    if _is_delimited(descriptor, refer.format):
+    delimited = is_delimited(descriptor, refer.format)
+    if delimited:
         decoder.take_length("end")
-    decoder.steps(steps_of(switch, ANYWHERE), _DISCRIMINATOR)
-    body.add(f"selected = {decoder.value(switch, _DISCRIMINATOR)}")
+    if has_list(descriptor, refer.format):
+        return _decode_list(descriptor, decoder, refer, "end" if delimited else None)
+    evolving = delimited and refer.evolving
+    switch = _switch(descriptor, refer.format)
+    body = decoder.body
+    if evolving:
+        decoder.enclose("end")
+    decoder.steps(steps_of(switch, ANYWHERE), _PATH)
+    body.add(f"selected = {decoder.value(switch, _PATH)}")
     for head, branch in _choices(descriptor, "selected"):
         body.block(head)
         body.choose_here()
+        if evolving:
+            body.block("if offset >= end:")
+            body.add(f"value = {_initial(branch, refer)}")
+            body.end()
+            body.block("else:")
         node = tree_of(branch.type, refer.format)
         path = (branch.attribute,)
         decoder.steps(steps_of(node, ANYWHERE), path)
         body.add(f"value = {decoder.value(node, path)}")
+        if evolving:
+            body.end()
         body.end()
-    if not _complete(descriptor):
-        body.block("else:")
-        body.add("value = None")
-        body.end()
-    if _is_delimited(descriptor, refer.format):
+    _no_value(descriptor, decoder)
+    if delimited and not evolving:
         decoder.refuse("offset != end")
-    body.add(f"return {made}(selected, value), offset")
+    end = "end" if evolving else "offset"
+    body.add(f"return {refer.made(descriptor)}(selected, value), {end}")
     return body.lines
+
+
+def _decode_list(
+    descriptor: UnionDescriptor, decoder: Decoder, refer: References, end: str | None
+) -> list[str]:
+    """A mutable union: the discriminator and the value in a list of members."""
+    body = decoder.body
+    decoder.listed(union_members(descriptor, refer.format), (), end)
+    found = decoder.found(())
+    body.add(f"selected = {found}[{DISCRIMINATOR!r}]")
+    for head, branch in _choices(descriptor, "selected"):
+        body.block(head)
+        body.block(f"if {branch.attribute!r} in {found}:")
+        body.add(f"value = {found}[{branch.attribute!r}]")
+        body.end()
+        body.block("else:")
+        body.add(f"value = {_initial(branch, refer)}")
+        body.end()
+        body.end()
+    _no_value(descriptor, decoder)
+    body.add(f"return {refer.made(descriptor)}(selected, value), offset")
+    return body.lines
+
+
+def _initial(branch: BranchDescriptor, refer: References) -> str:
+    return f"{refer.function(initial_value)}({refer.descriptor(branch.type)})"
+
+
+def _no_value(descriptor: UnionDescriptor, decoder: Decoder) -> None:
+    """The value where the discriminator selects no branch."""
+    if not _complete(descriptor):
+        decoder.body.block("else:")
+        decoder.body.add("value = None")
+        decoder.body.end()
 
 
 def copy(descriptor: UnionDescriptor, copier: Copier, refer: References) -> list[str]:
@@ -106,13 +169,6 @@ def _switch(descriptor: UnionDescriptor, format_: Format) -> Atom:
     switch = tree_of(descriptor.switch, format_)
     assert isinstance(switch, Atom)
     return switch
-
-
-def _is_delimited(descriptor: UnionDescriptor, format_: Format) -> bool:
-    """Whether a DHEADER precedes the union. Raises NotCompiledError for a parameter list."""
-    if format_.version and descriptor.extensibility == "mutable":
-        raise NotCompiledError("a parameter list")
-    return format_.version == 2 and descriptor.extensibility == "appendable"
 
 
 def _complete(descriptor: UnionDescriptor) -> bool:

@@ -1,0 +1,306 @@
+"""The tree of a type on the wire: what `trees` makes of a descriptor and `layout` lays out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum, auto
+from math import prod
+from typing import Any, TypeAlias
+
+
+class Form(Enum):
+    """The Python representation of an atom."""
+
+    NUMBER = auto()
+    BOOLEAN = auto()
+    CHARACTER = auto()
+    WIDE_CHARACTER = auto()
+    ENUMERATOR = auto()
+    FLAGS = auto()
+    BITS = auto()
+    UNIT = auto()
+    QUAD = auto()
+    FIXED = auto()
+
+
+class Text(Enum):
+    """The Python representation of a run of octets."""
+
+    OCTETS = auto()
+    CHARACTERS = auto()
+    STRING = auto()
+    WIDE_STRING = auto()
+    UNITS = auto()
+
+
+@dataclass(frozen=True, slots=True)
+class Atom:
+    """A value of fixed size: its `struct` code, its size and alignment in octets.
+
+    `type` describes the enum, bitmask or bitset; `digits` and `scale` are those of a fixed-point
+    type (`digits` is the number of bits of a bitmask).
+    """
+
+    code: str
+    size: int
+    align: int
+    form: Form = Form.NUMBER
+    type: Any = None
+    digits: int = 0
+    scale: int = 0
+
+
+COUNT = Atom("I", 4, 4)
+"""The count before a sequence or string."""
+
+
+@dataclass(frozen=True, slots=True)
+class AtomArray:
+    """An array of atoms that `struct` can repeat; dimensions outermost first."""
+
+    atom: Atom
+    dimensions: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class TextArray:
+    """An array of octets or characters of that length."""
+
+    text: Text
+    length: int
+
+
+@dataclass(frozen=True, slots=True)
+class AtomSequence:
+    """A sequence of atoms that `struct` can repeat."""
+
+    atom: Atom
+    bound: int | None
+
+
+@dataclass(frozen=True, slots=True)
+class TextSequence:
+    """A count of octets, then the octets.
+
+    `bound` is in octets (of UTF-8), for a wide string in UTF-16 units, as omniORB counts.
+    """
+
+    text: Text
+    bound: int | None
+
+    @property
+    def most(self) -> int | None:
+        """The largest count: a string's NUL and a wide string's byte-order mark included."""
+        if self.bound is None:
+            return None
+        extra = {
+            Text.STRING: self.bound + 1,
+            Text.WIDE_STRING: 2 * self.bound + 2,
+            Text.UNITS: 2 * self.bound,
+        }
+        return extra.get(self.text, self.bound)
+
+
+@dataclass(frozen=True, slots=True)
+class Records:
+    """A sequence (or an array, with its length) of elements of one size and no gap between them.
+
+    `format` is the `struct` format of an element, `size` its size, a multiple of `align`.
+    """
+
+    element: Node
+    fields: tuple[Field, ...]
+    format: str
+    size: int
+    align: int
+    bound: int | None = None
+    length: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Repeat:
+    """A sequence (or an array, with its length) of elements of varying size.
+
+    `minimum` is the least size of an element in octets; `key` is that of a map.
+    """
+
+    element: Node
+    minimum: int
+    bound: int | None = None
+    length: int | None = None
+    key: Node | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Group:
+    """A struct whose members are laid out in place: (attribute, node) in order."""
+
+    type: Any
+    members: tuple[tuple[str, Node], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Call:
+    """A value with a codec of its own: a union, a recursive struct, a large one."""
+
+    type: Any
+    minimum: int
+
+
+@dataclass(frozen=True, slots=True)
+class Reference:
+    """An object reference (IOR: type id, profiles)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Dynamic:
+    """A value marshalled by interpreting its descriptor: `any`, a type code, a value."""
+
+    type: Any
+    minimum: int = 4
+
+
+@dataclass(frozen=True, slots=True)
+class Delimited:
+    """A value after its length in octets (DHEADER; DDS-XTypes 1.3, 7.4.3.4.2)."""
+
+    node: Node
+
+
+@dataclass(frozen=True, slots=True)
+class Optional:
+    """A value, or None, after an octet that is its presence flag (DDS-XTypes 1.3, 7.4.3.4.1)."""
+
+    node: Node
+
+
+@dataclass(frozen=True, slots=True)
+class Header:
+    """A number of 32 bits that is the same in every value: part of an EMHEADER."""
+
+    number: int
+
+
+@dataclass(frozen=True, slots=True)
+class Member:
+    """A member of a mutable type in XCDR2, after an EMHEADER (DDS-XTypes 1.3, 7.4.3.4.2).
+
+    An `optional` one that is None is left out; a `key` cannot be missing.
+    """
+
+    node: Node
+    id: int
+    must_understand: bool = False
+    optional: bool = False
+    key: bool = False
+
+    @property
+    def length_code(self) -> int:
+        """The form of the length: in the code itself, after it, or as the count of the value."""
+        match self.node:
+            case Atom(size=size):
+                return {1: 0, 2: 1, 4: 2, 8: 3}.get(size, 4)
+            case AtomSequence(atom=atom):
+                return {1: 5, 4: 6, 8: 7}.get(atom.size, 4)
+            case TextSequence():
+                return 5
+            case Delimited(node=inner):
+                return 4 if isinstance(inner, Repeat) and inner.key else 5
+        return 4
+
+    @property
+    def header(self) -> int:
+        """The EMHEADER."""
+        return self.must_understand << 31 | self.length_code << 28 | self.id
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """A member of a mutable type in XCDR1, or an optional one of another (7.4.1.2).
+
+    The origin of alignment is the value. `in_list`: in a mutable type, where values are padded to 4
+    octets as Cyclone DDS 11 does, and an `optional` one that is None is left out.
+    """
+
+    node: Node
+    id: int
+    must_understand: bool = False
+    optional: bool = False
+    key: bool = False
+    in_list: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class MemberList:
+    """A mutable struct: (attribute, member) in the order of the definition, read in any order."""
+
+    type: Any
+    members: tuple[tuple[str, Member | Parameter], ...]
+
+
+Node: TypeAlias = (
+    Atom
+    | AtomArray
+    | TextArray
+    | AtomSequence
+    | TextSequence
+    | Records
+    | Repeat
+    | Group
+    | Call
+    | Reference
+    | Dynamic
+    | Delimited
+    | Optional
+    | Header
+    | Member
+    | Parameter
+    | MemberList
+)
+
+
+Path: TypeAlias = tuple[str, ...]
+"""Member names from the root value to a value inside it."""
+
+Placed: TypeAlias = (
+    Atom | AtomArray | TextArray | AtomSequence | TextSequence | Records | Header
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Field:
+    """A value in a run; of a `Repeat` only the count lies in the run."""
+
+    path: Path
+    node: Placed | Repeat
+
+
+def minimum_size(node: Node) -> int:
+    """The minimum number of octets of a value, without padding."""
+    match node:
+        case Atom(size=size):
+            return size
+        case AtomArray(atom=atom, dimensions=dimensions):
+            return atom.size * prod(dimensions)
+        case TextArray(length=length):
+            return length
+        case AtomSequence() | TextSequence():
+            return 4
+        case Records(length=length, size=size):
+            return 4 if length is None else length * size
+        case Repeat(length=length, minimum=minimum):
+            return 4 if length is None else length * minimum
+        case Group(members=members):
+            return sum(minimum_size(inner) for _, inner in members)
+        case Call(minimum=minimum) | Dynamic(minimum=minimum):
+            return minimum
+        case Reference():
+            return 8
+        case Delimited(node=inner):
+            return 4 + minimum_size(inner)
+        case Optional():
+            return 1
+        case Header() | Member() | Parameter():
+            return 4
+        case MemberList():
+            return 0
