@@ -70,8 +70,7 @@ def _wrong_form(form: str, forms: tuple[str, ...], what: str) -> InputError:
 
 
 def _system(console: Console, path: Path, form: str) -> int:
-    from rtgen.frontends import profile_yaml, rts_profile
-    from rtgen.frontends.kit import located_xml
+    from rtgen.frontends import profile_tree, profile_yaml, rts_profile
     from rtgen.systems.checks import as_warnings, check_properties
 
     shown = path.as_posix()
@@ -91,8 +90,9 @@ def _system(console: Console, path: Path, form: str) -> int:
     elif is_yaml:
         write_out(profile_yaml.to_xml(data.decode("utf-8", "replace"), shown))
     else:
-        tree = located_xml.parse(read.sources[shown], shown)
-        write_out(profile_yaml.to_yaml(tree))
+        root, _ = profile_tree.parse(data, shown, found.append)
+        assert root is not None
+        write_out(profile_yaml.to_yaml(root))
     return OK
 
 
@@ -156,7 +156,7 @@ def _profile(
     path: Path, form: str, model: Model, component: Component, project: Project
 ) -> str | bytes:
     from rtgen.cli.component_text import component_profile
-    from rtgen.frontends import profile_yaml, rtc_profile
+    from rtgen.frontends import profile_yaml
     from rtgen.frontends.kit import located_xml
 
     shown = path.as_posix()
@@ -166,7 +166,10 @@ def _profile(
         data = path.read_bytes()
         if (path.suffix.lower() in YAML_SUFFIXES) is form.endswith("yaml"):
             return data
-        xml = rtc_profile.xml_text(data, shown)
+        text = data.decode("utf-8", "replace")
+        if form == "rtc-xml":
+            return profile_yaml.to_xml(text, shown)
+        xml = located_xml.decode(data, shown)
     if form == "rtc-xml":
         return xml
     return profile_yaml.to_yaml(located_xml.parse(xml, shown))

@@ -23,7 +23,6 @@ MODULES = (
     "rtgen.frontends.eds.rules",
     "rtgen.frontends.idl.rules",
     "rtgen.frontends.openrtm_python.rules",
-    "rtgen.frontends.profile_yaml",
     "rtgen.typemap.profile_rules",
     "rtgen.frontends.rts_profile",
     "rtgen.lint.rules",

@@ -1,9 +1,8 @@
-"""Converts profiles between YAML, as written by rtc-template and rtshell, and XML.
+"""Profiles in YAML, as written by rtc-template and rtshell: to a tree, and from and to XML.
 
 A key is an attribute or element in lower camel case; those of an extension's namespace have its
 prefix (`rtcDoc::doc`, `rtsExt::visible`), except inside an element of the same namespace.
-Elements that may be repeated are lists, dates are mappings of numbers. Every value is a text:
-YAML's numbers and booleans are not interpreted. Aliases are rejected.
+Elements that may be repeated are lists, dates are mappings of numbers.
 """
 
 from __future__ import annotations
@@ -15,7 +14,9 @@ from typing import Any
 from xml.sax.saxutils import escape, quoteattr
 
 from rtgen.diagnostics import InputError, Rule, Severity, Span
+from rtgen.frontends.kit import located_yaml
 from rtgen.frontends.kit.located_xml import Element
+from rtgen.frontends.kit.located_yaml import Node, YamlError
 
 YAML_SUFFIXES = (".yaml", ".yml")
 
@@ -154,8 +155,8 @@ _DATE_PARTS = ("year", "month", "day", "hour", "minute", "second")
 _DATE_REST = ("fraction", "zone")
 _MANY_CONSTRAINTS = ("And", "Or", "ConstraintListType", "ConstraintHashType")
 _NAME = re.compile(r"[A-Za-z_][\w.-]*")
+_NOT_IN_XML = re.compile("[\0-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
 _MAX_DEPTH = 60
-_MAX_LENGTH = 1024 * 1024
 
 
 # XML to YAML.
@@ -220,126 +221,122 @@ def _is_many(form: _Form, parent: str, local: str) -> bool:
 # YAML to XML.
 
 
-def to_xml(text: str, file: str) -> str:
-    """Convert a profile in YAML to XML. Raises InputError with one located diagnostic."""
-    content = _loaded(text, file)
-    for form in _FORMS:
-        root = content.get(form.key) if isinstance(content, dict) else None
-        if isinstance(root, dict):
-            names = [
-                f'xmlns:{prefix}="{uri}"' for prefix, uri in form.namespaces.items()
-            ]
-            names.append(f'xmlns:xsi="{XSI}"')
-            try:
-                lines = _element(form, f"{form.base}:{form.root}", root, 0, names)
-                body = "\n".join(lines)
-            except ValueError as error:
-                raise _bad(str(error), file) from None
-            return f'<?xml version="1.0" encoding="UTF-8" standalone="yes"?>\n{body}\n'
-    raise _bad("there is neither `rtcProfile` nor `rtsProfile`", file)
+def parse(text: str, file: str) -> Element:
+    """The tree of a profile in YAML, with the places of the YAML.
 
-
-def _bad(message: str, file: str, line: int = 1, column: int = 1) -> InputError:
-    span = Span(file, line, column, line, column + 1)
-    return InputError([BAD_YAML.at(span, message)])
-
-
-def _loaded(text: str, file: str) -> Any:
-    import yaml
-
-    class Loader(yaml.BaseLoader):
-        """Every value is a text; an alias ends the reading."""
-
-        def compose_node(self, parent: Any, index: Any) -> Any:
-            reader: Any = self  # whose methods have no types
-            if reader.check_event(yaml.AliasEvent):
-                mark = reader.peek_event().start_mark
-                raise _bad("an alias", file, *_place(mark))
-            return super().compose_node(parent, index)
-
-    if len(text) > _MAX_LENGTH:
-        raise _bad(f"it is longer than {_MAX_LENGTH:,} characters", file)
+    Raises InputError with one located diagnostic.
+    """
     try:
-        return yaml.load(text, Loader=Loader)
-    except yaml.MarkedYAMLError as error:
-        message = f"not YAML: {error.problem or error.context}"
-        raise _bad(message, file, *_place(error.problem_mark)) from None
-    except (yaml.YAMLError, RecursionError) as error:
-        raise _bad(f"not YAML: {error}", file) from None
+        root = located_yaml.parse(text, file)
+        for form in _FORMS:
+            content = root.content
+            found = content.get(form.key) if isinstance(content, Mapping) else None
+            if found is not None and isinstance(found.content, Mapping):
+                name = (form.namespaces[form.base], form.root)
+                return _element(form, name, found, 0)
+        raise YamlError("there is neither `rtcProfile` nor `rtsProfile`", root.span)
+    except YamlError as error:
+        raise InputError([BAD_YAML.at(error.span, str(error))]) from None
 
 
-def _place(mark: Any) -> tuple[int, int]:
-    return (1, 1) if mark is None else (mark.line + 1, mark.column + 1)
-
-
-def _element(
-    form: _Form, name: str, content: Any, depth: int, more: Iterable[str] = ()
-) -> Iterator[str]:
-    """The lines of an element. Raises ValueError for anything that is no profile."""
+def _element(form: _Form, name: tuple[str, str], node: Node, depth: int) -> Element:
+    """An element. Raises YamlError for what is no profile."""
+    namespace, local = name
+    content = node.content
     if depth > _MAX_DEPTH:
-        raise ValueError(f"`{name}` is nested deeper than any profile is")
-    margin = "    " * depth
-    local = name.partition(":")[2]
-    if not isinstance(content, dict):
-        if isinstance(content, list):
-            raise ValueError(f"`{name}` stands once only")
-        yield f"{margin}<{name}>{escape(_clean(content, name))}</{name}>"
-        return
-    attributes = list(more)
+        raise YamlError(f"`{local}` is nested deeper than any profile is", node.key)
+    if isinstance(content, str):
+        return Element(name, {}, node.key, text=_text(content, local, node))
+    if isinstance(content, tuple):
+        raise YamlError(f"`{local}` stands once only", node.key)
+    attributes: dict[tuple[str, str], str] = {}
+    places: dict[str, Span] = {}
+    children: list[Element] = []
     if (type_ := form.types.get(local)) is not None:
-        attributes.append(f'xsi:type="{type_}"')
-    children: list[tuple[str, Any]] = []
+        attributes[XSI, "type"] = type_
     for key, value in content.items():
-        prefix, inner = _split(form, key, name.partition(":")[0])
-        if inner in _DATES and isinstance(value, dict):
-            attributes.append(f"{prefix}:{inner}={quoteattr(_date_text(value))}")
-        elif isinstance(value, dict | list) or _element_name(form, inner) in form.texts:
-            child = f"{prefix}:{_element_name(form, inner)}"
-            items = value if isinstance(value, list) else [value]
-            children += [(child, item) for item in items]
+        inside, inner = _split(form, key, value.key, namespace)
+        inner_content = value.content
+        child = inner if inner in form.lower else inner[:1].upper() + inner[1:]
+        if inner in _DATES and isinstance(inner_content, Mapping):
+            text = _date_text(inner_content, value)
+        elif not isinstance(inner_content, str) or child in form.texts:
+            items = inner_content if isinstance(inner_content, tuple) else (value,)
+            children += [_element(form, (inside, child), i, depth + 1) for i in items]
+            continue
         else:
-            attributes.append(f"{prefix}:{inner}={quoteattr(_clean(value, inner))}")
-    head = " ".join((name, *attributes))
-    if not children:
-        yield f"{margin}<{head}/>"
-        return
-    yield f"{margin}<{head}>"
-    known = {word: place for place, word in enumerate(form.order)}
-    children.sort(key=lambda pair: known.get(pair[0].partition(":")[2], len(known)))
-    for child, item in children:
-        yield from _element(form, child, item, depth + 1)
-    yield f"{margin}</{name}>"
+            text = _text(inner_content, inner, value)
+        if (inside, inner) in attributes:
+            raise YamlError(f"`{inner}` is given twice", value.key)
+        attributes[inside, inner] = text
+        places.setdefault(inner, value.span)
+    order = {word: place for place, word in enumerate(form.order)}
+    children.sort(key=lambda child: order.get(child.name[1], len(order)))
+    return Element(name, attributes, node.key, children, _places=places)
 
 
-def _split(form: _Form, key: str, inside: str) -> tuple[str, str]:
-    """Prefix and name of a key. Raises ValueError for an invalid name."""
+def _split(form: _Form, key: str, span: Span, inside: str) -> tuple[str, str]:
+    """Namespace and name of a key. Raises YamlError for an invalid one."""
     prefix, separator, name = key.partition("::")
     if not separator:
-        prefix, name = inside, key
-    if prefix not in form.namespaces or not _NAME.fullmatch(name):
-        raise ValueError(f"{key!r} is no key of a profile")
-    return prefix, name
+        prefix, name = "", key
+    namespace = form.namespaces.get(prefix) if separator else inside
+    if namespace is None or not _NAME.fullmatch(name):
+        raise YamlError(f"{key!r} is no key of a profile", span)
+    return namespace, name
 
 
-def _element_name(form: _Form, key: str) -> str:
-    return key if key in form.lower else key[:1].upper() + key[1:]
-
-
-def _clean(value: object, name: str) -> str:
-    """A text that XML can represent. Raises ValueError."""
-    text = str(value)
-    if any(ord(c) < 32 and c not in "\t\n\r" for c in text) or "\ufffe" in text:
-        raise ValueError(f"`{name}` has a character that XML cannot hold")
+def _text(text: str, name: str, node: Node) -> str:
+    """A text that XML can represent. Raises YamlError."""
+    if _NOT_IN_XML.search(text):
+        raise YamlError(f"`{name}` has a character that XML cannot hold", node.span)
     return text
 
 
-def _date_text(parts: Mapping[str, str]) -> str:
+def _date_text(parts: Mapping[str, Node], node: Node) -> str:
+    texts = {
+        name: part.content
+        for name, part in parts.items()
+        if isinstance(part.content, str)
+    }
     try:
-        year, *rest = (int(parts.get(name) or 0) for name in _DATE_PARTS)
-    except (TypeError, ValueError):
-        raise ValueError("a date is not made of numbers") from None
+        year, *rest = (int(texts.get(name) or 0) for name in _DATE_PARTS)
+    except ValueError:
+        raise YamlError("a date is not made of numbers", node.span) from None
     month, day, hour, minute, second = rest
-    rest_of_it = "".join(parts.get(name) or "" for name in _DATE_REST)
-    return (
-        f"{year:04}-{month:02}-{day:02}T{hour:02}:{minute:02}:{second:02}{rest_of_it}"
+    more = "".join(texts.get(name) or "" for name in _DATE_REST)
+    date = f"{year:04}-{month:02}-{day:02}T{hour:02}:{minute:02}:{second:02}{more}"
+    return _text(date, "date", node)
+
+
+def to_xml(text: str, file: str) -> str:
+    """Convert a profile in YAML to XML. Raises InputError with one located diagnostic."""
+    root = parse(text, file)
+    [form] = [f for f in _FORMS if root.name == (f.namespaces[f.base], f.root)]
+    prefixes = {uri: prefix for prefix, uri in form.namespaces.items()} | {XSI: "xsi"}
+    names = [f'xmlns:{prefix}="{uri}"' for uri, prefix in prefixes.items()]
+    body = "\n".join(_lines(prefixes, root, 0, names))
+    return f'<?xml version="1.0" encoding="UTF-8" standalone="yes"?>\n{body}\n'
+
+
+def _lines(
+    prefixes: Mapping[str, str], element: Element, depth: int, more: Iterable[str] = ()
+) -> Iterator[str]:
+    def qualified(name: tuple[str, str]) -> str:
+        return f"{prefixes[name[0]]}:{name[1]}"
+
+    margin, name = "    " * depth, qualified(element.name)
+    attributes = (
+        f"{qualified(key)}={quoteattr(value)}"
+        for key, value in element.attributes.items()
     )
+    head = " ".join((name, *more, *attributes))
+    if element.children:
+        yield f"{margin}<{head}>"
+        for child in element.children:
+            yield from _lines(prefixes, child, depth + 1)
+        yield f"{margin}</{name}>"
+    elif element.text:
+        yield f"{margin}<{head}>{escape(element.text)}</{name}>"
+    else:
+        yield f"{margin}<{head}/>"

@@ -11,19 +11,10 @@ from math import isfinite
 from pathlib import Path
 from typing import NamedTuple
 
-from rtgen.diagnostics import (
-    Diagnostic,
-    InputError,
-    Related,
-    Rule,
-    Severity,
-    Span,
-    has_errors,
-)
-from rtgen.frontends import profile_yaml
-from rtgen.frontends.kit import located_xml
+from rtgen.diagnostics import Diagnostic, Related, Rule, Severity, Span
+from rtgen.frontends import profile_tree
+from rtgen.frontends.kit.findings import Findings
 from rtgen.frontends.kit.located_xml import Element
-from rtgen.frontends.profile_yaml import YAML_SUFFIXES
 from rtgen.model import Activation, Connection, PortReference, System, SystemComponent
 from rtgen.model.components import NO_DATE
 
@@ -43,7 +34,7 @@ OTHER_ID = Rule("RTC0518", "id is not that of the instance", Severity.WARNING)
 TWICE = Rule("RTC0519", "ports joined twice", Severity.WARNING)
 
 RULES = (
-    *located_xml.RULES,
+    *profile_tree.RULES,
     NOT_A_SYSTEM,
     MISSING,
     SAME_INSTANCE,
@@ -83,50 +74,35 @@ def load(path: Path, *, display: str | None = None) -> SystemResult:
     `display` is the path for messages, by default `path` as given.
     """
     file = display if display is not None else path.as_posix()
-    try:
-        data = located_xml.read(path)
-    except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) else str(error)
-        finding = located_xml.UNREADABLE.at(None, f"cannot open {file}: {reason}")
-        return SystemResult(None, (finding,), {})
+    findings = profile_tree.sink()
+    data = profile_tree.read(path, file, findings.report)
+    if data is None:
+        return SystemResult(None, findings.diagnostics, {})
     return load_bytes(data, file)
 
 
 def load_bytes(data: bytes, file: str) -> SystemResult:
     """Read a system from the bytes of a file; `file` is the path for messages."""
-    try:
-        text = _xml_text(data, file)
-    except InputError as error:
-        sources = {file: data.decode("utf-8", errors="replace")}
-        return SystemResult(None, error.diagnostics, sources)
-    try:
-        root = located_xml.parse(text, file)
-    except InputError as error:
-        return SystemResult(None, error.diagnostics, {file: text})
-    reader = _Reader(file)
-    system = reader.system(root)
-    found = tuple(reader.diagnostics)
-    return SystemResult(None if has_errors(found) else system, found, {file: text})
-
-
-def _xml_text(data: bytes, file: str) -> str:
-    if file.lower().endswith(YAML_SUFFIXES):
-        return profile_yaml.to_xml(data.decode("utf-8", "replace"), file)
-    return located_xml.decode(data, file)
+    findings = profile_tree.sink()
+    root, text = profile_tree.parse(data, file, findings.report)
+    system = None if root is None else _Reader(file, findings).system(root)
+    return SystemResult(
+        None if findings.errors else system, findings.diagnostics, {file: text}
+    )
 
 
 class _Reader:
-    """Builds the model from the tree, collecting diagnostics."""
+    """Builds the model from the tree; reports to `findings`."""
 
-    def __init__(self, file: str) -> None:
-        self.diagnostics: list[Diagnostic] = []
+    def __init__(self, file: str, findings: Findings) -> None:
+        self._findings = findings
         self._file = file
         self._components: dict[str, SystemComponent] = {}
 
     def system(self, root: Element) -> System | None:
         if root.name != (RTS, "RtsProfile"):
             message = f"the root element is `{root.name[1]}`, not `RtsProfile` of {RTS}"
-            self._note(NOT_A_SYSTEM, root.span, message)
+            self._findings.add(NOT_A_SYSTEM, root.span, message)
             return None
         for element in root.all(RTS, "Components"):
             self._add_component(element)
@@ -148,11 +124,6 @@ class _Reader:
             updated=root.get(RTS, "updateDate") or NO_DATE,
         )
 
-    def _note(
-        self, rule: Rule, span: Span, message: str, hint: str | None = None
-    ) -> None:
-        self.diagnostics.append(rule.at(span, message, hint=hint))
-
     def _required(self, element: Element, name: str) -> str | None:
         value = element.get(RTS, name)
         if value:
@@ -162,7 +133,7 @@ class _Reader:
             message = f"`rts:{name}` of `{element.name[1]}` is empty or not qualified by `rts:`"
         else:
             message = f"`{element.name[1]}` has no `rts:{name}`"
-        self._note(MISSING, span, message)
+        self._findings.add(MISSING, span, message)
         return None
 
     def _add_component(self, element: Element) -> None:
@@ -174,14 +145,14 @@ class _Reader:
         if not type_:
             message = f"id {id_!r} of {instance!r} names no component type"
             hint = "RTC:vendor:category:type:version"
-            self._note(ID, element.place("id"), message, hint=hint)
+            self._findings.add(ID, element.place("id"), message, hint=hint)
             return
         span = element.place("instanceName")
         earlier = self._components.get(instance)
         if earlier is not None:
             related = [Related(earlier.span, "the other component")]
             message = f"two components are called {instance!r}"
-            self.diagnostics.append(SAME_INSTANCE.at(span, message, related=related))
+            self._findings.report(SAME_INSTANCE.at(span, message, related=related))
             return
         places: dict[tuple[str, str], Span] = {}
         self._components[instance] = SystemComponent(
@@ -209,7 +180,7 @@ class _Reader:
             rate = 0.0
         if isfinite(rate) and rate > 0:
             return rate
-        self._note(
+        self._findings.add(
             NUMBER,
             context.place("rate"),
             f"rate {text!r} is not a frequency above 0 Hz",
@@ -251,7 +222,7 @@ class _Reader:
             return int(text)
         except ValueError:
             message = f"`{name}` of `{element.name[1]}` is {text!r}, no whole number"
-            self._note(NUMBER, element.place(name), message)
+            self._findings.add(NUMBER, element.place(name), message)
             return default
 
     def _instance(self, element: Element) -> str | None:
@@ -263,14 +234,14 @@ class _Reader:
         if component is None:
             hint = f"the system has {', '.join(self._components) or 'no components'}"
             message = f"no component is called {instance!r}"
-            self._note(
+            self._findings.add(
                 UNKNOWN_INSTANCE, element.place("instanceName"), message, hint=hint
             )
             return None
         id_ = element.get(RTS, "componentId")
         if id_ and id_ != component.id:
             message = f"{instance!r} has the id {component.id!r}, not {id_!r}"
-            self._note(OTHER_ID, element.place("componentId"), message)
+            self._findings.add(OTHER_ID, element.place("componentId"), message)
         return instance
 
     def _connections(self, root: Element) -> Iterator[Connection]:
@@ -292,7 +263,7 @@ class _Reader:
                     f"{connection.source} and {connection.target} are joined twice"
                 )
                 related = [Related(earlier, "the first connector")]
-                self.diagnostics.append(
+                self._findings.report(
                     TWICE.at(connection.span, message, related=related)
                 )
             yield connection
@@ -336,7 +307,7 @@ class _Reader:
             message = (
                 f"a connector has one `rts:{name}`; this one has {len(ends) or 'none'}"
             )
-            self._note(NO_END, element.span, message)
+            self._findings.add(NO_END, element.span, message)
             return None
         instance = self._instance(ends[0])
         port = self._required(ends[0], "portName")
@@ -365,14 +336,16 @@ class _Reader:
     def _step(self, target: Element) -> Activation | None:
         component = target.first(RTS, "TargetComponent")
         if component is None:
-            self._note(MISSING, target.span, "`targets` has no `rts:TargetComponent`")
+            self._findings.add(
+                MISSING, target.span, "`targets` has no `rts:TargetComponent`"
+            )
             return None
         instance = self._instance(component)
         sequence = self._integer(target, RTS, "sequence", 0)
         wait = target.first(RTS, "WaitTime")
         wait_ms = self._integer(wait, RTS, "waitTime", 0) if wait is not None else 0
         if wait is not None and wait_ms < 0:
-            self._note(
+            self._findings.add(
                 NUMBER,
                 wait.place("waitTime"),
                 f"waiting time {wait_ms} ms is below zero",
@@ -402,7 +375,7 @@ class _Reader:
             )
             if ready is None:
                 names = ", ".join(step.instance for step in waiting)
-                self._note(CYCLE, span, f"{names} wait for each other")
+                self._findings.add(CYCLE, span, f"{names} wait for each other")
                 return ()
             started.append(ready)
             waiting = [step for step in waiting if step is not ready]

@@ -9,8 +9,13 @@ from hashlib import sha256
 from pathlib import Path
 
 from rtgen.diagnostics import Diagnostic, has_errors
-from rtgen.frontends import Dependency, FrontendResult, key_of, rts_profile
-from rtgen.frontends.kit import located_xml
+from rtgen.frontends import (
+    Dependency,
+    FrontendResult,
+    key_of,
+    profile_tree,
+    rts_profile,
+)
 from rtgen.model import Model, System, SystemComponent
 from rtgen.model.system_links import known_components
 from rtgen.systems.checks import check, check_properties
@@ -37,11 +42,8 @@ def read(paths: Sequence[Path], *, root: Path, output: Path) -> Systems:
     found = Systems()
     for path in paths:
         file = path.as_posix()
-        try:
-            data = path.read_bytes()
-        except OSError as error:
-            message = f"cannot open {file}: {error.strerror}"
-            found.diagnostics.append(located_xml.UNREADABLE.at(None, message))
+        data = profile_tree.read(path, file, found.diagnostics.append)
+        if data is None:
             found.dependencies.append(Dependency(path, None))
             continue
         digest = sha256(data).hexdigest()

@@ -9,13 +9,15 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
-from rtgen.diagnostics import Diagnostic, Related, Rule, Span, has_errors, in_order
-from rtgen.frontends import Dependency, eds
+from rtgen.diagnostics import Diagnostic, Related, Rule, Span, in_order
+from rtgen.frontends import Dependency, eds, key_of
 from rtgen.frontends.bus import rules
 from rtgen.frontends.bus.checks import check
 from rtgen.frontends.bus.schema import problems
 from rtgen.frontends.bus.values import BadValueError, configured, number_of
+from rtgen.frontends.eds.findings import Findings
 from rtgen.frontends.eds.rules.lexical import MISSING_FILE, UNREADABLE
+from rtgen.frontends.kit.files import UnreadableError, read_file
 from rtgen.frontends.kit.located_toml import Path as Place
 from rtgen.frontends.kit.located_toml import Toml
 from rtgen.model.can_bus import Bus, BusNode, DeviceKind, PdoLink
@@ -68,7 +70,7 @@ class _Reader:
         self._path = path
         self._root = root
         self._file = path.as_posix()
-        self._found: list[Diagnostic] = []
+        self._findings = Findings()
         self._sources: dict[str, str] = {}
         self._dependencies: list[Dependency] = []
         self._sha256 = ""
@@ -77,44 +79,37 @@ class _Reader:
     def run(self) -> BusResult:
         bus = self._bus() if self._open() else None
         return BusResult(
-            None if has_errors(self._found) else bus,
-            tuple(in_order(dict.fromkeys(self._found))),
+            None if self._findings.errors else bus,
+            tuple(in_order(self._findings.diagnostics)),
             self._sources,
             tuple(self._dependencies),
         )
 
     def _report(self, rule: Rule, place: Place, message: str) -> None:
-        self._found.append(rule.at(self._toml.span(place), message))
+        self._findings.add(rule, self._toml.span(place), message)
 
     def _open(self) -> bool:
         start = Span(self._file, 1, 1, 1, 2)
         try:
-            with self._path.open("rb") as stream:
-                data = stream.read(_MAX_BYTES + 1)
+            data = read_file(self._path, _MAX_BYTES)
             self._sha256 = sha256(data).hexdigest()
-            self._dependencies.append(Dependency(self._path, self._sha256))
-            text = data[: _MAX_BYTES + 1].decode("utf-8")
-        except (OSError, ValueError) as error:
-            if not self._sha256:
-                self._dependencies.append(Dependency(self._path, None))
-            reason = getattr(error, "strerror", None) or error
-            message = f"{self._file} cannot be read: {reason}"
-            self._found.append(rules.BAD_FILE.at(start, message))
+            text = data.decode("utf-8")
+        except (UnreadableError, UnicodeDecodeError) as error:
+            message = f"{self._file} cannot be read: {error}"
+            self._findings.report(rules.BAD_FILE.at(start, message))
             return False
-        if len(data) > _MAX_BYTES:
-            message = f"the file is larger than {_MAX_BYTES:,} bytes"
-            self._found.append(rules.BAD_FILE.at(start, message))
-            return False
+        finally:
+            self._dependencies.append(Dependency(self._path, self._sha256 or None))
         self._sources[self._file] = text
         try:
             self._toml = Toml(text, self._file)
         except TomlError as error:
-            self._found.append(rules.BAD_FILE.at(error.span, str(error)))
+            self._findings.report(rules.BAD_FILE.at(error.span, str(error)))
             return False
         for place, problem in problems(self._toml.content):
             where = ".".join(map(str, place))
             self._report(rules.BAD_CONTENT, place, f"{where or 'the file'}: {problem}")
-        return not self._found
+        return not self._findings.diagnostics
 
     def _bus(self) -> Bus | None:
         content = self._toml.content
@@ -137,13 +132,13 @@ class _Reader:
                 self._report(rules.UNKNOWN_DEVICE, ("node", name, "device"), message)
             elif kind and (made := self._node(name, kind)) is not None:
                 nodes.append(made)
-        if has_errors(self._found):
+        if self._findings.errors:
             return None
         links = self._links(nodes)
         bus = Bus(
             name=declared.get("name", identifier(self._path.stem)),
             file=self._file,
-            key=self._key(),
+            key=key_of(self._path, self._root),
             sha256=self._sha256,
             bit_rate=declared["bit_rate"],
             manager=declared.get("manager", MANAGER),
@@ -156,22 +151,17 @@ class _Reader:
             sync_counter=declared.get("sync_counter", 0),
             dcf=declared.get("dcf", True),
         )
-        self._found += check(bus, self._toml)
+        for diagnostic in check(bus, self._toml):
+            self._findings.report(diagnostic)
         return bus
-
-    def _key(self) -> str:
-        real, root = self._path.resolve(), self._root.resolve()
-        inside = real.is_relative_to(root)
-        return real.relative_to(root).as_posix() if inside else real.name
 
     def _device(self, path: str, where: Place, node_id: int | None) -> Device | None:
         """The device that a description, named relative to the bus file, is of."""
         read = eds.load([self._path.parent / path], root=self._root, node_id=node_id)
         named = Related(self._toml.span(where), "named here")
-        self._found += [
-            replace(d, related=(named,)) if d.code in _UNREAD else d
-            for d in read.diagnostics
-        ]
+        for d in read.diagnostics:
+            unread = d.code in _UNREAD
+            self._findings.report(replace(d, related=(named,)) if unread else d)
         self._sources |= read.sources
         self._dependencies += read.dependencies
         return read.model.devices[0] if read.model.devices else None

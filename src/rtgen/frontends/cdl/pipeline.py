@@ -125,7 +125,7 @@ class _Run:
             self._report,
             missing=files.MISSING_FILE,
             unreadable=files.UNREADABLE,
-            suffix=".cdl",
+            beside="*.cdl",
         )
 
     def unit(self, source: Source) -> TecsUnit:

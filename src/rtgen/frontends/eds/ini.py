@@ -8,7 +8,7 @@ from bisect import bisect_left
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from rtgen.diagnostics import Span
+from rtgen.diagnostics import Diagnostic, Span
 from rtgen.frontends.eds.findings import Findings
 from rtgen.frontends.eds.rules import lexical
 
@@ -112,12 +112,17 @@ class Document:
         return Span(self.file, 1, 1, 1, 1)
 
 
+def too_large(file: str) -> Diagnostic:
+    """The error about a file with more bytes than are read."""
+    message = f"the file is larger than {MAX_BYTES:,} bytes"
+    return lexical.TOO_LARGE.at(Span(file, 1, 1, 1, 1), message)
+
+
 def read(data: bytes, file: str, findings: Findings) -> Document:
     """Split a file into sections; `file` is the path for messages."""
     document = Document(file, "", {})
     if len(data) > MAX_BYTES:
-        message = f"the file is larger than {MAX_BYTES:,} bytes"
-        findings.add(lexical.TOO_LARGE, document.start, message)
+        findings.report(too_large(file))
         return document
     text, encoding = _decode(data)
     document.text = text = text.replace("\r\n", "\n").replace("\r", "\n")

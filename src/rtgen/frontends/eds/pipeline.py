@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import os
-import stat
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from hashlib import sha256
 from pathlib import Path
 
-from rtgen.diagnostics import Diagnostic, Span, in_order
-from rtgen.frontends import Dependency, FrontendResult
+from rtgen.diagnostics import Diagnostic, in_order
+from rtgen.frontends import FrontendResult
 from rtgen.frontends.eds import ini, keys, lists
 from rtgen.frontends.eds.compact_pdo import implied
 from rtgen.frontends.eds.findings import Findings
@@ -21,7 +19,8 @@ from rtgen.frontends.eds.outline import Outline, outline
 from rtgen.frontends.eds.pdos import PdoReader
 from rtgen.frontends.eds.rules import information as information_rules
 from rtgen.frontends.eds.rules import lexical
-from rtgen.frontends.kit.suggestions import nearest
+from rtgen.frontends.kit.library import Library, absolute_path
+from rtgen.frontends.kit.main_files import open_main
 from rtgen.model import Model
 from rtgen.model.canopen import (
     PDOS,
@@ -43,74 +42,62 @@ def load(
     of the devices, defaulting to that of a DCF. All problems of the input are in the diagnostics,
     sorted; no exception is raised for them. A file with an error yields no device.
     """
-    run = _Run(root, node_id)
-    shown = {os.path.normpath(path.absolute()): path for path in reversed(paths)}
-    for absolute in dict.fromkeys(os.path.normpath(path.absolute()) for path in paths):
+    shown = {absolute_path(path): path.as_posix() for path in reversed(paths)}
+    run = _Run(Library(DescriptionFile, root, (), shown), node_id)
+    for absolute in dict.fromkeys(map(absolute_path, paths)):
         run.read(Path(absolute), shown[absolute])
     return run.result()
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class DescriptionFile:
+    """A device description as read; `data` is None for a file that is too large."""
+
+    name: str
+    key: str
+    path: Path
+    data: bytes | None
+
+
 class _Run:
-    def __init__(self, root: Path, node_id: int | None) -> None:
-        self._root = root.resolve()
+    def __init__(self, library: Library[DescriptionFile], node_id: int | None) -> None:
+        self._library = library
         self._node_id = node_id
         self._devices: list[Device] = []
         self._diagnostics: list[Diagnostic] = []
         self._texts: dict[str, str] = {}
-        self._dependencies: list[Dependency] = []
 
     def result(self) -> FrontendResult:
         return FrontendResult(
             model=Model(devices=tuple(self._devices)),
             diagnostics=tuple(in_order(self._diagnostics)),
             sources=self._texts,
-            dependencies=tuple(self._dependencies),
+            dependencies=self._library.dependencies,
         )
 
-    def read(self, path: Path, shown: Path) -> None:
-        name = shown.as_posix()
-        data = self._bytes(path, name)
-        if data is None:
-            return
-        digest = sha256(data).hexdigest()
-        self._dependencies.append(Dependency(path, digest))
-        findings = Findings()
-        device, text = read_bytes(
-            data, name, findings, key=self._key(path), node_id=self._node_id
+    def read(self, path: Path, shown: str) -> None:
+        file = open_main(
+            self._library,
+            path,
+            shown,
+            self._diagnostics.append,
+            missing=lexical.MISSING_FILE,
+            unreadable=lexical.UNREADABLE,
+            beside="*.[ed][dc][sf]",
         )
-        self._texts[name] = text
+        if file is None:
+            return
+        findings = Findings()
+        if file.data is None:
+            findings.report(ini.too_large(file.name))
+            device, text = None, ""
+        else:
+            device, text = read_bytes(
+                file.data, file.name, findings, key=file.key, node_id=self._node_id
+            )
+        self._texts[file.name] = text
         self._diagnostics += findings.diagnostics
         self._devices += [device] if device is not None else []
-
-    def _bytes(self, path: Path, name: str) -> bytes | None:
-        start = Span(name, 1, 1, 1, 1)
-        try:
-            mode = path.stat().st_mode
-            if stat.S_ISREG(mode):
-                with path.open("rb") as stream:
-                    return stream.read(ini.MAX_BYTES + 1)
-        except (FileNotFoundError, NotADirectoryError):
-            self._dependencies.append(Dependency(path, None))
-            beside = (p.name for p in path.parent.glob("*.[ed][dc][sf]"))
-            meant = nearest(path.name, beside)
-            hint = f"did you mean {meant}?" if meant else None
-            message = f"{name} does not exist"
-            self._diagnostics.append(lexical.MISSING_FILE.at(start, message, hint=hint))
-            return None
-        except (OSError, ValueError) as error:
-            reason = getattr(error, "strerror", None) or error
-            message = f"{name} cannot be read: {reason}"
-            self._diagnostics.append(lexical.UNREADABLE.at(start, message))
-            return None
-        self._dependencies.append(Dependency(path, None))
-        message = f"{name} is {'a folder' if stat.S_ISDIR(mode) else 'no regular file'}"
-        self._diagnostics.append(lexical.MISSING_FILE.at(start, message))
-        return None
-
-    def _key(self, path: Path) -> str:
-        real = path.resolve()
-        inside = real.is_relative_to(self._root)
-        return real.relative_to(self._root).as_posix() if inside else path.name
 
 
 def read_bytes(

@@ -138,7 +138,7 @@ class _Run:
             self._report,
             missing=lexical.MISSING_FILE,
             unreadable=lexical.UNREADABLE,
-            suffix=".idl",
+            beside="*.idl",
         )
 
     def _declares(self, name: str, unit: Unit) -> str | None:

@@ -9,7 +9,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import NoReturn
 from xml.parsers import expat
 
@@ -20,12 +19,10 @@ MALFORMED = Rule("RTC0501", "not well-formed XML", Severity.ERROR)
 DOCTYPE = Rule("RTC0502", "document type declaration", Severity.ERROR)
 ENCODING = Rule("RTC0503", "bytes do not fit the encoding", Severity.ERROR)
 DEPTH = Rule("RTC0504", "elements nested too deep", Severity.ERROR)
-UNREADABLE = Rule("RTC0505", "profile cannot be opened", Severity.ERROR)
 
-RULES = (MALFORMED, DOCTYPE, ENCODING, DEPTH, UNREADABLE)
+RULES = (MALFORMED, DOCTYPE, ENCODING, DEPTH)
 
 _MAX_DEPTH = 100
-_MAX_BYTES = 16 * 1024 * 1024
 _DECLARED = re.compile(rb"""<\?xml[^>]*?encoding\s*=\s*["']([A-Za-z][\w.-]*)["']""")
 _ATTRIBUTE = re.compile(r"""([^\s=<>/"']+)\s*=\s*("[^"]*"|'[^']*')""")
 _OTHER_NAMES = {
@@ -74,15 +71,6 @@ class Element:
     def first(self, namespace: str, local_name: str) -> Element | None:
         """The first child of that name."""
         return next(self.all(namespace, local_name), None)
-
-
-def read(path: Path) -> bytes:
-    """The octets of a profile. Raises OSError, and ValueError for a file that is too large."""
-    with path.open("rb") as stream:
-        data = stream.read(_MAX_BYTES + 1)
-    if len(data) > _MAX_BYTES:
-        raise ValueError(f"it is larger than {_MAX_BYTES:,} bytes")
-    return data
 
 
 def decode(data: bytes, file: str) -> str:

@@ -18,11 +18,11 @@ def open_main(
     *,
     missing: Rule,
     unreadable: Rule,
-    suffix: str,
+    beside: str,
 ) -> F | None:
     """The file of a path, displayed as `shown`; None if it cannot be read, which is reported.
 
-    The hint for a missing file is a near name with the `suffix` in its folder.
+    The hint for a missing file is a near name in its folder that the glob pattern `beside` matches.
     """
     span = Span(shown, 1, 1, 1, 1)
     try:
@@ -35,8 +35,8 @@ def open_main(
         there = path.exists()
         state = "is no regular file" if there else "does not exist"
         message = f"{shown} {'is a folder' if path.is_dir() else state}"
-        beside = path.parent.glob(f"*{suffix}")
-        near = nearest(path.name, (p.name for p in beside if p.is_file()))
+        others = path.parent.glob(beside)
+        near = nearest(path.name, (p.name for p in others if p.is_file()))
         hint = f"did you mean {near}?" if near and not there else None
         report(missing.at(span, message, hint=hint))
     return source

@@ -43,7 +43,7 @@ def read(path: Path, include: Sequence[Path] = ()) -> ModuleResult:
     found = [d for each in read for d in each.diagnostics]
     return ModuleResult(
         profile,
-        (*found, *reader.diagnostics),
+        (*found, *reader.findings.diagnostics),
         {each.file: each.text for each in read},
         reader.generated,
     )

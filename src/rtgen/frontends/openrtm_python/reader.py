@@ -5,8 +5,9 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator, Sequence
 
-from rtgen.diagnostics import Diagnostic, Rule, Span
+from rtgen.diagnostics import Rule, Span
 from rtgen.facts.constraints import ConstraintError, parse
+from rtgen.frontends import profile_tree
 from rtgen.frontends.openrtm_python import rules
 from rtgen.frontends.openrtm_python.modules import Modules
 from rtgen.frontends.openrtm_python.outline import (
@@ -56,10 +57,10 @@ _DATE = "1970-01-01T00:00:00+00:00"
 
 
 class ModuleReader:
-    """Reads one module; what could not be converted is in `diagnostics`."""
+    """Reads one module; what could not be converted is reported to `findings`."""
 
     def __init__(self, module: Module, modules: Modules) -> None:
-        self.diagnostics: list[Diagnostic] = []
+        self.findings = profile_tree.sink()
         self._module = module
         self._file = module.source.file
         self._walker = Walker(modules)
@@ -125,7 +126,7 @@ class ModuleReader:
     def _report_at(
         self, rule: Rule, span: Span, message: str, hint: str | None = None
     ) -> None:
-        self.diagnostics.append(rule.at(span, message, hint=hint))
+        self.findings.add(rule, span, message, hint=hint)
 
     def _span(self, node: ast.AST, file: str = "") -> Span:
         return span_of(node, file or self._file)

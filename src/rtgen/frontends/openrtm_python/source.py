@@ -12,6 +12,7 @@ from io import BytesIO
 from pathlib import Path
 
 from rtgen.diagnostics import Diagnostic, Span
+from rtgen.frontends.kit.files import UnreadableError, read_file
 from rtgen.frontends.openrtm_python import rules
 
 _MAX_BYTES = 4 * 1024 * 1024
@@ -52,14 +53,9 @@ def read_source(path: Path) -> Source:
     file = path.as_posix()
     start = Span(file, 1, 1, 1, 2)
     try:
-        with path.open("rb") as stream:
-            data = stream.read(_MAX_BYTES + 1)
-        if len(data) > _MAX_BYTES:
-            raise ValueError(f"it is larger than {_MAX_BYTES:,} bytes")
-        text, assumed = _decoded(data)
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        found = rules.UNREADABLE.at(start, f"{file} cannot be read: {reason}")
+        text, assumed = _decoded(read_file(path, _MAX_BYTES))
+    except (UnreadableError, ValueError) as error:
+        found = rules.UNREADABLE.at(start, f"{file} cannot be read: {error}")
         return Source(path, "", None, (found,))
     diagnostics: list[Diagnostic] = []
     if assumed is not None:

@@ -10,15 +10,13 @@ from collections.abc import Sequence
 from hashlib import sha256
 from pathlib import Path
 
-from rtgen.diagnostics import Diagnostic, InputError
-from rtgen.frontends import Dependency, FrontendResult, key_of, profile_yaml
-from rtgen.frontends.kit import located_xml
-from rtgen.frontends.profile_yaml import YAML_SUFFIXES
+from rtgen.diagnostics import Diagnostic
+from rtgen.frontends import Dependency, FrontendResult, key_of, profile_tree
 from rtgen.frontends.rtc_profile.reader import Reader, idl_files
 from rtgen.model import Model, SourceFile
 from rtgen.model.rtc_profile import RtcProfile
 
-__all__ = ["load", "xml_text"]
+__all__ = ["load"]
 
 
 def load(
@@ -37,26 +35,17 @@ def load(
     idl: dict[Path, None] = {}
     for path in paths:
         file = path.as_posix()
-        try:
-            data = located_xml.read(path)
-        except (OSError, ValueError) as error:
-            reason = error.strerror if isinstance(error, OSError) else str(error)
-            message = f"cannot open {file}: {reason}"
-            found.append(located_xml.UNREADABLE.at(None, message))
+        findings = profile_tree.sink()
+        data = profile_tree.read(path, file, findings.report)
+        if data is None:
+            found += findings.diagnostics
             dependencies.append(Dependency(path, None))
             continue
         digest = sha256(data).hexdigest()
         dependencies.append(Dependency(path, digest))
-        sources[file] = data.decode("utf-8", "replace")
-        try:
-            sources[file] = xml_text(data, file)
-            tree = located_xml.parse(sources[file], file)
-        except InputError as error:
-            found += error.diagnostics
-            continue
-        reader = Reader(file)
-        profile = reader.profile(tree)
-        found += reader.diagnostics
+        tree, sources[file] = profile_tree.parse(data, file, findings.report)
+        profile = None if tree is None else Reader(file, findings).profile(tree)
+        found += findings.diagnostics
         if profile is None:
             continue
         profiles.append(profile)
@@ -77,10 +66,3 @@ def load(
         tuple(dependencies),
         tuple(idl),
     )
-
-
-def xml_text(data: bytes, file: str) -> str:
-    """The text of a profile in XML, converted from YAML if necessary. Raises InputError."""
-    if file.lower().endswith(YAML_SUFFIXES):
-        return profile_yaml.to_xml(data.decode("utf-8", "replace"), file)
-    return located_xml.decode(data, file)

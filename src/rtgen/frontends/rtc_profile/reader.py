@@ -6,8 +6,9 @@ from collections.abc import Iterable, Iterator, Sequence
 from math import isfinite
 from pathlib import PureWindowsPath
 
-from rtgen.diagnostics import Diagnostic, Rule, Span
+from rtgen.diagnostics import Span
 from rtgen.facts.constraints import Constraint
+from rtgen.frontends.kit.findings import Findings
 from rtgen.frontends.kit.located_xml import Element
 from rtgen.frontends.rtc_profile.constraints import NoTextFormError, constraint
 from rtgen.frontends.rtc_profile.names import (
@@ -38,10 +39,10 @@ _DEFAULT_DATE = "1970-01-01T00:00:00+00:00"
 
 
 class Reader:
-    """Reads one file; its problems are in `diagnostics`."""
+    """Reads one file; reports to `findings`."""
 
-    def __init__(self, file: str) -> None:
-        self.diagnostics: list[Diagnostic] = []
+    def __init__(self, file: str, findings: Findings) -> None:
+        self._findings = findings
         self._file = file
         self._misspellings: set[str] = set()
 
@@ -49,13 +50,13 @@ class Reader:
         """The profile, None if it is unusable."""
         if root.name != (RTC, "RtcProfile"):
             message = f"the root element is `{root.name[1]}`, not `RtcProfile` of {RTC}"
-            self._report_at(rules.NOT_A_PROFILE, root.span, message)
+            self._findings.add(rules.NOT_A_PROFILE, root.span, message)
             return None
         version = self._word(root, "version", VERSIONS, "0.3")
         self._wanted(root, "id", "")
         info = root.first(RTC, "BasicInfo")
         if info is None:
-            self._report_at(rules.MISSING, root.span, "there is no `rtc:BasicInfo`")
+            self._findings.add(rules.MISSING, root.span, "there is no `rtc:BasicInfo`")
             return None
         name = self._name(root, info)
         if name is None:
@@ -84,11 +85,6 @@ class Reader:
             service_ports=tuple(self._service_ports(root)),
             facts=self._facts(info),
         )
-
-    def _report_at(
-        self, rule: Rule, span: Span, message: str, hint: str | None = None
-    ) -> None:
-        self.diagnostics.append(rule.at(span, message, hint=hint))
 
     # Attributes.
 
@@ -122,7 +118,7 @@ class Reader:
         message = f"`{written}` of `{element.name[1]}` is read as `{meant}`"
         if message not in self._misspellings:
             self._misspellings.add(message)
-            self._report_at(rules.MISSPELT, element.place(local), message)
+            self._findings.add(rules.MISSPELT, element.place(local), message)
 
     def _name(self, root: Element, info: Element) -> str | None:
         """The component's name; falls back on the id."""
@@ -133,9 +129,9 @@ class Reader:
         parts = self._get(root, "id").split(":")
         if len(parts) == 5 and (name := parts[3].strip()):
             message += f"; {name}, of the id, is taken"
-            self._report_at(rules.LEFT_OUT, info.place("name"), message)
+            self._findings.add(rules.LEFT_OUT, info.place("name"), message)
             return name
-        self._report_at(rules.MISSING, info.place("name"), message)
+        self._findings.add(rules.MISSING, info.place("name"), message)
         return None
 
     def _required(self, element: Element, name: str) -> str | None:
@@ -144,7 +140,7 @@ class Reader:
         if value:
             return value
         message = f"a `{element.name[1]}` without `rtc:{name}` is left out"
-        self._report_at(rules.LOST, element.place(name), message)
+        self._findings.add(rules.LOST, element.place(name), message)
         return None
 
     def _wanted(self, element: Element, name: str, usual: str) -> str:
@@ -154,7 +150,7 @@ class Reader:
         if not known:
             taken = f"; {usual} is taken" if usual else ""
             message = f"`{element.name[1]}` has no `rtc:{name}`{taken}"
-            self._report_at(rules.LEFT_OUT, element.span, message)
+            self._findings.add(rules.LEFT_OUT, element.span, message)
         return value or usual
 
     def _word(
@@ -165,7 +161,7 @@ class Reader:
             return value
         message = f"`rtc:{name}` is {value!r}; {usual} is taken"
         hint = f"it is one of {', '.join(words)}"
-        self._report_at(rules.UNKNOWN_WORD, element.place(name), message, hint)
+        self._findings.add(rules.UNKNOWN_WORD, element.place(name), message, hint=hint)
         return usual
 
     def _activity(self, info: Element) -> str:
@@ -184,7 +180,7 @@ class Reader:
         if isfinite(rate) and rate > 0:
             return rate
         message = f"the rate {text!r} is not a frequency above 0 Hz; 1000 is taken"
-        self._report_at(rules.BAD_NUMBER, info.place("executionRate"), message)
+        self._findings.add(rules.BAD_NUMBER, info.place("executionRate"), message)
         return None
 
     def _max_instances(self, info: Element) -> int:
@@ -196,7 +192,7 @@ class Reader:
         if 0 <= count < 1 << 31:
             return count
         message = f"`rtc:maxInstances` is {text[:40]!r}; 1 is taken"
-        self._report_at(rules.BAD_NUMBER, info.place("maxInstances"), message)
+        self._findings.add(rules.BAD_NUMBER, info.place("maxInstances"), message)
         return 1
 
     def _date(self, info: Element, name: str) -> str:
@@ -204,7 +200,7 @@ class Reader:
         if is_date(text):
             return text if has_zone(text) else f"{text}+00:00"
         message = f"`rtc:{name}` is {text[:40]!r}; {_DEFAULT_DATE} is taken"
-        self._report_at(rules.BAD_DATE, info.place(name), message)
+        self._findings.add(rules.BAD_DATE, info.place(name), message)
         return _DEFAULT_DATE
 
     def _facts(self, element: Element) -> Facts:
@@ -221,13 +217,15 @@ class Reader:
                 return facts_from(item.get(RTC_EXT, "value")), place
             except ValueError as error:
                 message = f"the property {PROPERTY} is passed over: {error}"
-                self._report_at(rules.FACTS, place, message)
+                self._findings.add(rules.FACTS, place, message)
         return {}, element.span
 
     def _checked(self, found: object, place: Span) -> Facts:
         facts, wrong = checked(found)
         for message in wrong:
-            self._report_at(rules.FACTS, place, f"the property {PROPERTY}: {message}")
+            self._findings.add(
+                rules.FACTS, place, f"the property {PROPERTY}: {message}"
+            )
         return facts
 
     # Parameters and ports.
@@ -263,7 +261,7 @@ class Reader:
             return constraint(found)
         except NoTextFormError as error:
             message = f"the constraint is left out: {error}"
-            self._report_at(rules.CONSTRAINT, found.span, message)
+            self._findings.add(rules.CONSTRAINT, found.span, message)
             return None
 
     def _data_ports(self, root: Element) -> Iterator[ProfileDataPort]:
@@ -277,7 +275,9 @@ class Reader:
             if output is None:
                 message = f"a port of kind {kind!r} is left out"
                 hint = ", ".join(kinds)
-                self._report_at(rules.LOST, element.place("portType"), message, hint)
+                self._findings.add(
+                    rules.LOST, element.place("portType"), message, hint=hint
+                )
                 continue
             if not self._is_new(name, known[output], element, "port"):
                 continue
@@ -311,7 +311,7 @@ class Reader:
             interfaces = tuple(self._interfaces(element))
             if not interfaces:
                 message = f"the service port {name!r} has no interface; it is left out"
-                self._report_at(rules.LOST, element.place("name"), message)
+                self._findings.add(rules.LOST, element.place("name"), message)
                 continue
             yield ProfileServicePort(
                 name=name,
@@ -333,7 +333,9 @@ class Reader:
             if provided is None:
                 message = f"an interface of direction {direction!r} is left out"
                 place = element.place("direction")
-                self._report_at(rules.LOST, place, message, "Provided or Required")
+                self._findings.add(
+                    rules.LOST, place, message, hint="Provided or Required"
+                )
                 continue
             if not self._is_new(f"{direction} {name}", known, element, "interface"):
                 continue
@@ -356,7 +358,7 @@ class Reader:
             known.add(name)
             return True
         message = f"there is another {what} {name!r}; this one is left out"
-        self._report_at(rules.TWICE, element.place("name"), message)
+        self._findings.add(rules.TWICE, element.place("name"), message)
         return False
 
 

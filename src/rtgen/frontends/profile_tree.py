@@ -1,0 +1,57 @@
+"""Profile files, RtcProfile and RtsProfile, as a tree with places: XML, or YAML by the suffix."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+from rtgen.diagnostics import Diagnostic, InputError, Rule, Severity
+from rtgen.frontends import profile_yaml
+from rtgen.frontends.kit import files, located_xml
+from rtgen.frontends.kit.files import UnreadableError
+from rtgen.frontends.kit.findings import Findings
+from rtgen.frontends.kit.located_xml import Element
+from rtgen.frontends.profile_yaml import YAML_SUFFIXES
+
+UNREADABLE = Rule("RTC0505", "profile cannot be opened", Severity.ERROR)
+TOO_MANY = Rule("RTC0506", "too many findings", Severity.WARNING)
+
+RULES = (*located_xml.RULES, *profile_yaml.RULES, UNREADABLE, TOO_MANY)
+
+_MAX_BYTES = 16 * 1024 * 1024
+
+
+class ProfileTree(NamedTuple):
+    """A profile's text, and the root of its tree; None if it is malformed, which is reported."""
+
+    root: Element | None
+    text: str
+
+
+def sink() -> Findings:
+    """An empty collection of diagnostics about one profile."""
+    return Findings(TOO_MANY)
+
+
+def read(path: Path, file: str, report: Callable[[Diagnostic], None]) -> bytes | None:
+    """The bytes of a profile displayed as `file`; None if it cannot be read, which is reported."""
+    try:
+        return files.read_file(path, _MAX_BYTES)
+    except UnreadableError as error:
+        report(UNREADABLE.at(None, f"cannot open {file}: {error}"))
+        return None
+
+
+def parse(data: bytes, file: str, report: Callable[[Diagnostic], None]) -> ProfileTree:
+    """The tree of a profile's bytes; `file` is the path for messages."""
+    text = data.decode("utf-8", errors="replace")
+    try:
+        if file.lower().endswith(YAML_SUFFIXES):
+            return ProfileTree(profile_yaml.parse(text, file), text)
+        text = located_xml.decode(data, file)
+        return ProfileTree(located_xml.parse(text, file), text)
+    except InputError as error:
+        for diagnostic in error.diagnostics:
+            report(diagnostic)
+        return ProfileTree(None, text)
