@@ -64,10 +64,8 @@ from rtgen.runtime.rtc.configuration import (
     DEFAULT_SET,
     ConfigurationSets,
 )
-from rtgen.runtime.rtc.execution_context import (
-    ExecutionContext,
-    Participant,
-)
+from rtgen.runtime.rtc.execution_context import ExecutionContext
+from rtgen.runtime.rtc.participant import Participant
 from rtgen.runtime.rtc.profiles import (
     ComponentProfile,
     ParameterProfile,

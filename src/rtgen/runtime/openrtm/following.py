@@ -14,7 +14,7 @@ from rtgen.runtime.return_codes import (
     LifeCycleState,
 )
 from rtgen.runtime.rtc.component import Component
-from rtgen.runtime.rtc.execution_context import Participant
+from rtgen.runtime.rtc.participant import Participant
 
 _PERIOD = 0.005
 _PATIENCE = 2.0

@@ -25,8 +25,8 @@ from rtgen.runtime.return_codes import (
     LifeCycleState,
 )
 from rtgen.runtime.rtc.component import FIRST_FOREIGN_HANDLE, Component
-from rtgen.runtime.rtc.execution_context import Participant
 from rtgen.runtime.rtc.life_cycle import Request
+from rtgen.runtime.rtc.participant import Participant
 
 _T = TypeVar("_T")
 

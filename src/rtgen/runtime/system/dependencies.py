@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from rtgen.runtime.rtc.execution_context import Participant
+from rtgen.runtime.rtc.participant import Participant
 from rtgen.runtime.services.connectors import ServiceConnector
 
 

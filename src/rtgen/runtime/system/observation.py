@@ -8,7 +8,7 @@ from typing import Any, cast
 from rtgen.runtime.ports.data_ports import OutPort
 from rtgen.runtime.return_codes import ERROR_STATE, LifeCycleState
 from rtgen.runtime.rtc.component import Component
-from rtgen.runtime.rtc.execution_context import Participant
+from rtgen.runtime.rtc.participant import Participant
 from rtgen.runtime.system.records import (
     Listener,
     Record,

@@ -12,7 +12,8 @@ from rtgen.facts.connector_properties import Subscription
 from rtgen.runtime.errors import BlockedError
 from rtgen.runtime.ports.publisher import Publisher
 from rtgen.runtime.rtc.component import Component
-from rtgen.runtime.rtc.execution_context import ExecutionContext, Participant
+from rtgen.runtime.rtc.execution_context import ExecutionContext
+from rtgen.runtime.rtc.participant import Participant
 from rtgen.runtime.system import watchdog
 from rtgen.runtime.system.scheduling import Action
 from rtgen.runtime.system.watchdog import (

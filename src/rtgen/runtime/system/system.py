@@ -30,7 +30,8 @@ from rtgen.runtime.return_codes import (
 )
 from rtgen.runtime.rtc.component import Component
 from rtgen.runtime.rtc.configuration import DEFAULT_SET
-from rtgen.runtime.rtc.execution_context import ExecutionContext, Participant
+from rtgen.runtime.rtc.execution_context import ExecutionContext
+from rtgen.runtime.rtc.participant import Participant
 from rtgen.runtime.services.connectors import ServiceConnector
 from rtgen.runtime.services.ports import ServicePort
 from rtgen.runtime.services.transports import RemoteConnector, RemotePort, Transport
@@ -172,7 +173,9 @@ class System:
 
     def context(self, instance: str) -> ExecutionContext:
         """A component's own execution context. Raises UnknownComponentError."""
-        return self._participant(instance).context
+        context = self._participant(instance).context
+        assert isinstance(context, ExecutionContext)  # `add` has made it.
+        return context
 
     def state(self, instance: str) -> LifeCycleState:
         """A component's state in its own context. Raises UnknownComponentError."""

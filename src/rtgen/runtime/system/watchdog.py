@@ -15,7 +15,7 @@ from typing import ParamSpec, TypeVar
 
 from rtgen.runtime.failures import log
 from rtgen.runtime.rtc.callbacks import succeeds
-from rtgen.runtime.rtc.execution_context import Participant
+from rtgen.runtime.rtc.participant import Participant
 from rtgen.runtime.stack_frames import is_debugger, shown, users_frame
 
 PATIENCE = 2.0

@@ -14,6 +14,7 @@ from typing import Final, Protocol
 from rtgen.runtime.canopen.bus.sdo_channel import ATTEMPTS, Done, Outcome
 from rtgen.runtime.canopen.description import NodeDescription
 from rtgen.runtime.canopen.errors import LinkError
+from rtgen.runtime.canopen.master.second_node import FOREIGN_ANSWERS, SecondNodeDetector
 from rtgen.runtime.canopen.node_setup import SetUp, SetUpError, number_text, set_up
 from rtgen.runtime.canopen.wire import sdo
 from rtgen.runtime.canopen.wire.emergency import Emergency
@@ -73,14 +74,6 @@ _ASKED_STATES: Final = {
     NmtCommand.RESET_COMMUNICATION: NmtState.INITIALISING,
 }
 _RESETS: Final = (NmtCommand.RESET_NODE, NmtCommand.RESET_COMMUNICATION)
-
-_FOREIGN_ANSWERS: Final = 3
-"""Unexpected SDO responses during set-up that indicate a second node (or client)."""
-_FOREIGN: Final = "SDO answers come that were not asked for"
-_BEATS: Final = 16
-"""Minimum number of heartbeats to count before judging their rate."""
-_EXCESS: Final = 5, 3
-"""More than 5 heartbeats in 3 periods, over a long time, are not those of one node."""
 
 
 class Channel(Protocol):
@@ -173,10 +166,9 @@ class ManagedNode:
         self._configured = False
         self._start = description.start
         self._assigned = False
-        self._answers_before = 0
-        self._boots = 0
-        self._beats = 0
-        self._first_beat = 0
+        self._second_node = SecondNodeDetector(
+            channel, description.heartbeat * MILLISECOND, self._timeout
+        )
         self._bus_gone = False
         self._emergency: Emergency | None = None
 
@@ -268,7 +260,7 @@ class ManagedNode:
             return
         event = self._consumer.receive(frame, now)
         phase = self.phase
-        if phase in _IN_USE and self._too_many_beats(now):
+        if phase in _IN_USE and self._second_node.beats_too_often(now):
             self._two_nodes("its heartbeat comes twice as often as it should")
             return
         if event is None or phase is NodePhase.IDLE:
@@ -338,9 +330,7 @@ class ManagedNode:
         self._attempt += 1
         self._configured, self._emergency = False, None
         again = self.phase in (NodePhase.IDENTIFYING, NodePhase.CONFIGURING)
-        self._boots = self._boots + 1 if again else 1
-        if not again:
-            self._answers_before = self._channel.unexpected
+        self._second_node.booted(again=again)
         self._enter(NodePhase.IDENTIFYING)
         self._go_on(set_up(self.description, self._identified), None)
 
@@ -366,17 +356,14 @@ class ManagedNode:
             if isinstance(outcome, SdoAbort):
                 verb = "read" if octets is None else "written"
                 what = f"{number_text(index, subindex)} cannot be {verb}: {outcome}"
-                doubled = (
-                    self._evidence_of_second_node
-                    if outcome.code == sdo.TIMED_OUT
-                    else ""
-                )
+                timed_out = outcome.code == sdo.TIMED_OUT
+                doubled = self._second_node.evidence if timed_out else ""
                 if doubled:
                     self._two_nodes(f"{what}, and {doubled}")
                 else:
                     self.fail(what)
-            elif self._answers_too_many():
-                self._two_nodes(_FOREIGN)
+            elif self._second_node.answers:
+                self._two_nodes(FOREIGN_ANSWERS)
             else:
                 self._go_on(procedure, outcome)
             self._host.settle(self)
@@ -436,8 +423,8 @@ class ManagedNode:
 
     def _on_heartbeat(self, event: HeartbeatEvent, now: int) -> None:
         state, phase = event.state, self.phase
-        if phase in (NodePhase.READY, NodePhase.STARTING) and self._answers_too_many():
-            self._two_nodes(_FOREIGN)
+        if phase in (NodePhase.READY, NodePhase.STARTING) and self._second_node.answers:
+            self._two_nodes(FOREIGN_ANSWERS)
             return
         if phase is NodePhase.READY:
             self._limit = None
@@ -451,30 +438,6 @@ class ManagedNode:
             self._enter(NodePhase.HALTED)
         else:
             self._host.changed(self)
-
-    def _too_many_beats(self, now: int) -> bool:
-        """Count a heartbeat; return whether they arrive at twice the rate of one node."""
-        if self._beats == 0:
-            self._first_beat = now
-        self._beats += 1
-        period = self.description.heartbeat * MILLISECOND
-        # Delayed heartbeats may arrive in a burst of up to two time-outs' worth.
-        if not period or self._beats < max(_BEATS, 6 * self._timeout // period):
-            return False
-        beats, self._beats = self._beats, 0
-        many, periods = _EXCESS
-        return many * (now - self._first_beat) < periods * beats * period
-
-    @property
-    def _evidence_of_second_node(self) -> str:
-        """Evidence for a second node with this id since the reset; empty if there is none."""
-        if self._boots > 1:
-            return "its boot-up message came twice"
-        foreign = self._channel.unexpected > self._answers_before
-        return _FOREIGN if foreign else ""
-
-    def _answers_too_many(self) -> bool:
-        return self._channel.unexpected >= self._answers_before + _FOREIGN_ANSWERS
 
     def _two_nodes(self, what: str) -> None:
         self.fail(f"{what}: two nodes have the id {self.description.id}")
@@ -504,7 +467,7 @@ class ManagedNode:
 
     def _supervise_anew(self) -> None:
         self._consumer = HeartbeatConsumer(self.description.id, self._timeout)
-        self._beats = 0
+        self._second_node.restart_beats()
 
     def _enter(self, phase: NodePhase, milliseconds: int | None = None) -> None:
         """Enter a phase with a time limit."""

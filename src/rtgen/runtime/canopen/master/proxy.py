@@ -7,11 +7,9 @@ transition are listed in `docs/canopen.md`.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any, Final
 
 from rtgen.runtime.canopen import values
-from rtgen.runtime.canopen.bus.link import Link
 from rtgen.runtime.canopen.bus.links import open_link
 from rtgen.runtime.canopen.bus.sdo_channel import Outcome, SdoChannel
 from rtgen.runtime.canopen.description import (
@@ -19,7 +17,7 @@ from rtgen.runtime.canopen.description import (
     ObjectValue,
 )
 from rtgen.runtime.canopen.errors import LinkError
-from rtgen.runtime.canopen.hooks import ProxyHooks, Sender
+from rtgen.runtime.canopen.hooks import ProxyHooks
 from rtgen.runtime.canopen.master.node_control import (
     NodeControl,
     NodeError,
@@ -28,12 +26,13 @@ from rtgen.runtime.canopen.master.node_control import (
 )
 from rtgen.runtime.canopen.master.proxied_node import (
     ProxiedNode,
-    transmitter_of,
-    wiring,
+)
+from rtgen.runtime.canopen.master.proxy_connection import (
+    ProxyConnection,
+    planned,
+    settings_of,
 )
 from rtgen.runtime.canopen.master.proxy_place import (
-    BOOT_TIMEOUT,
-    default_boot_timeout,
     place,
     sync_id,
 )
@@ -41,7 +40,6 @@ from rtgen.runtime.canopen.master.recovery import Recovery
 from rtgen.runtime.canopen.master.state_mirror import StateMirror
 from rtgen.runtime.canopen.pdo import PdoError
 from rtgen.runtime.canopen.wire import sdo
-from rtgen.runtime.canopen.wire.emergency import DEFAULT_STOPS, EmergencyPolicy
 from rtgen.runtime.canopen.wire.frames import MILLISECOND
 from rtgen.runtime.canopen.wire.nmt import NmtCommand, NmtState
 from rtgen.runtime.canopen.wire.pdo_transmission import TpdoTransmitter
@@ -56,38 +54,6 @@ _BLOCK: Final = 128
 """Length in octets from which a value is written by block transfer."""
 
 
-@dataclass(frozen=True, slots=True)
-class _Settings:
-    """Configuration parameters of every proxy."""
-
-    interface: str
-    channel: str
-    bitrate: int
-    options: str
-    node_id: int
-    network: str
-    master: bool
-    heartbeat_timeout: int
-    boot_timeout: int
-    emergency_stop: str
-    recoveries: int
-    sdo_in_error: bool
-
-
-@dataclass(frozen=True, slots=True)
-class _Connection:
-    """A proxy's connection to its bus; `offset` is the component's time minus the link's."""
-
-    settings: _Settings
-    link: Link
-    node: ProxiedNode
-    control: NodeControl
-    senders: tuple[tuple[int, Sender, TpdoTransmitter], ...]
-    unsent: tuple[tuple[int, Sender, str], ...]
-    offset: int
-    recovery: Recovery
-
-
 class CanopenProxy(ProxyHooks, Component):
     """Base class of generated proxies.
 
@@ -100,7 +66,7 @@ class CanopenProxy(ProxyHooks, Component):
 
     def __init__(self, instance_name: str | None = None) -> None:
         super().__init__(instance_name)
-        self._connection: _Connection | None = None
+        self._connection: ProxyConnection | None = None
         self._under_way: tuple[Request, Steps] | None = None
         self._dropped = 0
         self._reported: set[int] = set()
@@ -134,7 +100,7 @@ class CanopenProxy(ProxyHooks, Component):
         """Write received PDOs to the OutPorts, and send the samples of the InPorts."""
         connection = self._connection
         assert connection is not None
-        self._deliver(connection)
+        connection.deliver()
         values: list[tuple[TpdoTransmitter, bytes]] = []
         for number, sender, transmitter in connection.senders:
             try:
@@ -190,8 +156,8 @@ class CanopenProxy(ProxyHooks, Component):
         connection = self._connection
         if connection is None:
             return RTC_OK
-        self._deliver(connection)
-        self._pause(connection)
+        connection.deliver()
+        connection.pause()
         control = connection.control
         # A manager that ended earlier has switched its nodes to pre-operational.
         if control.running and control.can_command:
@@ -205,7 +171,7 @@ class CanopenProxy(ProxyHooks, Component):
         if connection is None:
             return RTC_OK
         connection.recovery.failed(self.now())
-        self._pause(connection)
+        connection.pause()
         connection.node.queue.clear()
         if connection.settings.sdo_in_error:
             return self._command(NmtCommand.ENTER_PRE_OPERATIONAL)
@@ -323,23 +289,11 @@ class CanopenProxy(ProxyHooks, Component):
             return connection.control.deactivation()
         return connection.control.reset()
 
-    def _pause(self, connection: _Connection) -> None:
-        with connection.link.lock:
-            connection.node.pause()
-            connection.link.refresh(connection.node)
-
     def _arrived(self) -> None:
         if self._connection is not None:
-            self._deliver(self._connection)
+            self._connection.deliver()
 
-    def _deliver(self, connection: _Connection) -> None:
-        queue = connection.node.queue
-        offset = connection.offset
-        for _ in range(len(queue)):
-            receiver, data, time = queue.popleft()
-            receiver(data, time + offset)
-
-    def _drop_unsent(self, connection: _Connection) -> None:
+    def _drop_unsent(self, connection: ProxyConnection) -> None:
         """Count the samples of PDOs that the proxy does not send, and report them once."""
         for number, sender, why in connection.unsent:
             try:
@@ -390,7 +344,7 @@ class CanopenProxy(ProxyHooks, Component):
             )
 
     def _written(
-        self, connection: _Connection, number: ObjectNumber
+        self, connection: ProxyConnection, number: ObjectNumber
     ) -> Callable[[Outcome], None]:
         def done(outcome: Outcome) -> None:
             if isinstance(outcome, SdoAbort):
@@ -407,18 +361,15 @@ class CanopenProxy(ProxyHooks, Component):
 
     # Bus
 
-    def _joined(self) -> _Connection:
+    def _joined(self) -> ProxyConnection:
         """The connection. Raises LinkError without one."""
         if self._connection is None:
             raise LinkError(f"{self.instance_name} is on no bus")
         return self._connection
 
-    def _connect(self) -> _Connection:
+    def _connect(self) -> ProxyConnection:
         """Join the bus of the current parameters. Raises LinkError, or NodeError."""
-        config = self.config
-        settings = _Settings(
-            *(getattr(config, name) for name in _Settings.__dataclass_fields__)
-        )
+        settings = settings_of(self.config)
         if self._connection is not None:
             if self._connection.settings == settings:
                 return self._connection
@@ -427,38 +378,25 @@ class CanopenProxy(ProxyHooks, Component):
         network, placed = place(
             self.networks, settings.network, settings.node_id, self.description.name
         )
-        bitrate = settings.bitrate or (network.bit_rate * 1000 if network else 0)
-        wired = wiring(self.description, settings.node_id, network)
-        boot_timeout = settings.boot_timeout
-        if boot_timeout == BOOT_TIMEOUT:
-            boot_timeout = default_boot_timeout(self.description, placed)
-        policy = settings.emergency_stop or (placed.emergency_stop if placed else "")
-        try:
-            emergencies = EmergencyPolicy(policy or DEFAULT_STOPS)
-        except ValueError as error:
-            raise NodeError(f"emergency_stop: {error}") from None
-        transmitters = {
-            number: transmitter_of(pdo, settings.node_id)
-            for number, pdo in wired.sent.items()
-        }
+        plan = planned(self.description, settings, network, placed)
         node = ProxiedNode(
             settings.node_id,
-            wired.received,
+            plan.wiring.received,
             self._receivers(),
             StateMirror(
                 self,
                 lambda: self._under_way is not None,
                 self._timeout,
                 lambda: link.now(),
-                emergencies,
+                plan.emergencies,
                 self._warn,
             ),
-            transmitters.values(),
+            plan.transmitters.values(),
             sync_id(self.description, settings.node_id),
         )
         senders = self._senders()
         link = open_link(
-            self, settings.interface, settings.channel, bitrate, settings.options
+            self, settings.interface, settings.channel, plan.bit_rate, settings.options
         )
         control = NodeControl(
             link,
@@ -467,23 +405,17 @@ class CanopenProxy(ProxyHooks, Component):
             placed,
             master=settings.master,
             heartbeat_timeout=settings.heartbeat_timeout * MILLISECOND,
-            boot_timeout=boot_timeout * MILLISECOND,
+            boot_timeout=plan.boot_timeout * MILLISECOND,
         )
-        connection = self._connection = _Connection(
+        connection = self._connection = ProxyConnection(
             settings,
             link,
             node,
             control,
-            tuple(
-                (n, s, transmitters[n]) for n, s in senders.items() if n in transmitters
-            ),
-            tuple(
-                (n, s, wired.unsent.get(n, "the network has no such PDO"))
-                for n, s in senders.items()
-                if n not in wired.sent
-            ),
+            plan.sent(senders),
+            plan.unsent(senders),
             self.now() - link.now(),
-            Recovery(settings.recoveries or (placed.recoveries if placed else 0)),
+            Recovery(plan.recoveries),
         )
         link.attach(node)
         return connection

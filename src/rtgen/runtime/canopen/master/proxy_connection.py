@@ -1,0 +1,140 @@
+"""A proxy's connection to its bus: its settings, what follows from them, and its parts."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from rtgen.runtime.canopen.bus.link import Link
+from rtgen.runtime.canopen.description import (
+    DeviceDescription,
+    Network,
+    NodeDescription,
+)
+from rtgen.runtime.canopen.hooks import Sender
+from rtgen.runtime.canopen.master.node_control import NodeControl, NodeError
+from rtgen.runtime.canopen.master.proxied_node import (
+    ProxiedNode,
+    Wiring,
+    transmitter_of,
+    wiring,
+)
+from rtgen.runtime.canopen.master.proxy_place import BOOT_TIMEOUT, default_boot_timeout
+from rtgen.runtime.canopen.master.recovery import Recovery
+from rtgen.runtime.canopen.wire.emergency import DEFAULT_STOPS, EmergencyPolicy
+from rtgen.runtime.canopen.wire.pdo_transmission import TpdoTransmitter
+
+
+@dataclass(frozen=True, slots=True)
+class ProxySettings:
+    """Configuration parameters of every proxy."""
+
+    interface: str
+    channel: str
+    bitrate: int
+    options: str
+    node_id: int
+    network: str
+    master: bool
+    heartbeat_timeout: int
+    boot_timeout: int
+    emergency_stop: str
+    recoveries: int
+    sdo_in_error: bool
+
+
+def settings_of(config: Any) -> ProxySettings:
+    """The settings in the configuration of a proxy."""
+    return ProxySettings(
+        *(getattr(config, name) for name in ProxySettings.__dataclass_fields__)
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class ProxyPlan:
+    """What settings, network and description together say about a connection.
+
+    `bit_rate` is in bit/s, `boot_timeout` in ms.
+    """
+
+    wiring: Wiring
+    transmitters: Mapping[int, TpdoTransmitter]
+    bit_rate: int
+    boot_timeout: int
+    emergencies: EmergencyPolicy
+    recoveries: int
+
+    def sent(
+        self, senders: Mapping[int, Sender]
+    ) -> tuple[tuple[int, Sender, TpdoTransmitter], ...]:
+        """The PDOs that the proxy sends."""
+        known = self.transmitters
+        return tuple((n, s, known[n]) for n, s in senders.items() if n in known)
+
+    def unsent(
+        self, senders: Mapping[int, Sender]
+    ) -> tuple[tuple[int, Sender, str], ...]:
+        """The PDOs that the proxy does not send, with the reasons."""
+        reasons = self.wiring.unsent
+        return tuple(
+            (n, s, reasons.get(n, "the network has no such PDO"))
+            for n, s in senders.items()
+            if n not in self.wiring.sent
+        )
+
+
+def planned(
+    description: DeviceDescription,
+    settings: ProxySettings,
+    network: Network | None,
+    placed: NodeDescription | None,
+) -> ProxyPlan:
+    """The plan of a connection: settings override the network, which overrides the description.
+
+    `placed` is the node in the network. Raises NodeError.
+    """
+    wired = wiring(description, settings.node_id, network)
+    boot_timeout = settings.boot_timeout
+    if boot_timeout == BOOT_TIMEOUT:
+        boot_timeout = default_boot_timeout(description, placed)
+    policy = settings.emergency_stop or (placed.emergency_stop if placed else "")
+    try:
+        emergencies = EmergencyPolicy(policy or DEFAULT_STOPS)
+    except ValueError as error:
+        raise NodeError(f"emergency_stop: {error}") from None
+    return ProxyPlan(
+        wired,
+        {n: transmitter_of(pdo, settings.node_id) for n, pdo in wired.sent.items()},
+        settings.bitrate or (network.bit_rate * 1000 if network else 0),
+        boot_timeout,
+        emergencies,
+        settings.recoveries or (placed.recoveries if placed else 0),
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class ProxyConnection:
+    """A proxy's connection to its bus; `offset` is the component's time minus the link's."""
+
+    settings: ProxySettings
+    link: Link
+    node: ProxiedNode
+    control: NodeControl
+    senders: tuple[tuple[int, Sender, TpdoTransmitter], ...]
+    unsent: tuple[tuple[int, Sender, str], ...]
+    offset: int
+    recovery: Recovery
+
+    def deliver(self) -> None:
+        """Write the received PDOs to the ports, in order of arrival."""
+        queue, offset = self.node.queue, self.offset
+        for _ in range(len(queue)):
+            receiver, data, time = queue.popleft()
+            receiver(data, time + offset)
+
+    def pause(self) -> None:
+        """Stop sending PDOs."""
+        with self.link.lock:
+            self.node.pause()
+            self.link.refresh(self.node)

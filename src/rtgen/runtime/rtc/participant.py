@@ -1,0 +1,213 @@
+"""A component in an execution context: its state, and what each tick does with it (OMG RTC 1.0).
+
+The transitions are those of `life_cycle.TRANSITIONS`.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from typing import Any, Protocol
+
+from rtgen.runtime.failures import log
+from rtgen.runtime.return_codes import (
+    ACTIVE_STATE,
+    ERROR_STATE,
+    INACTIVE_STATE,
+    PRECONDITION_NOT_MET,
+    RTC_OK,
+    LifeCycleState,
+    ReturnCode_t,
+)
+from rtgen.runtime.rtc.callbacks import is_ok, note_answer, note_exception, succeeds
+from rtgen.runtime.rtc.component import Component
+from rtgen.runtime.rtc.context_operations import ExecutionContextOperations
+from rtgen.runtime.rtc.life_cycle import GATED, TRANSITIONS, Request
+
+
+class ParticipantContext(ExecutionContextOperations, Protocol):
+    """What a participant and its observers use of its context."""
+
+    overruns: int
+
+    def _notify(
+        self, participant: Any, before: LifeCycleState, now: LifeCycleState
+    ) -> None: ...
+
+
+_GOALS = {Request.ACTIVATE: ACTIVE_STATE, Request.DEACTIVATE: INACTIVE_STATE}
+
+
+def _nobody() -> str:
+    return ""
+
+
+class Participant:
+    """A component in a context: its state there, and the requests for the next tick."""
+
+    __slots__ = (
+        "_chores",
+        "_failure",
+        "_requests",
+        "_updates",
+        "activating",
+        "component",
+        "context",
+        "handle",
+        "provider_awaited",
+        "state",
+        "ticks",
+    )
+
+    def __init__(self, component: Component, context: ParticipantContext) -> None:
+        self.component = component
+        self.context = context
+        self.handle = component.attach_context(context)
+        self.state = INACTIVE_STATE
+        self.ticks = 0
+        """Number of calls of `on_execute`."""
+        self.activating = False
+        """Whether ACTIVATE was requested and is still pending."""
+        self.provider_awaited: Callable[[], str] = _nobody
+        """The component that has to be activated before this one; empty if none."""
+        self._requests: deque[Request] = deque()
+        self._failure = ""
+        self._chores = component._chores
+        own = getattr(component.on_state_update, "__func__", None)
+        self._updates = own is not Component.on_state_update
+
+    def request(self, request: Request) -> ReturnCode_t:
+        """Queue a legal request for the next tick; PRECONDITION_NOT_MET for an illegal one."""
+        if (self.state, request) not in TRANSITIONS:
+            return PRECONDITION_NOT_MET
+        if request not in self._requests:
+            self._requests.append(request)
+        if request is Request.ACTIVATE:
+            self.activating = True
+        return RTC_OK
+
+    def fail(self, reason: str) -> ReturnCode_t:
+        """Queue FAIL for the next tick with its reason; the first reason is kept."""
+        if (self.state, Request.FAIL) not in TRANSITIONS:
+            return PRECONDITION_NOT_MET
+        if Request.FAIL not in self._requests:
+            self._failure = reason
+        return self.request(Request.FAIL)
+
+    def cycle(self) -> None:
+        """A complete tick of a context with a single participant."""
+        if not (self._requests and self.carry_out_requests()):
+            if self.state is ACTIVE_STATE:
+                self.ticks += 1
+                try:
+                    code = self.component.on_execute(self.handle)
+                except BaseException as error:
+                    note_exception(self.component, "on_execute", error)
+                    self.enter(ERROR_STATE)
+                else:
+                    if code is not RTC_OK and not is_ok(code):
+                        note_answer(self.component, "on_execute", code)
+                        self.enter(ERROR_STATE)
+                    elif self._updates:
+                        self.update()
+            elif self.state is ERROR_STATE:
+                succeeds(self.component, "on_error", self.handle)
+        if self._chores:
+            self.component._do_chores()
+
+    def carry_out_requests(self) -> bool:
+        """The first phase of a tick; True if it led into ERROR, where the tick ends."""
+        before = self.state
+        for _ in range(len(self._requests)):
+            request = self._requests.popleft()
+            if request is Request.ACTIVATE and (awaited := self.provider_awaited()):
+                self.component._awaited = f"{awaited} to be activated"
+                self._requests.append(request)
+            elif request not in GATED or self._passes(request):
+                self.carry_out(request)
+        return self.state is ERROR_STATE and before is not ERROR_STATE
+
+    def execute(self) -> None:
+        """The second phase of a tick."""
+        if self.state is ACTIVE_STATE:
+            self.ticks += 1
+        row = TRANSITIONS.get((self.state, Request.EXECUTE))
+        if row is not None and not succeeds(self.component, row.callback, self.handle):
+            self.enter(row.failure)
+
+    def update(self) -> None:
+        """The third phase of a tick."""
+        row = TRANSITIONS.get((self.state, Request.STATE_UPDATE))
+        if row is not None and not succeeds(self.component, row.callback, self.handle):
+            self.enter(row.failure)
+
+    def arrive(self) -> None:
+        """Process external input since the last tick, if the component is ACTIVE."""
+        if self.state is not ACTIVE_STATE:
+            return
+        try:
+            self.component._arrived()
+        except BaseException as error:
+            note_exception(self.component, "on_execute", error)
+            self.enter(ERROR_STATE)
+        self.finish()
+
+    def finish(self) -> None:
+        """The end of a tick: deferred deliveries and configuration changes."""
+        if self._chores:
+            self.component._do_chores()
+
+    def carry_out(self, request: Request) -> None:
+        """Carry out a legal request; ignore one that has become illegal."""
+        row = TRANSITIONS.get((self.state, request))
+        if row is None:
+            if self.state is _GOALS.get(request):
+                return
+            log.warning("%s: %s came too late", self.component.instance_name, request)
+            return
+        if request is Request.FAIL:
+            self.component.reason = self._failure
+            log.warning("%s: %s", self.component.instance_name, self._failure)
+        done = not row.callback or succeeds(self.component, row.callback, self.handle)
+        self.enter(row.success if done else row.failure)
+        if request is Request.ACTIVATE:
+            self.activating = False
+
+    def enter(self, state: LifeCycleState) -> None:
+        """Change the state; calls `on_aborting` when entering ERROR."""
+        before = self.state
+        if state is before:
+            return
+        self.state = state
+        self.component._active_contexts += (state is ACTIVE_STATE) - (
+            before is ACTIVE_STATE
+        )
+        if before is ERROR_STATE:
+            self.component.reason = ""
+        self.component._awaited = self.component._condition = ""
+        self.context._notify(self, before, state)
+        if state is ERROR_STATE:
+            succeeds(self.component, "on_aborting", self.handle)
+
+    def _passes(self, request: Request) -> bool:
+        """Whether to carry out a gated request now; a waiting one is queued again."""
+        if (self.state, request) not in TRANSITIONS:
+            return True
+        component = self.component
+        component._awaited = ""
+        if request is Request.ACTIVATE:
+            component.configuration_sets.apply()
+        try:
+            code = component._gate(request)
+        except BaseException as error:
+            note_exception(component, request, error)
+        else:
+            if code is None:
+                self._requests.append(request)
+                return False
+            if is_ok(code):
+                return True
+            note_answer(component, request, code)
+        self.enter(ERROR_STATE)
+        self.activating = False
+        return False
