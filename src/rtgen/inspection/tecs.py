@@ -6,11 +6,11 @@ import math
 from collections.abc import Iterable, Iterator
 from typing import Any, TypeAlias
 
+from rtgen.model.c_types import Expression
 from rtgen.model.tecs import (
     Cell,
     Celltype,
     Composite,
-    Expression,
     Join,
     Region,
     Signature,

@@ -11,9 +11,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from hashlib import sha256
 
+from rtgen.facts.tdr import Scalar
 from rtgen.layouts.tdr import references
 from rtgen.layouts.tdr_messages import is_error_code
-from rtgen.model.tecs import (
+from rtgen.model.c_types import (
     CArrayType,
     CEnumType,
     CFunctionType,
@@ -24,14 +25,9 @@ from rtgen.model.tecs import (
     DescriptorType,
     Expression,
     Literal,
-    Scalar,
-    Signature,
-    Sizes,
-    TecsFunction,
-    TecsStruct,
-    TecsUnit,
     resolve,
 )
+from rtgen.model.tecs import Signature, Sizes, TecsFunction, TecsStruct, TecsUnit
 from rtgen.model.types import ScopedName
 
 DIGITS = 16

@@ -14,21 +14,17 @@ from functools import cached_property
 from typing import TypeAlias
 
 from rtgen.diagnostics import Span
-from rtgen.facts.tdr import LETTERS
-from rtgen.model.tecs import (
+from rtgen.facts.tdr import LETTERS, Scalar
+from rtgen.model.c_types import (
     AggregateExpression,
     BinaryExpression,
     CastExpression,
     ConditionalExpression,
     Expression,
     Reference,
-    Scalar,
-    Signature,
-    TecsDirection,
-    TecsFunction,
-    TecsStruct,
     UnaryExpression,
 )
+from rtgen.model.tecs import Signature, TecsDirection, TecsFunction, TecsStruct
 
 OCTETS = (Scalar.CHAR, Scalar.SCHAR, Scalar.UCHAR, Scalar.UINT8)
 """The types whose arrays are octets."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 
 from rtgen.diagnostics import Span
-from rtgen.facts.tdr import INTEGERS, LETTERS
+from rtgen.facts.tdr import INTEGERS, LETTERS, Scalar
 from rtgen.layouts.tdr import (
     OCTETS,
     Basic,
@@ -36,7 +36,7 @@ from rtgen.layouts.tdr import (
     sizes_of,
 )
 from rtgen.limits import MOST_LEVELS, MOST_VALUES
-from rtgen.model.tecs import (
+from rtgen.model.c_types import (
     BinaryExpression,
     CArrayType,
     CastExpression,
@@ -50,7 +50,10 @@ from rtgen.model.tecs import (
     Expression,
     Literal,
     Reference,
-    Scalar,
+    UnaryExpression,
+    resolve,
+)
+from rtgen.model.tecs import (
     Signature,
     Sizes,
     TecsDirection,
@@ -58,8 +61,6 @@ from rtgen.model.tecs import (
     TecsParameter,
     TecsStruct,
     TecsUnit,
-    UnaryExpression,
-    resolve,
 )
 
 _TEXT_UNITS = frozenset("bBhHiIqQ")

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
+from rtgen.facts.tdr import Scalar
 from rtgen.model import (
     VOID,
     ArrayType,
@@ -20,7 +21,7 @@ from rtgen.model import (
     StringType,
     Type,
 )
-from rtgen.model.tecs import (
+from rtgen.model.c_types import (
     CArrayType,
     CEnumType,
     CFunctionType,
@@ -32,13 +33,14 @@ from rtgen.model.tecs import (
     DescriptorType,
     Expression,
     Literal,
-    Scalar,
+    resolve,
+)
+from rtgen.model.tecs import (
     Sizes,
     TecsDirection,
     TecsParameter,
     TecsStruct,
     TecsUnit,
-    resolve,
 )
 
 TABLE_1 = {

@@ -5,6 +5,7 @@ from __future__ import annotations
 import builtins
 from collections.abc import Mapping
 
+from rtgen.facts.tdr import Scalar
 from rtgen.layouts.tdr import (
     Basic,
     Counted,
@@ -16,7 +17,7 @@ from rtgen.layouts.tdr import (
     String,
 )
 from rtgen.model import ScopedName
-from rtgen.model.tecs import Scalar, Signature
+from rtgen.model.tecs import Signature
 from rtgen.typemap.python_names import identifier, module_name
 
 CODEC_IMPORTS: Mapping[str, tuple[str, ...]] = {

@@ -8,7 +8,8 @@ import pytest
 
 from rtgen.diagnostics import Severity
 from rtgen.frontends.cdl import read_text
-from rtgen.model.tecs import Literal, Signature, TecsConst
+from rtgen.model.c_types import Literal
+from rtgen.model.tecs import Signature, TecsConst
 
 VALUES: dict[str, bool | int | float] = {
     "const int32_t A = -(3) + ~4;": -8,

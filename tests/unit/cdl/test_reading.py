@@ -8,23 +8,25 @@ import pytest
 
 from rtgen.cli import run
 from rtgen.diagnostics import Severity
+from rtgen.facts.tdr import Scalar
 from rtgen.frontends import FrontendResult
 from rtgen.frontends.cdl import load, read_text
 from rtgen.frontends.cdl.text.encodings import decode
-from rtgen.model.tecs import (
-    Cell,
-    Celltype,
+from rtgen.model.c_types import (
     CPointerType,
     CScalarType,
     CStructType,
     CTypedefType,
-    Scalar,
+    resolve,
+)
+from rtgen.model.tecs import (
+    Cell,
+    Celltype,
     Signature,
     TecsConst,
     TecsDeclaration,
     TecsStruct,
     TecsTypedef,
-    resolve,
 )
 
 HERE = Path(__file__).parent

@@ -24,7 +24,8 @@ from random_signatures import Call, _parameter, plain, sample, scalar
 from services import Generated
 
 from rtgen.cli.rpc.codecs import Function, Service
-from rtgen.model.tecs import Scalar, TecsDirection
+from rtgen.facts.tdr import Scalar
+from rtgen.model.tecs import TecsDirection
 from rtgen.runtime.opaque_rpc import NETWORK, TcpServer
 
 FUNCTIONS = 20

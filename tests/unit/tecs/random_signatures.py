@@ -10,7 +10,8 @@ from types import ModuleType
 from typing import Any
 
 from rtgen.diagnostics import Span
-from rtgen.model.tecs import (
+from rtgen.facts.tdr import Scalar
+from rtgen.model.c_types import (
     BinaryExpression,
     CArrayType,
     CPointerType,
@@ -21,7 +22,10 @@ from rtgen.model.tecs import (
     Expression,
     Literal,
     Reference,
-    Scalar,
+    UnaryExpression,
+    resolve,
+)
+from rtgen.model.tecs import (
     Signature,
     Sizes,
     TecsDirection,
@@ -30,8 +34,6 @@ from rtgen.model.tecs import (
     TecsParameter,
     TecsStruct,
     TecsUnit,
-    UnaryExpression,
-    resolve,
 )
 
 SPAN = Span("random.cdl", 1, 1, 1, 2)

@@ -5,7 +5,8 @@ from __future__ import annotations
 import struct
 from typing import Any
 
-from rtgen.model.tecs import (
+from rtgen.facts.tdr import Scalar
+from rtgen.model.c_types import (
     BinaryExpression,
     CArrayType,
     CPointerType,
@@ -16,15 +17,10 @@ from rtgen.model.tecs import (
     Expression,
     Literal,
     Reference,
-    Scalar,
-    Sizes,
-    TecsDirection,
-    TecsFunction,
-    TecsStruct,
-    TecsUnit,
     UnaryExpression,
     resolve,
 )
+from rtgen.model.tecs import Sizes, TecsDirection, TecsFunction, TecsStruct, TecsUnit
 
 WIDTHS = {
     Scalar.BOOL: 1,

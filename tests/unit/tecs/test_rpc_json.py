@@ -17,12 +17,9 @@ from random_signatures import (
 
 from rtgen.cli.rpc.codecs import Function, Service
 from rtgen.cli.rpc.values import JsonError
+from rtgen.facts.tdr import Scalar
+from rtgen.model.c_types import CArrayType, CStructType, CType, Literal
 from rtgen.model.tecs import (
-    CArrayType,
-    CStructType,
-    CType,
-    Literal,
-    Scalar,
     Signature,
     Sizes,
     TecsDirection,

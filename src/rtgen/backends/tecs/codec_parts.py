@@ -19,7 +19,7 @@ from rtgen.layouts.tdr import (
     kinds,
     references,
 )
-from rtgen.model.tecs import Expression
+from rtgen.model.c_types import Expression
 from rtgen.typemap.python_names import identifier
 from rtgen.typemap.tecs_python import IMPORTED_NAMES
 

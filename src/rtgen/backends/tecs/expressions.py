@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from rtgen.facts.tdr import BITS, LETTERS, WIDTH_NAMES
+from rtgen.facts.tdr import BITS, LETTERS, WIDTH_NAMES, Scalar
 from rtgen.layouts.tdr import Counted, FixedArray, Item, Octets
-from rtgen.model.tecs import (
+from rtgen.model.c_types import (
     BinaryExpression,
     CastExpression,
     ConditionalExpression,
@@ -14,7 +14,6 @@ from rtgen.model.tecs import (
     Expression,
     Literal,
     Reference,
-    Scalar,
     UnaryExpression,
     resolve,
 )

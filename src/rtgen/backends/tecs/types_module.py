@@ -13,13 +13,8 @@ from rtgen.backends.quoting.python import (
 )
 from rtgen.backends.rendering import render
 from rtgen.layouts.tdr import Node, Record, SignatureLayout
-from rtgen.model.tecs import (
-    CStructType,
-    TecsConst,
-    TecsTypedef,
-    TecsUnit,
-    resolve,
-)
+from rtgen.model.c_types import CStructType, resolve
+from rtgen.model.tecs import TecsConst, TecsTypedef, TecsUnit
 from rtgen.typemap.tecs_python import (
     annotation,
     is_mutable,

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
+from rtgen.facts.tdr import Scalar
 from rtgen.layouts.tdr import (
     Basic,
     Counted,
@@ -17,7 +18,6 @@ from rtgen.layouts.tdr import (
     Octets,
     Record,
 )
-from rtgen.model.tecs import Scalar
 from rtgen.typemap.tecs_python import member_name, struct_class
 
 _CHARACTERS = (Scalar.CHAR, Scalar.UCHAR)

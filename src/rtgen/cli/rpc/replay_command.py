@@ -20,9 +20,10 @@ from rtgen.cli.rpc.common import (
 )
 from rtgen.cli.rpc.values import Json, JsonError
 from rtgen.diagnostics import has_errors
+from rtgen.facts.tdr import Scalar
 from rtgen.frontends.cdl import read_text
 from rtgen.layouts.tdr import Basic, Counted, FixedArray, Item, Node, Nothing, Record
-from rtgen.model.tecs import Scalar, TecsUnit
+from rtgen.model.tecs import TecsUnit
 from rtgen.runtime.opaque_rpc import ArgumentError, RpcError, make_tdr
 from rtgen.runtime.opaque_rpc.tdr import SHARED_BEGIN, SHARED_END
 

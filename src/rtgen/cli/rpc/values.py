@@ -14,6 +14,7 @@ from collections.abc import Mapping, Sequence
 from types import ModuleType
 from typing import TypeAlias
 
+from rtgen.facts.tdr import Scalar
 from rtgen.layouts.tdr import (
     Basic,
     Counted,
@@ -25,7 +26,6 @@ from rtgen.layouts.tdr import (
     Record,
     String,
 )
-from rtgen.model.tecs import Scalar
 from rtgen.typemap.tecs_python import member_name, struct_class
 
 Json: TypeAlias = (

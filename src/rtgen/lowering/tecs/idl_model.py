@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import TypeVar
 
 from rtgen.diagnostics import Diagnostic, Span
+from rtgen.facts.tdr import Scalar
 from rtgen.lowering.tecs.idl_names import AnonymousTypes, IdlNames, common_fields
 from rtgen.lowering.tecs.plan import Service, TecsPackage
 from rtgen.lowering.tecs.rtc_components import COMMUNICATION, RTCS, components_of
@@ -32,11 +33,8 @@ from rtgen.model import (
     Type,
     Typedef,
 )
+from rtgen.model.c_types import CPointerType, CScalarType, CStructType, resolve
 from rtgen.model.tecs import (
-    CPointerType,
-    CScalarType,
-    CStructType,
-    Scalar,
     TecsConst,
     TecsDeclaration,
     TecsDirection,
@@ -44,7 +42,6 @@ from rtgen.model.tecs import (
     TecsParameter,
     TecsStruct,
     TecsTypedef,
-    resolve,
 )
 from rtgen.typemap.implementation_modules import referred
 from rtgen.typemap.tecs_idl import IdlTypes, NotInIdlError

@@ -11,9 +11,10 @@ from pycparser import c_ast
 from pycparser.c_parser import CParser, ParseError
 
 from rtgen.diagnostics import Span
+from rtgen.facts.tdr import Scalar
 from rtgen.frontends.cdl.names.c_types import MAX_DEPTH, depth, opaque
 from rtgen.frontends.cdl.syntax.words import RESERVED
-from rtgen.model.tecs import (
+from rtgen.model.c_types import (
     CArrayType,
     CEnumType,
     CFunctionType,
@@ -22,7 +23,8 @@ from rtgen.model.tecs import (
     CStructType,
     CType,
     CTypedefType,
-    Scalar,
+)
+from rtgen.model.tecs import (
     TecsDeclaration,
     TecsEnum,
     TecsMember,

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from rtgen.model.tecs import (
+from rtgen.facts.tdr import Scalar
+from rtgen.model.c_types import (
     CArrayType,
     CFunctionType,
     CPointerType,
@@ -10,7 +11,6 @@ from rtgen.model.tecs import (
     CStructType,
     CType,
     CTypedefType,
-    Scalar,
     resolve,
 )
 

@@ -12,7 +12,8 @@ from rtgen.frontends.cdl.names.scopes import Entity, Kind, Scope
 from rtgen.frontends.cdl.syntax import tree
 from rtgen.frontends.cdl.syntax.unit import Unit
 from rtgen.frontends.kit.suggestions import nearest
-from rtgen.model.tecs import CType, Expression, Signature
+from rtgen.model.c_types import CType, Expression
+from rtgen.model.tecs import Signature
 from rtgen.model.types import ScopedName
 
 DECLARE = "declare it before, or import the file that does"

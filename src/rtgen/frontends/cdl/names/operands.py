@@ -5,14 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import StrEnum
 
-from rtgen.model.tecs import (
+from rtgen.facts.tdr import Scalar
+from rtgen.model.c_types import (
     CArrayType,
     CPointerType,
     CScalarType,
     CStructType,
     CType,
     Expression,
-    Scalar,
     resolve,
 )
 

@@ -22,7 +22,8 @@ from rtgen.frontends.cdl.rules import headers as header_rules
 from rtgen.frontends.cdl.rules import syntax
 from rtgen.frontends.cdl.syntax import tree
 from rtgen.frontends.cdl.syntax.unit import Header, Unit
-from rtgen.model.tecs import TecsDeclaration, TecsEnum, TecsStruct, TecsTypedef, resolve
+from rtgen.model.c_types import resolve
+from rtgen.model.tecs import TecsDeclaration, TecsEnum, TecsStruct, TecsTypedef
 
 _OF_SIGNATURES = frozenset(("context", "callback", "deviate", "generate"))
 _COMPONENTS = (tree.Celltype, tree.Composite, tree.Cell, tree.Region)

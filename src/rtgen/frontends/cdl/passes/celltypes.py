@@ -31,7 +31,8 @@ from rtgen.frontends.cdl.rules import syntax
 from rtgen.frontends.cdl.rules.cells import MADE_BY_PLUGIN
 from rtgen.frontends.cdl.syntax import tree
 from rtgen.frontends.kit.suggestions import nearest
-from rtgen.model.tecs import CArrayType, CPointerType, CType, Signature, resolve
+from rtgen.model.c_types import CArrayType, CPointerType, CType, resolve
+from rtgen.model.tecs import Signature
 from rtgen.model.types import ScopedName
 
 _NO_EXPRESSION = (tree.Name, tree.Allocation, tree.Restriction)

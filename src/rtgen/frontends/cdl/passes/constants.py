@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 
 from rtgen.diagnostics import Rule
+from rtgen.facts.tdr import Scalar
 from rtgen.frontends.cdl.names.c_types import is_const
 from rtgen.frontends.cdl.names.operands import Operand, Sort, sort_of
 from rtgen.frontends.cdl.names.scopes import Kind, Scope
@@ -15,7 +16,7 @@ from rtgen.frontends.cdl.passes.types import Types
 from rtgen.frontends.cdl.rules import constants as rules
 from rtgen.frontends.cdl.syntax import tree
 from rtgen.frontends.cdl.syntax.unit import Unit
-from rtgen.model.tecs import (
+from rtgen.model.c_types import (
     AggregateExpression,
     CArrayType,
     CExpression,
@@ -26,11 +27,9 @@ from rtgen.model.tecs import (
     Expression,
     Literal,
     Reference,
-    Scalar,
-    TecsConst,
-    TecsStruct,
     resolve,
 )
+from rtgen.model.tecs import TecsConst, TecsStruct
 
 _CHARACTERS = (Scalar.CHAR, Scalar.SCHAR, Scalar.UCHAR)
 

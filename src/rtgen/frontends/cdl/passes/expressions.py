@@ -9,6 +9,7 @@ from typing import Any, TypeAlias
 
 from rtgen.diagnostics import Rule
 from rtgen.facts import tdr
+from rtgen.facts.tdr import Scalar
 from rtgen.frontends.cdl.names.operands import NUMBERS, BadError, Operand, Sort, sort_of
 from rtgen.frontends.cdl.names.scopes import Entity, Kind, Scope
 from rtgen.frontends.cdl.names.table import Table
@@ -17,7 +18,7 @@ from rtgen.frontends.cdl.rules import syntax
 from rtgen.frontends.cdl.syntax import tree
 from rtgen.frontends.cdl.syntax.unit import Unit
 from rtgen.frontends.kit.suggestions import nearest
-from rtgen.model.tecs import (
+from rtgen.model.c_types import (
     BinaryExpression,
     CArrayType,
     CastExpression,
@@ -29,12 +30,10 @@ from rtgen.model.tecs import (
     Expression,
     Literal,
     Reference,
-    Scalar,
-    TecsConst,
-    TecsStruct,
     UnaryExpression,
     resolve,
 )
+from rtgen.model.tecs import TecsConst, TecsStruct
 
 ReadType: TypeAlias = Callable[[tree.TypeName, Unit, Scope], CType | None]
 """Reads the type of a cast; None if it has errors, which are reported."""

@@ -10,7 +10,7 @@ from rtgen.frontends.cdl.passes.constants import is_character
 from rtgen.frontends.cdl.rules import celltypes as rules
 from rtgen.frontends.cdl.syntax import tree
 from rtgen.frontends.kit.suggestions import nearest
-from rtgen.model.tecs import CPointerType, resolve
+from rtgen.model.c_types import CPointerType, resolve
 
 _CONVERSION = re.compile(
     r"%(?P<flags>[-+ #0]*[\d*]*(?:\.[\d*]+)?)(?P<letter>.|$)", re.S

@@ -7,12 +7,11 @@ from collections.abc import Iterator
 from rtgen.frontends.cdl.names import entities as known
 from rtgen.frontends.cdl.passes import plugin_arguments, plugins
 from rtgen.frontends.cdl.syntax import tree
+from rtgen.model.c_types import Expression, Reference
 from rtgen.model.tecs import (
     Cell,
-    Expression,
     Join,
     PluginArgument,
-    Reference,
     TecsPort,
     TecsVariable,
     TextPiece,

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from rtgen.model.tecs import CPointerType, CScalarType, CType, CTypedefType, Scalar
+from rtgen.facts.tdr import Scalar
+from rtgen.model.c_types import CPointerType, CScalarType, CType, CTypedefType
 
 _BASIC = {
     Scalar.INT: "int_t",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from rtgen.diagnostics import Related, Rule
+from rtgen.facts.tdr import Scalar
 from rtgen.frontends.cdl.names.c_types import is_const, is_void, pointer_depth
 from rtgen.frontends.cdl.names.operands import Operand, Sort
 from rtgen.frontends.cdl.names.scopes import Entity, Kind, Scope
@@ -14,7 +15,7 @@ from rtgen.frontends.cdl.rules import syntax
 from rtgen.frontends.cdl.rules import types as type_rules
 from rtgen.frontends.cdl.syntax import tree
 from rtgen.frontends.cdl.syntax.unit import Unit
-from rtgen.model.tecs import (
+from rtgen.model.c_types import (
     CArrayType,
     CEnumType,
     CFunctionType,
@@ -24,13 +25,14 @@ from rtgen.model.tecs import (
     CTypedefType,
     Expression,
     Reference,
-    Scalar,
+    resolve,
+)
+from rtgen.model.tecs import (
     Signature,
     Sizes,
     TecsDirection,
     TecsFunction,
     TecsParameter,
-    resolve,
 )
 from rtgen.model.types import ScopedName
 

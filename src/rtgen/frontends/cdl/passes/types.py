@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 from rtgen.diagnostics import Related
+from rtgen.facts.tdr import Scalar
 from rtgen.frontends.cdl.names.c_types import (
     MAX_DEPTH,
     OPAQUE,
@@ -22,7 +23,7 @@ from rtgen.frontends.cdl.rules import syntax
 from rtgen.frontends.cdl.rules import types as rules
 from rtgen.frontends.cdl.syntax import tree
 from rtgen.frontends.cdl.syntax.unit import Unit
-from rtgen.model.tecs import (
+from rtgen.model.c_types import (
     CArrayType,
     CEnumType,
     CFunctionType,
@@ -32,14 +33,9 @@ from rtgen.model.tecs import (
     CType,
     CTypedefType,
     DescriptorType,
-    Scalar,
-    Sizes,
-    TecsEnum,
-    TecsMember,
-    TecsStruct,
-    TecsTypedef,
     resolve,
 )
+from rtgen.model.tecs import Sizes, TecsEnum, TecsMember, TecsStruct, TecsTypedef
 
 _SCALARS = {kind: CScalarType(kind) for kind in Scalar}
 _CHAR = CScalarType(Scalar.CHAR, plain=True)

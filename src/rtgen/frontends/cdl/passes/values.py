@@ -12,7 +12,7 @@ from rtgen.frontends.cdl.passes.constants import Constants
 from rtgen.frontends.cdl.passes.expressions import Expressions, Look
 from rtgen.frontends.cdl.passes.types import Types
 from rtgen.frontends.cdl.syntax import tree
-from rtgen.model.tecs import CType, Expression
+from rtgen.model.c_types import CType, Expression
 
 _MOST_NESTED = 20
 """The largest depth of attributes whose values refer to one another."""

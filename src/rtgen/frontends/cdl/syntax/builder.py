@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from rtgen.facts.tdr import Scalar
 from rtgen.frontends.cdl.syntax import tree
 from rtgen.frontends.cdl.syntax.words import TERMINALS, WORDS
-from rtgen.model.tecs import Scalar
 
 if TYPE_CHECKING:
     from rtgen.frontends.kit.lalr import Token

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from typing import TypeAlias
 
+from rtgen.facts.tdr import Scalar
 from rtgen.frontends.kit.nodes import node
-from rtgen.model.tecs import Scalar
 
 
 @node
