@@ -10,7 +10,7 @@ from rtgen.backends.components.places import source_of
 from rtgen.backends.python_text import fit_text, header_comment
 from rtgen.backends.quoting.python import docstring
 from rtgen.model import Adapter, Component, Model, NamedType, ScopedName, Struct
-from rtgen.typemap.idl_python import PythonNames
+from rtgen.typemap.idl_python_names import PythonNames
 from rtgen.typemap.python_names import module_name
 
 _METHODS = frozenset({"annotations", "ec_id", "int", "made", "sample", "self"})

@@ -18,7 +18,7 @@ from rtgen.backends.python_text import header, header_comment
 from rtgen.lowering.canopen.kinds import file_name, folder_of, kinds_of
 from rtgen.model import Component, Model
 from rtgen.typemap.canopen_ports import DevicePorts
-from rtgen.typemap.idl_python import PythonNames
+from rtgen.typemap.idl_python_names import PythonNames
 
 
 class CanopenBackend:

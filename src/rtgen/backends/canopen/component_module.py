@@ -14,7 +14,7 @@ from rtgen.backends.quoting.python import docstring
 from rtgen.model import Component, Model, NamedType, ScopedName, Struct
 from rtgen.model.canopen import PdoDirection
 from rtgen.typemap.canopen_ports import DevicePorts, ObjectPort, PdoSample, Quantity
-from rtgen.typemap.idl_python import PythonNames
+from rtgen.typemap.idl_python_names import PythonNames
 
 TIME = ("RTC", "Time")
 

@@ -13,7 +13,7 @@ from rtgen.backends.quoting.python import docstring, string_literal
 from rtgen.model import Component, Model
 from rtgen.model.canopen import PdoDirection
 from rtgen.typemap.canopen_ports import DevicePorts, ObjectPort, PdoSample, Quantity
-from rtgen.typemap.idl_python import PythonNames
+from rtgen.typemap.idl_python_names import PythonNames
 
 _HOOKS = "rtgen.runtime.canopen.hooks"
 

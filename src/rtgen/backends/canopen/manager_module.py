@@ -9,7 +9,7 @@ from rtgen.backends.components.imports import Imports
 from rtgen.backends.python_text import fit_text
 from rtgen.backends.quoting.python import docstring, string_literal
 from rtgen.model import Model
-from rtgen.typemap.idl_python import PythonNames
+from rtgen.typemap.idl_python_names import PythonNames
 
 NAME = "CanopenManager"
 

@@ -23,7 +23,7 @@ from rtgen.model import Component, Interface, Model, PortKind
 from rtgen.model.canopen import NodeRelative, PdoDirection
 from rtgen.typemap.canopen_ports import DevicePorts, ObjectPort, PdoSample, Quantity
 from rtgen.typemap.canopen_values import kind, object_value, python_type
-from rtgen.typemap.idl_python import PythonNames
+from rtgen.typemap.idl_python_names import PythonNames
 from rtgen.typemap.python_names import module_name
 
 _HOOKS = "rtgen.runtime.canopen.hooks"

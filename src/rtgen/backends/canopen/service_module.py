@@ -10,7 +10,7 @@ from rtgen.backends.python_text import fit_text
 from rtgen.backends.quoting.python import docstring
 from rtgen.lowering.canopen.kinds import OBJECT_DICTIONARY
 from rtgen.model import Interface, Model
-from rtgen.typemap.idl_python import PythonNames
+from rtgen.typemap.idl_python_names import PythonNames
 
 SERVANT = "ObjectService"
 

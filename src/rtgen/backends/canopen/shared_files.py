@@ -10,7 +10,7 @@ from rtgen.backends.canopen.service_module import service_text
 from rtgen.backends.python_text import header, header_comment
 from rtgen.model import Model
 from rtgen.resources import idl_file
-from rtgen.typemap.idl_python import PythonNames
+from rtgen.typemap.idl_python_names import PythonNames
 
 _SHARED = ("BasicDataType.idl", "Canopen.idl")
 

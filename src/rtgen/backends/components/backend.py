@@ -22,7 +22,7 @@ from rtgen.backends.quoting.python import docstring, string_literal
 from rtgen.backends.rendering import render
 from rtgen.diagnostics import has_errors
 from rtgen.model import Component, Model, SourceFile
-from rtgen.typemap.idl_python import PythonNames
+from rtgen.typemap.idl_python_names import PythonNames
 from rtgen.typemap.python_names import module_name
 
 

@@ -29,7 +29,7 @@ from rtgen.model import (
     Type,
 )
 from rtgen.typemap.component_names import CONFIGURATION_NAMES
-from rtgen.typemap.idl_python import PythonNames
+from rtgen.typemap.idl_python_names import PythonNames
 from rtgen.typemap.parameters import Parameters
 
 _TAKEN = CONFIGURATION_NAMES | {

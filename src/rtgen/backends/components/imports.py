@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Mapping
 
 from rtgen.model import Model, ScopedName
-from rtgen.typemap.idl_python import PythonMapping, PythonNames
+from rtgen.typemap.idl_python import PythonMapping
+from rtgen.typemap.idl_python_names import PythonNames
 from rtgen.typemap.python_names import identifier
 
 

@@ -11,7 +11,7 @@ from rtgen.typemap.component_names import (
     COMPONENT_NAMES,
     CONFIGURATION_NAMES,
 )
-from rtgen.typemap.idl_python import distinct
+from rtgen.typemap.idl_python_names import distinct
 
 
 @dataclass(frozen=True, slots=True)

@@ -26,7 +26,7 @@ from rtgen.model import (
     PortKind,
 )
 from rtgen.typemap.component_actions import ACTIONS
-from rtgen.typemap.idl_python import PythonNames, distinct
+from rtgen.typemap.idl_python_names import PythonNames, distinct
 from rtgen.typemap.python_names import identifier, module_name
 
 _TAKEN = frozenset(

@@ -20,7 +20,8 @@ from rtgen.model import (
     ScopedName,
     Type,
 )
-from rtgen.typemap.idl_python import PythonMapping, distinct
+from rtgen.typemap.idl_python import PythonMapping
+from rtgen.typemap.idl_python_names import distinct
 
 
 @dataclass(frozen=True, slots=True)

@@ -24,7 +24,7 @@ from rtgen.model import (
     SequenceType,
     Struct,
 )
-from rtgen.typemap.idl_python import PythonNames, package_path
+from rtgen.typemap.idl_python_names import PythonNames, package_path
 from rtgen.typemap.python_names import module_name
 
 ROOT = "small"

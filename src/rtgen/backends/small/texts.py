@@ -25,7 +25,7 @@ from rtgen.model import (
     StringType,
     Struct,
 )
-from rtgen.typemap.idl_python import PythonNames, package_path
+from rtgen.typemap.idl_python_names import PythonNames, package_path
 from rtgen.typemap.python_names import identifier
 
 _HELPERS = (*("Numbers", "Values", "bounded", "copy_array", "copy_items", "exactly"),)

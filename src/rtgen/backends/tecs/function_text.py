@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from rtgen.backends.tecs.views import used_structs
 from rtgen.layouts.tdr import FunctionLayout, SignatureLayout
 from rtgen.model.tecs import Sizes, TecsFunction
-from rtgen.typemap.idl_python import distinct
+from rtgen.typemap.idl_python_names import distinct
 from rtgen.typemap.tecs_python import (
     CODEC_ATTRIBUTES,
     annotation,

@@ -32,7 +32,7 @@ from rtgen.model import (
     Primitive,
     PrimitiveType,
 )
-from rtgen.typemap.idl_python import PythonNames, distinct
+from rtgen.typemap.idl_python_names import PythonNames, distinct
 from rtgen.typemap.tecs_python import struct_class
 
 _ANY = PrimitiveType(Primitive.ANY)

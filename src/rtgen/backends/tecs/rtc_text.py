@@ -10,7 +10,7 @@ from rtgen.backends.python_text import fit_text
 from rtgen.backends.quoting.python import docstring, number_literal, string_literal
 from rtgen.backends.rendering import render
 from rtgen.model import Component, Model, NamedType, PortKind
-from rtgen.typemap.idl_python import PythonNames
+from rtgen.typemap.idl_python_names import PythonNames
 
 _ADD = {PortKind.PROVIDER: "add_provider", PortKind.CONSUMER: "add_consumer"}
 RUNTIME = ("Component", "ComponentProfile", "service_port")

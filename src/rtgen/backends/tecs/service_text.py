@@ -19,7 +19,7 @@ from rtgen.backends.tecs.function_text import (
 from rtgen.layouts.tdr import FunctionLayout, SignatureLayout
 from rtgen.lowering.tecs.options import RtcOptions
 from rtgen.lowering.tecs.plan import Service
-from rtgen.typemap.idl_python import distinct
+from rtgen.typemap.idl_python_names import distinct
 from rtgen.typemap.python_names import identifier
 from rtgen.typemap.tecs_python import codec_class, codec_module
 

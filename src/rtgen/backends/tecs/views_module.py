@@ -11,7 +11,7 @@ from rtgen.backends.tecs.views import struct_views
 from rtgen.layouts.tdr import Record
 from rtgen.lowering.tecs.idl_model import IdlSide
 from rtgen.model import Struct
-from rtgen.typemap.idl_python import PythonNames
+from rtgen.typemap.idl_python_names import PythonNames
 
 
 def views_module(

@@ -38,7 +38,8 @@ from rtgen.model import (
     Valuetype,
 )
 from rtgen.model.declarations import OPAQUE, ConstantValue, Declaration
-from rtgen.typemap.idl_python import PythonNames, is_boolean, is_emitted, is_signed
+from rtgen.typemap.idl_python import is_boolean, is_signed
+from rtgen.typemap.idl_python_names import PythonNames, is_emitted
 
 
 class Descriptions:

@@ -19,7 +19,8 @@ from rtgen.model import (
     ScopedName,
     Type,
 )
-from rtgen.typemap.idl_python import PythonMapping, PythonNames, distinct
+from rtgen.typemap.idl_python import PythonMapping
+from rtgen.typemap.idl_python_names import PythonNames, distinct
 
 
 @dataclass(frozen=True, slots=True)

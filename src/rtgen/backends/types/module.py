@@ -42,12 +42,8 @@ from rtgen.model import (
     ValueBox,
     Valuetype,
 )
-from rtgen.typemap.idl_python import (
-    PythonMapping,
-    PythonNames,
-    is_boolean,
-    is_emitted,
-)
+from rtgen.typemap.idl_python import PythonMapping, is_boolean
+from rtgen.typemap.idl_python_names import PythonNames, is_emitted
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,7 +14,7 @@ from rtgen.model import (
     Model,
     ScopedName,
 )
-from rtgen.typemap.idl_python import PythonNames, is_emitted, package_path
+from rtgen.typemap.idl_python_names import PythonNames, is_emitted, package_path
 
 
 @dataclass(slots=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from rtgen.model import Declaration, Interface, ScopedName, Typedef
-from rtgen.typemap.idl_python import PythonNames
+from rtgen.typemap.idl_python_names import PythonNames
 from rtgen.typemap.python_support import HOMES
 
 

@@ -1,0 +1,427 @@
+"""IDL to Python: the names of declarations and members, and the modules that they are in.
+
+A name that Python, a generated class or generated text has already gets a trailing `_` (OMG IDL to
+Python mapping 1.3, which puts one in front).
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from functools import cached_property
+from typing import TypeAlias
+
+from rtgen.model import (
+    Bitfield,
+    Bitmask,
+    Bitset,
+    Case,
+    Declaration,
+    Enum,
+    ExceptionDecl,
+    Home,
+    Interface,
+    Member,
+    Model,
+    Native,
+    ScopedName,
+    Struct,
+    Union,
+    ValueBox,
+    Valuetype,
+)
+from rtgen.model.components import Component
+from rtgen.typemap.implementation_modules import implementation_modules
+from rtgen.typemap.python_names import identifier, scope_modules
+from rtgen.typemap.python_support import HOMES
+
+CODEC = frozenset(
+    {
+        "to_cdr",
+        "from_cdr",
+        "to_xcdr1",
+        "from_xcdr1",
+        "to_xcdr2",
+        "from_xcdr2",
+        "key_hash",
+    }
+)
+"""The public methods of everything with a codec; IDL names that clash get a trailing `_`."""
+
+NUMBER = frozenset({"to_number", "from_number"})
+"""The further methods of what stands on the wire as one number."""
+
+_UNION_FIELDS = frozenset({"discriminator", "value"})
+
+OWN_NAMES: dict[type[Declaration], frozenset[str]] = {
+    Struct: CODEC,
+    ExceptionDecl: CODEC | {"args", "with_traceback", "add_note"},
+    Union: CODEC | _UNION_FIELDS,
+    Enum: CODEC
+    | NUMBER
+    | {
+        "name",
+        "value",
+        "mro",
+        "as_integer_ratio",
+        "bit_count",
+        "bit_length",
+        "conjugate",
+        "denominator",
+        "from_bytes",
+        "imag",
+        "is_integer",
+        "numerator",
+        "real",
+        "to_bytes",
+    },
+}
+"""Attributes of the Python class of a declaration, which members cannot use."""
+OWN_NAMES[Bitmask] = OWN_NAMES[Enum]
+OWN_NAMES[Bitset] = CODEC | NUMBER
+OWN_NAMES[Valuetype] = CODEC | {"described"}
+
+_PACKAGES = frozenset({"components", "tecs"})
+"""Packages that rtgen itself generates below the root."""
+
+Fielded: TypeAlias = Struct | ExceptionDecl | Union | Bitset | Valuetype
+"""Declarations with named parts that become attributes."""
+
+
+class PythonNames:
+    """The place of each declaration of a model in the generated package.
+
+    One implementation module for each IDL file, `_idl.<file>`; one package for each IDL module,
+    which re-exports. `support` are the names that generated text uses itself in class scope.
+    """
+
+    def __init__(self, model: Model, package: str) -> None:
+        self.package = package
+        self._model = model
+        self._modules = implementation_modules(model)
+        self._classes: dict[ScopedName, str] = {}
+        self._holdings: dict[ScopedName, dict[str, Declaration]] = {}
+        self._operations: dict[ScopedName, dict[str, str]] = {}
+        self._members: dict[ScopedName, dict[str, str]] = {}
+        for module in dict.fromkeys(self._modules.values()):
+            self._name_classes(module)
+
+    def module(self, file: str) -> str:
+        """The implementation module of a source file, by its displayed path."""
+        return self._modules[file]
+
+    def declarations(self, module: str) -> list[Declaration]:
+        """The declarations in an implementation module, in order."""
+        return self._by_module.get(module, [])
+
+    def inside(self, scope: ScopedName) -> list[Declaration]:
+        """The declarations directly in a scope, in order."""
+        return self._by_scope.get(scope, [])
+
+    @property
+    def modules(self) -> list[str]:
+        """All nonempty implementation modules, in order of the files."""
+        used = self._by_module
+        return [m for m in dict.fromkeys(self._modules.values()) if m in used]
+
+    def implementation(self, name: ScopedName) -> tuple[str, str]:
+        """(`_idl.<module>`, class name) of a declaration."""
+        declaration = self._model.find(name)
+        return f"_idl.{self._modules[declaration.file]}", self._classes[name]
+
+    def public(self, name: ScopedName) -> tuple[tuple[str, ...], str]:
+        """(package path below the root, attribute there) of a declaration.
+
+        `("IIS", "TimedPose2D")` gives `(("iis",), "TimedPose2D")`, what stands in the global scope
+        `((), "RefHard")`, a type of an interface `((), "RefHard.Mode")`.
+        """
+        inner = self._depth(name)
+        attribute = ".".join(
+            self._attribute(name[: i + 1]) for i in range(inner, len(name))
+        )
+        return package_path(name[:inner]), attribute
+
+    def attribute(self, name: ScopedName) -> str:
+        """The name of a declaration or enumerator in its enclosing scope."""
+        return self._attribute(name)
+
+    def companion(self, name: ScopedName, suffix: str) -> str:
+        """The companion of a declaration's class: `RefHardStub`, `RangeListCodec`."""
+        declaration = self._model.find(name)
+        taken = {
+            self._classes[d.name]
+            for d in self.declarations(self._modules[declaration.file])
+        }
+        return _free(self._classes[name] + suffix, taken)
+
+    def public_companion(self, name: ScopedName, suffix: str) -> str:
+        """Its name in the package of the declaration's IDL module."""
+        return _free(self._attribute(name) + suffix, self._members_of[name[:-1]])
+
+    @cached_property
+    def _members_of(self) -> dict[ScopedName, set[str]]:
+        """The names that each scope declares."""
+        found: dict[ScopedName, set[str]] = {}
+        for declaration in self._model.declarations:
+            *scope, name = declaration.name
+            found.setdefault(tuple(scope), set()).add(name)
+        return found
+
+    def is_nested(self, name: ScopedName) -> bool:
+        """Whether it is declared inside an interface, struct or similar."""
+        return self._depth(name) < len(name) - 1
+
+    def enumerator(self, name: ScopedName) -> tuple[ScopedName, str]:
+        """The enum that has the enumerator of that scoped name, and its Python name there."""
+        enum = self._model.find(self._enumerators[name])
+        assert isinstance(enum, Enum | Bitmask)
+        return enum.name, self.enumerators(enum)[name[-1]]
+
+    def enumerators(self, declaration: Enum | Bitmask) -> dict[str, str]:
+        """The Python names of the members of an enum or bitmask."""
+        return distinct((m.name for m in declaration.members), OWN_NAMES[Enum])
+
+    def enumerators_of(self, name: ScopedName) -> list[str]:
+        """The Python names of the enumerators of an enum, in order."""
+        declaration = self._model.find(name)
+        assert isinstance(declaration, Enum)
+        return list(self.enumerators(declaration).values())
+
+    def members(self, declaration: Fielded) -> dict[str, str]:
+        """The Python names of the members of a struct or similar, or the branches of a union."""
+        name = declaration.name
+        if name not in self._members:
+            self._members[name] = self._new_members(declaration)
+        return self._members[name]
+
+    def _new_members(self, declaration: Fielded) -> dict[str, str]:
+        inherited: list[str] = []
+        entries: Sequence[Member | Case | Bitfield]
+        if isinstance(declaration, Union):
+            entries = declaration.cases
+        elif isinstance(declaration, Valuetype):
+            entries = declaration.state
+            inherited = self._inherited_state(declaration)
+        else:
+            entries = declaration.members
+            if isinstance(declaration, Struct | Bitset) and declaration.base:
+                base = self._model.find(declaration.base)
+                assert isinstance(base, Struct | Bitset)
+                inherited = list(self.members(base).values())
+        own = OWN_NAMES[type(declaration)]
+        return distinct((e.name for e in entries if e.name), own.union(inherited))
+
+    def operations(self, declaration: Interface | Valuetype) -> dict[str, str]:
+        """The Python names of the attributes and operations that it adds to its bases."""
+        name = declaration.name
+        if name not in self._operations:
+            self._operations[name] = self._new_operations(declaration)
+        return self._operations[name]
+
+    def _new_operations(self, declaration: Interface | Valuetype) -> dict[str, str]:
+        taken = {self._attribute(inner.name) for inner in self.inside(declaration.name)}
+        for base in self._model.bases(declaration):
+            taken.update(self.operations(base).values())
+        if isinstance(declaration, Valuetype):
+            taken.update(OWN_NAMES[Valuetype], self.members(declaration).values())
+            taken.update(self._inherited_state(declaration))
+        attributes = [attribute.name for attribute in declaration.attributes]
+        operations = [operation.name for operation in declaration.operations]
+        return distinct(attributes + operations, taken)
+
+    def bases(self, declaration: Interface | Valuetype) -> list[ScopedName]:
+        """The base classes: the latest declared first.
+
+        With this common order, in which derived classes precede their bases, Python finds a
+        method resolution order for everything that IDL allows.
+        """
+        return sorted(declaration.bases, key=self._places.__getitem__, reverse=True)
+
+    def contested(self, declaration: Interface) -> dict[str, Declaration]:
+        """The attributes that bases define differently, with the one that takes precedence."""
+        if len(declaration.bases) < 2:
+            return {}
+        given: dict[str, Declaration] = {}
+        contested: dict[str, Declaration] = {}
+        held = self._held(declaration.name)
+        for base in self.bases(declaration):
+            for attribute, inner in self._held(base).items():
+                if given.setdefault(attribute, inner) is not inner:
+                    contested[attribute] = held[attribute]
+        return contested
+
+    def hides(self, declaration: Interface) -> bool:
+        """Whether an attribute differs from that of a base."""
+        held = self._held(declaration.name)
+        return any(
+            held[attribute] is not inner
+            for base in declaration.bases
+            for attribute, inner in self._held(base).items()
+        )
+
+    def _held(self, name: ScopedName) -> dict[str, Declaration]:
+        """The declarations in an interface and its bases, by attribute."""
+        if name not in self._holdings:
+            declaration = self._model.find(name)
+            assert isinstance(declaration, Interface)
+            held: dict[str, Declaration] = {}
+            for base in reversed(self.bases(declaration)):
+                held |= self._held(base)
+            for inner in self.inside(name):
+                held[self._attribute(inner.name)] = inner
+                if isinstance(inner, Enum):
+                    for member in inner.members:
+                        held[self._attribute((*name, member.name))] = inner
+            self._holdings[name] = held
+        return self._holdings[name]
+
+    def _inherited_state(self, declaration: Valuetype) -> list[str]:
+        """The Python names of the state of a valuetype's bases."""
+        return [
+            name
+            for base in self._model.bases(declaration)
+            if isinstance(base, Valuetype)
+            for name in self.members(base).values()
+        ]
+
+    def attribute_names(self, module: str) -> frozenset[str]:
+        """The attributes that classes of an implementation module have in class scope."""
+        found: set[str] = set()
+        for declaration in self.declarations(module):
+            match declaration:
+                case Struct() | ExceptionDecl() | Union() | Bitset():
+                    found.update(self.members(declaration).values())
+                    if isinstance(declaration, Union):
+                        found.update(_UNION_FIELDS)
+                case Valuetype():
+                    found.update(self.members(declaration).values())
+                    found.update(self.operations(declaration).values())
+                case ValueBox():
+                    found.add("value")
+                case Interface():
+                    found.update(self.operations(declaration).values())
+                    found.update(self.contested(declaration))
+            if self.is_nested(declaration.name):
+                found.add(self._attribute(declaration.name))
+                if isinstance(declaration, Enum):
+                    scope = declaration.name[:-1]
+                    found.update(
+                        self._attribute((*scope, member.name))
+                        for member in declaration.members
+                    )
+        return frozenset(found)
+
+    def _depth(self, name: ScopedName) -> int:
+        """How many leading parts are IDL modules."""
+        for i in range(len(name)):
+            if name[: i + 1] in self._names:
+                return i
+        return len(name) - 1
+
+    def _attribute(self, name: ScopedName) -> str:
+        return identifier(name[-1], _PACKAGES if len(name) == 1 else ())
+
+    @cached_property
+    def _names(self) -> frozenset[ScopedName]:
+        return frozenset(d.name for d in self._model.declarations)
+
+    @cached_property
+    def _places(self) -> dict[ScopedName, int]:
+        return {d.name: place for place, d in enumerate(self._model.declarations)}
+
+    @cached_property
+    def _by_module(self) -> dict[str, list[Declaration]]:
+        modules: dict[str, list[Declaration]] = {}
+        for declaration in self._emitted:
+            modules.setdefault(self._modules[declaration.file], []).append(declaration)
+        return modules
+
+    @cached_property
+    def _by_scope(self) -> dict[ScopedName, list[Declaration]]:
+        scopes: dict[ScopedName, list[Declaration]] = {}
+        for declaration in self._emitted:
+            scopes.setdefault(declaration.name[:-1], []).append(declaration)
+        return scopes
+
+    @cached_property
+    def _emitted(self) -> list[Declaration]:
+        """The declarations in order, nested ones before the enclosing one."""
+        inside: dict[ScopedName, list[Declaration]] = {}
+        for declaration in self._model.declarations:
+            if is_emitted(declaration) and self.is_nested(declaration.name):
+                inside.setdefault(declaration.name[:-1], []).append(declaration)
+
+        def with_inner(declaration: Declaration) -> Iterator[Declaration]:
+            for inner in inside.get(declaration.name, ()):
+                yield from with_inner(inner)
+            if is_emitted(declaration):
+                yield declaration
+
+        return [
+            found
+            for declaration in self._model.declarations
+            if not self.is_nested(declaration.name)
+            for found in with_inner(declaration)
+        ]
+
+    @cached_property
+    def _enumerators(self) -> dict[ScopedName, ScopedName]:
+        return {
+            (*d.name[:-1], e.name): d.name
+            for d in self._model.declarations
+            if isinstance(d, Enum | Bitmask)
+            for e in d.members
+        }
+
+    def _name_classes(self, module: str) -> None:
+        declarations = self.declarations(module)
+        attributes = self.attribute_names(module)
+        short = {d.name: "_".join(d.name[self._depth(d.name) :]) for d in declarations}
+        count = Counter(short.values())
+        wanted = {
+            name: text if count[text] == 1 else "_".join(name)
+            for name, text in short.items()
+        }
+        reserved = attributes.union(HOMES)
+        free = {identifier(text, reserved) for text in wanted.values()}
+        taken: set[str] = set()
+        for name, text in wanted.items():
+            chosen = identifier(text, reserved)
+            while chosen in taken or (
+                chosen != text and chosen in free - {identifier(text)}
+            ):
+                chosen += "_"
+            taken.add(chosen)
+            self._classes[name] = chosen
+
+
+def distinct(names: Iterable[str], reserved: Collection[str]) -> dict[str, str]:
+    """Python names of the members of one scope: unique, and none reserved."""
+    wanted = list(names)
+    taken = {n for n in wanted if identifier(n, reserved) == n}.union(reserved)
+    result: dict[str, str] = {}
+    for name in wanted:
+        chosen = identifier(name, reserved)
+        if chosen != name:
+            while chosen in taken:
+                chosen += "_"
+            taken.add(chosen)
+        result[name] = chosen
+    return result
+
+
+def _free(name: str, taken: Collection[str]) -> str:
+    while name in taken:
+        name += "_"
+    return name
+
+
+def is_emitted(declaration: Declaration) -> bool:
+    """Whether the types back end generates anything for it."""
+    return not isinstance(declaration, Component | Home | Native)
+
+
+def package_path(scope: ScopedName) -> tuple[str, ...]:
+    """The package path below the root for an IDL module; rtgen's own packages keep theirs."""
+    path = scope_modules(scope)
+    return (identifier(path[0], _PACKAGES), *path[1:]) if path else path
