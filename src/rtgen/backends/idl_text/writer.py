@@ -1,17 +1,12 @@
-"""Prints OMG IDL from a model; the IDL front end can read the result.
-
-Only the content of the model is written: constants are evaluated, macros are gone. Homes are
-omitted, and components unless requested, so that other IDL compilers can read the result; with
-`annotations` they have to support IDL 4.
-"""
+"""Declarations as IDL text (OMG IDL 4.2, 7.4), without the modules around them."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
-from decimal import Decimal
+from collections.abc import Collection, Iterable, Iterator, Sequence
 
+from rtgen.backends.idl_text.literals import literal
+from rtgen.backends.idl_text.scopes import ScopedNames
 from rtgen.backends.quoting.idl import (
-    characters,
     comment_lines,
     readable_string,
     repository_id,
@@ -30,10 +25,8 @@ from rtgen.model import (
     Declaration,
     Documented,
     Enum,
-    EnumeratorName,
     ExceptionDecl,
     FixedType,
-    Home,
     Interface,
     MapType,
     Member,
@@ -60,7 +53,7 @@ from rtgen.typemap.component_annotations import annotations_of
 from rtgen.typemap.idl_words import escaped
 from rtgen.typemap.implementation_modules import referred
 
-_STEP = "    "
+STEP = "    "
 _INLINE = (Struct, Union, ExceptionDecl)
 """Declarations whose member types may be declared in place."""
 
@@ -75,114 +68,13 @@ _TYPED = ("default", "min", "max")
 """Annotations whose argument is a value of the annotated type."""
 
 
-def idl_text(
-    model: Model,
-    declarations: Iterable[Declaration],
-    *,
-    annotations: bool = True,
-    components: bool = False,
-    guard: Callable[[Declaration], str] = lambda declaration: "",
-) -> str:
-    """Print declarations as IDL, opening and closing modules as necessary.
+class Writer:
+    """Prints declarations; without `annotations` the text is IDL 3."""
 
-    Other declarations of the model are assumed to come from included files. `guard` returns the
-    macro that protects a declaration contained in several files; empty for none. Nested
-    declarations are printed with the enclosing one.
-    """
-    declarations = tuple(declarations)
-    writer = _Writer(model, annotations, declarations)
-    parts: list[str] = []
-    scope: ScopedName = ()
-    for declaration in declarations:
-        left_out = (Home,) if components else (Home, Component)
-        if isinstance(declaration, left_out) or writer.is_inner(declaration):
-            continue
-        macro = guard(declaration)
-        wanted = declaration.name[:-1]
-        if macro:
-            parts += [*_to(scope, ()), f"#ifndef {macro}\n#define {macro}\n"]
-            scope = ()
-        parts += _to(scope, wanted)
-        scope = wanted
-        parts += writer.top(declaration)
-        if macro:
-            parts += [*_to(scope, ()), f"#endif // {macro}\n"]
-            scope = ()
-    parts += _to(scope, ())
-    return "\n".join(parts)
-
-
-def literal(model: Model, type_: Type, value: ConstantValue) -> str:
-    """A constant's value as IDL writes it for that type."""
-    type_ = model.unalias(type_)
-    wide = type_ == PrimitiveType(Primitive.WCHAR)
-    wide |= isinstance(type_, StringType) and type_.wide
-    match value:
-        case bool():
-            return "TRUE" if value else "FALSE"
-        case EnumeratorName(name):
-            return "::".join(map(escaped, name))
-        case str():
-            is_text = isinstance(type_, StringType)
-            quote = '"' if is_text else "'"
-            return f"{'L' if wide else ''}{quote}{characters(value, wide)}{quote}"
-        case float():
-            return _float(value)
-        case Decimal():
-            return f"{value:f}d"
-        case int() if _is_floating(type_):
-            return _float(float(value))
-    return str(value)
-
-
-def _is_floating(type_: Type) -> bool:
-    floating = (Primitive.FLOAT, Primitive.DOUBLE, Primitive.LONG_DOUBLE)
-    return isinstance(type_, PrimitiveType) and type_.kind in floating
-
-
-def _float(value: float) -> str:
-    if value in (float("inf"), float("-inf")):
-        return "1e999" if value > 0 else "-1e999"
-    return repr(value)
-
-
-def _to(scope: ScopedName, wanted: ScopedName) -> Iterator[str]:
-    """The lines between two modules."""
-    common = 0
-    while common < min(len(scope), len(wanted)) and scope[common] == wanted[common]:
-        common += 1
-    for depth in range(len(scope), common, -1):
-        yield f"{_STEP * (depth - 1)}}};\n"
-    for depth in range(common, len(wanted)):
-        yield f"{_STEP * depth}module {escaped(wanted[depth])} {{\n"
-
-
-class _Writer:
-    def __init__(
-        self, model: Model, annotations: bool, declarations: Sequence[Declaration]
-    ) -> None:
+    def __init__(self, model: Model, annotations: bool, names: ScopedNames) -> None:
         self._model = model
         self._with_annotations = annotations
-        self._names = {declaration.name for declaration in model.declarations}
-        self._own = {declaration.name for declaration in declarations}
-        self._done: set[ScopedName] = set()
-        self._bound_names: dict[ScopedName, frozenset[str]] = {}
-        self._inside: dict[ScopedName, list[Declaration]] = {}
-        for declaration in model.declarations:
-            if self.is_inner(declaration):
-                inner = self._inside.setdefault(declaration.name[:-1], [])
-                inner.append(declaration)
-
-    def _is_written(self, name: ScopedName) -> bool:
-        """Whether it is declared before: here, or by what is not to be written."""
-        prefixes = (name[:depth] for depth in range(1, len(name) + 1))
-        return name in self._done or (
-            name in self._names and self._own.isdisjoint(prefixes)
-        )
-
-    def is_inner(self, declaration: Declaration) -> bool:
-        """Whether it is nested in another declaration."""
-        return declaration.name[:-1] in self._names
+        self._names = names
 
     def top(self, declaration: Declaration) -> Iterator[str]:
         """Print a declaration in its module, after its dependencies."""
@@ -194,17 +86,17 @@ class _Writer:
 
     def _forward(self, declaration: Declaration) -> Iterator[ScopedName]:
         """Dependencies in the same module that have not been printed yet."""
-        inner = self._inside.get(declaration.name, ())
+        inner = self._names.inside(declaration.name)
         for name in dict.fromkeys(
             n for d in (declaration, *inner) for n in referred(d)
         ):
             other = self._model.find(name) if name in self._names else None
-            if self._is_written(name) or name == declaration.name:
+            if self._names.is_written(name) or name == declaration.name:
                 continue
             if name[:-1] == declaration.name[:-1] and isinstance(
                 other, Interface | Valuetype | Struct | Union
             ):
-                self._done.add(name)
+                self._names.done.add(name)
                 yield name
 
     def _kind(self, name: ScopedName) -> str:
@@ -223,7 +115,7 @@ class _Writer:
     # Declarations, as lines without their module's indentation.
 
     def _declaration(self, declaration: Declaration) -> Iterator[str]:
-        self._done.add(declaration.name)
+        self._names.done.add(declaration.name)
         yield from self._above(declaration)
         lines = list(self._definition(declaration))
         lines[-1] += ";"
@@ -242,7 +134,7 @@ class _Writer:
         scope = declaration.name[:-1]
         match declaration:
             case Struct(base=base, members=members):
-                inherits = f" : {self._name(base, scope)}" if base else ""
+                inherits = f" : {self._names.text(base, scope)}" if base else ""
                 yield from self._braced(
                     f"struct {name}{inherits}", self._members(members, declaration.name)
                 )
@@ -255,7 +147,7 @@ class _Writer:
             case Enum() | Bitmask():
                 yield from self._enumerated(declaration)
             case Bitset(base=base, members=fields):
-                inherits = f" : {self._name(base, scope)}" if base else ""
+                inherits = f" : {self._names.text(base, scope)}" if base else ""
                 body = (line for f in fields for line in self._bitfield(f, scope))
                 yield from self._braced(f"bitset {name}{inherits}", body)
             case Typedef(type=type_):
@@ -278,7 +170,7 @@ class _Writer:
 
     def _braced(self, head: str, body: Iterable[str]) -> Iterator[str]:
         yield f"{head} {{"
-        yield from (f"{_STEP}{line}" if line else "" for line in body)
+        yield from (f"{STEP}{line}" if line else "" for line in body)
         yield "}"
 
     def _members(self, members: Sequence[Member], scope: ScopedName) -> Iterator[str]:
@@ -289,9 +181,9 @@ class _Writer:
     def _cases(self, union: Union) -> Iterator[str]:
         for case in union.cases:
             yield from self._labels(union, case)
-            yield from (f"{_STEP}{line}" for line in self._above(case))
+            yield from (f"{STEP}{line}" for line in self._above(case))
             text = self._declarator(case.type, escaped(case.name), union.name)
-            yield f"{_STEP}{text};".replace("\n", f"\n{_STEP}")
+            yield f"{STEP}{text};".replace("\n", f"\n{STEP}")
 
     def _labels(self, union: Union, case: Case) -> Iterator[str]:
         for label in case.labels:
@@ -322,7 +214,7 @@ class _Writer:
             return
         scope = declaration.name[:-1]
         if declaration.bases:
-            bases = (self._name(base, scope) for base in declaration.bases)
+            bases = (self._names.text(base, scope) for base in declaration.bases)
             head += f" : {', '.join(bases)}"
         yield from self._braced(head, self._exports(declaration))
 
@@ -334,12 +226,12 @@ class _Writer:
         scope = declaration.name[:-1]
         if declaration.custom:
             head = f"custom {head}"
-        bases = [self._name(base, scope) for base in declaration.bases]
+        bases = [self._names.text(base, scope) for base in declaration.bases]
         if bases:
             cut = "truncatable " if declaration.truncatable else ""
             head += f" : {cut}{', '.join(bases)}"
         if declaration.supports:
-            supported = (self._name(name, scope) for name in declaration.supports)
+            supported = (self._names.text(name, scope) for name in declaration.supports)
             head += f" supports {', '.join(supported)}"
         yield from self._braced(head, self._exports(declaration))
 
@@ -347,9 +239,9 @@ class _Writer:
         scope = component.name[:-1]
         head = f"component {escaped(component.name[-1])}"
         if component.base is not None:
-            head += f" : {self._name(component.base, scope)}"
+            head += f" : {self._names.text(component.base, scope)}"
         if component.supports:
-            supported = (self._name(name, scope) for name in component.supports)
+            supported = (self._names.text(name, scope) for name in component.supports)
             head += f" supports {', '.join(supported)}"
         yield from self._braced(head, self._items(component))
 
@@ -375,8 +267,8 @@ class _Writer:
 
     def _exports(self, declaration: Interface | Valuetype) -> Iterator[str]:
         scope = declaration.name
-        for inner in self._inside.get(scope, ()):
-            if not self._is_written(inner.name):
+        for inner in self._names.inside(scope):
+            if not self._names.is_written(inner.name):
                 yield from self._declaration(inner)
         if isinstance(declaration, Valuetype):
             for member in declaration.state:
@@ -433,7 +325,7 @@ class _Writer:
         return text
 
     def _raises(self, names: Sequence[ScopedName], scope: ScopedName) -> str:
-        listed = ", ".join(self._name(name, scope) for name in names)
+        listed = ", ".join(self._names.text(name, scope) for name in names)
         return f"({listed})" if listed else ""
 
     # What stands above a declaration or member.
@@ -518,41 +410,12 @@ class _Writer:
         if (
             isinstance(holder, _INLINE)
             and name[:-1] == scope
-            and not self._is_written(name)
+            and not self._names.is_written(name)
         ):
-            self._done.add(name)
+            self._names.done.add(name)
             lines = self._definition(self._model.find(name))
-            return "\n".join(lines).replace("\n", f"\n{_STEP}")
-        return self._name(name, scope, beside)
-
-    def _name(
-        self, name: ScopedName, scope: ScopedName, beside: Collection[str] = ()
-    ) -> str:
-        """A scoped name, absolute if its first part is hidden here.
-
-        A name that is used is also introduced into the scope (CORBA 2.6, 3.15.3).
-        """
-        text = "::".join(map(escaped, name))
-        first = name[0].lower()
-        taken = first in {other.lower() for other in beside} or any(
-            first in self._bound(scope[:depth]) for depth in range(1, len(scope) + 1)
-        )
-        return f"::{text}" if taken else text
-
-    def _bound(self, scope: ScopedName) -> frozenset[str]:
-        """The names, in lower case, that a scope binds."""
-        found = self._bound_names.get(scope)
-        if found is None:
-            depth = len(scope)
-            names = {
-                name[depth].lower()
-                for name in self._names
-                if len(name) > depth and name[:depth] == scope
-            }
-            if scope in self._names:
-                names.update(map(str.lower, _parts(self._model.find(scope))))
-            found = self._bound_names[scope] = frozenset(names)
-        return found
+            return "\n".join(lines).replace("\n", f"\n{STEP}")
+        return self._names.text(name, scope, beside)
 
 
 def _default_id(name: ScopedName) -> str:
@@ -562,24 +425,9 @@ def _default_id(name: ScopedName) -> str:
 def _indented(lines: Iterable[str], depth: int) -> str:
     """The lines at the depth of their module, with an empty one behind."""
     text = "\n".join(lines)
-    margin = _STEP * depth
+    margin = STEP * depth
     indented = (
         line if line.startswith("#") or not line else margin + line
         for line in text.split("\n")
     )
     return "\n".join(indented) + "\n"
-
-
-def _parts(declaration: Declaration) -> Iterator[str]:
-    """The names of what a declaration consists of."""
-    match declaration:
-        case Struct(members=members) | ExceptionDecl(members=members):
-            yield from (member.name for member in members)
-        case Union(cases=cases):
-            yield from (case.name for case in cases)
-        case Interface() | Valuetype():
-            yield from (attribute.name for attribute in declaration.attributes)
-            yield from (operation.name for operation in declaration.operations)
-            if isinstance(declaration, Valuetype):
-                yield from (member.name for member in declaration.state)
-                yield from (factory.name for factory in declaration.factories)

@@ -1,0 +1,53 @@
+"""Values of constants as IDL literals (OMG IDL 4.2, 7.2.6)."""
+
+from __future__ import annotations
+
+from decimal import Decimal
+
+from rtgen.backends.quoting.idl import (
+    characters,
+)
+from rtgen.model import (
+    ConstantValue,
+    EnumeratorName,
+    Model,
+    Primitive,
+    PrimitiveType,
+    StringType,
+    Type,
+)
+from rtgen.typemap.idl_words import escaped
+
+
+def literal(model: Model, type_: Type, value: ConstantValue) -> str:
+    """A constant's value as IDL writes it for that type."""
+    type_ = model.unalias(type_)
+    wide = type_ == PrimitiveType(Primitive.WCHAR)
+    wide |= isinstance(type_, StringType) and type_.wide
+    match value:
+        case bool():
+            return "TRUE" if value else "FALSE"
+        case EnumeratorName(name):
+            return "::".join(map(escaped, name))
+        case str():
+            is_text = isinstance(type_, StringType)
+            quote = '"' if is_text else "'"
+            return f"{'L' if wide else ''}{quote}{characters(value, wide)}{quote}"
+        case float():
+            return _float(value)
+        case Decimal():
+            return f"{value:f}d"
+        case int() if _is_floating(type_):
+            return _float(float(value))
+    return str(value)
+
+
+def _is_floating(type_: Type) -> bool:
+    floating = (Primitive.FLOAT, Primitive.DOUBLE, Primitive.LONG_DOUBLE)
+    return isinstance(type_, PrimitiveType) and type_.kind in floating
+
+
+def _float(value: float) -> str:
+    if value in (float("inf"), float("-inf")):
+        return "1e999" if value > 0 else "-1e999"
+    return repr(value)
