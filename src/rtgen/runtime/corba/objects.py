@@ -281,5 +281,5 @@ def _checked(
         return convert(values)
     except (ServiceError, CORBA.Exception):
         raise
-    except Exception as error:
+    except Exception as error:  # Whatever a value of a wrong type leads to.
         raise MarshalError(f"{what}: {error}") from error

@@ -6,7 +6,7 @@ import threading
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from rtgen.runtime.failures import log
+from rtgen.runtime.failures import described, log
 from rtgen.runtime.return_codes import (
     ACTIVE_STATE,
     ERROR_STATE,
@@ -91,8 +91,8 @@ class Follower:
             for ec_id, participant in tuple(self._participants.items()):
                 try:
                     self._work(ec_id, participant)
-                except Exception as error:
-                    self._log_once(str(error))
+                except Exception as error:  # OpenRTM's, or the behaviour's own.
+                    self._log_once(described(error))
                 work |= self._has_work(ec_id, participant)
             with self._lock:
                 if not work and not self._again:

@@ -165,7 +165,7 @@ class Client:
         try:
             naming = self._openrtm.CorbaNaming(self._orb, self._nameserver)
             naming.getRootContext()._non_existent()
-        except Exception as error:
+        except Exception as error:  # CorbaNaming documents none; MemoryError is one.
             message = f"no naming service at {self._nameserver}: {_error_text(error)}"
             raise StartError(message) from None
         return naming

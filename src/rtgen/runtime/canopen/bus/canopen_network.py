@@ -118,10 +118,10 @@ class NetworkBus(can.BusABC):
             self._notify(msg.arbitration_id, msg.data)
 
     def queued(self, frame: Frame) -> None:
-        """Notify the network of an SDO answer that is about to be sent.
+        """Notify the network of an SDO response that is about to be sent.
 
-        Who asked has it at the same time: later, the network would take it for the answer to a
-        request that it has made since.
+        The client gets it at the same time: later, the network would take it for the response to
+        a request that it has made since.
         """
         if frame.can_id in _SDO_ANSWERS:
             self._notify(frame.can_id, frame.data)
@@ -129,7 +129,7 @@ class NetworkBus(can.BusABC):
     def _notify(self, can_id: int, data: bytes | bytearray) -> None:
         try:
             self._network.notify(can_id, bytearray(data), time.time())
-        except Exception:
+        except Exception:  # Of a script's callback, as in the notifier of python-can.
             log.exception("a callback of the canopen.Network %s failed", self._name)
 
     def _sent_by_network(self, msg: can.Message, timeout: float | None = None) -> None:
