@@ -172,7 +172,7 @@ def test_an_emergency(bench: Bench) -> None:
     bench.slave.node.emcy.send(0x4210, 9)
     bench.until("ERROR")
     assert bench.proxy.reason == (
-        "node 5 tells EMCY 4210h device temperature (generic, temperature)"
+        "node 5 reports EMCY 4210h device temperature (generic, temperature)"
     )
 
 

@@ -47,7 +47,7 @@ def lint(
 
     Exit code 0: nothing, or notes only; 1: warnings, those of reading the definitions included;
     2: errors. Rules are silenced one by one: --ignore CODE, or `[lint] ignore` in rtgen.toml;
-    `[lint] select` is as --select. `rtgen explain CODE` tells what a rule is about.
+    `[lint] select` is as --select. `rtgen explain CODE` describes a rule.
     """
     project = project_of(definitions)
     wrong = [*_unknown(ignore, "--ignore"), *_unknown(select, "--select")]

@@ -53,7 +53,7 @@ class Project:
     are relative to. `sources`, `systems` and `include` are paths as they are shown to the user.
     `output` and `skeletons` are absolute, and neither may lead out of `base`. `tecs_path` are the
     folders of the environment's TECSPATH, which imports of CDL are looked for in at last;
-    `tecs_corba` tells whether services of TECS boards can be called over CORBA. `node_id` is the
+    `tecs_corba`: whether services of TECS boards can be called over CORBA. `node_id` is the
     node that devices are read for. `systems` are the RtsProfiles among the sources, which are no
     definitions. `plugins` has the options of plug-ins, `[plugin.NAME]`.
     """

@@ -1,6 +1,6 @@
 """The output folder: the only code that writes what rtgen generates.
 
-A plan tells what a run would change; `write` carries it out. A file is written beside its place
+A plan lists what a run would change; `write` carries it out. A file is written beside its place
 and moved onto it, so whenever a run ends, each file is either the old one or the new one. The
 manifest is written before the files it names, so no file is ever made that no manifest knows.
 """

@@ -178,12 +178,12 @@ class Component:
         try:
             code = getattr(self, callback)(*arguments)
         except Exception as error:
-            told, kind = str(error), type(error).__name__
+            message, kind = str(error), type(error).__name__
             self._note(
-                callback, callback + ": " + (kind + ": " + told if told else kind)
+                callback, callback + ": " + (kind + ": " + message if message else kind)
             )
             return False
-        # Neither None nor False is RTC_OK: whoever forgets the answer has failed.
+        # Neither None nor False is RTC_OK: a callback without a return value has failed.
         if type(code) is int and code == RTC_OK:
             return True
         known = type(code) is int and 0 <= code < len(CODE_NAMES)

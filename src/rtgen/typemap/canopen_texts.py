@@ -26,7 +26,7 @@ def type_name(data_type: int) -> str:
         return STRUCTURES.get(data_type, f"type {data_type:04X}h")
 
 
-def told(quantity: Quantity) -> str:
+def object_line(quantity: Quantity) -> str:
     """An object in one line: number, name, type, factor and unit.
 
     A factor that does not apply to the shown value is part of the unit: `0.1 rpm`.

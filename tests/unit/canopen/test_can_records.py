@@ -186,7 +186,7 @@ def test_the_table_has_a_row_for_each_identifier() -> None:
         (["monitor", "--kind", "pdo"], 2, "no frame is of kind 'pdo'"),
         (["record", "a.txt"], 2, ".blf (Vector BLF)"),
         (["replay", "missing.log", "--decode"], 3, "cannot read missing.log"),
-        (["replay", "missing.txt"], 2, "the suffix tells"),
+        (["replay", "missing.txt"], 2, "the suffix has to name a log format"),
         (["replay", "missing.log", "--json"], 2, "go with --decode"),
     ],
 )

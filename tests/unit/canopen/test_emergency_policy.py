@@ -59,7 +59,7 @@ def active(**settings: object) -> Bench:
 def test_a_message_about_a_frame_is_reported_once_and_the_work_goes_on(
     caplog: pytest.LogCaptureFixture,
 ) -> None:
-    message = "node 5 tells EMCY 8210h PDO too short (generic)"
+    message = "node 5 reports EMCY 8210h PDO too short (generic)"
     with active() as bench, caplog.at_level(logging.WARNING):
         for _ in range(3):
             bench.node.send(emergency(0x8210).frame(NODE))

@@ -142,7 +142,9 @@ def test_5_from_the_device() -> None:
         pair.run(0.2)
         assert pair.error_control[-1] == 0x04
         assert EMERGENCY + NODE in pair.recorder.ids
-        assert pair.proxy.reason == ("node 5 tells EMCY 6200h user software (generic)")
+        assert pair.proxy.reason == (
+            "node 5 reports EMCY 6200h user software (generic)"
+        )
         assert (pair.called, pair.proxy.calls) == (["on_aborting"],) * 2
 
 
@@ -158,7 +160,7 @@ def test_6_from_the_device() -> None:
     with Pair() as pair:
         pair.system.context(DEVICE_NAME).fail_component(pair.device, "check failed")
         pair.both("ERROR")
-        assert pair.proxy.reason.startswith("node 5 tells EMCY 6200h")
+        assert pair.proxy.reason.startswith("node 5 reports EMCY 6200h")
         assert pair.called == ["on_initialize", "on_aborting"]
 
 
@@ -240,7 +242,7 @@ def test_a_device_that_cannot_activate() -> None:
         pair.device.answers["on_activated"] = RTC_ERROR
         pair.system.activate(PROXY)
         pair.both("ERROR")
-        assert pair.proxy.reason.startswith("node 5 tells EMCY 6200h user software")
+        assert pair.proxy.reason.startswith("node 5 reports EMCY 6200h user software")
 
 
 def test_the_description_is_that_of_the_device() -> None:

@@ -201,7 +201,7 @@ def test_a_pdo_that_is_too_short_for_the_slave_is_reported() -> None:
         bench.link.send([Frame(0x200 + NODE, b"\1\2")])
         bench.run(0.1)
         assert bench.proxy.reason == (
-            "node 5 tells EMCY 8210h PDO too short (generic, communication)"
+            "node 5 reports EMCY 8210h PDO too short (generic, communication)"
         )
         bench.run(0.2)
         assert bench.node.state is NmtState.OPERATIONAL

@@ -272,7 +272,7 @@ def test_an_emergency_is_an_error_in_words() -> None:
         bench.node.send(message.frame(NODE))
         bench.until("ERROR")
         assert bench.reason == (
-            "node 5 tells EMCY 2310h current, output side (generic, current)"
+            "node 5 reports EMCY 2310h current, output side (generic, current)"
         )
         bench.run(0.01)
         assert bench.commands() == [START, STOP]
@@ -283,7 +283,7 @@ def test_an_emergency_while_inactive_is_an_error() -> None:
         bench.node.send(Emergency(0x3210, ErrorRegister.VOLTAGE).frame(NODE))
         bench.until("ERROR")
         assert bench.reason.startswith(
-            "node 5 tells EMCY 3210h voltage inside the device"
+            "node 5 reports EMCY 3210h voltage inside the device"
         )
 
 
@@ -310,7 +310,7 @@ def test_a_storm_of_emergencies_is_one_error(caplog: pytest.LogCaptureFixture) -
             bench.node.send(Emergency(code, ErrorRegister.CURRENT).frame(NODE))
         bench.run(0.5)
         assert bench.state == "ERROR"
-        assert bench.reason.startswith("node 5 tells EMCY 2000h")
+        assert bench.reason.startswith("node 5 reports EMCY 2000h")
         assert len([s for s in bench.states if s.after.name == "ERROR_STATE"]) == 1
         assert len(caplog.records) < 5
         assert bench.proxy._connection is not None
@@ -461,7 +461,7 @@ def test_two_nodes_of_the_same_id_that_beat() -> None:
             bench.node.beat(NmtState.OPERATIONAL)
         bench.until("ERROR")
         assert bench.reason == (
-            "node 5 tells states that contradict each other: are there two of them?"
+            "node 5 reports states that contradict each other: are there two of them?"
         )
 
 

@@ -443,7 +443,7 @@ def test_failures_of_a_server(
     reply = errors.handle(operation, body)
     assert reply.status is ReplyStatus.SYSTEM_EXCEPTION
     client = Client(forms.Errors, lambda *_: reply)
-    with pytest.raises(expected, match=r"the server tells of IDL:omg\.org/CORBA/"):
+    with pytest.raises(expected, match=r"the server reports IDL:omg\.org/CORBA/"):
         client("one", (1,))
 
 

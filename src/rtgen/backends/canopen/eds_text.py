@@ -140,15 +140,15 @@ def _device_info(info: DeviceInfo) -> Iterator[_Pair]:
     )
 
 
-def _commissioning(told: Commissioning) -> Iterator[_Pair]:
+def _commissioning(commissioning: Commissioning) -> Iterator[_Pair]:
     yield from _given(
-        NodeID=_hex(told.node_id),
-        NodeName=told.node_name,
-        Baudrate=told.bit_rate,
-        NetNumber=told.net_number,
-        NetworkName=told.network_name,
-        CANopenManager=int(told.manager),
-        LSS_SerialNumber=_hex(told.serial_number, 8),
+        NodeID=_hex(commissioning.node_id),
+        NodeName=commissioning.node_name,
+        Baudrate=commissioning.bit_rate,
+        NetNumber=commissioning.net_number,
+        NetworkName=commissioning.network_name,
+        CANopenManager=int(commissioning.manager),
+        LSS_SerialNumber=_hex(commissioning.serial_number, 8),
     )
 
 

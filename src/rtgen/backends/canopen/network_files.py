@@ -63,7 +63,7 @@ def configured(bus: Bus, node: BusNode) -> Device:
     A device with object 1F22h (concise DCF) contains the configurations of the other nodes.
     """
     device = node.device
-    told = device.commissioning or Commissioning()
+    commissioning = device.commissioning or Commissioning()
     objects = tuple(
         (
             replace(
@@ -87,7 +87,7 @@ def configured(bus: Bus, node: BusNode) -> Device:
         device,
         objects=objects,
         commissioning=replace(
-            told,
+            commissioning,
             node_id=node.id,
             node_name=node.name,
             bit_rate=bus.bit_rate,

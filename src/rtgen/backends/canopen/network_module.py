@@ -53,7 +53,7 @@ def _node(node: BusNode) -> str:
         name=string_literal(node.name),
         id=str(node.id),
         module=string_literal(node.kind.module),
-        identity=items([_hex(told) for told in identity(node)]),
+        identity=items([_hex(number) for number in identity(node)]),
         configuration=items(writes),
         pdos=items([pdo_text(pdo, node.device, node.id) for pdo in node.device.pdos]),
         heartbeat=str(heartbeat(node)),
@@ -69,8 +69,8 @@ def _node(node: BusNode) -> str:
     )
 
 
-def _hex(told: int | None) -> str:
-    return "None" if told is None else f"0x{told:X}"
+def _hex(number: int | None) -> str:
+    return "None" if number is None else f"0x{number:X}"
 
 
 def identity(
@@ -82,16 +82,16 @@ def identity(
     states them.
     """
     device = node.device
-    told = device.commissioning
+    commissioning = device.commissioning
     found = [
         identity_of(device, subindex) if device.find(0x1018, subindex) else None
         for subindex in range(1, 5)
     ]
     vendor, product, revision, serial = (number or None for number in found)
-    if told is None:
+    if commissioning is None:
         revision = serial = None
-    elif told.serial_number:
-        serial = told.serial_number
+    elif commissioning.serial_number:
+        serial = commissioning.serial_number
     type_ = device.find(0x1000)
     number = None if type_ is None else resolved(type_.current, node.id)
     number = number if isinstance(number, int) and number else None

@@ -157,15 +157,15 @@ def as_delivered(device: Device) -> Device:
 def _default(pdo: Pdo, device: Device) -> Pdo:
     """A PDO by the defaults of its objects."""
 
-    def told(subindex: int) -> Value | None:
+    def default(subindex: int) -> Value | None:
         variable = device.find(communication(pdo), subindex)
         return None if variable is None else variable.default
 
     def number(subindex: int) -> int | None:
-        value = told(subindex)
+        value = default(subindex)
         return value if isinstance(value, int) else None
 
-    cob_id = told(1)
+    cob_id = default(1)
     return replace(
         pdo,
         cob_id=cob_id if isinstance(cob_id, int | NodeRelative) else None,
@@ -190,8 +190,8 @@ def identity_of(device: Device, subindex: int) -> int | None:
     if isinstance(current, int) and current:
         return current
     info = device.info
-    told = (info.vendor_number, info.product_number, info.revision_number)
-    return told[subindex - 1] if subindex <= len(told) else None
+    numbers = (info.vendor_number, info.product_number, info.revision_number)
+    return numbers[subindex - 1] if subindex <= len(numbers) else None
 
 
 def _hex(value: int | None) -> str:
@@ -235,9 +235,9 @@ def _limit(value: int | float | NodeRelative | None) -> str:
 
 def pdo_text(pdo: Pdo, device: Device, node_id: int | None = None) -> str:
     """A PDO as a `PdoDescription`; with a node-id, with the COB-ID of that node."""
-    told = pdo.cob_id
-    relative = isinstance(told, NodeRelative)
-    cob_id = told.offset if isinstance(told, NodeRelative) else told
+    given = pdo.cob_id
+    relative = isinstance(given, NodeRelative)
+    cob_id = given.offset if isinstance(given, NodeRelative) else given
     if relative and cob_id is not None and node_id is not None:
         relative, cob_id = False, cob_id + node_id
     used = device.find(communication(pdo) + _MAPPING, 0)

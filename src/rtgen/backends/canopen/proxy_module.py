@@ -158,8 +158,8 @@ class _ProxyModule(ComponentModule):
         if isinstance(variable.current, NodeRelative):
             value = None
         if quantity.factor is not None:
-            told = value if isinstance(value, int | float) else 0
-            return number_literal(float(told * quantity.factor))
+            number = value if isinstance(value, int | float) else 0
+            return number_literal(float(number * quantity.factor))
         if self.is_time(quantity):
             return f"{self.time}()"
         if value is None:

@@ -41,10 +41,10 @@ def _steps(node: BusNode) -> Iterator[list[str]]:
     if node.lss:
         yield ["LSS", "", "node-id, if it has none"]
     names = (*_IDENTITY, "1018:4 serial number")
-    for name, told in zip(names, identity(node), strict=True):
-        if told is not None:
+    for name, wanted in zip(names, identity(node), strict=True):
+        if wanted is not None:
             number, _, what = name.partition(" ")
-            yield ["check", number, what, f"{told:08X}h"]
+            yield ["check", number, what, f"{wanted:08X}h"]
     writes = start_up(node)
     for write in writes:
         variable = write.variable

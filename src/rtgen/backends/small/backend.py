@@ -72,7 +72,7 @@ def _fit(
                 LEFT_OUT.at(
                     component.span,
                     f"{component.scoped} has no small form: {error}",
-                    hint="it is left out; `rtgen explain RTC0600` tells what fits",
+                    hint="it is left out; `rtgen explain RTC0600` lists what fits",
                 )
             )
         else:

@@ -88,15 +88,15 @@ def _codec_arguments(options: RtcOptions) -> str:
     """The arguments of the codec that differ from their defaults."""
     usual = RtcOptions()
     widths = ("short_bits", "int_bits", "long_bits", "intptr_bits")
-    told = [
+    given_widths = [
         f"{name}={getattr(options, name)}"
         for name in widths
         if getattr(options, name) != getattr(usual, name)
     ]
     arguments = []
-    if told or options.tdr != usual.tdr:
+    if given_widths or options.tdr != usual.tdr:
         order = string_literal(options.tdr)
-        arguments.append(f"make_tdr({', '.join([order, *told])})")
+        arguments.append(f"make_tdr({', '.join([order, *given_widths])})")
     if options.encoding != usual.encoding:
         arguments.append(f"encoding={string_literal(options.encoding)}")
     if options.limit != usual.limit:

@@ -23,7 +23,7 @@ def check_kind(path: Path) -> None:
     """Raise Refusal for a suffix that is no log format."""
     if path.suffix.lower() not in KINDS:
         known = ", ".join(f"{suffix} ({kind})" for suffix, kind in KINDS.items())
-        raise Refusal(f"{path}: the suffix tells the kind of record: {known}")
+        raise Refusal(f"{path}: the suffix has to name a log format: {known}")
 
 
 @contextmanager

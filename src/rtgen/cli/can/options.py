@@ -119,7 +119,7 @@ def with_nodes(function: Callable[P, R]) -> Callable[..., R]:
         "bus_file",
         type=click.Path(dir_okay=False, path_type=Path),
         metavar="FILE",
-        help="The bus file (TOML) that tells of the nodes.",
+        help="The bus file (TOML) that describes the nodes.",
     )
     @click.option(
         "--eds",

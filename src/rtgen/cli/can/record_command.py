@@ -27,8 +27,8 @@ def record_(
 ) -> int:
     """Write every frame of a bus with its time to FILE.
 
-    The suffix tells the kind: .log (candump), .asc or .blf (Vector). It ends at Ctrl-C, or as --for
-    and --count say; the file is then complete.
+    The suffix selects the format: .log (candump), .asc or .blf (Vector). It ends at Ctrl-C, or as
+    --for and --count say; the file is then complete.
     """
     check_kind(file)
     found = 0

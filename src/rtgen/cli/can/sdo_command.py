@@ -147,7 +147,7 @@ def sdo_(
         except SilentError:
             raise ToolError(
                 f"{known.name(node_id)} does not answer",
-                hint="rtgen can scan tells who is there; a node that is stopped has no SDO",
+                hint="`rtgen can scan` lists the nodes of the bus; a stopped node has no SDO",
             ) from None
     if file is not None:
         _write(file, got)

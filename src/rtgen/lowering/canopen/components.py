@@ -35,7 +35,7 @@ from rtgen.typemap.canopen_ports import (
     Quantity,
     can_be_parameter,
 )
-from rtgen.typemap.canopen_texts import line, told
+from rtgen.typemap.canopen_texts import line, object_line
 
 PROXY_BASE = "rtgen.runtime.canopen.master.proxy:CanopenProxy"
 SERVICE_PORT = "sdo"
@@ -162,7 +162,7 @@ def _data_ports(ports: DevicePorts) -> Iterator[Port]:
 
 
 def _unitless(quantity: Quantity) -> str:
-    return told(Quantity(quantity.name, quantity.variable, quantity.factor))
+    return object_line(Quantity(quantity.name, quantity.variable, quantity.factor))
 
 
 def _parameter(

@@ -26,7 +26,7 @@ from rtgen.typemap.canopen_ports import (
     DevicePorts,
     PdoSample,
 )
-from rtgen.typemap.canopen_texts import told
+from rtgen.typemap.canopen_texts import object_line
 
 _OCTETS = NamedType(("CANopen", "Octets"))
 TIME = NamedType(("RTC", "Time"))
@@ -66,7 +66,9 @@ def _struct(ports: DevicePorts, sample: PdoSample) -> Struct:
     way = "transmits" if pdo.direction == "tpdo" else "receives"
     doc = f"{pdo.direction.upper()} {pdo.number}, which the device {way}."
     members = (
-        Member(name=q.name, type=_type(q.type), span=q.variable.span, doc=told(q))
+        Member(
+            name=q.name, type=_type(q.type), span=q.variable.span, doc=object_line(q)
+        )
         for q in sample.fields
     )
     return Struct(
@@ -101,7 +103,7 @@ def _service(ports: DevicePorts) -> Interface:
         common: dict[str, Any] = {
             "raises": _RAISED,
             "span": variable.span,
-            "doc": told(quantity),
+            "doc": object_line(quantity),
         }
         type_ = _type(quantity.type)
         if variable.access.readable:

@@ -47,7 +47,7 @@ class _OctetsReply(Aggregated):
 
 
 class _FailedReply(Aggregated):
-    """The reply that tells of `OpaqueRpc::Failed`."""
+    """The reply that raises `OpaqueRpc::Failed`."""
 
     _descriptor_: ClassVar = idl.struct(
         "OpaqueRpc.Failed raised",

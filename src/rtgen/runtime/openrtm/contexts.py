@@ -58,7 +58,7 @@ class MachineClock(RealClock):
 
 
 class HostContext(ExecutionContext):
-    """A context whose ticks OpenRTM makes. What a behaviour requests of it is told to `wake`.
+    """A context whose ticks OpenRTM makes; `wake` is called after each request of a behaviour.
 
     `reference` gives the context of OpenRTM.
     """

@@ -1,7 +1,7 @@
-"""What generated conversions use: omniORB's classes of types, and those that are no plain data.
+"""Support for generated conversions: omniORB's classes of types, and types that are no plain data.
 
-The classes are looked up by repository id in what the stubs told omniORB, so it does not matter
-in which package they are, nor what it is called.
+The classes are looked up by repository id among those that the stubs have registered with omniORB,
+whatever their package.
 """
 
 from __future__ import annotations

@@ -318,7 +318,7 @@ class DataConnector(Generic[T]):
         self.cut = 0
         self.connected = False
         self.end_publishing: Callable[[], None] = _do_nothing
-        """Ends whatever runs the publisher; set by whoever started that."""
+        """Stops running the publisher; set by the scheduler that runs it."""
         self._snapshot = _snapshot_between(source.type, target.type)
 
     def __repr__(self) -> str:

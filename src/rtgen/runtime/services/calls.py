@@ -349,8 +349,8 @@ def kind_of(error: ServiceError) -> type[ServiceError]:
 
 def _failure(error: ServiceError, little_endian: bool) -> Reply:
     """The reply for an error (CORBA 3.3 part 2, 9.4.3.2, SystemExceptionReplyBody)."""
-    told = TOLD_AS[kind_of(error)]
-    identity = f"IDL:omg.org/CORBA/{told}:1.0\0".encode()
+    name = TOLD_AS[kind_of(error)]
+    identity = f"IDL:omg.org/CORBA/{name}:1.0\0".encode()
     order = "<" if little_endian else ">"
     padding = -len(identity) % 4
     form = f"{order}I{len(identity)}s{padding}xII"
@@ -363,11 +363,13 @@ def _system_exception(operation: str, reply: Reply) -> ServiceError:
     try:
         order = "<" if reply.little_endian else ">"
         minor, completion = struct.unpack_from(f"{order}II", reply.body, offset)
-        told = _COMPLETIONS[completion]
+        completed = _COMPLETIONS[completion]
     except FAILURES as failure:
         raise CdrError("SystemException", str(failure)) from failure
     type_ = SYSTEM_EXCEPTIONS.get(identity, ServiceError)
-    return type_(f"{operation}: the server tells of {identity} (minor {minor}, {told})")
+    return type_(
+        f"{operation}: the server reports {identity} (minor {minor}, {completed})"
+    )
 
 
 def _identity(reply: Reply) -> tuple[str, int]:

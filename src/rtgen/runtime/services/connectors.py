@@ -135,8 +135,8 @@ def _partner(
     for provider in fitting:
         if provider.instance == consumer.instance:
             return provider
-    alike = [c for c in here.consumers if c.interface is consumer.interface]
-    return fitting[0] if len(fitting) == len(alike) == 1 else None
+    same_interface = [c for c in here.consumers if c.interface is consumer.interface]
+    return fitting[0] if len(fitting) == len(same_interface) == 1 else None
 
 
 def end(

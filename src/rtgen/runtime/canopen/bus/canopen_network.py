@@ -76,8 +76,9 @@ class NetworkBus(can.BusABC):
     """The bus of a shared network as a python-can bus.
 
     What it sends reaches the callbacks of the network, too, and what the network sends is
-    received here, periodic messages included that python-can sends from a thread. Answers to SDO
-    requests of the network are withheld, since whoever asked for nothing counts them as foreign.
+    received here, periodic messages included that python-can sends from a thread. Responses to
+    SDO requests of the network are withheld: a client that has sent no request counts them as
+    those of a second client.
     Raises CanError if the network is not shared or not connected.
     """
 

@@ -85,7 +85,7 @@ class SimulatedBus(can.BusABC):
 
     @state.setter
     def state(self, new_state: can.BusState) -> None:
-        raise NotImplementedError("the link tells the state")
+        raise NotImplementedError("the link reports the state")
 
     def _recv_internal(self, timeout: float | None) -> tuple[can.Message | None, bool]:
         messages = self._station.messages

@@ -177,7 +177,7 @@ class NodeControl:
                 link.send((command_frame(command, node.node_id),), node)
             else:
                 raise NodeError(
-                    f"{self} cannot be told to change its state: this process has no NMT "
+                    f"{self} cannot be commanded to change its state: this process has no NMT "
                     "master (a manager that is ACTIVE, or `master` of the proxy)"
                 )
             node.command_sent()

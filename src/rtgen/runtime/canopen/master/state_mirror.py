@@ -86,7 +86,7 @@ class StateMirror:
     def clashed(self, node: ProxiedNode) -> None:
         """See `Watcher`."""
         self._fail(
-            node, "tells states that contradict each other: are there two of them?"
+            node, "reports states that contradict each other: are there two of them?"
         )
 
     def on_emergency(self, node: ProxiedNode, emergency: Emergency) -> None:
@@ -94,13 +94,13 @@ class StateMirror:
         if emergency.cleared:
             self._reported.clear()
         elif self._policy.stops(emergency):
-            self._fail(node, f"tells EMCY {emergency}")
+            self._fail(node, f"reports EMCY {emergency}")
         elif (
             emergency.code not in self._reported
             and len(self._reported) < _MOST_REPORTED
         ):
             self._reported.add(emergency.code)
-            self._report(f"node {node.node_id} tells EMCY {emergency}")
+            self._report(f"node {node.node_id} reports EMCY {emergency}")
 
     def cut_off(self, node: ProxiedNode) -> None:
         """See `Watcher`."""

@@ -97,14 +97,14 @@ class ParameterFile:
             "revision": device.revision_number,
         }
 
-    def _values(self, told: object) -> dict[ObjectNumber, bytes]:
-        if not isinstance(told, dict):
+    def _values(self, content: object) -> dict[ObjectNumber, bytes]:
+        if not isinstance(content, dict):
             raise self._error("it has no values")
         numbers = {
             f"{o.index:04X}:{o.subindex:X}": o for o in self._description.objects
         }
         found: dict[ObjectNumber, bytes] = {}
-        for key, digits in told.items():
+        for key, digits in content.items():
             described = numbers.get(key)
             if described is None or not described.writable:
                 raise self._error(f"no object {key[:20]!r} can be stored")
