@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from rtgen.backends import Artifact, Emission, Options
 from rtgen.backends.components.imports import Imports
-from rtgen.backends.components.places import source_of
+from rtgen.backends.components.locations import source_of
 from rtgen.backends.python_text import fit_text, header_comment
 from rtgen.backends.quoting.python import docstring
 from rtgen.model import Adapter, Component, Model, NamedType, ScopedName, Struct

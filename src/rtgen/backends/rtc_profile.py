@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from rtgen.backends import Artifact, Emission, Options
 from rtgen.backends.components.checks import check, components_of
-from rtgen.backends.components.places import package_folder, source_of, summary
+from rtgen.backends.components.locations import package_folder, source_of, summary
 from rtgen.backends.python_text import header
 from rtgen.backends.rendering import render
 from rtgen.diagnostics import has_errors
@@ -37,7 +37,7 @@ from rtgen.model.rtc_profile import EVENT, EVENT_ARGUMENTS, EVENT_PORT
 from rtgen.typemap import profile_facts
 from rtgen.typemap.component_actions import ACTIONS
 from rtgen.typemap.parameters import Parameters
-from rtgen.typemap.profile_texts import written
+from rtgen.typemap.profile_escapes import written
 
 _DATA_PORTS = {
     PortKind.INPORT: ("DataInPort", "LEFT"),

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from rtgen import compiler
-from rtgen.backends.components.places import summary
+from rtgen.backends.components.locations import summary
 from rtgen.backends.openrtm.plan import openrtm_port_name
 from rtgen.backends.openrtm.rules import OTHER_PROFILE
 from rtgen.diagnostics import Diagnostic, Span, has_errors, in_order

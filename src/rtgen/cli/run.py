@@ -11,13 +11,13 @@ from pathlib import Path
 import click
 
 from rtgen import runtime
-from rtgen.cli import shares, transports
+from rtgen.cli import partition, transports
 from rtgen.cli.assembly import assemble
 from rtgen.cli.common import BAD_INPUT, NO, OK, Console, with_console, write_out
 from rtgen.cli.curves import Curves, divided, draw_curves, write_curves
-from rtgen.cli.ending import ending
 from rtgen.cli.factories import Factories
 from rtgen.cli.failures import FailureOptions, FailureReport, logged, with_failures
+from rtgen.cli.interrupts import ending
 from rtgen.cli.progress import Progress, progress
 from rtgen.cli.recording import (
     Sample,
@@ -133,12 +133,12 @@ def run(
     condition = _condition(until, profile)
     values = [timeline.assignment(text, profile) for text in settings]
     if carrying.only is not None:
-        here = shares.named(carrying.only, profile)
-        shares.require_here(values, here)
-        condition = shares.condition_here(condition, here, asked=until is not None)
-        steps = shares.steps_here(steps, profile, here)
-        wanted = shares.measures_here(wanted, here)
-        profile = shares.share(profile, here)
+        here = partition.named(carrying.only, profile)
+        partition.require_here(values, here)
+        condition = partition.condition_here(condition, here, asked=until is not None)
+        steps = partition.steps_here(steps, profile, here)
+        wanted = partition.measures_here(wanted, here)
+        profile = partition.share(profile, here)
     csv_file, in_table = divided(table, "--csv", profile)
     plot, in_picture = divided(picture, "--plot", profile)
     csv_file = csv_file or (_result(profile, ".csv") if in_table else None)

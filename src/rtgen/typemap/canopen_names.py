@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from unicodedata import combining, normalize
 
 from rtgen.model.canopen import Variable
-from rtgen.typemap import idl_words
+from rtgen.typemap import idl_keywords
 
 _PARTS = re.compile(r"[A-Za-z0-9]+")
 _OTHER = re.compile(r"[^A-Za-z0-9]+")
@@ -67,4 +67,4 @@ def numbered(name: str, number: tuple[int, int]) -> str:
 
 
 def _is_keyword(name: str) -> bool:
-    return idl_words.escaped(name) != name or keyword.iskeyword(name)
+    return idl_keywords.escaped(name) != name or keyword.iskeyword(name)

@@ -15,7 +15,7 @@ from rtgen.model import (
     Port,
     ScopedName,
 )
-from rtgen.typemap.type_texts import names_in
+from rtgen.typemap.type_parsing import names_in
 
 
 def declarations_of(model: Model, component: Component) -> list[Declaration]:

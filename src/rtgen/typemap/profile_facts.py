@@ -29,10 +29,10 @@ from rtgen.model import (
     PortKind,
     ScopedName,
 )
-from rtgen.typemap import profile_texts
+from rtgen.typemap import profile_escapes
 from rtgen.typemap.component_annotations import WrittenAnnotation, written_annotations
 from rtgen.typemap.component_needs import declarations_of
-from rtgen.typemap.parameter_words import type_of
+from rtgen.typemap.parameter_types import type_of
 from rtgen.typemap.parameters import Parameters
 
 PROPERTY = "rtgen.definition"
@@ -191,8 +191,8 @@ def of_component(model: Model, component: Component) -> Facts:
         value = getattr(component, field)
         if read_text(value, usual) != value:
             facts[field] = value
-    summary = profile_texts.summary(component.description, component.doc)
-    if profile_texts.one_line(summary) != component.description:
+    summary = profile_escapes.summary(component.description, component.doc)
+    if profile_escapes.one_line(summary) != component.description:
         facts["description"] = component.description
     if read_doc(component.doc, summary) != component.doc:
         facts["doc"] = component.doc
@@ -254,7 +254,7 @@ def of_parameter(parameters: Parameters, parameter: ConfigurationParameter) -> F
 
 def _of_item(item: Port | ConfigurationParameter) -> Facts:
     facts: Facts = {}
-    if profile_texts.identifier(item.identifier) != item.identifier:
+    if profile_escapes.identifier(item.identifier) != item.identifier:
         facts["identifier"] = item.identifier
     if read_doc(item.doc) != item.doc:
         facts["doc"] = item.doc
@@ -282,7 +282,7 @@ def read_text(value: str, usual: str) -> str:
 
 def read_doc(doc: str, otherwise: str = "") -> str:
     """A doc text as it is read back; `otherwise` replaces an empty one."""
-    return profile_texts.lines(profile_texts.written(doc) or otherwise)
+    return profile_escapes.lines(profile_escapes.written(doc) or otherwise)
 
 
 def in_profile_order(ports: Sequence[Port]) -> list[Port]:

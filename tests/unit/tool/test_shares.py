@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from rtgen.cli import shares
+from rtgen.cli import partition as shares
 from rtgen.diagnostics import InputError, Span
 from rtgen.model import Connection, PortReference, System, SystemComponent
 from rtgen.systems.measures import parse

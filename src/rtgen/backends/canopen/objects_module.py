@@ -29,8 +29,8 @@ from rtgen.model.canopen import (
     Value,
     Variable,
 )
+from rtgen.typemap.canopen_labels import line
 from rtgen.typemap.canopen_names import identifier
-from rtgen.typemap.canopen_texts import line
 from rtgen.typemap.canopen_values import kind, object_value, python_type
 
 REMAPPED = "REMAPPED"

@@ -9,7 +9,7 @@ from rtgen.backends import Artifact, Emission, Options, Owner
 from rtgen.backends.components.base_module import base_module, class_names
 from rtgen.backends.components.checks import check, check_modules, components_of
 from rtgen.backends.components.imports import import_from
-from rtgen.backends.components.places import (
+from rtgen.backends.components.locations import (
     components_folder,
     factory,
     heading,

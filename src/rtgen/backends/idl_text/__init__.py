@@ -13,7 +13,7 @@ from rtgen.backends.idl_text.scopes import ScopedNames
 from rtgen.backends.idl_text.writer import STEP, Writer
 from rtgen.model import Declaration, Home, Model, ScopedName
 from rtgen.model.components import Component
-from rtgen.typemap.idl_words import escaped
+from rtgen.typemap.idl_keywords import escaped
 
 
 def idl_text(

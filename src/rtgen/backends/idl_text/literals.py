@@ -16,7 +16,7 @@ from rtgen.model import (
     StringType,
     Type,
 )
-from rtgen.typemap.idl_words import escaped
+from rtgen.typemap.idl_keywords import escaped
 
 
 def literal(model: Model, type_: Type, value: ConstantValue) -> str:

@@ -14,7 +14,7 @@ from rtgen.model import (
     Union,
     Valuetype,
 )
-from rtgen.typemap.idl_words import escaped
+from rtgen.typemap.idl_keywords import escaped
 
 
 class ScopedNames:

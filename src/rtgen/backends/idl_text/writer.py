@@ -50,7 +50,7 @@ from rtgen.model import (
 )
 from rtgen.model.components import Component
 from rtgen.typemap.component_annotations import annotations_of
-from rtgen.typemap.idl_words import escaped
+from rtgen.typemap.idl_keywords import escaped
 from rtgen.typemap.implementation_modules import referred
 
 STEP = "    "

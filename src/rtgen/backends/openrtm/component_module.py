@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import PurePosixPath
 
 from rtgen.backends.components.imports import import_from
-from rtgen.backends.components.places import heading, summary
+from rtgen.backends.components.locations import heading, summary
 from rtgen.backends.openrtm.plan import (
     ComponentPlan,
     DataPort,

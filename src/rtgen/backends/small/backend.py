@@ -9,7 +9,7 @@ from importlib.resources import files
 from rtgen.backends import Artifact, Emission, Options
 from rtgen.backends.components.checks import check, components_of
 from rtgen.backends.python_text import header_comment
-from rtgen.backends.small import texts
+from rtgen.backends.small import modules as texts
 from rtgen.backends.small.forms import Forms, Limits, NoFormError, reachable
 from rtgen.backends.small.rules import LEFT_OUT
 from rtgen.diagnostics import Diagnostic, has_errors

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from rtgen.backends import Artifact, Emission, Options, Owner, rtc_profile
 from rtgen.backends.components.checks import check, components_of
-from rtgen.backends.components.places import factory
+from rtgen.backends.components.locations import factory
 from rtgen.backends.components.skeleton import skeleton_module
 from rtgen.backends.idl_text import idl_text
 from rtgen.backends.python_text import header, header_comment

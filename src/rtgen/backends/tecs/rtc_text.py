@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from rtgen.backends.components.base_module import class_names
 from rtgen.backends.components.imports import Imports, import_from
+from rtgen.backends.components.locations import heading, summary
 from rtgen.backends.components.members import attributes_of
-from rtgen.backends.components.places import heading, summary
 from rtgen.backends.python_text import fit_text
 from rtgen.backends.quoting.python import docstring, number_literal, string_literal
 from rtgen.backends.rendering import render

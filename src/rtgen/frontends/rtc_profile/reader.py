@@ -29,8 +29,8 @@ from rtgen.model.rtc_profile import (
 )
 from rtgen.typemap import profile_rules as rules
 from rtgen.typemap.dates import has_zone, is_date
+from rtgen.typemap.profile_escapes import lines, one_line
 from rtgen.typemap.profile_facts import PROPERTY, Facts, checked, facts_from
-from rtgen.typemap.profile_texts import lines, one_line
 
 VERSIONS = ("0.1", "0.2", "0.3")
 

@@ -29,13 +29,13 @@ from rtgen.model.canopen import (
     resolved,
 )
 from rtgen.typemap.canopen_idl import limits
+from rtgen.typemap.canopen_labels import line, object_line
 from rtgen.typemap.canopen_ports import (
     NUMERIC,
     DevicePorts,
     Quantity,
     can_be_parameter,
 )
-from rtgen.typemap.canopen_texts import line, object_line
 
 PROXY_BASE = "rtgen.runtime.canopen.master.proxy:CanopenProxy"
 SERVICE_PORT = "sdo"

@@ -21,12 +21,12 @@ from rtgen.model import (
     Struct,
     Type,
 )
+from rtgen.typemap.canopen_labels import object_line
 from rtgen.typemap.canopen_ports import (
     STAMP,
     DevicePorts,
     PdoSample,
 )
-from rtgen.typemap.canopen_texts import object_line
 
 _OCTETS = NamedType(("CANopen", "Octets"))
 TIME = NamedType(("RTC", "Time"))

@@ -37,9 +37,9 @@ from rtgen.model.rtc_profile import (
     ProfileParameter,
     RtcProfile,
 )
+from rtgen.typemap import profile_escapes
 from rtgen.typemap import profile_rules as rules
-from rtgen.typemap import profile_texts
-from rtgen.typemap.parameter_words import type_of
+from rtgen.typemap.parameter_types import type_of
 from rtgen.typemap.parameters import Parameters, ValueMismatchError
 from rtgen.typemap.profile_facts import default_id
 from rtgen.typemap.widgets import is_widget
@@ -122,7 +122,7 @@ class Lowering:
 
     def _name(self, profile: RtcProfile) -> ScopedName:
         """The component's name, with a diagnostic if it had to be changed."""
-        last = profile_texts.word(profile.name, "Component")[:_LONGEST_NAME]
+        last = profile_escapes.word(profile.name, "Component")[:_LONGEST_NAME]
         why = "is no identifier" if len(last) < _LONGEST_NAME else "is too long"
         name = self._definitions.name(profile, last)
         known = self._by_name.get(name)
@@ -285,7 +285,7 @@ class Lowering:
         """The placeholder for a name, under that name if it is free."""
         name = self._stand_ins.get((written, service))
         if name is None:
-            parts = [profile_texts.word(part, "Unknown") for part in written]
+            parts = [profile_escapes.word(part, "Unknown") for part in written]
             name = tuple(parts) or ("Unknown",)
             if self._is_taken(name):
                 name = ("_".join(parts),)
@@ -441,7 +441,7 @@ def _identifier(
     taken: set[str],
 ) -> str:
     """An identifier unique in the component, in any case."""
-    text = profile_texts.identifier(item.variable or item.name, otherwise)
+    text = profile_escapes.identifier(item.variable or item.name, otherwise)
     base = name = identifier_of(item.variable, item.facts) or text
     number = 1
     while name.lower() in taken:

@@ -25,7 +25,7 @@ from rtgen.model import (
     Type,
 )
 from rtgen.model.rtc_profile import EVENT, EVENT_PORT, ProfileParameter, RtcProfile
-from rtgen.typemap import profile_facts, profile_texts
+from rtgen.typemap import profile_escapes, profile_facts
 from rtgen.typemap import profile_rules as rules
 from rtgen.typemap.component_annotations import (
     WrittenAnnotation,
@@ -33,7 +33,7 @@ from rtgen.typemap.component_annotations import (
     same_event,
 )
 from rtgen.typemap.parameters import Parameters
-from rtgen.typemap.type_texts import names_in, parsed
+from rtgen.typemap.type_parsing import names_in, parsed
 
 Facts: TypeAlias = Mapping[str, Any]
 _Item = TypeVar("_Item", Port, ConfigurationParameter, Component)
@@ -155,7 +155,9 @@ class Definitions:
             if text is None:
                 return (last,)
             *modules, _ = parts = text.split("::")
-            if len(parts) > 20 or any(profile_texts.word(p, "X") != p for p in modules):
+            if len(parts) > 20 or any(
+                profile_escapes.word(p, "X") != p for p in modules
+            ):
                 raise ValueError(f"{text[:40]!r} is no scoped name")
             for depth in range(1, len(parts)):
                 if tuple(parts[:depth]) in self.declared:
@@ -188,12 +190,12 @@ class Definitions:
         doc, description = facts.get("doc"), facts.get("description")
         if doc is not None:
             wanted = made.description if description is None else description
-            summary = profile_texts.summary(wanted, doc)
+            summary = profile_escapes.summary(wanted, doc)
             if profile_facts.read_doc(doc, summary) == made.doc:
                 made = replace(made, doc=doc)
         if description is not None:
-            summary = profile_texts.summary(description, made.doc)
-            if profile_texts.one_line(summary) == made.description:
+            summary = profile_escapes.summary(description, made.doc)
+            if profile_escapes.one_line(summary) == made.description:
                 made = replace(made, description=description)
         return made
 

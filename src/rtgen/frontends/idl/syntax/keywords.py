@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rtgen.typemap.idl_words import CORBA_3, FOLDED, RESERVED
+from rtgen.typemap.idl_keywords import CORBA_3, FOLDED, RESERVED
 
 __all__ = ["CORBA_3", "FOLDED", "RESERVED", "SHOWN", "TERMINALS", "WORDS", "shown"]
 

@@ -12,7 +12,7 @@ from typing import Final
 
 from rtgen.runtime.canopen.bus.link import Station
 from rtgen.runtime.canopen.bus.python_can import BusAddress, OpenBus, frame_of, open_bus
-from rtgen.runtime.canopen.bus.shared_link import Seat, SharedLink
+from rtgen.runtime.canopen.bus.shared_link import AttachedStation, SharedLink
 from rtgen.runtime.canopen.errors import LinkError
 from rtgen.runtime.canopen.wire.frames import SECOND, Frame
 from rtgen.runtime.failures import log
@@ -66,7 +66,7 @@ class RealLink(SharedLink):
         self._alarm = threading.Event()
         self._alarm_at: int | None = None
         self._outgoing: SimpleQueue[Frame | None] = SimpleQueue()
-        self._local: deque[tuple[Frame, Seat | None]] = deque()
+        self._local: deque[tuple[Frame, AttachedStation | None]] = deque()
         self._delivering = False
         self._failure: LinkError | None = None
         """Why the bus cannot be used, as found by the transmitting thread."""
@@ -161,7 +161,7 @@ class RealLink(SharedLink):
 
     # Transmission
 
-    def _put(self, frames: Iterable[Frame], seat: Seat | None) -> None:
+    def _put(self, frames: Iterable[Frame], attached: AttachedStation | None) -> None:
         bus = self._bus
         for frame in frames:
             if not self._up or self.closed or self._outgoing.qsize() >= _QUEUE:
@@ -170,7 +170,7 @@ class RealLink(SharedLink):
             self._outgoing.put(frame)
             if bus is not None and bus.on_queued is not None:
                 bus.on_queued(frame)
-            self._local.append((frame, seat))
+            self._local.append((frame, attached))
         if not self._delivering:
             self._deliver()
 
@@ -181,8 +181,8 @@ class RealLink(SharedLink):
             for _ in range(_LOCAL_BURST):
                 if not self._local:
                     return
-                frame, seat = self._local.popleft()
-                self._give(frame, seat, self.now())
+                frame, attached = self._local.popleft()
+                self._give(frame, attached, self.now())
             log.warning("%s: its stations answer each other without end", self.bus)
             self._local.clear()
         finally:
@@ -196,15 +196,15 @@ class RealLink(SharedLink):
             self._news.notify_all()
 
     def _timers_changed(self) -> None:
-        deadline = self._seats.deadline
+        deadline = self._attached.deadline
         if deadline is not None and (
             self._alarm_at is None or deadline < self._alarm_at
         ):
             self._alarm_at = deadline
             self._alarm.set()
 
-    def _failed(self, seat: Seat, error: Exception) -> None:
-        log.error("%s: %r failed", self.bus, seat.station, exc_info=error)
+    def _failed(self, attached: AttachedStation, error: Exception) -> None:
+        log.error("%s: %r failed", self.bus, attached.station, exc_info=error)
 
     # Threads
 
@@ -282,8 +282,8 @@ class RealLink(SharedLink):
             return
         try:
             self._up = up
-            for seat in self._seats:
-                self._turn(seat, up, self.now())
+            for attached in self._attached:
+                self._turn(attached, up, self.now())
             self._notice()
         finally:
             self._lock.release()
@@ -303,7 +303,7 @@ class RealLink(SharedLink):
     def _watch_time(self) -> None:
         while self._enter():
             try:
-                deadline = self._seats.deadline
+                deadline = self._attached.deadline
                 now = self.now()
                 if deadline is not None and deadline <= now:
                     self._poll(now)

@@ -12,7 +12,7 @@ from rtgen.runtime.canopen.errors import LinkError
 from rtgen.runtime.canopen.wire.frames import MILLISECOND, Frame
 
 
-class Seat:
+class AttachedStation:
     """A station attached to a link."""
 
     __slots__ = ("deadline", "identifiers", "left", "order", "station", "up", "wake")
@@ -28,70 +28,70 @@ class Seat:
         """Whether the station regards the bus as available."""
         self.left = False
 
-    def __lt__(self, other: Seat) -> bool:
+    def __lt__(self, other: AttachedStation) -> bool:
         return self.order < other.order
 
 
-class Seats:
+class AttachedStations:
     """The stations of a link, indexed by identifiers and by deadlines."""
 
     def __init__(self) -> None:
-        self._seats: dict[int, Seat] = {}
-        self._receivers: dict[int, tuple[Seat, ...]] = {}
-        self._timers: list[tuple[int, Seat]] = []
+        self._attached: dict[int, AttachedStation] = {}
+        self._receivers: dict[int, tuple[AttachedStation, ...]] = {}
+        self._timers: list[tuple[int, AttachedStation]] = []
         self._added = 0
 
     def __len__(self) -> int:
-        return len(self._seats)
+        return len(self._attached)
 
-    def __iter__(self) -> Iterator[Seat]:
-        return iter(tuple(self._seats.values()))
+    def __iter__(self) -> Iterator[AttachedStation]:
+        return iter(tuple(self._attached.values()))
 
-    def find(self, station: Station) -> Seat | None:
+    def find(self, station: Station) -> AttachedStation | None:
         """Find a station."""
-        return self._seats.get(id(station))
+        return self._attached.get(id(station))
 
-    def add(self, station: Station) -> Seat:
+    def add(self, station: Station) -> AttachedStation:
         """Add a station after all others. Raises ValueError if it is already attached."""
-        if id(station) in self._seats:
+        if id(station) in self._attached:
             raise ValueError(f"{station!r} is attached already")
         self._added += 1
-        seat = self._seats[id(station)] = Seat(station, self._added)
-        self.update(seat)
-        return seat
+        attached = self._attached[id(station)] = AttachedStation(station, self._added)
+        self.update(attached)
+        return attached
 
-    def remove(self, seat: Seat) -> None:
+    def remove(self, attached: AttachedStation) -> None:
         """Remove a station."""
-        del self._seats[id(seat.station)]
-        seat.left = True
-        seat.wake = None
+        del self._attached[id(attached.station)]
+        attached.left = True
+        attached.wake = None
         self._receivers.clear()
 
-    def update(self, seat: Seat, not_before: int = 0) -> None:
+    def update(self, attached: AttachedStation, not_before: int = 0) -> None:
         """Update the index of a station; must be called after each call to the station."""
-        station = seat.station
+        station = attached.station
         identifiers = station.identifiers
-        if identifiers is not seat.identifiers:
-            if identifiers != seat.identifiers:
+        if identifiers is not attached.identifiers:
+            if identifiers != attached.identifiers:
                 self._receivers.clear()
-            seat.identifiers = identifiers
-        deadline = seat.deadline = station.deadline
+            attached.identifiers = identifiers
+        deadline = attached.deadline = station.deadline
         if deadline is not None:
             wake = max(deadline, not_before)
-            if seat.wake is None or wake < seat.wake:
-                seat.wake = wake
-                heappush(self._timers, (wake, seat))
+            if attached.wake is None or wake < attached.wake:
+                attached.wake = wake
+                heappush(self._timers, (wake, attached))
 
-    def receivers(self, can_id: int) -> tuple[Seat, ...]:
+    def receivers(self, can_id: int) -> tuple[AttachedStation, ...]:
         """The stations that receive an identifier, in order of attachment."""
         receivers = self._receivers.get(can_id)
         if receivers is None:
             if len(self._receivers) >= _CACHED_IDENTIFIERS:
                 self._receivers.clear()
             receivers = self._receivers[can_id] = tuple(
-                seat
-                for seat in self._seats.values()
-                if seat.identifiers is None or can_id in seat.identifiers
+                attached
+                for attached in self._attached.values()
+                if attached.identifiers is None or can_id in attached.identifiers
             )
         return receivers
 
@@ -101,19 +101,19 @@ class Seats:
         self._tidy()
         return self._timers[0][0] if self._timers else None
 
-    def due(self, now: int) -> Iterator[Seat]:
+    def due(self, now: int) -> Iterator[AttachedStation]:
         """The stations whose deadline has passed, each once, earliest first."""
         found = []
         while self._timers and self._timers[0][0] <= now:
-            wake, seat = heappop(self._timers)
-            if wake != seat.wake or seat.left:
+            wake, attached = heappop(self._timers)
+            if wake != attached.wake or attached.left:
                 continue
-            seat.wake = None
-            if seat.deadline is not None and seat.deadline > now:
-                seat.wake = seat.deadline
-                heappush(self._timers, (seat.deadline, seat))
-            elif seat.deadline is not None:
-                found.append(seat)
+            attached.wake = None
+            if attached.deadline is not None and attached.deadline > now:
+                attached.wake = attached.deadline
+                heappush(self._timers, (attached.deadline, attached))
+            elif attached.deadline is not None:
+                found.append(attached)
         yield from found
 
     def _tidy(self) -> None:
@@ -136,7 +136,7 @@ class SharedLink(Link):
         self.bus = bus
         self.lost = 0
         self.master: NmtMaster | None = None
-        self._seats = Seats()
+        self._attached = AttachedStations()
         self._sdo: dict[int, SdoChannel] = {}
 
     def __repr__(self) -> str:
@@ -148,28 +148,28 @@ class SharedLink(Link):
     @property
     def has_stations(self) -> bool:
         """Whether any station is attached."""
-        return len(self._seats) > 0
+        return len(self._attached) > 0
 
     def attach(self, station: Station) -> None:
         """See `Link`. Raises ValueError if the station is already attached."""
         with self.lock:
-            self._seats.add(station).up = self.up
+            self._attached.add(station).up = self.up
             self._timers_changed()
 
     def detach(self, station: Station) -> None:
         """See `Link`. Ignores a station that is not attached."""
         with self.lock:
-            seat = self._seats.find(station)
-            if seat is None:
+            attached = self._attached.find(station)
+            if attached is None:
                 return
-            self._seats.remove(seat)
-            if len(self._seats) > len(self._sdo):
+            self._attached.remove(attached)
+            if len(self._attached) > len(self._sdo):
                 return
             for channel in self._sdo.values():
                 # Pending transfers fail.
                 channel.link_changed(False, self.now())
-            for rest in self._seats:
-                self._seats.remove(rest)
+            for rest in self._attached:
+                self._attached.remove(rest)
             self._sdo.clear()
             self.master = None
         self._close()
@@ -177,18 +177,18 @@ class SharedLink(Link):
     def refresh(self, station: Station) -> None:
         """See `Link`."""
         with self.lock:
-            seat = self._seats.find(station)
-            if seat is not None:
-                self._seats.update(seat)
+            attached = self._attached.find(station)
+            if attached is not None:
+                self._attached.update(attached)
                 self._timers_changed()
 
     def send(self, frames: Iterable[Frame], sender: Station | None = None) -> None:
         """See `Link`."""
         with self.lock:
-            seat = None if sender is None else self._seats.find(sender)
-            if not self.up or (seat is not None and not seat.up):
+            attached = None if sender is None else self._attached.find(sender)
+            if not self.up or (attached is not None and not attached.up):
                 raise LinkError(f"{self.bus} is off")
-            self._put(frames, seat)
+            self._put(frames, attached)
 
     def sdo(self, node_id: int) -> SdoChannel:
         """See `Link`."""
@@ -196,13 +196,13 @@ class SharedLink(Link):
             channel = self._sdo.get(node_id)
             if channel is None:
                 channel = self._sdo[node_id] = SdoChannel(self, node_id)
-                self._seats.add(channel).up = self.up
+                self._attached.add(channel).up = self.up
             return channel
 
     # Implemented by the links
 
     @abstractmethod
-    def _put(self, frames: Iterable[Frame], seat: Seat | None) -> None:
+    def _put(self, frames: Iterable[Frame], attached: AttachedStation | None) -> None:
         """Queue a station's frames; frames that cannot be queued count as lost."""
 
     @abstractmethod
@@ -213,48 +213,48 @@ class SharedLink(Link):
     def _close(self) -> None:
         """Called without the lock when the last station has left."""
 
-    def _give(self, frame: Frame, sender: Seat | None, now: int) -> None:
+    def _give(self, frame: Frame, sender: AttachedStation | None, now: int) -> None:
         """Deliver a frame to all stations except the sender."""
-        for seat in self._seats.receivers(frame.can_id):
-            if seat is not sender and seat.up and not seat.left:
+        for attached in self._attached.receivers(frame.can_id):
+            if attached is not sender and attached.up and not attached.left:
                 try:
-                    frames = tuple(seat.station.receive(frame, now))
+                    frames = tuple(attached.station.receive(frame, now))
                 except Exception as error:
-                    self._failed(seat, error)
+                    self._failed(attached, error)
                     continue
-                self._sent_by(seat, frames)
+                self._sent_by(attached, frames)
 
     def _poll(self, now: int) -> None:
         """Poll the stations that are due."""
-        for seat in self._seats.due(now):
-            if not seat.left:
+        for attached in self._attached.due(now):
+            if not attached.left:
                 try:
-                    frames = tuple(seat.station.poll(now))
+                    frames = tuple(attached.station.poll(now))
                 except Exception as error:
-                    self._failed(seat, error)
+                    self._failed(attached, error)
                     frames = ()
                 # Avoids an endless loop with a station that remains due.
-                self._sent_by(seat, frames, now + MILLISECOND)
+                self._sent_by(attached, frames, now + MILLISECOND)
 
-    def _turn(self, seat: Seat, up: bool, now: int) -> None:
+    def _turn(self, attached: AttachedStation, up: bool, now: int) -> None:
         """Notify a station that the bus is lost or available again."""
-        if seat.up == up:
+        if attached.up == up:
             return
-        seat.up = up
+        attached.up = up
         try:
-            frames = tuple(seat.station.link_changed(up, now))
+            frames = tuple(attached.station.link_changed(up, now))
         except Exception as error:
-            self._failed(seat, error)
+            self._failed(attached, error)
             return
-        self._sent_by(seat, frames)
+        self._sent_by(attached, frames)
 
     def _sent_by(
-        self, seat: Seat, frames: tuple[Frame, ...], not_before: int = 0
+        self, attached: AttachedStation, frames: tuple[Frame, ...], not_before: int = 0
     ) -> None:
-        self._seats.update(seat, not_before)
+        self._attached.update(attached, not_before)
         if frames:
-            self._put(frames, seat)
+            self._put(frames, attached)
 
-    def _failed(self, seat: Seat, error: Exception) -> None:
+    def _failed(self, attached: AttachedStation, error: Exception) -> None:
         """Called when a station has raised an exception, which is a bug in the station."""
         raise error

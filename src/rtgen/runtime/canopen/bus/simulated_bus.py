@@ -8,7 +8,7 @@ from typing import Final, TypeAlias
 
 from rtgen.runtime.canopen.bus.arbitration import Arbiter, transmission_time
 from rtgen.runtime.canopen.bus.link import Station
-from rtgen.runtime.canopen.bus.shared_link import Seat, SharedLink
+from rtgen.runtime.canopen.bus.shared_link import AttachedStation, SharedLink
 from rtgen.runtime.canopen.errors import LinkError
 from rtgen.runtime.canopen.wire.frames import MILLISECOND, Frame
 from rtgen.runtime.timing.instants import Instants, SimulatedTime
@@ -43,8 +43,8 @@ class SimulatedCanBus(SharedLink):
         self._clock = clock
         self._instants: Instants = clock.instants
         self._up = True
-        self._arbiter: Arbiter[Seat | None] = Arbiter()
-        self._under_way: tuple[Seat | None, Frame] | None = None
+        self._arbiter: Arbiter[AttachedStation | None] = Arbiter()
+        self._under_way: tuple[AttachedStation | None, Frame] | None = None
         self._turn_is_due = False
         self._wake: int | None = None
         self._lock = nullcontext()
@@ -93,14 +93,12 @@ class SimulatedCanBus(SharedLink):
     def _switch(self, stations: tuple[Station, ...], up: bool) -> None:
         if not stations:
             self._up = up
-        found = [self._seats.find(station) for station in stations]
-        seats = (
-            [seat for seat in found if seat is not None] if stations else self._seats
-        )
-        for seat in seats:
+        found = [self._attached.find(station) for station in stations]
+        known = [attached for attached in found if attached is not None]
+        for attached in known if stations else self._attached:
             if not up:
-                self._drop(seat)
-            self._turn(seat, up, self.now())
+                self._drop(attached)
+            self._turn(attached, up, self.now())
         if not up and not stations:
             self.lost += self._arbiter.clear()
             self._under_way = None
@@ -108,14 +106,14 @@ class SimulatedCanBus(SharedLink):
 
     # Bus
 
-    def _put(self, frames: Iterable[Frame], seat: Seat | None) -> None:
+    def _put(self, frames: Iterable[Frame], attached: AttachedStation | None) -> None:
         arbiter = self._arbiter
-        off = not self._up or (seat is not None and not seat.up)
+        off = not self._up or (attached is not None and not attached.up)
         for frame in frames:
-            if off or arbiter.waiting(seat) >= _QUEUE:
+            if off or arbiter.waiting(attached) >= _QUEUE:
                 self.lost += 1
             else:
-                arbiter.put(seat, frame)
+                arbiter.put(attached, frame)
         self._begin()
 
     def _begin(self) -> None:
@@ -127,16 +125,16 @@ class SimulatedCanBus(SharedLink):
     def _arbitrate(self) -> None:
         self._turn_is_due = False
         while self._arbiter and self._under_way is None:
-            seat, frame = self._arbiter.take()
+            attached, frame = self._arbiter.take()
             if self.bit_rate:
-                self._start(seat, frame, transmission_time(frame, self.bit_rate))
+                self._start(attached, frame, transmission_time(frame, self.bit_rate))
             elif self._too_many():
-                self._start(seat, frame, MILLISECOND)
+                self._start(attached, frame, MILLISECOND)
             else:
-                self._carry(seat, frame)
+                self._carry(attached, frame)
 
-    def _start(self, seat: Seat | None, frame: Frame, time: int) -> None:
-        under_way = self._under_way = seat, frame
+    def _start(self, attached: AttachedStation | None, frame: Frame, time: int) -> None:
+        under_way = self._under_way = attached, frame
 
         def end() -> None:
             # The frame may have been dropped, or delivered by `wait`, in the meantime.
@@ -147,24 +145,26 @@ class SimulatedCanBus(SharedLink):
 
     def _arrive(self) -> None:
         if self._under_way is not None:
-            seat, frame = self._under_way
+            attached, frame = self._under_way
             self._under_way = None
-            self._carry(seat, frame)
+            self._carry(attached, frame)
             self._begin()
 
-    def _carry(self, seat: Seat | None, frame: Frame) -> None:
+    def _carry(self, attached: AttachedStation | None, frame: Frame) -> None:
         now = self.now()
         if self.disturbance is None:
-            self._give(frame, seat, now)
+            self._give(frame, attached, now)
         else:
             for delay, carried in self.disturbance(frame, now):
-                self._later(delay, seat, carried)
+                self._later(delay, attached, carried)
         self._timers_changed()
 
-    def _later(self, delay: int, seat: Seat | None, frame: Frame) -> None:
+    def _later(
+        self, delay: int, attached: AttachedStation | None, frame: Frame
+    ) -> None:
         def arrive() -> None:
             if self._up:
-                self._give(frame, seat, self.now())
+                self._give(frame, attached, self.now())
                 self._timers_changed()
 
         if delay:
@@ -180,7 +180,7 @@ class SimulatedCanBus(SharedLink):
         return self._burst > _BURST
 
     def _timers_changed(self) -> None:
-        deadline = self._seats.deadline
+        deadline = self._attached.deadline
         if deadline is not None and (self._wake is None or deadline < self._wake):
             self._wake = deadline
             self._instants.at(deadline, lambda: self._ring(deadline))
@@ -192,9 +192,9 @@ class SimulatedCanBus(SharedLink):
         self._poll(self.now())
         self._timers_changed()
 
-    def _drop(self, seat: Seat) -> None:
-        self.lost += self._arbiter.drop(seat)
-        if self._under_way is not None and self._under_way[0] is seat:
+    def _drop(self, attached: AttachedStation) -> None:
+        self.lost += self._arbiter.drop(attached)
+        if self._under_way is not None and self._under_way[0] is attached:
             self.lost += 1
             self._under_way = None
             self._begin()

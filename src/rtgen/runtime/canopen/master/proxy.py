@@ -32,7 +32,7 @@ from rtgen.runtime.canopen.master.proxy_connection import (
     planned,
     settings_of,
 )
-from rtgen.runtime.canopen.master.proxy_place import (
+from rtgen.runtime.canopen.master.proxy_location import (
     place,
     sync_id,
 )

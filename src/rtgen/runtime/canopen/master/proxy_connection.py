@@ -20,7 +20,10 @@ from rtgen.runtime.canopen.master.proxied_node import (
     transmitter_of,
     wiring,
 )
-from rtgen.runtime.canopen.master.proxy_place import BOOT_TIMEOUT, default_boot_timeout
+from rtgen.runtime.canopen.master.proxy_location import (
+    BOOT_TIMEOUT,
+    default_boot_timeout,
+)
 from rtgen.runtime.canopen.master.recovery import Recovery
 from rtgen.runtime.canopen.wire.emergency import DEFAULT_STOPS, EmergencyPolicy
 from rtgen.runtime.canopen.wire.pdo_transmission import TpdoTransmitter

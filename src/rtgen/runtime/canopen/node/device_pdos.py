@@ -15,7 +15,7 @@ from rtgen.facts.canopen import (
 )
 from rtgen.runtime.canopen.description import ObjectNumber, ObjectValue, PdoDescription
 from rtgen.runtime.canopen.node.emergency_producer import EmergencyProducer
-from rtgen.runtime.canopen.node.od import DeviceDictionary
+from rtgen.runtime.canopen.node.object_dictionary import DeviceDictionary
 from rtgen.runtime.canopen.node.pdo_mapping import (
     TOO_LONG,
     MappedField,

@@ -6,7 +6,7 @@ from collections import deque
 from typing import Final
 
 from rtgen.runtime.canopen.description import ObjectNumber, ObjectValue
-from rtgen.runtime.canopen.node.od import DeviceDictionary
+from rtgen.runtime.canopen.node.object_dictionary import DeviceDictionary
 from rtgen.runtime.canopen.wire import sdo
 from rtgen.runtime.canopen.wire.emergency import Emergency, ErrorRegister
 from rtgen.runtime.canopen.wire.frames import INHIBIT_UNIT, CobId, Frame

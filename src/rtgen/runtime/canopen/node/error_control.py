@@ -9,7 +9,7 @@ from collections.abc import Set
 from typing import Final
 
 from rtgen.runtime.canopen.node.emergency_producer import EmergencyProducer
-from rtgen.runtime.canopen.node.od import DeviceDictionary
+from rtgen.runtime.canopen.node.object_dictionary import DeviceDictionary
 from rtgen.runtime.canopen.wire.emergency import HEARTBEAT_LOST
 from rtgen.runtime.canopen.wire.frames import ERROR_CONTROL, MILLISECOND, Frame
 from rtgen.runtime.canopen.wire.guarding import LifeGuard

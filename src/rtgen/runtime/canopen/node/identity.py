@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from rtgen.runtime.canopen.description import DeviceDescription
-from rtgen.runtime.canopen.node.od import DeviceDictionary
+from rtgen.runtime.canopen.node.object_dictionary import DeviceDictionary
 from rtgen.runtime.canopen.wire.lss import LssAddress
 
 IDENTITY: Final = 0x1018

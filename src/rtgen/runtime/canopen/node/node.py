@@ -9,7 +9,7 @@ from typing import Final
 
 from rtgen.runtime.canopen.description import ObjectValue
 from rtgen.runtime.canopen.node.device_pdos import IsEvent
-from rtgen.runtime.canopen.node.od import ReadHook, WriteHook
+from rtgen.runtime.canopen.node.object_dictionary import ReadHook, WriteHook
 from rtgen.runtime.canopen.node.station import DeviceStation
 from rtgen.runtime.canopen.wire.emergency import ErrorRegister
 from rtgen.runtime.canopen.wire.frames import Frame

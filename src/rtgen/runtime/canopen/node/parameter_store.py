@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import Final
 
 from rtgen.runtime.canopen.description import ObjectNumber, ObjectValue
-from rtgen.runtime.canopen.node.od import COMMUNICATION, DeviceDictionary
+from rtgen.runtime.canopen.node.object_dictionary import COMMUNICATION, DeviceDictionary
 from rtgen.runtime.canopen.wire.sdo import HARDWARE_ERROR, SdoAbort
 
 STORE: Final = 0x1010

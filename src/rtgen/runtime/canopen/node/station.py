@@ -23,7 +23,7 @@ from rtgen.runtime.canopen.node.error_control import ErrorControl
 from rtgen.runtime.canopen.node.heartbeat_consumers import CONSUMERS, HeartbeatConsumers
 from rtgen.runtime.canopen.node.identity import lss_address, preset_identity
 from rtgen.runtime.canopen.node.node_events import NodeEvents
-from rtgen.runtime.canopen.node.od import (
+from rtgen.runtime.canopen.node.object_dictionary import (
     COMMUNICATION,
     DeviceDictionary,
 )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from rtgen.backends import Options
 from rtgen.model import Component, Model, SourceFile
-from rtgen.typemap import profile_texts
+from rtgen.typemap import profile_escapes
 from rtgen.typemap.python_names import identifier, module_name
 
 
@@ -39,7 +39,7 @@ def source_of(model: Model, component: Component) -> SourceFile:
 
 def summary(component: Component) -> str:
     """The description of the component in one line; may be empty."""
-    return profile_texts.summary(component.description, component.doc)
+    return profile_escapes.summary(component.description, component.doc)
 
 
 def heading(component: Component) -> str:

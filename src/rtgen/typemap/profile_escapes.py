@@ -5,7 +5,7 @@ from __future__ import annotations
 import keyword
 import re
 
-from rtgen.typemap.idl_words import escaped
+from rtgen.typemap.idl_keywords import escaped
 
 _BREAK = re.compile(r"\s*<br\s*/?>\s*|\s*\n\s*", re.IGNORECASE)
 _OTHER = re.compile(r"[^A-Za-z0-9_]+")
