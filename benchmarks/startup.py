@@ -1,0 +1,198 @@
+"""What it takes to begin: imports of generated modules, and starts of the command line.
+
+    python benchmarks/startup.py
+
+Processor time of whole processes, bytecode present unless it says cold; interleaved, medians,
+least values, most memory. Yardsticks: an empty interpreter of the same environment, a module of
+plain classes with the same members, and `omniidl -bdump` of the reference IDL files.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import statistics
+import subprocess
+import sys
+import tempfile
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import EnumMeta
+from importlib import import_module
+from pathlib import Path
+from tempfile import TemporaryFile
+from typing import Any
+
+import msgspec
+
+ROOT = Path(__file__).resolve().parent.parent
+ROUNDS = 9
+STOCK = [
+    f"refrobots._idl.{name}"
+    for name in ("basic_data_type", "extended_data_types", "interface_data_types")
+]
+SYSTEM = "specs/navigation/rh3_goal.xml"
+IMPORT = """
+import sys, time
+import rtgen.runtime, rtgen.runtime.cdr, rtgen.runtime.idl
+from importlib import import_module
+begun = time.process_time()
+for name in sys.argv[1:]:
+    import_module(name)
+print(time.process_time() - begun)
+"""
+LIMITS = {
+    "import of the stock types": ("plain classes", 3.0),
+    "rtgen --version": ("empty interpreter", 2.5),
+}
+"""At most so many times the yardstick."""
+SECONDS = {"rtgen run, to the first tick": 0.35, "rtgen generate, cold": 1.0}
+
+
+@dataclass(slots=True)
+class Measured:
+    """A command; `prints`: it prints the seconds itself, else those of its process count."""
+
+    command: list[str]
+    environment: Mapping[str, str] = field(default_factory=dict)
+    prints: bool = False
+    seconds: list[float] = field(default_factory=list)
+    peak: float = 0.0
+    """The most memory of a run in MB."""
+
+    def run(self, environment: Mapping[str, str]) -> float:
+        """The processor time in seconds of one run."""
+        with TemporaryFile("w+", encoding="utf-8") as output:
+            process = subprocess.Popen(
+                self.command,
+                env={**os.environ, **self.environment, **environment},
+                stdout=output,
+                stderr=subprocess.DEVNULL,
+            )
+            _, status, usage = os.wait4(process.pid, 0)
+            process.returncode = os.waitstatus_to_exitcode(status)
+            if process.returncode:
+                raise SystemExit(f"failed: {' '.join(self.command)}")
+            self.peak = max(self.peak, usage.ru_maxrss / 1024)
+            output.seek(0)
+            return (
+                float(output.read()) if self.prints else usage.ru_utime + usage.ru_stime
+            )
+
+
+def plain_classes(names: list[str]) -> str:
+    """A module of classes without a base, with the members of those of generated modules."""
+    lines: list[str] = []
+    for name in names:
+        module = import_module(name)
+        for kind in vars(module).values():
+            if isinstance(kind, type) and kind.__module__ == name:
+                lines += _plain(kind)
+    return "\n".join(lines)
+
+
+def _plain(kind: type) -> list[str]:
+    if isinstance(kind, EnumMeta):
+        values = [f"    {key} = {value:d}" for key, value in kind.__members__.items()]
+        return [f"class {kind.__name__}:", *values]
+    members = getattr(kind, "__struct_fields__", ())
+    if not members:
+        return [f"class {kind.__name__}:", "    pass"]
+    values = [f"{f.name}={_default(f)}" for f in msgspec.structs.fields(kind)]
+    return [
+        f"class {kind.__name__}:",
+        f"    __slots__ = {tuple(members)!r}",
+        f"    def __init__(self, {', '.join(values)}):",
+        *(f"        self.{member} = {member}" for member in members),
+    ]
+
+
+def _default(member: Any) -> str:
+    value = member.default
+    return repr(value) if type(value) in (int, float, str, bytes) else "None"
+
+
+def commands(folder: Path) -> dict[str, Measured]:
+    """What is measured, by name."""
+    plain = folder / "plain"
+    plain.mkdir()
+    (plain / "plain_classes.py").write_text(plain_classes(STOCK), encoding="utf-8")
+    rtgen = [sys.executable, "-m", "rtgen"]
+    warm = {"RTGEN_CACHE_DIR": str(folder / "cache")}
+    paths = {"PYTHONPATH": os.pathsep.join(("generated", str(plain)))}
+    found = {
+        "empty interpreter": Measured([sys.executable, "-c", ""]),
+        "rtgen --version": Measured([*rtgen, "--version"]),
+        "rtgen --help": Measured([*rtgen, "--help"]),
+        "rtgen check, nothing changed": Measured([*rtgen, "check"], warm),
+        "rtgen run, to the first tick": Measured(
+            [*rtgen, "run", SYSTEM, "--until", "0.001"], warm
+        ),
+        "rtgen generate, no cache": Measured([*rtgen, "generate", "--no-cache"]),
+        "rtgen generate, cold": Measured([*rtgen, "generate", "-o", str(folder / "o")]),
+        "plain classes": Measured(
+            [sys.executable, "-c", IMPORT, "plain_classes"], paths, prints=True
+        ),
+        "import of the stock types": Measured(
+            [sys.executable, "-c", IMPORT, *STOCK], paths, prints=True
+        ),
+    }
+    omniidl = shutil.which(
+        "omniidl", path=f"{Path(sys.executable).parent}:{os.environ['PATH']}"
+    )
+    if omniidl is None:
+        print("omniidl: not found, so no peer (pip install jeteve-omniorb)")
+    else:
+        files = [str(f) for f in sorted(Path("specs/idl").glob("*.idl"))]
+        found["omniidl -bdump, each file of the reference tree"] = Measured(
+            [omniidl, "-bdump", "-I", "specs/idl", *files]
+        )
+    return found
+
+
+def cold(folder: Path, number: int) -> dict[str, str]:
+    """An environment without cache and bytecode."""
+    shutil.rmtree(folder / "o", ignore_errors=True)
+    return {
+        "RTGEN_CACHE_DIR": str(folder / f"cache{number}"),
+        "PYTHONPYCACHEPREFIX": str(folder / f"bytecode{number}"),
+    }
+
+
+def main() -> None:
+    """Prints medians, least values, memory and ratios."""
+    os.chdir(ROOT)
+    sys.path.insert(0, "generated")
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = Path(temporary)
+        measured = commands(folder)
+        for number in range(-1, ROUNDS):  # the first round makes cache and bytecode
+            for name, each in measured.items():
+                environment = cold(folder, number) if name.endswith("cold") else {}
+                seconds = each.run(environment)
+                if number < 0:
+                    each.peak = 0.0
+                else:
+                    each.seconds.append(seconds)
+    least = {name: min(each.seconds) for name, each in measured.items()}
+    print(f"Python {sys.version.split()[0]}, processor time, {ROUNDS} runs each")
+    print(f"{'':<48}{'median':>10}{'least':>10}{'peak':>8}")
+    for name, each in measured.items():
+        print(
+            f"{name:<48}{1e3 * statistics.median(each.seconds):>7.1f} ms"
+            f"{1e3 * least[name]:>7.1f} ms{each.peak:>5.0f} MB{_verdict(name, least)}"
+        )
+
+
+def _verdict(name: str, least: Mapping[str, float]) -> str:
+    if name in SECONDS:
+        return f"  at most {1e3 * SECONDS[name]:.0f} ms"
+    if name in LIMITS:
+        yardstick, most = LIMITS[name]
+        ratio = least[name] / least[yardstick]
+        return f"  {ratio:.2f} times {yardstick}, at most {most:g}"
+    return ""
+
+
+if __name__ == "__main__":
+    main()
