@@ -8,15 +8,14 @@ too), `dds` as ROS 2's and DDS's are.
 from __future__ import annotations
 
 import ast
-import importlib.util
 import os
-import re
 import subprocess
 import sys
 from pathlib import Path
 
 import black
 import pytest
+from type_checkers import check_by_mypy, check_by_pyright
 
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
@@ -106,25 +105,10 @@ def test_text_is_as_black_has_it(sets: dict[str, Path], name: str) -> None:
 
 
 @pytest.mark.slow
-def test_mypy_finds_nothing(sets: dict[str, Path], tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "mypy", "--strict", "--no-error-summary"]
-    command += ["--config-file=", "--cache-dir", str(tmp_path)]
-    command += map(str, sets.values())
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
-    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+def test_mypy_finds_nothing(sets: dict[str, Path]) -> None:
+    check_by_mypy(sets.values(), [package.parent for package in sets.values()])
 
 
 @pytest.mark.slow
 def test_pyright_finds_nothing(sets: dict[str, Path], tmp_path: Path) -> None:
-    if importlib.util.find_spec("pyright") is None:
-        pytest.skip("pyright is not installed")
-    command = [sys.executable, "-m", "pyright", "--pythonpath", sys.executable]
-    command += map(str, sets.values())
-    environment = {**os.environ, "PYRIGHT_PYTHON_IGNORE_WARNINGS": "1"}
-    done = subprocess.run(
-        command, cwd=tmp_path, env=environment, capture_output=True, text=True
-    )
-    found = re.search(r"^(\d+) errors?, (\d+) warnings?", done.stdout, re.MULTILINE)
-    if found is None:
-        pytest.skip(f"pyright cannot run here, it needs Node.js: {done.stderr[-300:]}")
-    assert found.groups() == ("0", "0"), done.stdout
+    check_by_pyright(sets.values(), tmp_path)

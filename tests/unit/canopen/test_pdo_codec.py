@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import logging
 import struct
-import subprocess
-import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from types import ModuleType
@@ -15,6 +13,7 @@ import black
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from type_checkers import check_by_mypy
 
 from rtgen.backends.canopen.pdo_codec import PdoCodec, module_text
 from rtgen.layouts.pdo import Mapped, PdoLayoutError, layout
@@ -274,15 +273,4 @@ def test_types(tmp_path: Path) -> None:
     ]
     file = tmp_path / "codec.py"
     file.write_text(module_text(codecs), encoding="utf-8")
-    command = [
-        sys.executable,
-        "-m",
-        "mypy",
-        "--strict",
-        "--cache-dir",
-        str(tmp_path / "c"),
-    ]
-    done = subprocess.run(
-        [*command, str(file)], capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 0, done.stdout
+    check_by_mypy([file], [tmp_path])

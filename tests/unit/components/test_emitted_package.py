@@ -9,6 +9,7 @@ from types import ModuleType
 
 import pytest
 from component_models import DOUBLE, MODE, OPTIONS, component, model, parameter, port
+from type_checkers import check_by_mypy
 
 from rtgen.backends import Owner
 from rtgen.backends.components import BACKEND
@@ -130,9 +131,4 @@ def test_importing_it_loads_nothing_of_the_compiler(folder: Path) -> None:
 
 @pytest.mark.slow
 def test_mypy_strict(folder: Path) -> None:
-    command = [sys.executable, "-m", "mypy", "--strict", "--no-incremental"]
-    command += ["--explicit-package-bases", "robots", "behaviours"]
-    done = subprocess.run(
-        command, cwd=folder, capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 0, done.stdout
+    check_by_mypy([folder / "robots", folder / "behaviours"], [folder])

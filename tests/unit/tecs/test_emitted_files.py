@@ -11,6 +11,7 @@ import black
 import pytest
 from boards import MOTOR, SERVER, emit, imported, joined, texts, write
 from lxml import etree
+from type_checkers import check_by_mypy
 
 from rtgen.frontends import cdl, idl
 from rtgen.lowering.tecs.communication import communication_model
@@ -48,23 +49,7 @@ def test_python_is_in_blacks_form(tree: Path) -> None:
 
 @pytest.mark.slow
 def test_python_is_typed(tree: Path) -> None:
-    command = [
-        sys.executable,
-        "-m",
-        "mypy",
-        "--config-file",
-        str(ROOT / "pyproject.toml"),
-    ]
-    command += ["--strict", "--cache-dir", str(tree / "cache"), "-p", "robots"]
-    run = subprocess.run(
-        command,
-        cwd=tree,
-        env={"MYPYPATH": f"{ROOT / 'src'}:{tree}", "PATH": ""},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert run.returncode == 0, run.stdout + run.stderr
+    check_by_mypy([tree / "robots"], [tree])
 
 
 def test_profiles_are_xml(tree: Path) -> None:

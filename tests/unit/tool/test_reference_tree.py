@@ -15,6 +15,8 @@ import pytest
 
 from rtgen.cli import run
 
+pytestmark = pytest.mark.once
+
 ROOT = Path(__file__).resolve().parents[3]
 RTGEN = [sys.executable, "-m", "rtgen"]
 

@@ -1,0 +1,63 @@
+"""mypy and pyright on emitted text, for all tests that have some.
+
+All runs of mypy in a process of pytest share a cache: what the texts import is read once.
+"""
+
+from __future__ import annotations
+
+import atexit
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterable
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+
+@cache
+def _mypy_cache() -> str:
+    folder = tempfile.mkdtemp(prefix="mypy-")
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    return folder
+
+
+def check_by_mypy(paths: Iterable[Path], search: Iterable[Path]) -> None:
+    """Have mypy check files and packages strictly; `search` are the folders that packages are in.
+
+    Raises AssertionError with mypy's output if it finds something.
+    """
+    command = [sys.executable, "-m", "mypy", "--strict", "--no-error-summary"]
+    command += ["--config-file=", "--explicit-package-bases"]
+    command += ["--cache-dir", _mypy_cache(), *map(str, paths)]
+    environment = {**os.environ, "MYPYPATH": os.pathsep.join(map(str, search))}
+    done = subprocess.run(
+        command, env=environment, capture_output=True, text=True, check=False
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+
+
+def check_by_pyright(paths: Iterable[Path], folder: Path) -> None:
+    """Have pyright check packages, which find each other in `folder`.
+
+    Raises AssertionError with pyright's output if it finds something; skips if it cannot run.
+    """
+    command = [sys.executable, "-m", "pyright", "--pythonpath", sys.executable]
+    command += map(str, paths)
+    environment = {**os.environ, "PYRIGHT_PYTHON_IGNORE_WARNINGS": "1"}
+    done = subprocess.run(
+        command,
+        cwd=folder,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    found = re.search(r"^(\d+) errors?, (\d+) warnings?", done.stdout, re.MULTILINE)
+    if found is None:
+        pytest.skip(f"pyright cannot run here, it needs Node.js: {done.stderr[-300:]}")
+    assert found.groups() == ("0", "0"), done.stdout
