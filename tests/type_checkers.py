@@ -38,7 +38,8 @@ def check_by_mypy(paths: Iterable[Path], search: Iterable[Path]) -> None:
     done = subprocess.run(
         command, env=environment, capture_output=True, text=True, check=False
     )
-    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    printed = done.stdout + done.stderr
+    assert (done.returncode, printed) == (0, ""), printed
 
 
 def check_by_pyright(paths: Iterable[Path], folder: Path) -> None:

@@ -17,6 +17,7 @@ from typing import Any
 
 import can
 import pytest
+from patience import PATIENCE
 
 from rtgen.cli import run
 from rtgen.runtime import (
@@ -150,7 +151,7 @@ class Bench:
         self.end_slave()
         for thread in threading.enumerate():
             if f" {self.channel} " in thread.name:
-                thread.join(20)
+                thread.join(PATIENCE)
                 assert not thread.is_alive(), thread.name
 
     def wait(self, condition: Callable[[], bool]) -> None:

@@ -17,6 +17,7 @@ from canopen.objectdictionary import (
     ODRecord,
     ODVariable,
 )
+from patience import PATIENCE
 
 from rtgen.runtime import RealClock
 from rtgen.runtime.canopen.bus.links import open_link
@@ -111,7 +112,7 @@ class Bench:
         return self.manager.nodes[node_id]
 
     def until(self, condition: Callable[[], bool]) -> None:
-        end = time.monotonic() + 20
+        end = time.monotonic() + PATIENCE
         while not condition():
             assert time.monotonic() < end, self.manager.reports()
             time.sleep(0.005)

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from typing import Any
 
 import middleware
+from patience import PATIENCE
 
 NUMBERS = itertools.count()
 CALLBACKS = (
@@ -17,7 +18,7 @@ CALLBACKS = (
 )
 
 
-def until(condition: Callable[[], object], seconds: float = 20.0) -> None:
+def until(condition: Callable[[], object], seconds: float = PATIENCE) -> None:
     """Waits for something that another thread does."""
     end = time.monotonic() + seconds
     while not condition():

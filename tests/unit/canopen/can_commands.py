@@ -9,11 +9,9 @@ from contextlib import contextmanager
 
 import can
 from can.interfaces.virtual import channels
+from patience import PATIENCE
 
 from rtgen.cli import run
-
-PATIENCE = 10.0
-"""Seconds after which something that was to come is given up."""
 
 
 def on(channel: str) -> list[str]:

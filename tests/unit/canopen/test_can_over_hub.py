@@ -13,9 +13,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from can_commands import PATIENCE
 from can_nodes import SPECS, nodes
 from hub_process import HubProcess
+from patience import PATIENCE
 
 from rtgen.cli import run
 
@@ -47,7 +47,7 @@ def started(*arguments: str) -> Iterator[subprocess.Popen[str]]:
 def ended(process: subprocess.Popen[str]) -> tuple[str, str]:
     """What a process has said when it ended by Ctrl-C."""
     process.send_signal(signal.SIGINT)
-    output = process.communicate(timeout=20)
+    output = process.communicate(timeout=PATIENCE)
     assert process.returncode == 0, output[1]
     return output
 

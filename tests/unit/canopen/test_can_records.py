@@ -24,6 +24,7 @@ from can_commands import (
     received,
     texts,
 )
+from patience import PATIENCE
 from rich.console import Console as Terminal
 
 from rtgen.cli import run
@@ -251,7 +252,7 @@ def test_a_record_is_complete_when_it_is_ended(
     assert process.stderr is not None
     assert "recording" in process.stderr.readline()
     process.send_signal(number)
-    _, err = process.communicate(timeout=10)
+    _, err = process.communicate(timeout=PATIENCE)
     assert process.returncode == 0, err
     assert "0 frames in" in err
     with can.LogReader(path) as reader:

@@ -12,6 +12,7 @@ import can
 import pytest
 import table_4
 from hub_process import HubProcess
+from patience import PATIENCE
 from table_4 import Exchange
 
 from rtgen.runtime import (
@@ -76,7 +77,7 @@ class DeviceProcess:
     def __exit__(self, *exception: object) -> None:
         assert self._process.stdin is not None
         self._process.stdin.close()
-        assert self._process.wait(20) == 0
+        assert self._process.wait(PATIENCE) == 0
         assert self._process.stdout is not None
         self._process.stdout.close()
 
@@ -140,7 +141,7 @@ class Observer:
     def seen(self, last: int) -> list[str]:
         """Frames up to the error control frame of state `last`, which is sent once."""
         found: list[str] = []
-        limit = time.monotonic() + 20
+        limit = time.monotonic() + PATIENCE
         while time.monotonic() < limit:
             message = self._bus.recv(1.0)
             if message is None:

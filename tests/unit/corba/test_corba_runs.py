@@ -19,6 +19,7 @@ from typing import Any
 
 import programs
 import pytest
+from patience import PATIENCE
 
 pytest.importorskip("omniORB", reason="omniORBpy is not installed")
 
@@ -35,7 +36,6 @@ from rtgen.runtime.services.ports import ServicePort
 ROOT = Path(__file__).parents[3]
 BOARD = ROOT / "specs" / "tecs" / "rh3_board.xml"
 NAVIGATION = ROOT / "specs" / "navigation" / "rh3_goal.xml"
-PATIENCE = 20.0
 
 
 def wait_for(condition: Callable[[], object]) -> Any:

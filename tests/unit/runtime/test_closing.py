@@ -8,6 +8,7 @@ from collections.abc import Callable
 from typing import ClassVar
 
 import pytest
+from patience import PATIENCE
 from runtime_samples import SECOND
 
 from rtgen.runtime import (
@@ -152,7 +153,7 @@ def test_calls_that_do_not_return_are_given_up_together(
     plant(system, "A").execute = lambda: block(blocked[0])
     plant(system, "B").execute = lambda: block(blocked[1])
     for began in blocked:
-        assert began.wait(10)
+        assert began.wait(PATIENCE)
     system.close()
     reported = [(f.instance, f.callback) for f in failures]
     end.set()

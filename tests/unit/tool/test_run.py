@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from patience import PATIENCE
 
 from rtgen.cli import run as rtgen
 
@@ -523,7 +524,7 @@ def test_an_interrupt_ends_a_run_with_its_report(number: signal.Signals) -> None
     assert process.stderr is not None
     assert process.stderr.readline().endswith("M0 ACTIVE\n")
     process.send_signal(number)
-    out, err = process.communicate(timeout=30)
+    out, err = process.communicate(timeout=PATIENCE)
     assert process.returncode == 1, err
     assert out.startswith("instance")
     assert "Traceback" not in err
