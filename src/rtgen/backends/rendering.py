@@ -86,9 +86,13 @@ def render(template: str, **values: object) -> str:
 def _environment(suffix: str) -> Environment:
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
+    from rtgen.backends.compiled_templates import CompiledTemplates
+
     language = LANGUAGES[suffix]
     environment = Environment(
         loader=FileSystemLoader(_FOLDER),
+        bytecode_cache=CompiledTemplates(_FOLDER / "__pycache__", suffix),
+        auto_reload=False,
         undefined=StrictUndefined,
         # Macros give markup then, which is not quoted again.
         autoescape=language.code is Markup,

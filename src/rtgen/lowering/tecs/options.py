@@ -160,6 +160,8 @@ class RtcOptions:
 
     def differing(self, other: RtcOptions, *shared: str) -> list[str]:
         """The options, shared in one of these scopes, that differ from the other's."""
+        if self == other:
+            return []
         return [
             each.metadata["name"]
             for each in fields(self)
