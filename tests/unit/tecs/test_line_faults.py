@@ -1,7 +1,7 @@
 """Calls of 20 random functions while the line is cut at every byte and the board is killed.
 
 A call ends with its result or an error in time, nothing is executed twice, and the line works
-again. More calls: RTGEN_BUDGET=60 pytest tests/unit/tecs/test_line_faults.py.
+again. `make fuzz` makes 20,000 calls and more.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from rtgen.cli.rpc.codecs import Function
 from rtgen.layouts.tdr_messages import is_error_code
 from rtgen.runtime.opaque_rpc import E_RPC, MERCD, RpcError, TcpChannel
 
-CALLS = budget(200)
+CALLS = budget(700)
 PATIENCE = 5 * TIMEOUT
 """Seconds that a call may take on a busy machine; one that hangs takes longer."""
 
@@ -87,7 +87,13 @@ class Caller:
         self.board.kill()
 
     def check(self) -> None:
-        """Nothing was executed twice or without a call, and all that was answered was executed."""
+        """Nothing was executed twice or without a call, and all that was answered was executed.
+
+        The board serves one connection after the other, so an answered call ends what was sent
+        before it: a request that came whole before its connection was cut is executed late.
+        """
+        self.channel.reset()
+        assert any(self.call(f) for f in self.script.functions if not f.oneway)
         executed = self.executed()
         assert len(set(executed)) == len(executed)
         assert set(executed) <= {*self.answered, *self.failed}
@@ -117,14 +123,9 @@ def test_the_line_is_cut_at_every_byte(caller: Caller) -> None:
         for direction in (0, 1):
             step = 1 if whole else max(1, sizes[direction] // 3)
             for after in range(0, sizes[direction], step):
-                executed = len(caller.executed())
                 caller.line.cut(direction, after)
                 caller.call(function)
                 caller.line.mend()
-                if direction == 0 and not function.oneway:
-                    # Another value of the same function may need less than `after` bytes.
-                    done = len(caller.executed()) - executed
-                    assert done <= 1
     assert caller.failed
     caller.check()
 
