@@ -125,6 +125,14 @@ class Entry:
         """The picture of a run."""
         return IMAGES / f"{self.name}.png"
 
+    @property
+    def description(self) -> str:
+        """What the picture's axes and curves are called; the picture keeps it in its metadata."""
+        return "\n".join(
+            f"{panel.quantity}: {', '.join(s.label for s in panel.signals)}"
+            for panel in self.panels
+        )
+
 
 ENTRIES = (
     Entry(
@@ -378,7 +386,7 @@ def draw_result(
             )
         over_time[-1].set_xlabel("t [s]")
         figure.suptitle(entry.name)
-        figure.savefig(entry.result)
+        figure.savefig(entry.result, metadata={"Description": entry.description})
 
 
 def trajectories(

@@ -7,9 +7,12 @@ from collections.abc import Iterator
 
 import pytest
 from gallery import ENTRIES, IMAGES, PAGE, ROOT, Entry, diagram, page
+from PIL import Image
 
 from rtgen import compiler
 from rtgen.project import load
+
+PICTURES = [entry for entry in ENTRIES if entry.alone]
 
 
 @pytest.fixture(scope="module")
@@ -32,8 +35,15 @@ def test_the_diagram_is_up_to_date(entry: Entry) -> None:
     assert entry.wiring.read_text(encoding="utf-8") == diagram(
         entry
     ), "run `make gallery`"
-    if entry.alone:
-        assert entry.result.stat().st_size > 1000
+
+
+@pytest.mark.parametrize("entry", PICTURES, ids=lambda entry: entry.name)
+def test_the_result_has_the_axes_and_curves_of_today(entry: Entry) -> None:
+    with Image.open(entry.result) as picture:
+        assert min(picture.size) > 400
+        assert (
+            picture.info.get("Description", "") == entry.description
+        ), "run `make gallery`"
 
 
 @pytest.mark.parametrize("entry", ENTRIES, ids=lambda entry: entry.name)
