@@ -25,6 +25,7 @@ import pytest
 from test_hand_slave import NODE, Bench, hand, of
 
 from rtgen.runtime import ACTIVE_STATE, ERROR_STATE, INACTIVE_STATE
+from rtgen.runtime.canopen.wire.nmt import NmtCommand
 
 from hub_process import HubProcess  # isort: skip
 
@@ -178,7 +179,11 @@ class Line:
         if self.medium == "pty":
             path = next(self._used)
             return lambda: can.Bus(interface="slcan", channel=path, sleep_after_open=0)
-        return lambda: can.Bus(
+        return self.listener
+
+    def listener(self) -> can.BusABC:
+        """A connection by a socket."""
+        return can.Bus(
             interface="socketcand",
             channel=CHANNEL,
             host=self.hub.host,
@@ -212,6 +217,12 @@ class Line:
         assert row.reason in self.report().reason
 
 
+def received(bus: can.BusABC) -> Iterator[can.Message]:
+    """The frames that a connection has received by now."""
+    while (message := bus.recv(0)) is not None:
+        yield message
+
+
 # The faults: each makes its own and returns what ends it.
 
 
@@ -221,8 +232,12 @@ def missing(line: Line) -> Callable[[], None]:
 
 
 def late(line: Line) -> Callable[[], None]:
-    line.activate()
-    line.bench.until(ERROR_STATE)
+    with line.listener() as bus:
+        line.activate()
+        line.bench.until(ERROR_STATE)
+        # A pseudo-terminal keeps for the node what is sent before it boots: the proxy's stop too.
+        stop = bytes((NmtCommand.STOP, NODE))
+        line.bench.wait(lambda: any(m.data == stop for m in received(bus)))
     line.node.power()
     return lambda: None
 
