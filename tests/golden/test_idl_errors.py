@@ -136,6 +136,10 @@ OF_RUNS = {"SYS0023", "SYS0024"}
 """What comes about while code runs: tested with that."""
 
 
+OF_MANY = {"RTC0506"}
+"""What more than a thousand findings bring about: `tests/unit/components/test_yaml_places.py`."""
+
+
 def test_every_rule_of_the_tool_has_a_case() -> None:
     found = {
         code
@@ -148,5 +152,5 @@ def test_every_rule_of_the_tool_has_a_case() -> None:
     for file in made:
         found.update(re.findall(r" ([A-Z]+\d{4}): ", file.read_text(encoding="utf-8")))
     wanted = {code for code in rules() if code.startswith(OF_THE_TOOL)}
-    assert wanted - found == OF_PLUG_INS | OF_BUSES | OF_MODELS | OF_RUNS
+    assert wanted - found == OF_PLUG_INS | OF_BUSES | OF_MODELS | OF_RUNS | OF_MANY
     assert found <= rules().keys()

@@ -46,9 +46,9 @@ def identifier_of(pdo: Pdo, node: BusNode) -> int | None:
     """The CAN identifier of a valid PDO."""
     if not pdo.valid or pdo.cob_id is None:
         return None
-    told = resolved(pdo.cob_id, node.id)
-    assert isinstance(told, int)
-    return can_id_of(told)
+    cob_id = resolved(pdo.cob_id, node.id)
+    assert isinstance(cob_id, int)
+    return can_id_of(cob_id)
 
 
 def messages(bus: Bus, writings: Writings | None = None) -> list[Message]:
@@ -89,8 +89,12 @@ def _services(node: BusNode) -> Iterator[Message]:
             f"{name} guarding request", can_id, 0, time, remote=True, queue=HOST
         )
     inhibit = node.device.find(_EMERGENCY_INHIBIT)
-    told = None if inhibit is None else inhibit.current
-    pause = told / 10_000 if isinstance(told, int) and told else SPORADIC
+    inhibit_time = None if inhibit is None else inhibit.current
+    pause = (
+        inhibit_time / 10_000
+        if isinstance(inhibit_time, int) and inhibit_time
+        else SPORADIC
+    )
     yield Message(f"{name} emergency", EMERGENCY + node.id, 8, _nanoseconds(pause))
     yield _host(f"{name} SDO request", SDO_REQUEST + node.id, 8, SPORADIC)
     sporadic = _nanoseconds(SPORADIC)

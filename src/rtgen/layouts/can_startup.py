@@ -126,7 +126,7 @@ class _StartUp:
         if asked:
             return True
         default, value = (
-            resolved(told, self._id) for told in (variable.default, variable.value)
+            resolved(each, self._id) for each in (variable.default, variable.value)
         )
         wanted = value is not None and value != default
         return wanted and not variable.flags & _NOT_ON_DOWNLOAD
@@ -158,20 +158,24 @@ class _StartUp:
             return
         name = f"{pdo.direction.upper()} {pdo.number}"
         cob_id = self._device.find(index, 1)
-        told = None if cob_id is None else resolved(cob_id.current, self._id)
+        configured = None if cob_id is None else resolved(cob_id.current, self._id)
         switched = (
-            cob_id is not None and isinstance(told, int) and cob_id.access.writable
+            cob_id is not None
+            and isinstance(configured, int)
+            and cob_id.access.writable
         )
         if switched:
             assert cob_id is not None
-            assert isinstance(told, int)
-            off = replace(self._write(cob_id), value=octets(_COB_ID, told | INVALID))
+            assert isinstance(configured, int)
+            off = replace(
+                self._write(cob_id), value=octets(_COB_ID, configured | INVALID)
+            )
             yield replace(off, why=f"{name} off")
         for variable in parameters:
             if variable is not cob_id:
                 yield self._write(variable)
         yield from self._mapping(pdo.mapping, name, bool(mapping))
-        if switched and isinstance(told, int) and not told & INVALID:
+        if switched and isinstance(configured, int) and not configured & INVALID:
             assert cob_id is not None
             yield self._write(cob_id, f"{name} on")
 
@@ -198,11 +202,11 @@ class _StartUp:
     def _write(
         self, variable: Variable, why: str = "", value: int | None = None
     ) -> StartWrite:
-        told = resolved(variable.current, self._id) if value is None else value
-        assert told is not None
+        number = resolved(variable.current, self._id) if value is None else value
+        assert number is not None
         verify = variable.access.readable and variable.index not in _STORE
         try:
-            written = octets(variable.data_type, told)
+            written = octets(variable.data_type, number)
         except CanValueError as error:
             raise CanValueError(f"{variable.name}: {error}") from None
         relative = value is None and isinstance(variable.current, NodeRelative)

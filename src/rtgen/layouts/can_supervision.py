@@ -34,5 +34,5 @@ def heartbeat_timeout(node: BusNode) -> int:
 
 def _number(node: BusNode, index: int) -> int:
     variable = node.device.find(index)
-    told = None if variable is None else variable.current
-    return told if isinstance(told, int) else 0
+    value = None if variable is None else variable.current
+    return value if isinstance(value, int) else 0

@@ -129,11 +129,11 @@ class _Maker:
                     message = f"{to!r} and {'.'.join(known)!r} fill the same member"
                     raise self._error(ADAPTER_VALUE, message)
             copies[to_path] = from_path
-        told = {path[0] for path in copies}
+        targets = {path[0] for path in copies}
         theirs = {member.name: self._kind(member) for member in self._members(source)}
         for member in self._members(target):
             name = member.name
-            if name not in told and theirs.get(name) == self._kind(member):
+            if name not in targets and theirs.get(name) == self._kind(member):
                 copies[(name,)] = (name,)
         order = [member.name for member in self._members(target)]
         return Adapter(

@@ -300,8 +300,8 @@ class CallTable:
                 if any(name != "None" for name in objects):
                     facts.append(f"{key}_objects={_tuple(objects)}")
         if call.raises:
-            told = self._common.get(call.raises) or self._raised(call.raises)
-            facts.append(f"raises={told}")
+            raises = self._common.get(call.raises) or self._raised(call.raises)
+            facts.append(f"raises={raises}")
         if call.oneway:
             facts.append("oneway=True")
         return f"{py.Call}({', '.join(facts)})"

@@ -139,7 +139,7 @@ class _Run:
         Analysis(table).run(unit)
         self._note_prelude(table)
         wrong = table.excused or self.found.errors > before
-        reader.tell_missing(failed=wrong)
+        reader.report_missing(failed=wrong)
         for read in reader.units:
             self._note(read, main=read is unit)
         return TecsUnit(source.name, source.key, table.model())

@@ -95,7 +95,7 @@ class Reader:
             self._report(files.UNREADABLE.at(span, message))
             return
         if source is None:
-            self._tell_missing(
+            self._report_missing(
                 statement.path, span, files.IMPORT_MISSING, statement.reused
             )
             return
@@ -136,7 +136,7 @@ class Reader:
             self._report(files.UNREADABLE.at(span, message))
             return
         if file is None:
-            self._tell_missing(name, span, header_rules.MISSING_HEADER)
+            self._report_missing(name, span, header_rules.MISSING_HEADER)
             return
         known = self._definitions.get(file.name)
         if known is not None:
@@ -173,7 +173,7 @@ class Reader:
             yield folder / name, folder
         yield unit.source.folder / name, None
 
-    def _tell_missing(
+    def _report_missing(
         self, name: str, span: Span, rule: Rule, reused: bool = False
     ) -> None:
         self.incomplete = self.lacks_types = True
@@ -187,7 +187,7 @@ class Reader:
             )
         )
 
-    def tell_missing(self, *, failed: bool) -> None:
+    def report_missing(self, *, failed: bool) -> None:
         """Report missing imports; a kernel's file is an error only if there are other errors."""
         failed = failed or not all(kernel for kernel, _, _ in self._missing)
         for kernel, error, warning in self._missing:

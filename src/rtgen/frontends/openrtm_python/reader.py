@@ -87,16 +87,16 @@ class ModuleReader:
             self._report_at(rules.NO_COMPONENT, start, message)
             return None
         if spec is None or not classes:
-            self._told_nothing(spec is None)
+            self._report_nothing(spec is None)
             return None
         place, items = spec
         made = classes[0]
         component = Component(classes)
         self._walk(component)
         for each in reversed(classes):
-            self._told_callbacks(each)
+            self._report_callbacks(each)
         values = dict(self._pairs(items))
-        self._told_entries(place, values)
+        self._report_entries(place, values)
         kind = values.get("activity_type", "")
         ports = Ports(self._walker, self._module, component, self._report_at)
         return RtcProfile(
@@ -131,7 +131,7 @@ class ModuleReader:
     def _span(self, node: ast.AST, file: str = "") -> Span:
         return span_of(node, file or self._file)
 
-    def _told_nothing(self, no_spec: bool) -> None:
+    def _report_nothing(self, no_spec: bool) -> None:
         start = Span(self._file, 1, 1, 1, 2)
         what = "module spec" if no_spec else f"class that derives from {_BASE}"
         hint = None
@@ -178,7 +178,7 @@ class ModuleReader:
             else:
                 yield name, text
 
-    def _told_callbacks(self, made: Class) -> None:
+    def _report_callbacks(self, made: Class) -> None:
         bodies = [
             node.name
             for node in made.node.body
@@ -191,7 +191,7 @@ class ModuleReader:
             span = self._span(made.node, made.module.source.file)
             self._report_at(rules.BEHAVIOUR, span, message)
 
-    def _told_entries(self, place: ast.expr, values: dict[str, str]) -> None:
+    def _report_entries(self, place: ast.expr, values: dict[str, str]) -> None:
         for key in values:
             parts = key.split(".")
             if key in _KNOWN or (

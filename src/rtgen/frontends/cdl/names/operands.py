@@ -17,7 +17,7 @@ from rtgen.model.c_types import (
 )
 
 
-class Sort(StrEnum):
+class OperandClass(StrEnum):
     """The class of an operand, for checking operators."""
 
     BOOL = "truth value"
@@ -31,7 +31,7 @@ class Sort(StrEnum):
     @property
     def with_article(self) -> str:
         """The name of the operand class with its article, for messages."""
-        return f"an {self}" if self is Sort.INTEGER else f"a {self}"
+        return f"an {self}" if self is OperandClass.INTEGER else f"a {self}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,30 +41,30 @@ class Operand:
     `type` is what a name or what `*`, `[]` and `.` make of it has as its type.
     """
 
-    sort: Sort
+    operand_class: OperandClass
     value: bool | int | float | str | None
     model: Expression
     type: CType | None = None
 
 
-NUMBERS = (Sort.BOOL, Sort.INTEGER, Sort.FLOAT)
+NUMBERS = (OperandClass.BOOL, OperandClass.INTEGER, OperandClass.FLOAT)
 
 
-class BadError(Exception):
+class ExpressionError(Exception):
     """An expression has an error, which is already reported."""
 
 
-def sort_of(type_: CType) -> Sort:
+def operand_class_of(type_: CType) -> OperandClass:
     """The operand class of values of a type."""
     found = resolve(type_)
     if isinstance(found, CPointerType | CArrayType):
-        return Sort.POINTER
+        return OperandClass.POINTER
     if isinstance(found, CStructType):
-        return Sort.STRUCT
+        return OperandClass.STRUCT
     if not isinstance(found, CScalarType):
-        return Sort.UNKNOWN
+        return OperandClass.UNKNOWN
     if found.kind is Scalar.BOOL:
-        return Sort.BOOL
+        return OperandClass.BOOL
     if found.kind in (Scalar.FLOAT32, Scalar.DOUBLE64):
-        return Sort.FLOAT
-    return Sort.UNKNOWN if found.kind is Scalar.VOID else Sort.INTEGER
+        return OperandClass.FLOAT
+    return OperandClass.UNKNOWN if found.kind is Scalar.VOID else OperandClass.INTEGER

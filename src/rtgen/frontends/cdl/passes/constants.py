@@ -8,10 +8,11 @@ from collections.abc import Mapping
 from rtgen.diagnostics import Rule
 from rtgen.facts.tdr import Scalar
 from rtgen.frontends.cdl.names.c_types import is_const
-from rtgen.frontends.cdl.names.operands import Operand, Sort, sort_of
+from rtgen.frontends.cdl.names.operands import Operand, OperandClass, operand_class_of
 from rtgen.frontends.cdl.names.scopes import Kind, Scope
 from rtgen.frontends.cdl.names.table import Table
-from rtgen.frontends.cdl.passes.expressions import Expressions, limits, width
+from rtgen.frontends.cdl.passes.arithmetic import limits, width
+from rtgen.frontends.cdl.passes.expressions import Expressions
 from rtgen.frontends.cdl.passes.types import Types
 from rtgen.frontends.cdl.rules import constants as rules
 from rtgen.frontends.cdl.syntax import tree
@@ -87,11 +88,11 @@ class Constants:
             )
             message = f"'{name.text}' is not const"
             self._table.report(rules.NOT_CONST.at(span, message, hint=hint))
-        elif sort_of(type_) not in (
-            Sort.INTEGER,
-            Sort.FLOAT,
-            Sort.BOOL,
-            Sort.POINTER,
+        elif operand_class_of(type_) not in (
+            OperandClass.INTEGER,
+            OperandClass.FLOAT,
+            OperandClass.BOOL,
+            OperandClass.POINTER,
         ) or (isinstance(found, CArrayType)):
             message = f"a constant cannot be of type {type_}"
             self._table.report(rules.CONSTANT_TYPE.at(span, message))
@@ -132,7 +133,7 @@ class _Initial:
         self.found: Operand | None = None
         """The value before conversion to the type; None for lists and C_EXP."""
 
-    def _tell(
+    def _report(
         self, rule: Rule, node: tree.Initialiser, message: str, hint: str | None = None
     ) -> None:
         span = self._unit.span(node.start, node.end)
@@ -142,12 +143,12 @@ class _Initial:
         """The model of a value of the type; None, after a diagnostic, if it does not fit."""
         if isinstance(value, tree.CExp):
             if isinstance(resolve(type_), CArrayType):
-                self._tell(rules.SHAPE, value, "an array takes its values in braces")
+                self._report(rules.SHAPE, value, "an array takes its values in braces")
                 return None
             return CExpression(value.text.text)
         if isinstance(value, tree.Aggregate):
             return self._aggregate(value, type_)
-        found = self._expressions.look(value, self._unit, self._scope, self._names)
+        found = self._expressions.operand(value, self._unit, self._scope, self._names)
         if found is None:
             return None
         self.found = found
@@ -162,7 +163,7 @@ class _Initial:
             size = target.size if isinstance(target, CArrayType) else None
             if size is not None and len(value.items) > size:
                 message = f"{len(value.items)} values for an array of {size}"
-                self._tell(rules.SHAPE, value, message)
+                self._report(rules.SHAPE, value, message)
                 return None
             wanted = [element] * len(value.items)
         elif isinstance(target, CStructType):
@@ -174,10 +175,10 @@ class _Initial:
                 message = (
                     f"{len(value.items)} values for {len(members)} members of {target}"
                 )
-                self._tell(rules.SURPLUS, value, message)
+                self._report(rules.SURPLUS, value, message)
             wanted = [member.type for member in members]
         else:
-            self._tell(rules.SHAPE, value, f"{type_} takes a single value, no braces")
+            self._report(rules.SHAPE, value, f"{type_} takes a single value, no braces")
             return None
         models = [
             self.of(item, element)
@@ -189,33 +190,40 @@ class _Initial:
     def _single(
         self, node: tree.Expression, found: Operand, type_: CType
     ) -> Expression | None:
-        sort = sort_of(type_)
+        wanted = operand_class_of(type_)
         target = resolve(type_)
         if isinstance(target, CArrayType):
-            self._tell(rules.SHAPE, node, "an array takes its values in braces")
+            self._report(rules.SHAPE, node, "an array takes its values in braces")
             return None
-        if sort is Sort.STRUCT:
+        if wanted is OperandClass.STRUCT:
             if found.type is not None and resolve(found.type) == target:
                 return found.model
-            self._tell(rules.SHAPE, node, f"{target} takes its values in braces")
+            self._report(rules.SHAPE, node, f"{target} takes its values in braces")
             return None
         if isinstance(target, CPointerType):
             return self._pointer(node, found, target)
-        if sort is Sort.UNKNOWN or found.sort is Sort.UNKNOWN:
+        if (
+            wanted is OperandClass.UNKNOWN
+            or found.operand_class is OperandClass.UNKNOWN
+        ):
             return found.model
-        if sort is Sort.BOOL:
+        if wanted is OperandClass.BOOL:
             # tecsgen takes any value for a truth value; a string is never a null pointer.
-            truth = found.sort is Sort.STRING or bool(found.value)
+            truth = found.operand_class is OperandClass.STRING or bool(found.value)
             return found.model if found.value is None else Literal(truth)
-        if found.sort in (Sort.STRING, Sort.POINTER, Sort.STRUCT):
-            message = f"{found.sort.with_article} cannot be {type_}"
-            self._tell(rules.OPERATOR_KIND, node, message)
+        if found.operand_class in (
+            OperandClass.STRING,
+            OperandClass.POINTER,
+            OperandClass.STRUCT,
+        ):
+            message = f"{found.operand_class.with_article} cannot be {type_}"
+            self._report(rules.OPERATOR_KIND, node, message)
             return None
-        if sort is Sort.INTEGER:
+        if wanted is OperandClass.INTEGER:
             return self._integer(node, found, type_)
-        if found.sort is Sort.BOOL:
+        if found.operand_class is OperandClass.BOOL:
             message = f"a truth value cannot be {type_}"
-            self._tell(rules.OPERATOR_KIND, node, message, "cast it")
+            self._report(rules.OPERATOR_KIND, node, message, "cast it")
             return None
         if isinstance(found.value, int | float):
             return Literal(_float(found.value))
@@ -224,14 +232,14 @@ class _Initial:
     def _integer(
         self, node: tree.Expression, found: Operand, type_: CType
     ) -> Expression | None:
-        if found.sort is Sort.FLOAT:
+        if found.operand_class is OperandClass.FLOAT:
             hint = f"write ({_plain(type_)})"
             message = f"a floating-point number needs a cast to become {type_}"
-            self._tell(rules.NEEDS_CAST, node, message, hint)
+            self._report(rules.NEEDS_CAST, node, message, hint)
             return None
-        if found.sort is Sort.BOOL and found.value is not None:
+        if found.operand_class is OperandClass.BOOL and found.value is not None:
             message = f"a truth value cannot be {type_}"
-            self._tell(rules.OPERATOR_KIND, node, message, f"write ({_plain(type_)})")
+            self._report(rules.OPERATOR_KIND, node, message, f"write ({_plain(type_)})")
             return None
         if found.value is None:
             return found.model
@@ -240,34 +248,42 @@ class _Initial:
         low, high = limits(type_)
         if (low is not None and number < low) or (high is not None and number > high):
             why = f": {low} to {high}" if high is not None else ", it is below zero"
-            self._tell(rules.RANGE, node, f"{number} does not fit {type_}{why}")
+            self._report(rules.RANGE, node, f"{number} does not fit {type_}{why}")
             return None
         return Literal(number)
 
     def _pointer(
         self, node: tree.Expression, found: Operand, target: CPointerType
     ) -> Expression | None:
-        if found.sort is Sort.STRING and not is_character(target.target):
+        if found.operand_class is OperandClass.STRING and not is_character(
+            target.target
+        ):
             message = f"a string cannot be {target}"
-            self._tell(rules.POINTER_VALUE, node, message)
+            self._report(rules.POINTER_VALUE, node, message)
             return None
         of_attribute = (
             isinstance(found.model, Reference) and found.model.name in self._names
         )
         if (
-            found.sort is Sort.POINTER
+            found.operand_class is OperandClass.POINTER
             and not of_attribute
             and not _alike(target, found.type)
         ):
             message = f"{found.type} is another pointer than {target}"
-            self._tell(rules.POINTER_VALUE, node, message, f"write ({_plain(target)})")
+            self._report(
+                rules.POINTER_VALUE, node, message, f"write ({_plain(target)})"
+            )
             return None
-        if found.sort in (Sort.UNKNOWN, Sort.STRING, Sort.POINTER):
+        if found.operand_class in (
+            OperandClass.UNKNOWN,
+            OperandClass.STRING,
+            OperandClass.POINTER,
+        ):
             return found.model
-        if found.sort is Sort.INTEGER and found.value == 0:
+        if found.operand_class is OperandClass.INTEGER and found.value == 0:
             return found.model
-        message = f"{found.sort.with_article} cannot be {target}"
-        self._tell(rules.POINTER_VALUE, node, message, f"write ({_plain(target)})")
+        message = f"{found.operand_class.with_article} cannot be {target}"
+        self._report(rules.POINTER_VALUE, node, message, f"write ({_plain(target)})")
         return None
 
 

@@ -3,16 +3,30 @@
 from __future__ import annotations
 
 import math
-import operator
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any, TypeAlias
 
 from rtgen.diagnostics import Rule
-from rtgen.facts import tdr
-from rtgen.facts.tdr import Scalar
-from rtgen.frontends.cdl.names.operands import NUMBERS, BadError, Operand, Sort, sort_of
+from rtgen.frontends.cdl.names.operands import (
+    NUMBERS,
+    ExpressionError,
+    Operand,
+    OperandClass,
+    operand_class_of,
+)
 from rtgen.frontends.cdl.names.scopes import Entity, Kind, Scope
 from rtgen.frontends.cdl.names.table import Table
+from rtgen.frontends.cdl.passes.arithmetic import (
+    ARITHMETIC,
+    COMPARISONS,
+    OPERATORS,
+    as_float,
+    clipped,
+    number_literal,
+    operand_of,
+    whole_number,
+    wrapped,
+)
 from rtgen.frontends.cdl.rules import constants as rules
 from rtgen.frontends.cdl.rules import syntax
 from rtgen.frontends.cdl.syntax import tree
@@ -24,7 +38,6 @@ from rtgen.model.c_types import (
     CastExpression,
     ConditionalExpression,
     CPointerType,
-    CScalarType,
     CStructType,
     CType,
     Expression,
@@ -58,7 +71,7 @@ class Expressions:
         self.table = table
         self.read_type = read_type
 
-    def look(
+    def operand(
         self,
         written: tree.Expression,
         unit: Unit,
@@ -70,8 +83,8 @@ class Expressions:
         None, after a diagnostic, if the expression has errors.
         """
         try:
-            found = Look(self, unit, scope, names or {}).at(written)
-        except BadError:
+            found = ExpressionAnalysis(self, unit, scope, names or {}).at(written)
+        except ExpressionError:
             return None
         if _depth(found.model) > MAX_DEPTH:
             message = f"this is nested for more than {MAX_DEPTH} levels"
@@ -81,14 +94,12 @@ class Expressions:
 
     def integer(self, written: tree.Expression, unit: Unit, scope: Scope) -> int | None:
         """The value of a constant integer expression; None, after a diagnostic, for another one."""
-        found = self.look(written, unit, scope)
+        found = self.operand(written, unit, scope)
         if found is None:
             return None
         if type(found.value) is not int:
             rule = rules.NOT_CONSTANT if found.value is None else rules.OPERATOR_KIND
-            message = (
-                f"a constant integer is wanted here, not {found.sort.with_article}"
-            )
+            message = f"a constant integer is wanted here, not {found.operand_class.with_article}"
             if found.value is None:
                 message = "this is not constant"
             self.table.report(rule.at(unit.place(written), message))
@@ -104,18 +115,18 @@ class Expressions:
     ) -> Expression | None:
         """The model of a size of struct members; None, after a diagnostic, if it has errors."""
         assert not isinstance(written, tree.Name | tree.Allocation | tree.Restriction)
-        found = self.look(written, unit, scope, names)
+        found = self.operand(written, unit, scope, names)
         if found is None:
             return None
         found = whole_number(found)
-        if found.sort not in (Sort.INTEGER, Sort.UNKNOWN):
-            message = f"a size is an integer, not {found.sort.with_article}"
+        if found.operand_class not in (OperandClass.INTEGER, OperandClass.UNKNOWN):
+            message = f"a size is an integer, not {found.operand_class.with_article}"
             self.table.report(rules.OPERATOR_KIND.at(unit.place(written), message))
             return None
         return found.model
 
 
-class Look:
+class ExpressionAnalysis:
     """Analyses an expression and its operands."""
 
     def __init__(
@@ -131,26 +142,26 @@ class Look:
         self._scope = scope
         self._names = names
 
-    def bad(
+    def error(
         self, rule: Rule, node: tree.Expression, message: str, hint: str | None = None
-    ) -> BadError:
+    ) -> ExpressionError:
         self._table.report(rule.at(self._unit.place(node), message, hint=hint))
-        return BadError()
+        return ExpressionError()
 
     def at(self, node: tree.Expression) -> Operand:
-        """The operand of an expression. Raises BadError."""
+        """The operand of an expression. Raises ExpressionError."""
         match node:
             case tree.Number() if len(node.text) > _MOST_DIGITS:
                 message = f"a number has at most {_MOST_DIGITS} digits"
-                raise self.bad(rules.RANGE, node, message)
+                raise self.error(rules.RANGE, node, message)
             case tree.Number():
-                return _number(node)
+                return number_literal(node)
             case tree.Boolean():
-                return Operand(Sort.BOOL, node.value, Literal(node.value))
+                return Operand(OperandClass.BOOL, node.value, Literal(node.value))
             case tree.Character():
                 return self._character(node)
             case tree.Text():
-                return Operand(Sort.STRING, node.text, Literal(node.text))
+                return Operand(OperandClass.STRING, node.text, Literal(node.text))
             case tree.ScopedName():
                 return self._name(node)
             case tree.Group():
@@ -169,74 +180,80 @@ class Look:
     def _character(self, node: tree.Character) -> Operand:
         text = node.text or " "  # empty where the error is reported
         value = ord(text) if len(text) == 1 else _ESCAPES.get(text[1], ord(text[1]))
-        return Operand(Sort.INTEGER, value, Literal(value))
+        return Operand(OperandClass.INTEGER, value, Literal(value))
 
     def _name(self, node: tree.ScopedName) -> Operand:
         if len(node.parts) == 1 and not node.absolute:
             name = node.parts[0].text
             type_ = self._names.get(name)
             if type_ is not None:
-                return Operand(sort_of(type_), None, Reference(name), type_)
+                return Operand(operand_class_of(type_), None, Reference(name), type_)
         found = self._scope.find(node)
         if isinstance(found, Entity) and found.kind is Kind.CONSTANT:
             declaration = found.declaration
             if not isinstance(declaration, TecsConst):
-                raise BadError  # reported at its declaration
+                raise ExpressionError  # reported at its declaration
             value = declaration.value
             model = Reference("_".join(found.name)) if value is None else Literal(value)
-            sort = sort_of(declaration.type)
+            class_ = operand_class_of(declaration.type)
             own = found.value
-            if own is not None and sort in NUMBERS and own.sort in NUMBERS:
+            if own is not None and class_ in NUMBERS and own.operand_class in NUMBERS:
                 # tecsgen substitutes the written value for the name.
-                return Operand(own.sort, own.value, model, declaration.type)
-            return Operand(sort, value, model, declaration.type)
+                return Operand(own.operand_class, own.value, model, declaration.type)
+            return Operand(class_, value, model, declaration.type)
         if node.parts[-1].text in self._unit.lost:
-            raise BadError
+            raise ExpressionError
         if found is not None:
             what = found.kind
-            raise self.bad(rules.UNKNOWN_NAME, node, f"'{node}' is a {what}, no value")
+            raise self.error(
+                rules.UNKNOWN_NAME, node, f"'{node}' is a {what}, no value"
+            )
         near = self._table.guesses.nearest(
             str(node), [*self._names, *self._scope.visible()]
         )
         hint = f"did you mean '{near}'?" if near else None
-        raise self.bad(rules.UNKNOWN_NAME, node, f"'{node}' is unknown here", hint)
+        raise self.error(rules.UNKNOWN_NAME, node, f"'{node}' is unknown here", hint)
 
     def _unary(self, node: tree.Unary) -> Operand:
         operand = self.at(node.operand)
         if node.operator == "&":
             message = "an address has no value before the program runs"
-            raise self.bad(rules.CANNOT_EVALUATE, node, message)
+            raise self.error(rules.CANNOT_EVALUATE, node, message)
         if node.operator == "*":
             return self._target(node, operand)
         model = UnaryExpression(node.operator, operand.model)
-        if operand.sort is Sort.UNKNOWN:
-            return Operand(Sort.UNKNOWN, None, model)
+        if operand.operand_class is OperandClass.UNKNOWN:
+            return Operand(OperandClass.UNKNOWN, None, model)
         if node.operator == "!":
             value = self._truth(node.operand, operand)
             negated = None if value is None else not value
-            return _made(Sort.BOOL, negated, model)
-        wanted = (Sort.INTEGER,) if node.operator == "~" else (Sort.INTEGER, Sort.FLOAT)
-        if operand.sort not in wanted:
+            return operand_of(OperandClass.BOOL, negated, model)
+        wanted = (
+            (OperandClass.INTEGER,)
+            if node.operator == "~"
+            else (OperandClass.INTEGER, OperandClass.FLOAT)
+        )
+        if operand.operand_class not in wanted:
             raise self._unfit(node, node.operator, operand)
         value_: Any = operand.value
         if value_ is not None:
             value_ = ~value_ if node.operator == "~" else value_
             value_ = -value_ if node.operator == "-" else value_
-        return _made(operand.sort, value_, model)
+        return operand_of(operand.operand_class, value_, model)
 
     def _target(self, node: tree.Unary, operand: Operand) -> Operand:
         model = UnaryExpression("*", operand.model)
-        if operand.sort is Sort.UNKNOWN:
-            return Operand(Sort.UNKNOWN, None, model)
-        if operand.sort is not Sort.POINTER or operand.type is None:
+        if operand.operand_class is OperandClass.UNKNOWN:
+            return Operand(OperandClass.UNKNOWN, None, model)
+        if operand.operand_class is not OperandClass.POINTER or operand.type is None:
             raise self._unfit(node, "*", operand)
         found = resolve(operand.type)
         assert isinstance(found, CPointerType | CArrayType)
         target = found.target if isinstance(found, CPointerType) else found.element
         if operand.value is not None or isinstance(operand.model, Literal):
             message = "what a pointer leads to has no value before the program runs"
-            raise self.bad(rules.CANNOT_EVALUATE, node, message)
-        return Operand(sort_of(target), None, model, target)
+            raise self.error(rules.CANNOT_EVALUATE, node, message)
+        return Operand(operand_class_of(target), None, model, target)
 
     def _postfix(self, node: tree.Postfix) -> Operand:
         operand = self.at(node.operand)
@@ -252,15 +269,15 @@ class Look:
         found = resolve(operand.type) if operand.type is not None else None
         if not isinstance(found, CStructType):
             message = f"'.{name.text}' has no value before the program runs"
-            raise self.bad(rules.CANNOT_EVALUATE, node, message)
+            raise self.error(rules.CANNOT_EVALUATE, node, message)
         entity = self._table.tag(found.tag)
         if entity is None or not isinstance(entity.declaration, TecsStruct):
-            return Operand(Sort.UNKNOWN, None, model)
+            return Operand(OperandClass.UNKNOWN, None, model)
         for member in entity.declaration.members:
             if member.name == name.text:
-                return Operand(sort_of(member.type), None, model, member.type)
+                return Operand(operand_class_of(member.type), None, model, member.type)
         near = nearest(name.text, [m.name for m in entity.declaration.members])
-        raise self.bad(
+        raise self.error(
             rules.UNKNOWN_NAME,
             node,
             f"{found} has no member '{name.text}'",
@@ -273,50 +290,71 @@ class Look:
         assert subscript.index is not None
         index = self.at(subscript.index)
         model = BinaryExpression("[]", operand.model, index.model)
-        if operand.sort is Sort.UNKNOWN:
-            return Operand(Sort.UNKNOWN, None, model)
+        if operand.operand_class is OperandClass.UNKNOWN:
+            return Operand(OperandClass.UNKNOWN, None, model)
         found = resolve(operand.type) if operand.type is not None else None
         if (
             not isinstance(found, CPointerType | CArrayType)
             or operand.value is not None
         ):
             message = "a subscript has no value before the program runs"
-            raise self.bad(rules.CANNOT_EVALUATE, node, message)
-        if index.sort not in (Sort.INTEGER, Sort.UNKNOWN):
+            raise self.error(rules.CANNOT_EVALUATE, node, message)
+        if index.operand_class not in (OperandClass.INTEGER, OperandClass.UNKNOWN):
             raise self._unfit(subscript.index, "[]", index)
         target = found.target if isinstance(found, CPointerType) else found.element
-        return Operand(sort_of(target), None, model, target)
+        return Operand(operand_class_of(target), None, model, target)
 
     def _cast(self, node: tree.Cast) -> Operand:
         operand = self.at(node.operand)
         type_ = self._read_type(node.type, self._unit, self._scope)
         if type_ is None:
-            raise BadError
-        sort = sort_of(type_)
+            raise ExpressionError
+        class_ = operand_class_of(type_)
         model = CastExpression(type_, operand.model)
-        numbers = (Sort.BOOL, Sort.INTEGER, Sort.FLOAT, Sort.UNKNOWN)
+        numbers = (
+            OperandClass.BOOL,
+            OperandClass.INTEGER,
+            OperandClass.FLOAT,
+            OperandClass.UNKNOWN,
+        )
         fits = (
-            operand.sort is Sort.UNKNOWN
-            or (sort is Sort.BOOL and operand.sort in (Sort.BOOL, Sort.INTEGER))
-            or (sort in numbers and sort is not Sort.BOOL and operand.sort in numbers)
-            or (sort is Sort.INTEGER and operand.sort is Sort.POINTER)
-            or (sort is Sort.POINTER and operand.sort in (Sort.INTEGER, Sort.POINTER))
+            operand.operand_class is OperandClass.UNKNOWN
+            or (
+                class_ is OperandClass.BOOL
+                and operand.operand_class in (OperandClass.BOOL, OperandClass.INTEGER)
+            )
+            or (
+                class_ in numbers
+                and class_ is not OperandClass.BOOL
+                and operand.operand_class in numbers
+            )
+            or (
+                class_ is OperandClass.INTEGER
+                and operand.operand_class is OperandClass.POINTER
+            )
+            or (
+                class_ is OperandClass.POINTER
+                and operand.operand_class
+                in (OperandClass.INTEGER, OperandClass.POINTER)
+            )
         )
         if not fits:
-            message = f"{operand.sort.with_article} cannot be cast to {type_}"
-            raise self.bad(rules.OPERATOR_KIND, node, message)
+            message = f"{operand.operand_class.with_article} cannot be cast to {type_}"
+            raise self.error(rules.OPERATOR_KIND, node, message)
         value = operand.value
-        if value is None or sort is Sort.POINTER:
-            return Operand(sort, value if sort is Sort.POINTER else None, model, type_)
-        if sort is Sort.BOOL:
-            return Operand(sort, bool(value), Literal(bool(value)), type_)
-        if sort is Sort.FLOAT and not isinstance(value, str):
-            return _made(sort, _as_float(value), model, type_)
-        if sort is Sort.INTEGER and not isinstance(value, str):
+        if value is None or class_ is OperandClass.POINTER:
+            return Operand(
+                class_, value if class_ is OperandClass.POINTER else None, model, type_
+            )
+        if class_ is OperandClass.BOOL:
+            return Operand(class_, bool(value), Literal(bool(value)), type_)
+        if class_ is OperandClass.FLOAT and not isinstance(value, str):
+            return operand_of(class_, as_float(value), model, type_)
+        if class_ is OperandClass.INTEGER and not isinstance(value, str):
             if isinstance(value, float):
-                return _made(sort, _clipped(value, type_), model, type_)
-            return _made(sort, wrapped(int(value), type_), model, type_)
-        return Operand(sort, None, model, type_)
+                return operand_of(class_, clipped(value, type_), model, type_)
+            return operand_of(class_, wrapped(int(value), type_), model, type_)
+        return Operand(class_, None, model, type_)
 
     def _conditional(self, node: tree.Conditional) -> Operand:
         condition = self.at(node.condition)
@@ -325,16 +363,24 @@ class Look:
         if truth is not None:
             return yes if truth else no
         model = ConditionalExpression(condition.model, yes.model, no.model)
-        sort = Sort.FLOAT if Sort.FLOAT in (yes.sort, no.sort) else yes.sort
-        return Operand(sort, None, model, yes.type)
+        class_ = (
+            OperandClass.FLOAT
+            if OperandClass.FLOAT in (yes.operand_class, no.operand_class)
+            else yes.operand_class
+        )
+        return Operand(class_, None, model, yes.type)
 
     def _truth(self, node: tree.Expression, operand: Operand) -> bool | None:
-        """The truth value of an operand; None if it is not constant. Raises BadError."""
-        if operand.sort not in (Sort.BOOL, Sort.INTEGER, Sort.UNKNOWN):
-            raise self.bad(
+        """The truth value of an operand; None if it is not constant. Raises ExpressionError."""
+        if operand.operand_class not in (
+            OperandClass.BOOL,
+            OperandClass.INTEGER,
+            OperandClass.UNKNOWN,
+        ):
+            raise self.error(
                 rules.OPERATOR_KIND,
                 node,
-                f"a truth value is wanted here, not a {operand.sort}",
+                f"a truth value is wanted here, not a {operand.operand_class}",
                 "compare it, or cast it",
             )
         return None if operand.value is None else bool(operand.value)
@@ -357,44 +403,61 @@ class Look:
         if mark in ("&&", "||"):
             one, two = self._truth(node.first, left), self._truth(written, right)
             if one is None or two is None:
-                return Operand(Sort.BOOL, None, model)
+                return Operand(OperandClass.BOOL, None, model)
             truth = (one and two) if mark == "&&" else (one or two)
-            return _made(Sort.BOOL, truth, model)
-        if Sort.UNKNOWN in (left.sort, right.sort):
-            return Operand(Sort.UNKNOWN, None, model)
-        if left.sort in _ARITHMETIC and right.sort is Sort.BOOL:
+            return operand_of(OperandClass.BOOL, truth, model)
+        if OperandClass.UNKNOWN in (left.operand_class, right.operand_class):
+            return Operand(OperandClass.UNKNOWN, None, model)
+        if (
+            left.operand_class in ARITHMETIC
+            and right.operand_class is OperandClass.BOOL
+        ):
             # tecsgen uses 0 or 1 for a truth value to the right of a number.
             number = None if right.value is None else int(right.value)
-            right = Operand(Sort.INTEGER, number, right.model)
-        if mark in _COMPARISONS:
+            right = Operand(OperandClass.INTEGER, number, right.model)
+        if mark in COMPARISONS:
             return self._comparison(node, mark, left, right, model)
-        if mark in ("+", "-") and Sort.POINTER in (left.sort, right.sort):
-            if Sort.FLOAT in (left.sort, right.sort) or left.value is not None:
+        if mark in ("+", "-") and OperandClass.POINTER in (
+            left.operand_class,
+            right.operand_class,
+        ):
+            if (
+                OperandClass.FLOAT in (left.operand_class, right.operand_class)
+                or left.value is not None
+            ):
                 raise self._unfit(node, mark, right)
-            return Operand(Sort.POINTER, None, model, left.type or right.type)
-        wanted = _ARITHMETIC if mark in "+-*/%" else (Sort.INTEGER,)
+            return Operand(OperandClass.POINTER, None, model, left.type or right.type)
+        wanted = ARITHMETIC if mark in "+-*/%" else (OperandClass.INTEGER,)
         for operand in (left, right):
-            if operand.sort not in wanted:
+            if operand.operand_class not in wanted:
                 raise self._unfit(node, mark, operand)
         if mark in ("/", "%") and right.value == 0 and right.value is not None:
-            raise self.bad(rules.DIVISION, written, "this is zero")
-        sort = Sort.FLOAT if Sort.FLOAT in (left.sort, right.sort) else Sort.INTEGER
+            raise self.error(rules.DIVISION, written, "this is zero")
+        class_ = (
+            OperandClass.FLOAT
+            if OperandClass.FLOAT in (left.operand_class, right.operand_class)
+            else OperandClass.INTEGER
+        )
         if left.value is None or right.value is None:
-            return Operand(sort, None, model)
-        return _made(sort, self._computed(node, mark, left.value, right.value), model)
+            return Operand(class_, None, model)
+        return operand_of(
+            class_, self._computed(node, mark, left.value, right.value), model
+        )
 
     def _computed(self, node: tree.Chain, mark: str, one: Any, two: Any) -> Any:
         if mark in ("<<", ">>") and not 0 <= two < _MOST_BITS:
             message = f"a shift by {two} has no value"
-            raise self.bad(rules.OPERATOR_KIND, node, message)
+            raise self.error(rules.OPERATOR_KIND, node, message)
         try:
             if mark == "/" and isinstance(one, int) and isinstance(two, int):
                 return one // two
-            value = _OPERATORS[mark](one, two)
+            value = OPERATORS[mark](one, two)
         except OverflowError:
             value = math.inf
         if isinstance(value, int) and value.bit_length() > _MOST_BITS:
-            raise self.bad(rules.RANGE, node, "this value is too large to be computed")
+            raise self.error(
+                rules.RANGE, node, "this value is too large to be computed"
+            )
         return value
 
     def _comparison(
@@ -405,44 +468,26 @@ class Look:
         right: Operand,
         model: Expression,
     ) -> Operand:
-        numbers = (Sort.INTEGER, Sort.FLOAT)
-        fits = (left.sort in numbers and right.sort in numbers) or (
-            left.sort is right.sort is Sort.BOOL and mark in ("==", "!=")
+        numbers = (OperandClass.INTEGER, OperandClass.FLOAT)
+        fits = (left.operand_class in numbers and right.operand_class in numbers) or (
+            left.operand_class is right.operand_class is OperandClass.BOOL
+            and mark in ("==", "!=")
         )
         if not fits:
-            one, two = left.sort.with_article, right.sort.with_article
+            one, two = left.operand_class.with_article, right.operand_class.with_article
             message = f"'{mark}' does not compare {one} with {two}"
-            raise self.bad(rules.OPERATOR_KIND, node, message)
+            raise self.error(rules.OPERATOR_KIND, node, message)
         if left.value is None or right.value is None:
-            return Operand(Sort.BOOL, None, model)
-        return _made(Sort.BOOL, _COMPARISONS[mark](left.value, right.value), model)
+            return Operand(OperandClass.BOOL, None, model)
+        return operand_of(
+            OperandClass.BOOL, COMPARISONS[mark](left.value, right.value), model
+        )
 
-    def _unfit(self, node: tree.Expression, mark: str, operand: Operand) -> BadError:
-        message = f"'{mark}' cannot be used on {operand.sort.with_article}"
-        return self.bad(rules.OPERATOR_KIND, node, message)
-
-
-_ARITHMETIC = (Sort.INTEGER, Sort.FLOAT)
-_OPERATORS: dict[str, Callable[[Any, Any], Any]] = {
-    "+": operator.add,
-    "-": operator.sub,
-    "*": operator.mul,
-    "/": operator.truediv,
-    "%": operator.mod,
-    "<<": operator.lshift,
-    ">>": operator.rshift,
-    "&": operator.and_,
-    "|": operator.or_,
-    "^": operator.xor,
-}
-_COMPARISONS: dict[str, Callable[[Any, Any], bool]] = {
-    "==": operator.eq,
-    "!=": operator.ne,
-    "<": operator.lt,
-    ">": operator.gt,
-    "<=": operator.le,
-    ">=": operator.ge,
-}
+    def _unfit(
+        self, node: tree.Expression, mark: str, operand: Operand
+    ) -> ExpressionError:
+        message = f"'{mark}' cannot be used on {operand.operand_class.with_article}"
+        return self.error(rules.OPERATOR_KIND, node, message)
 
 
 def _depth(expression: Expression) -> int:
@@ -460,98 +505,6 @@ def _depth(expression: Expression) -> int:
             case ConditionalExpression(condition, yes, no):
                 left += ((part, depth + 1) for part in (condition, yes, no))
     return deepest
-
-
-def _number(node: tree.Number) -> Operand:
-    text = node.text
-    value: int | float
-    if "." in text:
-        value = float(text)
-        return Operand(Sort.FLOAT, value, Literal(value))
-    if text.startswith("0x"):
-        value = int(text, 16)
-    elif text.startswith("0") and text.strip("01234567") == "":
-        value = int(text, 8)
-    else:
-        value = int(text)
-    return Operand(Sort.INTEGER, value, Literal(value))
-
-
-def _made(
-    sort: Sort,
-    value: bool | int | float | None,
-    model: Expression,
-    type_: CType | None = None,
-) -> Operand:
-    """The operand; its model is a literal if the value is constant."""
-    if value is None:
-        return Operand(sort, None, model, type_)
-    return Operand(sort, value, Literal(value), type_)
-
-
-def _as_float(value: bool | int | float) -> float:
-    try:
-        return float(value)
-    except OverflowError:
-        return math.inf
-
-
-_WITHOUT_RANGE = (Scalar.LONG_LONG, Scalar.ULONG_LONG)
-_BITS = {
-    scalar: tdr.BITS[letter.lower()]
-    for scalar, letter in tdr.LETTERS.items()
-    if letter.lower() in tdr.BITS and scalar not in _WITHOUT_RANGE
-}
-"""The types whose values are checked for their range."""
-
-
-def width(kind: Scalar) -> str:
-    """The width of a basic type as a pointer's target; tecsgen ignores the sign."""
-    if kind in (Scalar.CHAR, Scalar.SCHAR, Scalar.UCHAR):
-        return Scalar.CHAR
-    return kind.removeprefix("unsigned ").removeprefix("u")
-
-
-def wrapped(value: int, type_: CType) -> int:
-    """An integer after a cast to a sized type."""
-    found = resolve(type_)
-    if not isinstance(found, CScalarType) or found.kind not in _BITS:
-        return value
-    bits = _BITS[found.kind]
-    value &= (1 << bits) - 1
-    if found.kind not in tdr.UNSIGNED and value >> (bits - 1):
-        value -= 1 << bits
-    return value
-
-
-def limits(type_: CType) -> tuple[int | None, int | None]:
-    """The least and the greatest value of an integer type, where they are known."""
-    found = resolve(type_)
-    assert isinstance(found, CScalarType)
-    bits, unsigned = _BITS.get(found.kind), found.kind in tdr.UNSIGNED
-    if bits is None:
-        return (0 if unsigned else None), None
-    # A plain character may be signed or not.
-    full = unsigned or found.kind is Scalar.CHAR
-    return (0 if unsigned else -(1 << (bits - 1))), (1 << (bits - (not full))) - 1
-
-
-def _clipped(value: float, type_: CType) -> int:
-    """A floating-point number after a cast to an integer type: the nearest value in range."""
-    low, high = limits(type_)
-    if not math.isfinite(value):
-        return (high or 0) if value > 0 else (low or 0)
-    whole = int(value)
-    whole = whole if low is None else max(whole, low)
-    return whole if high is None else min(whole, high)
-
-
-def whole_number(found: Operand) -> Operand:
-    """The integer of a constant in tecsgen's arithmetic: a truth value is 0 or 1, 2.0 is 2."""
-    value = found.value
-    if isinstance(value, bool) or (isinstance(value, float) and value.is_integer()):
-        return Operand(Sort.INTEGER, int(value), Literal(int(value)))
-    return found
 
 
 def references(expression: Expression) -> Iterator[str]:

@@ -171,8 +171,8 @@ class OpenEnds:
         value = given.value if given is not None else variable.value
         if isinstance(value, tree.Aggregate):
             before = celltypes.declared_size(self._values, cell.celltype, variable)
-            told = isinstance(before, int) and before < len(value.items)
-            if given is None and told:
+            is_larger = isinstance(before, int) and before < len(value.items)
+            if given is None and is_larger:
                 return
             celltypes.check_length(variable, value, size, place, self._report)
         elif given is not None and value is not None:

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 
 from rtgen.diagnostics import Rule
 from rtgen.frontends.cdl.names.entities import Declared, Names, Place
-from rtgen.frontends.cdl.names.operands import BadError, Operand
+from rtgen.frontends.cdl.names.operands import ExpressionError, Operand
 from rtgen.frontends.cdl.names.table import Table
 from rtgen.frontends.cdl.passes.constants import Constants
-from rtgen.frontends.cdl.passes.expressions import Expressions, Look
+from rtgen.frontends.cdl.passes.expressions import ExpressionAnalysis, Expressions
 from rtgen.frontends.cdl.passes.types import Types
 from rtgen.frontends.cdl.syntax import tree
 from rtgen.model.c_types import CType, Expression
@@ -55,7 +55,7 @@ class DeclaredValues:
                 .at(expression)
                 .value
             )
-        except BadError:
+        except ExpressionError:
             return None
 
     def initial(
@@ -72,11 +72,13 @@ class DeclaredValues:
         self, expression: tree.Expression, place: Place, types: Mapping[str, CType]
     ) -> Expression | None:
         """The model of an expression; None, after a diagnostic, if it has errors."""
-        found = self._types.expressions.look(expression, place.unit, place.scope, types)
+        found = self._types.expressions.operand(
+            expression, place.unit, place.scope, types
+        )
         return None if found is None else found.model
 
 
-class _Quiet(Look):
+class _Quiet(ExpressionAnalysis):
     """Evaluates without diagnostics; attributes are replaced by their values."""
 
     def __init__(
@@ -87,10 +89,10 @@ class _Quiet(Look):
         self._values = values
         self._depth = depth
 
-    def bad(
+    def error(
         self, rule: Rule, node: tree.Expression, message: str, hint: str | None = None
-    ) -> BadError:
-        return BadError()
+    ) -> ExpressionError:
+        return ExpressionError()
 
     def at(self, node: tree.Expression) -> Operand:
         if isinstance(node, tree.ScopedName) and self._values is not None:
@@ -98,7 +100,7 @@ class _Quiet(Look):
             if found is not None:
                 value, place = found
                 if self._depth == 0 or isinstance(value, tree.CExp | tree.Aggregate):
-                    raise BadError
+                    raise ExpressionError
                 deeper = _Quiet(self._expressions, place, self._values, self._depth - 1)
                 return deeper.at(value)
         return super().at(node)

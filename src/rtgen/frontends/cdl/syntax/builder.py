@@ -2,62 +2,26 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any
 
 from rtgen.facts.tdr import Scalar
 from rtgen.frontends.cdl.syntax import tree
-from rtgen.frontends.cdl.syntax.words import TERMINALS, WORDS
-
-if TYPE_CHECKING:
-    from rtgen.frontends.kit.lalr import Token
-
-Children: TypeAlias = list[Any]
+from rtgen.frontends.cdl.syntax.expression_builder import (
+    Children,
+    ExpressionBuilder,
+    end_of,
+    first_in,
+    is_token,
+    keyword_of,
+    name_of,
+    nodes_in,
+    start_of,
+    tokens_in,
+    word_of,
+)
+from rtgen.frontends.cdl.syntax.words import TERMINALS
 
 _SCALARS = {kind.value: kind for kind in Scalar} | {"char": Scalar.CHAR}
-_NAMED = ("IDENT", "TYPE_NAME")
-
-
-def _start(node: Any) -> int:
-    """The start offset of a node or token."""
-    start: int = node.start if hasattr(node, "start") else node.start_pos
-    return start
-
-
-def _end(node: Any) -> int:
-    """The end offset of a node or token."""
-    end: int = node.end if hasattr(node, "end") else node.end_pos
-    return end
-
-
-def _name(token: Token) -> tree.Name:
-    return tree.Name(str(token), token.start_pos, token.end_pos)
-
-
-def _word(token: Token) -> str:
-    """The keyword of a token, also of one replaced by error recovery."""
-    return WORDS[token.type]
-
-
-def _keyword(token: Token) -> tree.Name:
-    return tree.Name(_word(token), token.start_pos, token.end_pos)
-
-
-def _nodes(children: Children, *kinds: type) -> tuple[Any, ...]:
-    """The children of that node class."""
-    return tuple(child for child in children if isinstance(child, kinds))
-
-
-def _first(children: Children, *kinds: type) -> Any:
-    """The first child of that node class, or None."""
-    return next((child for child in children if isinstance(child, kinds)), None)
-
-
-def _tokens(children: Children, *types: str) -> list[Token]:
-    return [child for child in children if getattr(child, "type", None) in types]
-
-
-def _is(child: Any, kind: str) -> bool:
-    return getattr(child, "type", None) == kind
 
 
 class Head:
@@ -71,7 +35,7 @@ class Head:
         self.end = name.end
 
 
-class Builder:
+class Builder(ExpressionBuilder):
     """One method for each rule or alias of `cdl.lark`; `children` as passed by lark."""
 
     # Lists
@@ -99,7 +63,7 @@ class Builder:
 
     def namespace_head(self, children: Children) -> Head:
         keyword, name = children
-        return Head(_name(name), keyword.start_pos)
+        return Head(name_of(name), keyword.start_pos)
 
     def namespace_dcl(self, children: Children) -> tree.Namespace:
         head, _, *items, end = children
@@ -112,18 +76,18 @@ class Builder:
         )
 
     def import_c_dcl(self, children: Children) -> tree.ImportC:
-        header, *definitions = _nodes(children, tree.Text)
+        header, *definitions = nodes_in(children, tree.Text)
         return tree.ImportC(
             header,
             definitions[0] if definitions else None,
-            _start(children[0]),
-            _end(children[-1]),
+            start_of(children[0]),
+            end_of(children[-1]),
         )
 
     def generate_dcl(self, children: Children) -> tree.Generate:
         keyword, _, plugin, target, argument, end = children
         return tree.Generate(
-            _name(plugin), target, argument, keyword.start_pos, end.end_pos
+            name_of(plugin), target, argument, keyword.start_pos, end.end_pos
         )
 
     # Types
@@ -167,21 +131,21 @@ class Builder:
         return tree.QualifiedType(qualifiers, type_, children[0].start, type_.end)
 
     def qualifier(self, children: Children) -> tree.Name:
-        return _keyword(children[0])
+        return keyword_of(children[0])
 
     def basic_type(self, children: Children) -> tree.BasicType:
         *sign, word = children
-        kind = _SCALARS[_word(word)]
+        kind = _SCALARS[word_of(word)]
         return tree.BasicType(
             kind,
             kind is Scalar.CHAR and word.type == "CHAR",
-            _word(sign[0]) if sign else None,
-            _start(children[0]),
+            word_of(sign[0]) if sign else None,
+            start_of(children[0]),
             word.end_pos,
         )
 
     def typedef_name(self, children: Children) -> tree.TypedefName:
-        name = _name(children[0])
+        name = name_of(children[0])
         return tree.TypedefName(name, name.start, name.end)
 
     def descriptor(self, children: Children) -> tree.DescriptorOf:
@@ -189,15 +153,17 @@ class Builder:
         return tree.DescriptorOf(signature, keyword.start_pos, end.end_pos)
 
     def struct_type(self, children: Children) -> tree.StructSpecifier:
-        tag = _tokens(children, "IDENT")
+        tag = tokens_in(children, "IDENT")
         members = (
-            _nodes(children, tree.MemberItem) if _tokens(children, "LBRACE") else None
+            nodes_in(children, tree.MemberItem)
+            if tokens_in(children, "LBRACE")
+            else None
         )
         return tree.StructSpecifier(
-            _name(tag[0]) if tag else None,
+            name_of(tag[0]) if tag else None,
             members,
-            _start(children[0]),
-            _end(children[-1]),
+            start_of(children[0]),
+            end_of(children[-1]),
         )
 
     def member(self, children: Children) -> tree.MemberItem:
@@ -212,25 +178,27 @@ class Builder:
         )
 
     def enum_keyword(self, children: Children) -> tree.Name:
-        return _keyword(children[0])
+        return keyword_of(children[0])
 
     def enum_type(self, children: Children) -> tree.EnumSpecifier:
         keyword = children[0]
-        tag = _tokens(children, "IDENT")
+        tag = tokens_in(children, "IDENT")
         enumerators = (
-            _nodes(children, tree.Enumerator) if _tokens(children, "LBRACE") else None
+            nodes_in(children, tree.Enumerator)
+            if tokens_in(children, "LBRACE")
+            else None
         )
         return tree.EnumSpecifier(
             keyword.text,
-            _name(tag[0]) if tag else None,
+            name_of(tag[0]) if tag else None,
             enumerators,
             keyword.start,
-            _end(children[-1]),
+            end_of(children[-1]),
         )
 
     def enumerator(self, children: Children) -> tree.Enumerator:
         return tree.Enumerator(
-            _name(children[0]), children[2] if len(children) > 1 else None
+            name_of(children[0]), children[2] if len(children) > 1 else None
         )
 
     # Declarators
@@ -250,7 +218,7 @@ class Builder:
 
     def direct_declarator(self, children: Children) -> tree.Declarator:
         first = children[0]
-        inner = first if isinstance(first, tree.Declarator) else _name(first)
+        inner = first if isinstance(first, tree.Declarator) else name_of(first)
         suffixes = tuple(children[1:])
         end = suffixes[-1].end if suffixes else inner.end
         return tree.Declarator((), inner, suffixes, inner.start, end)
@@ -268,7 +236,7 @@ class Builder:
     def pointer(self, children: Children) -> tree.Pointer:
         star, *qualifier = children
         return tree.Pointer(
-            qualifier[0] if qualifier else None, star.start_pos, _end(children[-1])
+            qualifier[0] if qualifier else None, star.start_pos, end_of(children[-1])
         )
 
     def parameters(self, children: Children) -> tree.Parameters:
@@ -289,8 +257,8 @@ class Builder:
         )
 
     def abstract_declarator(self, children: Children) -> tree.Declarator:
-        pointers = _nodes(children, tree.Pointer)
-        direct = _first(children, tree.Declarator)
+        pointers = nodes_in(children, tree.Pointer)
+        direct = first_in(children, tree.Declarator)
         return tree.Declarator(
             pointers,
             direct.inner if direct is not None else None,
@@ -300,82 +268,12 @@ class Builder:
         )
 
     def direct_abstract(self, children: Children) -> tree.Declarator:
-        inner = _first(children, tree.Declarator)
+        inner = first_in(children, tree.Declarator)
         suffixes = tuple(child for child in children if child is not inner)
         return tree.Declarator((), inner, suffixes, children[0].start, children[-1].end)
 
     def group_abstract(self, children: Children) -> tree.Declarator:
         return self.group_declarator(children)
-
-    # Expressions
-
-    def aggregate(self, children: Children) -> tree.Aggregate:
-        opening, *items, closing = children
-        return tree.Aggregate(tuple(items), opening.start_pos, closing.end_pos)
-
-    def c_exp(self, children: Children) -> tree.CExp:
-        keyword, _, text, end = children
-        return tree.CExp(text, keyword.start_pos, end.end_pos)
-
-    def conditional(self, children: Children) -> tree.Conditional:
-        condition, yes, _, no = children
-        return tree.Conditional(condition, yes, no, condition.start, no.end)
-
-    def chain(self, children: Children) -> tree.Chain:
-        pairs = tuple(
-            (str(children[i]), children[i + 1]) for i in range(1, len(children), 2)
-        )
-        return tree.Chain(children[0], pairs, children[0].start, children[-1].end)
-
-    def cast(self, children: Children) -> tree.Cast:
-        opening, type_, _, operand = children
-        return tree.Cast(type_, operand, opening.start_pos, operand.end)
-
-    def unary_op(self, children: Children) -> tree.Unary:
-        operator, operand = children
-        return tree.Unary(str(operator), operand, operator.start_pos, operand.end)
-
-    def postfix_chain(self, children: Children) -> tree.Postfix:
-        operand, *suffixes = children
-        return tree.Postfix(operand, tuple(suffixes), operand.start, suffixes[-1].end)
-
-    def postfix_part(self, children: Children) -> tree.Subscript | tree.Name:
-        if len(children) == 2:
-            return _name(children[1])
-        return self.subscript(children)
-
-    def group(self, children: Children) -> tree.Group:
-        opening, inner, closing = children
-        return tree.Group(inner, opening.start_pos, closing.end_pos)
-
-    def scoped_name(self, children: Children) -> tree.ScopedName:
-        first = children[0]
-        if len(children) == 1:
-            name = _name(first)
-            return tree.ScopedName((name,), False, name.start, name.end)
-        parts = tuple(_name(token) for token in children if token.type != "SCOPE")
-        return tree.ScopedName(
-            parts, first.type == "SCOPE", first.start_pos, parts[-1].end
-        )
-
-    def number(self, children: Children) -> tree.Number:
-        (token,) = children
-        return tree.Number(str(token), token.start_pos, token.end_pos)
-
-    def character(self, children: Children) -> tree.Character:
-        (token,) = children
-        return tree.Character(token[1:-1], token.start_pos, token.end_pos)
-
-    def boolean(self, children: Children) -> tree.Boolean:
-        (token,) = children
-        return tree.Boolean(token.type == "TRUE", token.start_pos, token.end_pos)
-
-    def text(self, children: Children) -> tree.Text:
-        parts = tuple(
-            tree.TextPart(token[1:-1], token.start_pos + 1, token.end_pos - 1)
-            for token in children
-        )
-        return tree.Text(parts, _start(children[0]), _end(children[-1]))
 
     # Specifiers
 
@@ -388,20 +286,22 @@ class Builder:
     def specifier(self, children: Children) -> tree.Specifier:
         word, *rest = children
         arguments = tuple(child for child in rest if not isinstance(child, str))
-        return tree.Specifier(str(word), arguments, word.start_pos, _end(children[-1]))
+        return tree.Specifier(
+            str(word), arguments, word.start_pos, end_of(children[-1])
+        )
 
     def name(self, children: Children) -> tree.Name:
-        return _name(children[0])
+        return name_of(children[0])
 
     def plugin(self, children: Children) -> tree.Name:
-        return tree.Name("".join(children), _start(children[0]), _end(children[-1]))
+        return tree.Name("".join(children), start_of(children[0]), end_of(children[-1]))
 
     def allocation(self, children: Children) -> tree.Allocation:
         *path, operator, value = children
-        names = tuple(_name(token) for token in _tokens(path, "IDENT"))
+        names = tuple(name_of(token) for token in tokens_in(path, "IDENT"))
         return tree.Allocation(
             names,
-            _first(path, tree.Subscript),
+            first_in(path, tree.Subscript),
             str(operator),
             value,
             names[0].start,
@@ -409,18 +309,12 @@ class Builder:
         )
 
     def restriction(self, children: Children) -> tree.Restriction:
-        names = tuple(_name(token) for token in _tokens(children, "IDENT"))
+        names = tuple(name_of(token) for token in tokens_in(children, "IDENT"))
         return tree.Restriction(
             names,
-            _nodes(children, tree.ScopedName),
+            nodes_in(children, tree.ScopedName),
             names[0].start,
-            _end(children[-1]),
-        )
-
-    def subscript(self, children: Children) -> tree.Subscript:
-        opening, *index, closing = children
-        return tree.Subscript(
-            index[0] if index else None, opening.start_pos, closing.end_pos
+            end_of(children[-1]),
         )
 
     # Signatures and celltypes
@@ -441,7 +335,7 @@ class Builder:
         self, children: Children
     ) -> tuple[tree.Name, tuple[tree.Item, ...], int, int]:
         keyword, name, _, *items, end = children
-        return _name(name), tuple(items), keyword.start_pos, end.end_pos
+        return name_of(name), tuple(items), keyword.start_pos, end.end_pos
 
     def function(self, children: Children) -> tree.Function:
         type_, declarator = children
@@ -450,21 +344,21 @@ class Builder:
     def port(self, children: Children) -> tree.Port:
         keyword, signature, name, *subscript = children
         return tree.Port(
-            _word(keyword),
+            word_of(keyword),
             signature,
-            _name(name),
+            name_of(name),
             subscript[0] if subscript else None,
             None,
             keyword.start_pos,
-            _end(children[-1]),
+            end_of(children[-1]),
         )
 
     def joined_port(self, children: Children) -> tree.Port:
         keyword, signature, name, _, target = children
         return tree.Port(
-            _word(keyword),
+            word_of(keyword),
             signature,
-            _name(name),
+            name_of(name),
             None,
             target,
             keyword.start_pos,
@@ -473,12 +367,12 @@ class Builder:
 
     def port_of(self, children: Children) -> tree.PortOf:
         owner, _, port = children
-        return tree.PortOf(owner, _name(port), None, owner.start, port.end_pos)
+        return tree.PortOf(owner, name_of(port), None, owner.start, port.end_pos)
 
     def attributes(self, children: Children) -> tree.Attributes:
         keyword, _, *items, end = children
         return tree.Attributes(
-            _word(keyword), tuple(items), keyword.start_pos, end.end_pos
+            word_of(keyword), tuple(items), keyword.start_pos, end.end_pos
         )
 
     def require(self, children: Children) -> tree.Require:
@@ -487,18 +381,18 @@ class Builder:
 
     def named_require(self, children: Children) -> tree.Require:
         keyword, name, _, target = children
-        return tree.Require(_name(name), target, keyword.start_pos, target.end)
+        return tree.Require(name_of(name), target, keyword.start_pos, target.end)
 
     def factory(self, children: Children) -> tree.Factory:
         keyword, _, *items, end = children
         return tree.Factory(
-            _word(keyword), tuple(items), keyword.start_pos, end.end_pos
+            word_of(keyword), tuple(items), keyword.start_pos, end.end_pos
         )
 
     def factory_call(self, children: Children) -> tree.FactoryCall:
         function, _, file, format_, *arguments, end = children
         return tree.FactoryCall(
-            _name(function),
+            name_of(function),
             file,
             format_,
             tuple(arguments),
@@ -512,16 +406,16 @@ class Builder:
         keyword, celltype, name, *body = children
         return tree.Cell(
             celltype,
-            _name(name),
+            name_of(name),
             tuple(body[1:-1]) if body else None,
             keyword.start_pos,
-            _end(children[-1]),
+            end_of(children[-1]),
         )
 
     def join(self, children: Children) -> tree.Join:
         name, *subscript, _, value = children
         return tree.Join(
-            _name(name),
+            name_of(name),
             subscript[0] if subscript else None,
             value,
             name.start_pos,
@@ -530,9 +424,9 @@ class Builder:
 
     def composite_join(self, children: Children) -> tree.Join:
         name, *subscript, _, keyword, _, outer = children
-        value = tree.OfComposite(_name(outer), keyword.start_pos, outer.end_pos)
+        value = tree.OfComposite(name_of(outer), keyword.start_pos, outer.end_pos)
         return tree.Join(
-            _name(name),
+            name_of(name),
             subscript[0] if subscript else None,
             value,
             name.start_pos,
@@ -544,40 +438,44 @@ class Builder:
         right = children[_after_port(children) :]
         target = tree.PortOf(
             owner,
-            _name(port),
+            name_of(port),
             right[0] if right else None,
             owner.start,
-            _end(children[-1]),
+            end_of(children[-1]),
         )
-        assert _is(operator, "LESS_EQUAL")
+        assert is_token(operator, "LESS_EQUAL")
         return tree.ReverseJoin(
-            _name(name), left[0] if left else None, target, name.start_pos, target.end
+            name_of(name), left[0] if left else None, target, name.start_pos, target.end
         )
 
     def export(self, children: Children) -> tree.Export:
         port, *_, name = children
-        return tree.Export(_name(port), _name(name), port.start_pos, name.end_pos)
+        return tree.Export(name_of(port), name_of(name), port.start_pos, name.end_pos)
 
     def entry_export(self, children: Children) -> tree.EntryExport:
-        name, cell, port = _tokens(children, "IDENT")
+        name, cell, port = tokens_in(children, "IDENT")
         return tree.EntryExport(
-            _name(name), _name(cell), _name(port), _start(children[0]), port.end_pos
+            name_of(name),
+            name_of(cell),
+            name_of(port),
+            start_of(children[0]),
+            port.end_pos,
         )
 
     # Statements of graphical editors
 
     def tool_info(self, children: Children) -> tree.ToolInformation:
         return tree.ToolInformation(
-            str(children[0]), _start(children[0]), _end(children[-1])
+            str(children[0]), start_of(children[0]), end_of(children[-1])
         )
 
     def json_object(self, children: Children) -> tree.Skipped:
-        return tree.Skipped(_start(children[0]), _end(children[-1]))
+        return tree.Skipped(start_of(children[0]), end_of(children[-1]))
 
     json_property = json_array = location = port_location = bar = json_object
 
 
 def _after_port(children: Children) -> int:
     """The position for the right subscript of a reverse join."""
-    dot = next(i for i, child in enumerate(children) if _is(child, "DOT"))
+    dot = next(i for i, child in enumerate(children) if is_token(child, "DOT"))
     return dot + 2

@@ -11,8 +11,8 @@ from rtgen.frontends.idl.lowering.common_fields import CommonFields
 from rtgen.frontends.idl.lowering.components import Components
 from rtgen.frontends.idl.meaning import traits
 from rtgen.frontends.idl.meaning.annotations import Annotations, flag
-from rtgen.frontends.idl.meaning.constants import fixed_type_of
 from rtgen.frontends.idl.meaning.enumerations import Enumerations
+from rtgen.frontends.idl.meaning.operands import fixed_type_of
 from rtgen.frontends.idl.meaning.typetable import Types
 from rtgen.frontends.idl.names.scopes import Entity, Kind
 from rtgen.frontends.idl.syntax import tree

@@ -3,17 +3,32 @@
 from __future__ import annotations
 
 import struct
-import sys
 from collections.abc import Callable
-from decimal import ROUND_DOWN, Context, Decimal
-from enum import StrEnum
+from decimal import ROUND_DOWN, Decimal
 from math import copysign, inf, isfinite
-from typing import Protocol
 
 from rtgen.diagnostics import Diagnostic, Related, Rule
 from rtgen.facts.primitives import INTEGER_RANGES
+from rtgen.frontends.idl.meaning.operands import (
+    CONVERSIONS,
+    DIGITS_31,
+    EXACT,
+    EXAMPLES,
+    FLOATS,
+    LARGEST_DOUBLE,
+    LARGEST_FLOAT,
+    NARROW,
+    WIDE,
+    OperandClass,
+    brief,
+    is_literal,
+    operand_class_of,
+    wider,
+    without_zeros,
+)
+from rtgen.frontends.idl.meaning.type_lookup import TypeLookup
 from rtgen.frontends.idl.names.scopes import Entity, Kind
-from rtgen.frontends.idl.names.tables import MAX_DEPTH, Tables
+from rtgen.frontends.idl.names.tables import MAX_DEPTH
 from rtgen.frontends.idl.rules import constants as rules
 from rtgen.frontends.idl.rules import names as name_rules
 from rtgen.frontends.idl.rules import syntax
@@ -27,125 +42,17 @@ from rtgen.model import (
     NamedType,
     Primitive,
     PrimitiveType,
-    ScopedName,
     StringType,
     Type,
 )
 
-FLOATS = frozenset((Primitive.FLOAT, Primitive.DOUBLE, Primitive.LONG_DOUBLE))
-_CHARACTERS = {Primitive.CHAR: False, Primitive.WCHAR: True}
-_NARROW = {
-    Primitive.OCTET: 8,
-    Primitive.UINT8: 8,
-    Primitive.UNSIGNED_SHORT: 16,
-}
-"""Unsigned types narrower than the arithmetic, whose complement has to be masked."""
-_WIDE = (Primitive.LONG_LONG, Primitive.UNSIGNED_LONG_LONG)
-_BY_SIZE = (
-    Primitive.SHORT,
-    Primitive.UNSIGNED_SHORT,
-    Primitive.LONG,
-    Primitive.UNSIGNED_LONG,
-    Primitive.LONG_LONG,
-    Primitive.UNSIGNED_LONG_LONG,
-)
 _BOUND_HINT = (
     "a bound is positive; without a bound, sequences and strings hold any number"
 )
-_EXACT = Context(prec=62, rounding=ROUND_DOWN)
-_DIGITS_31 = Context(prec=31, rounding=ROUND_DOWN)
-_LARGEST_FLOAT = 3.4028234663852886e38
-_LARGEST_DOUBLE = sys.float_info.max
-
-
-class OperandClass(StrEnum):
-    """Operand classes, which must not be mixed in an expression.
-
-    The value is their name in messages.
-    """
-
-    INTEGER = "an integer"
-    FLOAT = "a floating-point number"
-    FIXED = "a fixed-point number"
-    CHARACTER = "a character"
-    WIDE_CHARACTER = "a wide character"
-    TEXT = "a string"
-    WIDE_TEXT = "a wide string"
-    BOOLEAN = "a boolean"
-    ENUM = "an enumerator"
-
-
-_EXAMPLES = {
-    OperandClass.INTEGER: "write a number without point and quotes, such as 10",
-    OperandClass.FLOAT: "write a number with a point, such as 1.5",
-    OperandClass.FIXED: "write a number that ends with d, such as 1.5d",
-    OperandClass.CHARACTER: "write one character in single quotes, such as 'x'",
-    OperandClass.WIDE_CHARACTER: "write one character in single quotes behind L, such as L'x'",
-    OperandClass.TEXT: 'write text in double quotes, such as "text"',
-    OperandClass.WIDE_TEXT: 'write text in double quotes behind L, such as L"text"',
-    OperandClass.BOOLEAN: "write TRUE or FALSE",
-    OperandClass.ENUM: "write the name of an enumerator",
-}
-_WIDE_HINT = "wide literals begin with L, others do not"
-_CONVERSIONS = {
-    (OperandClass.TEXT, OperandClass.WIDE_TEXT): _WIDE_HINT,
-    (OperandClass.WIDE_TEXT, OperandClass.TEXT): _WIDE_HINT,
-    (OperandClass.CHARACTER, OperandClass.WIDE_CHARACTER): _WIDE_HINT,
-    (OperandClass.WIDE_CHARACTER, OperandClass.CHARACTER): _WIDE_HINT,
-    (
-        OperandClass.INTEGER,
-        OperandClass.FLOAT,
-    ): ("write a number without point, or make the type double"),
-    (
-        OperandClass.INTEGER,
-        OperandClass.ENUM,
-    ): "an enumerator is no number: write its number, or use the enum",
-}
-
-
-def operand_class_of(
-    type_: Type | None, is_enum: Callable[[ScopedName], bool]
-) -> OperandClass | None:
-    """The operand class of a type's constants, through aliases; None if it has no constants."""
-    match type_:
-        case PrimitiveType(kind):
-            if kind in INTEGER_RANGES:
-                return OperandClass.INTEGER
-            if kind in FLOATS:
-                return OperandClass.FLOAT
-            if kind is Primitive.BOOLEAN:
-                return OperandClass.BOOLEAN
-            if kind in _CHARACTERS:
-                return (
-                    OperandClass.WIDE_CHARACTER
-                    if _CHARACTERS[kind]
-                    else OperandClass.CHARACTER
-                )
-        case StringType(wide):
-            return OperandClass.WIDE_TEXT if wide else OperandClass.TEXT
-        case FixedType():
-            return OperandClass.FIXED
-        case NamedType(name) if is_enum(name):
-            return OperandClass.ENUM
-    return None
 
 
 class _NoValueError(Exception):
     """The expression has no value; a diagnostic has been reported."""
-
-
-class TypeLookup(Protocol):
-    """What constants need of `typetable.Types`."""
-
-    tables: Tables
-
-    def of_node(self, node: tree.TypeNode, unit: Unit, /) -> Type | None: ...
-
-    def unaliased(self, type_: Type | None, /) -> Type | None: ...
-
-    def is_enum(self, name: ScopedName, /) -> bool: ...
-
-    def enum_of(self, enumerator: ScopedName, /) -> ScopedName | None: ...
 
 
 class Constants:
@@ -177,34 +84,32 @@ class Constants:
         plain = self._types.unaliased(type_)
         if plain is None:
             return None
-        sort = operand_class_of(plain, self._types.is_enum)
+        wanted = operand_class_of(plain, self._types.is_enum)
         saved = (
             *(getattr(self, "_unit", unit), self._bits, self._signed),
             self._complement,
         )
         self._unit = unit
-        wide = isinstance(plain, PrimitiveType) and plain.kind in _WIDE
+        wide = isinstance(plain, PrimitiveType) and plain.kind in WIDE
         self._bits = self._complement = 64 if wide else 32
         self._signed = (
             not isinstance(plain, PrimitiveType)
             or INTEGER_RANGES.get(plain.kind, (-1, 0))[0] < 0
         )
         try:
-            if sort is None:
+            if wanted is None:
                 self._fail(
                     type_rules.BAD_CONST_TYPE,
                     node,
                     f"no {what} can be of type {type_}",
                     "constants are numbers, characters, strings, booleans and enumerators",
                 )
-            assert sort is not None
-            value = self._evaluate(node, sort, 0)
-            width = (
-                _NARROW.get(plain.kind) if isinstance(plain, PrimitiveType) else None
-            )
+            assert wanted is not None
+            value = self._evaluate(node, wanted, 0)
+            width = NARROW.get(plain.kind) if isinstance(plain, PrimitiveType) else None
             if width is not None and isinstance(value, int) and value >= 1 << width:
                 self._complement = width
-                value = self._evaluate(node, sort, 0)
+                value = self._evaluate(node, wanted, 0)
             return self._fit(value, plain, node)
         except _NoValueError:
             return None
@@ -255,45 +160,45 @@ class Constants:
         self._report(rule.at(span, message, related=related, hint=hint))
 
     def _evaluate(
-        self, node: tree.Expression, sort: OperandClass, depth: int
+        self, node: tree.Expression, wanted: OperandClass, depth: int
     ) -> ConstantValue:
         if depth > MAX_DEPTH:
             self._fail(syntax.TOO_DEEP, node, "this expression is nested too deeply")
         match node:
             case tree.Group(inner):
-                return self._evaluate(inner, sort, depth + 1)
+                return self._evaluate(inner, wanted, depth + 1)
             case tree.Number():
-                return self._number(node, sort)
+                return self._number(node, wanted)
             case tree.Text():
-                return self._text(node, sort)
+                return self._text(node, wanted)
             case tree.Boolean():
-                if sort is not OperandClass.BOOLEAN:
-                    self._mixed(node, sort, OperandClass.BOOLEAN)
+                if wanted is not OperandClass.BOOLEAN:
+                    self._mixed(node, wanted, OperandClass.BOOLEAN)
                 return node.value
             case tree.ScopedName():
-                return self._named(node, sort)
+                return self._named(node, wanted)
             case tree.Unary(operator, operand):
-                self._has_operators(node, sort)
-                value = self._evaluate(operand, sort, depth + 1)
-                return self._checked(self._unary(operator, value, node, sort), node)
+                self._has_operators(node, wanted)
+                value = self._evaluate(operand, wanted, depth + 1)
+                return self._checked(self._unary(operator, value, node, wanted), node)
             case tree.Chain(first, rest):
-                self._has_operators(node, sort)
-                value = self._evaluate(first, sort, depth + 1)
+                self._has_operators(node, wanted)
+                value = self._evaluate(first, wanted, depth + 1)
                 for operator, operand in rest:
-                    right = self._evaluate(operand, sort, depth + 1)
+                    right = self._evaluate(operand, wanted, depth + 1)
                     value = self._checked(
                         self._binary(operator, value, right, operand), node
                     )
                 return value
 
-    def _has_operators(self, node: tree.Expression, sort: OperandClass) -> None:
-        if sort not in (OperandClass.INTEGER, OperandClass.FLOAT, OperandClass.FIXED):
+    def _has_operators(self, node: tree.Expression, wanted: OperandClass) -> None:
+        if wanted not in (OperandClass.INTEGER, OperandClass.FLOAT, OperandClass.FIXED):
             hint = (
                 "adjacent strings are joined"
-                if sort in (OperandClass.TEXT, OperandClass.WIDE_TEXT)
+                if wanted in (OperandClass.TEXT, OperandClass.WIDE_TEXT)
                 else None
             )
-            self._fail(rules.WRONG_KIND, node, f"{sort} has no operators", hint)
+            self._fail(rules.WRONG_KIND, node, f"{wanted} has no operators", hint)
 
     def _mixed(
         self, node: tree.Expression, wanted: OperandClass, found: OperandClass
@@ -302,10 +207,10 @@ class Constants:
             rules.WRONG_KIND,
             node,
             f"{wanted} is wanted here, not {found}",
-            _CONVERSIONS.get((wanted, found)) or _EXAMPLES[wanted],
+            CONVERSIONS.get((wanted, found)) or EXAMPLES[wanted],
         )
 
-    def _number(self, node: tree.Number, sort: OperandClass) -> ConstantValue:
+    def _number(self, node: tree.Number, wanted: OperandClass) -> ConstantValue:
         try:
             value = literals.number(node.text)
         except literals.LiteralError as error:
@@ -313,32 +218,32 @@ class Constants:
             raise _NoValueError from error
         match value:
             case int():
-                return self._from_integer(value, node, sort)
-            case float() if sort is OperandClass.FLOAT:
+                return self._from_integer(value, node, wanted)
+            case float() if wanted is OperandClass.FLOAT:
                 return value
-            case Decimal() if sort is OperandClass.FIXED:
+            case Decimal() if wanted is OperandClass.FIXED:
                 return value
         self._mixed(
             node,
-            sort,
+            wanted,
             OperandClass.FLOAT if isinstance(value, float) else OperandClass.FIXED,
         )
         return value
 
     def _from_integer(
-        self, value: int, node: tree.Expression, sort: OperandClass
+        self, value: int, node: tree.Expression, wanted: OperandClass
     ) -> ConstantValue:
-        if sort in (OperandClass.FLOAT, OperandClass.FIXED):
-            example = f"{value}.0" if sort is OperandClass.FLOAT else f"{value}d"
+        if wanted in (OperandClass.FLOAT, OperandClass.FIXED):
+            example = f"{value}.0" if wanted is OperandClass.FLOAT else f"{value}d"
             self._report_at(
                 rules.INTEGER_AS_FLOAT,
                 node,
-                f"{sort} is wanted here",
+                f"{wanted} is wanted here",
                 f"write {example}",
             )
-            return float(value) if sort is OperandClass.FLOAT else Decimal(value)
-        if sort is not OperandClass.INTEGER:
-            self._mixed(node, sort, OperandClass.INTEGER)
+            return float(value) if wanted is OperandClass.FLOAT else Decimal(value)
+        if wanted is not OperandClass.INTEGER:
+            self._mixed(node, wanted, OperandClass.INTEGER)
         low, high = self._bounds()
         if not low <= value <= high:
             self._overflow(node, value)
@@ -352,11 +257,11 @@ class Constants:
         self._fail(
             rules.OUT_OF_RANGE,
             node,
-            f"{_brief(value)} is not from {low} to {high}",
-            _wider(value),
+            f"{brief(value)} is not from {low} to {high}",
+            wider(value),
         )
 
-    def _text(self, node: tree.Text, sort: OperandClass) -> ConstantValue:
+    def _text(self, node: tree.Text, wanted: OperandClass) -> ConstantValue:
         try:
             found = literals.text(node.parts, node.character)
         except literals.LiteralError as error:
@@ -378,17 +283,17 @@ class Constants:
             if node.character
             else (OperandClass.TEXT, OperandClass.WIDE_TEXT)
         )
-        if sort is not sorts[found.wide]:
-            self._mixed(node, sort, sorts[found.wide])
+        if wanted is not sorts[found.wide]:
+            self._mixed(node, wanted, sorts[found.wide])
         return found.value
 
-    def _named(self, node: tree.ScopedName, sort: OperandClass) -> ConstantValue:
+    def _named(self, node: tree.ScopedName, wanted: OperandClass) -> ConstantValue:
         entity = self._types.tables.references.get(node)
         if entity is None:
             raise _NoValueError
         if isinstance(entity, Entity) and entity.kind is Kind.ENUMERATOR:
-            if sort is not OperandClass.ENUM:
-                self._mixed(node, sort, OperandClass.ENUM)
+            if wanted is not OperandClass.ENUM:
+                self._mixed(node, wanted, OperandClass.ENUM)
             return EnumeratorName(entity.path)
         if not isinstance(entity, Entity) or entity.kind is not Kind.CONST:
             self._fail(
@@ -408,9 +313,9 @@ class Constants:
             raise _NoValueError
         found = operand_class_of(type_, self._types.is_enum)
         if found is OperandClass.INTEGER and isinstance(value, int):
-            return self._from_integer(value, node, sort)
-        if found is not sort:
-            self._mixed(node, sort, found or OperandClass.INTEGER)
+            return self._from_integer(value, node, wanted)
+        if found is not wanted:
+            self._mixed(node, wanted, found or OperandClass.INTEGER)
         return value
 
     def _unary(
@@ -418,7 +323,7 @@ class Constants:
         operator: str,
         value: ConstantValue,
         node: tree.Expression,
-        sort: OperandClass,
+        wanted: OperandClass,
     ) -> ConstantValue:
         if isinstance(value, int) and not isinstance(value, bool):
             match operator:
@@ -432,7 +337,7 @@ class Constants:
         assert isinstance(value, float | Decimal)
         if operator == "~":
             hint = "'~' is the complement of an integer"
-            self._fail(rules.WRONG_KIND, node, f"{sort} has no '~'", hint)
+            self._fail(rules.WRONG_KIND, node, f"{wanted} has no '~'", hint)
         return -value if operator == "-" else value
 
     def _binary(
@@ -460,13 +365,13 @@ class Constants:
         if isinstance(left, Decimal) and isinstance(right, Decimal):
             match operator:
                 case "+":
-                    return _EXACT.add(left, right)
+                    return EXACT.add(left, right)
                 case "-":
-                    return _EXACT.subtract(left, right)
+                    return EXACT.subtract(left, right)
                 case "*":
-                    return _EXACT.multiply(left, right)
+                    return EXACT.multiply(left, right)
                 case "/":
-                    return _DIGITS_31.divide(left, right)
+                    return DIGITS_31.divide(left, right)
         hint = "floating- and fixed-point numbers have + - * /"
         self._fail(rules.WRONG_KIND, node, f"'{operator}' takes integers", hint)
         raise _NoValueError
@@ -490,7 +395,7 @@ class Constants:
             case "<<" | ">>":
                 if not 0 <= right < self._bits:
                     message = (
-                        f"a shift by {_brief(right)} is not from 0 to {self._bits - 1}"
+                        f"a shift by {brief(right)} is not from 0 to {self._bits - 1}"
                     )
                     hint = "64-bit types such as long long can be shifted by 0 to 63"
                     hint = hint if self._bits < 64 else "shift by fewer bits"
@@ -521,7 +426,7 @@ class Constants:
             if value and value.adjusted() >= 31:
                 message = "the value has more than 31 digits before its point"
                 self._fail(rules.OUT_OF_RANGE, node, message)
-            return _DIGITS_31.plus(value)
+            return DIGITS_31.plus(value)
         return value
 
     def _fit(
@@ -534,7 +439,7 @@ class Constants:
                 assert isinstance(value, int)
                 if not low <= value <= high:
                     message = f"{value} is no {kind}: {low} to {high}"
-                    self._fail(rules.OUT_OF_RANGE, node, message, _wider(value))
+                    self._fail(rules.OUT_OF_RANGE, node, message, wider(value))
             case PrimitiveType(kind) if kind in FLOATS:
                 assert isinstance(value, float)
                 return self._fit_float(value, kind, node)
@@ -548,7 +453,7 @@ class Constants:
                 assert isinstance(value, Decimal)
                 if digits:
                     value = self._fit_fixed(value, digits, scale, node)
-                return _without_zeros(value)
+                return without_zeros(value)
             case NamedType(name):
                 assert isinstance(value, EnumeratorName)
                 owner = self._types.enum_of(value.name)
@@ -561,14 +466,14 @@ class Constants:
         return value
 
     def _fit_float(self, value: float, kind: Primitive, node: tree.Expression) -> float:
-        largest = _LARGEST_FLOAT if kind is Primitive.FLOAT else _LARGEST_DOUBLE
+        largest = LARGEST_FLOAT if kind is Primitive.FLOAT else LARGEST_DOUBLE
         if abs(value) > largest:
             hint = (
                 "write double for a larger range"
                 if kind is Primitive.FLOAT
                 else "the largest double is about 1.8e308"
             )
-            if _is_literal(node):
+            if is_literal(node):
                 message = f"the value is beyond the range of a {kind}: it is infinite"
                 self._report_at(rules.INFINITE, node, message, hint)
             else:
@@ -588,7 +493,7 @@ class Constants:
         self, value: Decimal, digits: int, scale: int, node: tree.Expression
     ) -> Decimal:
         cut = value.quantize(
-            Decimal(1).scaleb(-scale), rounding=ROUND_DOWN, context=_EXACT
+            Decimal(1).scaleb(-scale), rounding=ROUND_DOWN, context=EXACT
         )
         if abs(cut) >= Decimal(10) ** (digits - scale):
             message = f"{value} does not fit into fixed<{digits},{scale}>"
@@ -599,41 +504,3 @@ class Constants:
             self._report_at(rules.PRECISION, node, message, f"write {cut}d")
             return cut
         return value
-
-
-def _is_literal(node: tree.Expression) -> bool:
-    """Whether the expression is a single number, possibly signed or in parentheses."""
-    match node:
-        case tree.Unary(operand=inner) | tree.Group(inner=inner):
-            return _is_literal(inner)
-    return isinstance(node, tree.Number)
-
-
-def fixed_type_of(value: Decimal) -> FixedType:
-    """The smallest fixed-point type for a value (CORBA 2.6, 3.10.2)."""
-    _, digits, exponent = _without_zeros(value).as_tuple()
-    assert isinstance(exponent, int)
-    scale = max(-exponent, 0)
-    return FixedType(max(len(digits) + max(exponent, 0), scale), scale)
-
-
-def _without_zeros(value: Decimal) -> Decimal:
-    """The value without trailing zeros in its fraction."""
-    return (
-        value.quantize(Decimal(1), context=_EXACT)
-        if value == value.to_integral_value()
-        else value.normalize(_EXACT)
-    )
-
-
-def _wider(value: int) -> str:
-    """A hint that names the smallest type for a value."""
-    for kind in _BY_SIZE:
-        low, high = INTEGER_RANGES[kind]
-        if low <= value <= high:
-            return f"{kind} holds it"
-    return "no integer type holds it; write a smaller number"
-
-
-def _brief(value: int) -> str:
-    return str(value) if value.bit_length() < 200 else "a number of more than 200 bits"

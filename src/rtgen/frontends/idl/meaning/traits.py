@@ -38,13 +38,13 @@ def with_defaults(
 
     A derived struct has the extensibility of its base.
     """
-    told = {_GROUPS.get(annotation.name) for annotation in own}
+    groups = {_GROUPS.get(annotation.name) for annotation in own}
     if derived:
-        told.add("extensibility")
+        groups.add("extensibility")
     found = list(own)
     for around in reversed(modules):
-        new = [a for a in around if _GROUPS.get(a.name) not in (None, *told)]
-        told |= {_GROUPS[annotation.name] for annotation in new}
+        new = [a for a in around if _GROUPS.get(a.name) not in (None, *groups)]
+        groups |= {_GROUPS[annotation.name] for annotation in new}
         for annotation in new:
             is_default = annotation.name == "default_nested"
             found.append(

@@ -2,43 +2,24 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 from rtgen.frontends.idl.syntax import tree
+from rtgen.frontends.idl.syntax.expression_builder import (
+    Children,
+    ExpressionBuilder,
+    end_of,
+    name_of,
+    start_of,
+)
 from rtgen.model import Direction, Primitive
 
 if TYPE_CHECKING:
     from rtgen.frontends.kit.lalr import Token
 
-Children: TypeAlias = list[Any]
 
 _PRIMITIVES = {kind.value: kind for kind in Primitive}
 _DIRECTIONS = {direction.value: direction for direction in Direction}
-
-
-def _end(token: Token) -> int:
-    assert token.end_pos is not None
-    return token.end_pos
-
-
-def _start(node: Any) -> int:
-    """Start offset of a node or token."""
-    start: int = node.start if hasattr(node, "start") else node.start_pos
-    return start
-
-
-def _name(token: Token) -> tree.Name:
-    start = token.start_pos
-    end = token.end_pos
-    assert start is not None
-    assert end is not None
-    return tree.Name(token.removeprefix("_") or "_", start, end)
-
-
-def _chain(children: Children, operator: str) -> tree.Chain:
-    first, *rest = children
-    pairs = tuple((operator, operand) for operand in rest)
-    return tree.Chain(first, pairs, first.start, rest[-1].end)
 
 
 def _take(children: Children, *kinds: str) -> Token | None:
@@ -69,7 +50,7 @@ class _Truncatable(_Bases):
     __slots__ = ()
 
 
-class Builder:
+class Builder(ExpressionBuilder):
     """One method for each rule or alias of `idl.lark`; `children` as passed by lark."""
 
     # Lists of declarations
@@ -82,137 +63,59 @@ class Builder:
         if type(node) is tree.Item:
             annotations += node.annotations
             node = node.node
-        return tree.Item(tuple(annotations), node, annotations[0].start, _end(end))
+        return tree.Item(tuple(annotations), node, annotations[0].start, end_of(end))
 
     def plain_item(self, children: Children) -> tree.Item:
         node, end = children
         if type(node) is tree.Item:
-            return tree.Item(node.annotations, node.node, node.start, _end(end))
-        return tree.Item((), node, node.start, _end(end))
+            return tree.Item(node.annotations, node.node, node.start, end_of(end))
+        return tree.Item((), node, node.start, end_of(end))
 
     def extra_semicolon(self, children: Children) -> tree.Item:
-        start = _start(children[0])
+        start = start_of(children[0])
         return tree.Item((), tree.Skipped(start), start, start + 1)
 
     def skipped(self, children: Children) -> tree.Item:
-        start = _start(children[0])
+        start = start_of(children[0])
         return tree.Item((), tree.Skipped(start), start, start)
 
     def body(self, children: Children) -> tree.Body:
         opening, *items, closing = children
-        return tree.Body(tuple(items), _end(opening), _start(closing))
+        return tree.Body(tuple(items), end_of(opening), start_of(closing))
 
     # Modules
 
     def module(self, children: Children) -> tree.Module:
         keyword, name, body = children
-        return tree.Module(_name(name), body, _start(keyword))
+        return tree.Module(name_of(name), body, start_of(keyword))
 
     def template_module(self, children: Children) -> tree.Module:
         return tree.Module(
-            _name(children[1]), children[-1], _start(children[0]), template=True
+            name_of(children[1]), children[-1], start_of(children[0]), template=True
         )
 
     def formal(self, children: Children) -> tree.Name:
-        return _name(children[-1])
+        return name_of(children[-1])
 
     def template_instance(self, children: Children) -> tree.Unused:
         return self._unused(children, children[-1], "template module")
 
     def module_alias(self, children: Children) -> tree.Unused:
         keyword, target, name = children
-        return tree.Unused("alias", _name(name), _start(keyword), _end(name), target)
+        return tree.Unused(
+            "alias", name_of(name), start_of(keyword), end_of(name), target
+        )
 
     def _unused(self, children: Children, name: Token, keyword: str) -> tree.Unused:
         last = children[-1]
-        end = last.end if hasattr(last, "end") else _end(last)
-        return tree.Unused(keyword, _name(name), _start(children[0]), end)
+        end = last.end if hasattr(last, "end") else end_of(last)
+        return tree.Unused(keyword, name_of(name), start_of(children[0]), end)
 
     # Constants
 
     def const_dcl(self, children: Children) -> tree.Const:
         keyword, type_, name, _, value = children
-        return tree.Const(type_, _name(name), value, _start(keyword))
-
-    def or_chain(self, children: Children) -> tree.Chain:
-        return _chain(children, "|")
-
-    def xor_chain(self, children: Children) -> tree.Chain:
-        return _chain(children, "^")
-
-    def and_chain(self, children: Children) -> tree.Chain:
-        return _chain(children, "&")
-
-    def chain(self, children: Children) -> tree.Chain:
-        pairs = tuple(
-            (str(children[i]), children[i + 1]) for i in range(1, len(children), 2)
-        )
-        return tree.Chain(children[0], pairs, children[0].start, children[-1].end)
-
-    def unary_op(self, children: Children) -> tree.Unary:
-        operator, operand = children
-        return tree.Unary(str(operator), operand, _start(operator), operand.end)
-
-    def group(self, children: Children) -> tree.Group:
-        opening, inner, closing = children
-        return tree.Group(inner, _start(opening), _end(closing))
-
-    def number(self, children: Children) -> tree.Number:
-        (token,) = children
-        return tree.Number(str(token), _start(token), _end(token))
-
-    def text(self, children: Children) -> tree.Text:
-        return tree.Text(
-            tuple(map(str, children)),
-            children[0].type == "CHARACTER",
-            _start(children[0]),
-            _end(children[-1]),
-        )
-
-    def boolean(self, children: Children) -> tree.Boolean:
-        (token,) = children
-        return tree.Boolean(token.type == "TRUE", _start(token), _end(token))
-
-    def scoped_name(self, children: Children) -> tree.ScopedName:
-        first = children[0]
-        if len(children) == 1:
-            name = _name(first)
-            return tree.ScopedName((name,), False, name.start, name.end)
-        parts = tuple(_name(token) for token in children if token.type != "SCOPE")
-        return tree.ScopedName(
-            parts, first.type == "SCOPE", _start(first), parts[-1].end
-        )
-
-    # Annotations
-
-    def annotation(self, children: Children) -> tree.Annotation:
-        token = children[0]
-        arguments = tuple(c for c in children if isinstance(c, tree.Argument))
-        return self._annotation(token, arguments, _end(children[-1]))
-
-    def annotation_value(self, children: Children) -> tree.Annotation:
-        token, _, value, closing = children
-        return self._annotation(token, (tree.Argument(None, value),), _end(closing))
-
-    def _annotation(
-        self, token: Token, arguments: tuple[tree.Argument, ...], end: int
-    ) -> tree.Annotation:
-        name = "".join(token[1:].split()).removeprefix("::")
-        return tree.Annotation(name, arguments, _start(token), end)
-
-    def argument(self, children: Children) -> tree.Argument:
-        name, _, value = children
-        return tree.Argument(_name(name), value)
-
-    def annotation_item(self, children: Children) -> tree.Name | None:
-        named = len(children) > 2
-        return _name(children[1]) if named else None
-
-    def annotation_dcl(self, children: Children) -> tree.AnnotationDcl:
-        members = (c.text for c in children if type(c) is tree.Name)
-        return tree.AnnotationDcl(
-            _name(children[1]), tuple(members), _start(children[0]), _end(children[-1])
-        )
+        return tree.Const(type_, name_of(name), value, start_of(keyword))
 
     def annotated_type(self, children: Children) -> tree.TypeNode:
         type_: tree.TypeNode = children[-1]
@@ -222,43 +125,43 @@ class Builder:
 
     def basic_type(self, children: Children) -> tree.BasicType:
         kind = _PRIMITIVES[" ".join(children)]
-        return tree.BasicType(kind, _start(children[0]), _end(children[-1]))
+        return tree.BasicType(kind, start_of(children[0]), end_of(children[-1]))
 
     def text_type(self, children: Children) -> tree.TextType:
         token, *bound = children
         return tree.TextType(
             token.type == "WTEXT",
             bound[1] if bound else None,
-            _start(token),
-            _end(children[-1]),
+            start_of(token),
+            end_of(children[-1]),
         )
 
     def sequence_type(self, children: Children) -> tree.Sequence:
         keyword, _, element, *bound, closing = children
         return tree.Sequence(
-            element, bound[0] if bound else None, _start(keyword), _end(closing)
+            element, bound[0] if bound else None, start_of(keyword), end_of(closing)
         )
 
     def fixed_type(self, children: Children) -> tree.Fixed:
         if len(children) == 1:
-            return tree.Fixed(None, None, _start(children[0]), _end(children[0]))
+            return tree.Fixed(None, None, start_of(children[0]), end_of(children[0]))
         keyword, _, digits, scale, closing = children
-        return tree.Fixed(digits, scale, _start(keyword), _end(closing))
+        return tree.Fixed(digits, scale, start_of(keyword), end_of(closing))
 
     def map_type(self, children: Children) -> tree.Map:
         keyword, _, key, value, *bound, closing = children
         return tree.Map(
-            key, value, bound[0] if bound else None, _start(keyword), _end(closing)
+            key, value, bound[0] if bound else None, start_of(keyword), end_of(closing)
         )
 
     def typedef_dcl(self, children: Children) -> tree.Typedef:
-        return tree.Typedef(children[-2], children[-1], _start(children[0]))
+        return tree.Typedef(children[-2], children[-1], start_of(children[0]))
 
     def declarators(self, children: Children) -> tuple[tree.Declarator, ...]:
         return tuple(children)
 
     def declarator(self, children: Children) -> tree.Declarator:
-        name = _name(children[0])
+        name = name_of(children[0])
         if len(children) == 1:
             return tree.Declarator(name, (), name.start, name.end)
         dimensions = tuple(children[1:])
@@ -269,21 +172,23 @@ class Builder:
         return value
 
     def native_dcl(self, children: Children) -> tree.Native:
-        return tree.Native(_name(children[1]), _start(children[0]))
+        return tree.Native(name_of(children[1]), start_of(children[0]))
 
     def struct_dcl(self, children: Children) -> tree.Struct:
         base = children[3] if len(children) == 5 else None
-        return tree.Struct(_name(children[1]), base, children[-1], _start(children[0]))
+        return tree.Struct(
+            name_of(children[1]), base, children[-1], start_of(children[0])
+        )
 
     def exception_dcl(self, children: Children) -> tree.Struct:
         keyword, name, body = children
-        return tree.Struct(_name(name), None, body, _start(keyword), exception=True)
+        return tree.Struct(name_of(name), None, body, start_of(keyword), exception=True)
 
     def struct_forward(self, children: Children) -> tree.Forward:
-        return tree.Forward("struct", _name(children[1]), "", _start(children[0]))
+        return tree.Forward("struct", name_of(children[1]), "", start_of(children[0]))
 
     def union_forward(self, children: Children) -> tree.Forward:
-        return tree.Forward("union", _name(children[1]), "", _start(children[0]))
+        return tree.Forward("union", name_of(children[1]), "", start_of(children[0]))
 
     def member(self, children: Children) -> tree.Member:
         type_, declarators = children
@@ -296,7 +201,7 @@ class Builder:
 
     def union_dcl(self, children: Children) -> tree.Union:
         keyword, name, _, _, switch, _, body = children
-        return tree.Union(_name(name), switch, body, _start(keyword))
+        return tree.Union(name_of(name), switch, body, start_of(keyword))
 
     def case(self, children: Children) -> tree.Case:
         *labels, type_, declarator = children
@@ -310,12 +215,12 @@ class Builder:
 
     def label(self, children: Children) -> tree.Label:
         value = children[1] if len(children) == 3 else None
-        return tree.Label(value, _start(children[0]), _end(children[-1]))
+        return tree.Label(value, start_of(children[0]), end_of(children[-1]))
 
     def enumerator(self, children: Children) -> tree.Enumerator:
         annotations = tuple(c for c in children if isinstance(c, tree.Annotation))
         rest = children[len(annotations) :]
-        name = _name(rest[0])
+        name = name_of(rest[0])
         value = rest[2] if len(rest) == 3 else None
         start = annotations[0].start if annotations else name.start
         return tree.Enumerator(
@@ -326,13 +231,13 @@ class Builder:
         self, children: Children
     ) -> tuple[tuple[tree.Enumerator, ...], int | None]:
         if children and not isinstance(children[-1], tree.Enumerator):
-            return tuple(children[:-1]), _start(children[-1])
+            return tuple(children[:-1]), start_of(children[-1])
         return tuple(children), None
 
     def _enumeration(self, children: Children, mask: bool) -> tree.Enum:
         keyword, name, _, (members, trailing), closing = children
         return tree.Enum(
-            _name(name), members, trailing, _start(keyword), _end(closing), mask
+            name_of(name), members, trailing, start_of(keyword), end_of(closing), mask
         )
 
     def enum_dcl(self, children: Children) -> tree.Enum:
@@ -343,13 +248,15 @@ class Builder:
 
     def bitset_dcl(self, children: Children) -> tree.Bitset:
         base = children[3] if len(children) == 5 else None
-        return tree.Bitset(_name(children[1]), base, children[-1], _start(children[0]))
+        return tree.Bitset(
+            name_of(children[1]), base, children[-1], start_of(children[0])
+        )
 
     def bitfield(self, children: Children) -> tree.Bitfield:
         keyword, _, bits, *rest = children
-        names = tuple(_name(c) for c in rest if getattr(c, "type", "") == "IDENT")
+        names = tuple(name_of(c) for c in rest if getattr(c, "type", "") == "IDENT")
         type_ = rest[0] if getattr(rest[0], "type", "") != "GREATER" else None
-        return tree.Bitfield(bits, type_, names, _start(keyword))
+        return tree.Bitfield(bits, type_, names, start_of(keyword))
 
     # Interfaces
 
@@ -364,32 +271,34 @@ class Builder:
         return _Supports(children)
 
     def interface_dcl(self, children: Children) -> tree.Interface:
-        start = _start(children[0])
+        start = start_of(children[0])
         modifier = _take(children, "ABSTRACT", "LOCAL")
         bases = _taken(children, _Bases) or _taken(children, _Truncatable) or ()
         _, name, body = children
         return tree.Interface(
-            _name(name), tuple(bases), body, str(modifier or ""), start
+            name_of(name), tuple(bases), body, str(modifier or ""), start
         )
 
     def interface_forward(self, children: Children) -> tree.Forward:
-        start = _start(children[0])
+        start = start_of(children[0])
         modifier = _take(children, "ABSTRACT", "LOCAL")
-        return tree.Forward("interface", _name(children[1]), str(modifier or ""), start)
+        return tree.Forward(
+            "interface", name_of(children[1]), str(modifier or ""), start
+        )
 
     def operation(self, children: Children) -> tree.Operation:
-        start = _start(children[0])
+        start = start_of(children[0])
         oneway = _take(children, "ONEWAY")
         type_, name, (parameters, end), *rest = children
         raises = _taken(rest, tree.Names)
         context = rest[0] if rest else ()
         end = context[-1].end + 1 if context else raises.end if raises else end
         return tree.Operation(
-            _name(name), type_, parameters, raises, context, bool(oneway), start, end
+            name_of(name), type_, parameters, raises, context, bool(oneway), start, end
         )
 
     def parameters(self, children: Children) -> tuple[tuple[tree.Parameter, ...], int]:
-        return tuple(children[1:-1]), _end(children[-1])
+        return tuple(children[1:-1]), end_of(children[-1])
 
     def parameter(self, children: Children) -> tree.Parameter:
         annotations = tuple(c for c in children if isinstance(c, tree.Annotation))
@@ -401,23 +310,25 @@ class Builder:
             _DIRECTIONS[direction] if direction else None,
             type_,
             declarator,
-            _start(children[0]),
+            start_of(children[0]),
             declarator.end,
         )
 
     def raises(self, children: Children) -> tree.Names:
         keyword, _, *names, closing = children
-        return tree.Names(str(keyword), tuple(names), _start(keyword), _end(closing))
+        return tree.Names(
+            str(keyword), tuple(names), start_of(keyword), end_of(closing)
+        )
 
     def context(self, children: Children) -> tuple[tree.Text, ...]:
         return tuple(children[1:-1])
 
     def attribute(self, children: Children) -> tree.Attribute:
-        start = _start(children[0])
+        start = start_of(children[0])
         readonly = _take(children, "READONLY")
         get_raises, set_raises = children.pop()
         rest = [c for c in children[1:] if not isinstance(c, tree.Annotation)]
-        names = tuple(map(_name, rest[1:]))
+        names = tuple(map(name_of, rest[1:]))
         return tree.Attribute(
             rest[0], names, bool(readonly), get_raises, set_raises, start
         )
@@ -434,7 +345,7 @@ class Builder:
     # Valuetypes
 
     def value_dcl(self, children: Children) -> tree.Valuetype:
-        start = _start(children[0])
+        start = start_of(children[0])
         modifier = _take(children, "ABSTRACT", "CUSTOM")
         supports = _taken(children, _Supports) or ()
         truncatable = _taken(children, _Truncatable)
@@ -442,7 +353,7 @@ class Builder:
         keyword, name, body = children
         return tree.Valuetype(
             str(keyword),
-            _name(name),
+            name_of(name),
             tuple(bases),
             truncatable is not None,
             tuple(supports),
@@ -452,32 +363,32 @@ class Builder:
         )
 
     def value_forward(self, children: Children) -> tree.Forward:
-        start = _start(children[0])
+        start = start_of(children[0])
         modifier = _take(children, "ABSTRACT", "CUSTOM")
         keyword, name = children
-        return tree.Forward(str(keyword), _name(name), str(modifier or ""), start)
+        return tree.Forward(str(keyword), name_of(name), str(modifier or ""), start)
 
     def value_box(self, children: Children) -> tree.ValueBox:
         keyword, name, type_ = children
-        return tree.ValueBox(_name(name), type_, _start(keyword))
+        return tree.ValueBox(name_of(name), type_, start_of(keyword))
 
     def state(self, children: Children) -> tree.State:
         keyword, *_, member = children
         if type(member) is tree.Item:
             member = member.node
-        return tree.State(keyword.type == "PUBLIC", member, _start(keyword))
+        return tree.State(keyword.type == "PUBLIC", member, start_of(keyword))
 
     def factory(self, children: Children) -> tree.Operation:
         keyword, name, (parameters, end), *rest = children
         raises = rest[0] if rest else None
         return tree.Operation(
-            _name(name),
+            name_of(name),
             None,
             parameters,
             raises,
             (),
             False,
-            _start(keyword),
+            start_of(keyword),
             raises.end if raises else end,
             factory=str(keyword),
         )
@@ -489,17 +400,19 @@ class Builder:
         bases = _taken(children, _Bases) or _taken(children, _Truncatable) or (None,)
         keyword, name, body = children
         return tree.Component(
-            _name(name), bases[0], tuple(supports), body, _start(keyword)
+            name_of(name), bases[0], tuple(supports), body, start_of(keyword)
         )
 
     def component_forward(self, children: Children) -> tree.Forward:
-        return tree.Forward("component", _name(children[1]), "", _start(children[0]))
+        return tree.Forward(
+            "component", name_of(children[1]), "", start_of(children[0])
+        )
 
     def port(self, children: Children) -> tree.PortItem:
         *_, type_, name = children
         keyword = " ".join(str(c) for c in children[:-2])
         return tree.PortItem(
-            keyword, type_, _name(name), _start(children[0]), _end(name)
+            keyword, type_, name_of(name), start_of(children[0]), end_of(name)
         )
 
     def primary_key(self, children: Children) -> tuple[tree.ScopedName]:
@@ -511,13 +424,13 @@ class Builder:
         key = _taken(children, tuple)
         keyword, name, manages, body = children
         return tree.Home(
-            _name(name),
+            name_of(name),
             bases[0],
             tuple(supports),
             manages,
             key[0] if key else None,
             body,
-            _start(keyword),
+            start_of(keyword),
         )
 
     def porttype_dcl(self, children: Children) -> tree.Unused:
@@ -530,9 +443,9 @@ class Builder:
 
     def identity(self, children: Children) -> tree.Identity:
         keyword, name, text = children
-        return tree.Identity(str(keyword), name, text, _start(keyword))
+        return tree.Identity(str(keyword), name, text, start_of(keyword))
 
     def import_dcl(self, children: Children) -> tree.Import:
         keyword, name = children
         scoped = name if isinstance(name, tree.ScopedName) else None
-        return tree.Import(scoped, _start(keyword))
+        return tree.Import(scoped, start_of(keyword))

@@ -372,13 +372,13 @@ class _File:
             if macro is None or match.start() < copied:
                 continue
             self._copy(copied, match.start())
-            self._tell_time([macro.name], self._span(match.start(), match.end()))
+            self._warn_of_time([macro.name], self._span(match.start(), match.end()))
             copied = self._end_of_call(macro, match.start(), match.end(), end)
             call = tokenize(code[match.start() : copied])
             self._replace(call, match.start(), copied)
         self._copy(copied, end)
 
-    def _tell_time(self, words: Iterable[str], span: Span) -> None:
+    def _warn_of_time(self, words: Iterable[str], span: Span) -> None:
         """Warn of a text that depends on the time of its translation."""
         for name in sorted(_TIMES.keys() & words):
             if self.macros.get(name) == _TIMES[name]:
@@ -482,7 +482,7 @@ class _File:
                 return
             case "define":
                 self._define(rest, span)
-                self._tell_time(_WORD.findall(rest), span)
+                self._warn_of_time(_WORD.findall(rest), span)
             case "undef":
                 self.macros.put(rest.split()[0] if rest else "", None)
             case "include" | "include_next":

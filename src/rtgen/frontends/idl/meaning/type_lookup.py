@@ -1,0 +1,27 @@
+"""The interface of the type table that the evaluation of constants needs."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from rtgen.frontends.idl.names.tables import Tables
+from rtgen.frontends.idl.syntax import tree
+from rtgen.frontends.idl.text.unit import Unit
+from rtgen.model import (
+    ScopedName,
+    Type,
+)
+
+
+class TypeLookup(Protocol):
+    """What constants need of `typetable.Types`."""
+
+    tables: Tables
+
+    def of_node(self, node: tree.TypeNode, unit: Unit, /) -> Type | None: ...
+
+    def unaliased(self, type_: Type | None, /) -> Type | None: ...
+
+    def is_enum(self, name: ScopedName, /) -> bool: ...
+
+    def enum_of(self, enumerator: ScopedName, /) -> ScopedName | None: ...
