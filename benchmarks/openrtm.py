@@ -97,7 +97,7 @@ def conversions(folder: Path) -> Iterator[tuple[type[Any], Any]]:
 
 def example(descriptor: Any, types: dict[str, type[Any]], length: int) -> Any:
     """A value of the type whose sequences have that many items."""
-    from rtgen.runtime.descriptors import (
+    from rtgen.runtime.marshalling.descriptors import (
         ArrayDescriptor,
         EnumDescriptor,
         PrimitiveDescriptor,
@@ -147,7 +147,7 @@ def default(descriptor: Any) -> Any:
 
 def joined(items: list[Any], element: Any) -> Any:
     """The items as `bytes` or `str`, where that is how such a sequence is written."""
-    from rtgen.runtime.descriptors import plain
+    from rtgen.runtime.marshalling.descriptors import plain
 
     name = getattr(plain(element), "name", "")
     if name in ("octet", "uint8"):

@@ -19,7 +19,7 @@ from rtgen.backends import Backend, Options
 from rtgen.backends.stage import BUILT_IN
 from rtgen.diagnostics import InputError, has_errors
 from rtgen.model import Model
-from rtgen.runtime import descriptors
+from rtgen.runtime.marshalling import descriptors
 
 
 def generate(model: Model) -> dict[str, str]:

@@ -8,7 +8,7 @@ import struct
 import threading
 from collections.abc import Callable, Iterator
 
-from rtgen.runtime.cdr_values import ObjectReference
+from rtgen.runtime.marshalling.octets import ObjectReference
 from rtgen.runtime.services.calls import Reply, ReplyStatus
 
 REQUEST, REPLY = 0, 1

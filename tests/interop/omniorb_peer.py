@@ -19,11 +19,7 @@ from functools import reduce
 from pathlib import Path
 from typing import Any
 
-from rtgen.runtime.cdr_faults import decoded, encoded
-from rtgen.runtime.cdr_reader import Reader
-from rtgen.runtime.cdr_values import ObjectReference
-from rtgen.runtime.cdr_writer import Output, Writer
-from rtgen.runtime.descriptors import (
+from rtgen.runtime.marshalling.descriptors import (
     AliasDescriptor,
     ArrayDescriptor,
     BoxDescriptor,
@@ -39,6 +35,10 @@ from rtgen.runtime.descriptors import (
     UnionDescriptor,
     plain,
 )
+from rtgen.runtime.marshalling.dynamic import decoded, encoded
+from rtgen.runtime.marshalling.octets import ObjectReference
+from rtgen.runtime.marshalling.reader import Reader
+from rtgen.runtime.marshalling.writer import Output, Writer
 
 COMMAND = ["rtgen", "-ORBnativeCharCodeSet", "UTF-8"]
 TYPE_CODE = PrimitiveDescriptor("CORBA::TypeCode")

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from rtgen.runtime.cdr_reader import Reader
-from rtgen.runtime.descriptors import Descriptor, StringDescriptor
+from rtgen.runtime.marshalling.descriptors import Descriptor, StringDescriptor
+from rtgen.runtime.marshalling.reader import Reader
 
 
 class _Padding(Reader):

@@ -18,7 +18,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "unit" / "types"))
 
 import emitted
 
-from rtgen.runtime.cdr_values import ObjectReference, read_reference
+from rtgen.runtime.marshalling.octets import ObjectReference, read_reference
 from rtgen.runtime.services.calls import Client, Server
 from rtgen.runtime.services.servants import UnknownException
 

@@ -24,7 +24,7 @@ import emitted
 import samples
 from padding import masked, padding
 
-from rtgen.runtime.descriptors import (
+from rtgen.runtime.marshalling.descriptors import (
     ArrayDescriptor,
     Descriptor,
     EnumDescriptor,

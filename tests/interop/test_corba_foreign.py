@@ -29,16 +29,16 @@ import samples
 import test_cdr_constructs
 from omniORB import tcInternal
 
-from rtgen.runtime.cdr_values import ObjectReference
 from rtgen.runtime.corba.objects import Objects
 from rtgen.runtime.corba.orb import Orb
-from rtgen.runtime.descriptors import (
+from rtgen.runtime.marshalling.descriptors import (
     ExceptionDescriptor,
     InterfaceDescriptor,
     PrimitiveDescriptor,
     SequenceDescriptor,
     StringDescriptor,
 )
+from rtgen.runtime.marshalling.octets import ObjectReference
 from rtgen.runtime.services.calls import calls_of
 from rtgen.runtime.services.servants import UnknownException
 from rtgen.runtime.values import AnyValue

@@ -46,10 +46,8 @@ from padding import masked, padding
 from random_types import BITS, Definitions, Values
 from seeds import budget, seed
 
-from rtgen.runtime import type_codes
-from rtgen.runtime.cdr_faults import decoded, encoded
-from rtgen.runtime.cdr_values import ObjectReference
-from rtgen.runtime.descriptors import (
+from rtgen.runtime.marshalling import type_codes
+from rtgen.runtime.marshalling.descriptors import (
     NULL,
     AliasDescriptor,
     ArrayDescriptor,
@@ -66,6 +64,8 @@ from rtgen.runtime.descriptors import (
     ValueDescriptor,
     plain,
 )
+from rtgen.runtime.marshalling.dynamic import decoded, encoded
+from rtgen.runtime.marshalling.octets import ObjectReference
 
 MODULES = 8
 TYPES = 30

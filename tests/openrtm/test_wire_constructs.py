@@ -13,8 +13,8 @@ import pytest
 from mypy import api
 from wires import Wires, agree, emit, marshalled, values_agree, wired, wired_text
 
-from rtgen.runtime.cdr_faults import encoded
-from rtgen.runtime.descriptors import StructDescriptor
+from rtgen.runtime.marshalling.descriptors import StructDescriptor
+from rtgen.runtime.marshalling.dynamic import encoded
 from rtgen.runtime.values import AnyValue
 
 INTEROP = Path(__file__).parents[1] / "interop"

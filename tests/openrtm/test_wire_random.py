@@ -11,13 +11,13 @@ import black
 import pytest
 from wires import Kind, equal_type_codes, holds, random_types, type_codes, wired_text
 
-from rtgen.runtime.cdr_faults import encoded
-from rtgen.runtime.descriptors import (
+from rtgen.runtime.marshalling.descriptors import (
     NULL,
     PrimitiveDescriptor,
     StringDescriptor,
     ValueDescriptor,
 )
+from rtgen.runtime.marshalling.dynamic import encoded
 
 TYPES = 20
 VALUES = 6

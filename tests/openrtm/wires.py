@@ -29,8 +29,7 @@ from rtgen.backends.openrtm.wire_idl import WireIdl
 from rtgen.backends.types import BACKEND
 from rtgen.diagnostics import has_errors
 from rtgen.frontends.idl import load
-from rtgen.runtime.cdr_faults import encoded
-from rtgen.runtime.descriptors import (
+from rtgen.runtime.marshalling.descriptors import (
     ArrayDescriptor,
     Descriptor,
     ExceptionDescriptor,
@@ -40,6 +39,7 @@ from rtgen.runtime.descriptors import (
     UnionDescriptor,
     plain,
 )
+from rtgen.runtime.marshalling.dynamic import encoded
 from rtgen.runtime.openrtm import stubs
 
 _numbers = itertools.count()

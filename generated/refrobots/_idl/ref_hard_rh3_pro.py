@@ -8,7 +8,7 @@ from abc import abstractmethod
 from typing import ClassVar
 
 from rtgen.runtime import Servant, Skeleton, Stub
-from rtgen.runtime.descriptors import InterfaceDescriptor
+from rtgen.runtime.marshalling.descriptors import InterfaceDescriptor
 
 
 class RefHard(Servant):

@@ -1,7 +1,6 @@
 """The embedded runtime (OMG RTC 1.0), imported by generated code and behaviours; compiler-free."""
 
 from rtgen.facts.connector_properties import EmptyPolicy, FullPolicy
-from rtgen.runtime.descriptors import DataType
 from rtgen.runtime.errors import (
     BlockedError,
     CallbackError,
@@ -33,6 +32,7 @@ from rtgen.runtime.errors import (
     UnknownPortError,
 )
 from rtgen.runtime.failures import Failure
+from rtgen.runtime.marshalling.descriptors import DataType
 from rtgen.runtime.ports.buffers import (
     BufferSettings,
 )

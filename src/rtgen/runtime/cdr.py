@@ -10,17 +10,21 @@ Codecs and copies are compiled from the descriptor of a type when they are first
 
 from __future__ import annotations
 
-import struct
 from enum import IntEnum, IntFlag
-from typing import TYPE_CHECKING, Any, ClassVar, Generic, Self, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, Self, TypeVar
 
 import msgspec
 from msgspec import field as field
 
-from rtgen.runtime.cdr_values import flags_number
+from rtgen.runtime.marshalling.descriptors import register
+from rtgen.runtime.marshalling.errors import FAILURES
+from rtgen.runtime.marshalling.errors import Buffer as Buffer
+from rtgen.runtime.marshalling.errors import CdrError as CdrError
+from rtgen.runtime.marshalling.faults import decoding_error, encoding_error
+from rtgen.runtime.marshalling.octets import flags_number
 
 if TYPE_CHECKING:
-    from rtgen.runtime.descriptors import (
+    from rtgen.runtime.marshalling.descriptors import (
         AliasDescriptor,
         BitsetDescriptor,
         EnumDescriptor,
@@ -29,63 +33,8 @@ if TYPE_CHECKING:
         UnionDescriptor,
     )
 
-Buffer: TypeAlias = bytes | bytearray | memoryview
-"""The types of input."""
-
 _T = TypeVar("_T")
 _WORD = (1 << 32) - 1
-
-BOOLEAN = {0: False, 1: True}
-"""The values of a boolean octet."""
-
-FAILURES = (
-    struct.error,
-    ArithmeticError,
-    AttributeError,
-    BufferError,
-    LookupError,
-    RecursionError,
-    TypeError,
-    ValueError,
-)
-"""The exceptions of a codec for an invalid value or input."""
-
-
-class CdrError(ValueError):
-    """A value that cannot be marshalled, or octets that cannot be unmarshalled.
-
-    `path` names the place: `TimedPose2D.data.position.x`, `Path.points[3].y`.
-    """
-
-    def __init__(self, path: str, message: str) -> None:
-        self.path = path
-        self.message = message
-        super().__init__(f"{path}: {message}")
-
-    def __reduce__(self) -> tuple[type[CdrError], tuple[str, str]]:
-        return (CdrError, (self.path, self.message))
-
-
-def encoding_error(descriptor: Any, value: object, failure: Exception) -> CdrError:
-    """The error for a value whose encoding failed; locates the fault only now."""
-    from rtgen.runtime.cdr_faults import fault_in_value
-
-    return fault_in_value(descriptor, _name(descriptor), value, failure)
-
-
-def decoding_error(
-    descriptor: Any, data: Buffer, little_endian: bool, failure: Exception
-) -> CdrError:
-    """The error for octets whose decoding failed; locates the fault only now."""
-    from rtgen.runtime.cdr_faults import fault_in_octets
-
-    name = _name(descriptor)
-    return fault_in_octets(descriptor, name, data, little_endian, failure)
-
-
-def _name(descriptor: Any) -> str:
-    """The unscoped name of a type."""
-    return str(descriptor.name).rpartition("::")[2]
 
 
 class _Compiled:
@@ -126,8 +75,6 @@ def _register(cls: type[Any]) -> None:
     """Register the class as that of the values of its own descriptor."""
     if "_descriptor_" not in cls.__dict__:
         return
-    from rtgen.runtime.descriptors import register
-
     register(cls, cls._descriptor_)
     for kind, method in _COMPILED.items():
         if any(vars(base).get(kind) is method for base in cls.__mro__[2:]):

@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, Final, NamedTuple, TypeAlias, TypeVar
 
 from rtgen.facts.primitives import Primitive
-from rtgen.runtime.descriptors import (
+from rtgen.runtime.marshalling.descriptors import (
     NEXT,
     AliasDescriptor,
     ArrayDescriptor,

@@ -6,9 +6,9 @@ from copy import deepcopy
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, Self, TypeVar
 
-from rtgen.runtime.cdr import Buffer
-from rtgen.runtime.descriptors import (
+from rtgen.runtime.marshalling.descriptors import (
     ANY,
+    UNKNOWN,
     BoxDescriptor,
     Descriptor,
     ExceptionDescriptor,
@@ -18,8 +18,23 @@ from rtgen.runtime.descriptors import (
     ValueDescriptor,
     register,
 )
+from rtgen.runtime.marshalling.errors import Buffer
 
 _T = TypeVar("_T")
+
+
+def encoded(descriptor: Any, value: object, little_endian: bool) -> bytes:
+    """The body of a value, written by its descriptor; raises CdrError."""
+    from rtgen.runtime.marshalling import dynamic
+
+    return dynamic.encoded(descriptor, value, little_endian)
+
+
+def decoded(descriptor: Any, data: Buffer, little_endian: bool) -> Any:
+    """The value of a body, read by its descriptor; raises CdrError."""
+    from rtgen.runtime.marshalling import dynamic
+
+    return dynamic.decoded(descriptor, data, little_endian)
 
 
 class Dynamic:
@@ -31,15 +46,11 @@ class Dynamic:
 
     def to_cdr(self, little_endian: bool = True) -> bytes:
         """The value as a CDR body; raises CdrError."""
-        from rtgen.runtime.cdr_faults import encoded
-
         return encoded(self.described(), self, little_endian)
 
     @classmethod
     def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
         """The value of a CDR body; raises CdrError."""
-        from rtgen.runtime.cdr_faults import decoded
-
         value: Self = decoded(cls._descriptor_, data, little_endian)
         return value
 
@@ -174,3 +185,15 @@ class DynamicBox(Box):
     def described(self) -> BoxDescriptor:
         """The descriptor of the value."""
         return self.type
+
+
+UNKNOWN.update(
+    {
+        PrimitiveDescriptor: AnyValue,
+        StructDescriptor: DynamicValue,
+        ExceptionDescriptor: DynamicValue,
+        UnionDescriptor: DynamicUnion,
+        ValueDescriptor: DynamicState,
+        BoxDescriptor: DynamicBox,
+    }
+)

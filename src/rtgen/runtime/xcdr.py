@@ -10,9 +10,9 @@ from __future__ import annotations
 from enum import IntEnum
 from typing import Any, TypeVar
 
-from rtgen.runtime.cdr import Buffer, CdrError
-from rtgen.runtime.descriptors import DataType
 from rtgen.runtime.marshalling.compiler import compiled
+from rtgen.runtime.marshalling.descriptors import DataType
+from rtgen.runtime.marshalling.errors import Buffer, CdrError
 from rtgen.runtime.marshalling.formats import Format
 
 _T = TypeVar("_T", bound=DataType)

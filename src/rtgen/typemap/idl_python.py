@@ -81,14 +81,14 @@ PRIMITIVES: dict[Primitive, PythonType] = {
         "Descriptor",
         "NULL",
         (
-            ("rtgen.runtime.descriptors", "Descriptor"),
-            ("rtgen.runtime.descriptors", "NULL"),
+            ("rtgen.runtime.marshalling.descriptors", "Descriptor"),
+            ("rtgen.runtime.marshalling.descriptors", "NULL"),
         ),
     ),
     Primitive.OBJECT: PythonType(
         "ObjectReference | None",
         "None",
-        (("rtgen.runtime.cdr_values", "ObjectReference"),),
+        (("rtgen.runtime.marshalling.octets", "ObjectReference"),),
     ),
     Primitive.VALUE_BASE: PythonType(
         "Value | Box | None",
@@ -239,10 +239,14 @@ class PythonMapping:
             return f"{self._name_of(name)} | None"
         if isinstance(declaration, Interface) and declaration.abstract:
             base = self._spelled(PRIMITIVES[Primitive.VALUE_BASE], "Value | Box | None")
-            reference = self._spell("rtgen.runtime.cdr_values", "ObjectReference")
+            reference = self._spell(
+                "rtgen.runtime.marshalling.octets", "ObjectReference"
+            )
             return f"{reference} | {base}"
         if isinstance(declaration, Interface):
-            reference = self._spell("rtgen.runtime.cdr_values", "ObjectReference")
+            reference = self._spell(
+                "rtgen.runtime.marshalling.octets", "ObjectReference"
+            )
             return f"{reference} | None"
         if isinstance(declaration, Valuetype | ValueBox):
             return f"{self._name_of(name)} | None"

@@ -8,7 +8,7 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
-from rtgen.runtime.cdr_values import ObjectReference
+from rtgen.runtime.marshalling.octets import ObjectReference
 
 
 @contextmanager

@@ -20,7 +20,7 @@ import emitted
 from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.corba.objects import Objects
 from rtgen.runtime.corba.orb import Orb
-from rtgen.runtime.descriptors import PrimitiveDescriptor, StringDescriptor
+from rtgen.runtime.marshalling.descriptors import PrimitiveDescriptor, StringDescriptor
 from rtgen.runtime.services.calls import calls_of
 from rtgen.runtime.services.servants import MarshalError
 from rtgen.runtime.values import AnyValue

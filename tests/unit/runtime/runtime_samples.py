@@ -16,7 +16,7 @@ from rtgen.runtime import (
     ReturnCode_t,
     System,
 )
-from rtgen.runtime.descriptors import (
+from rtgen.runtime.marshalling.descriptors import (
     MemberDescriptor,
     PrimitiveDescriptor,
     StructDescriptor,

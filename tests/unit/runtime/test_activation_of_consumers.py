@@ -25,7 +25,7 @@ from rtgen.runtime import (
     Stub,
     System,
 )
-from rtgen.runtime.descriptors import InterfaceDescriptor
+from rtgen.runtime.marshalling.descriptors import InterfaceDescriptor
 
 
 class Source(Servant):

@@ -26,7 +26,7 @@ from rtgen.runtime import (
     Stub,
     System,
 )
-from rtgen.runtime.descriptors import InterfaceDescriptor
+from rtgen.runtime.marshalling.descriptors import InterfaceDescriptor
 from rtgen.runtime.system import watchdog
 
 BETWEEN = 0.1

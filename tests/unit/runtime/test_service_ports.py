@@ -26,7 +26,7 @@ from rtgen.runtime import (
     UnknownException,
     UnknownPortError,
 )
-from rtgen.runtime.descriptors import InterfaceDescriptor
+from rtgen.runtime.marshalling.descriptors import InterfaceDescriptor
 from rtgen.runtime.services.servants import operation
 
 

@@ -15,7 +15,7 @@ from rtgen.backends.types import BACKEND
 from rtgen.frontends import idl
 from rtgen.lowering.tecs.communication import communication_model
 from rtgen.model import Component, Interface, Model, SourceFile
-from rtgen.runtime.descriptors import difference
+from rtgen.runtime.marshalling.comparison import difference
 from rtgen.runtime.opaque_rpc import OpaqueRpc
 from rtgen.runtime.opaque_rpc.communication import OpaqueRpcCommunication
 from rtgen.runtime.opaque_rpc.interface import IDL, OCTETS

@@ -17,7 +17,10 @@ from rtgen.runtime import (
     RealClock,
     System,
 )
-from rtgen.runtime.descriptors import PrimitiveDescriptor, SequenceDescriptor
+from rtgen.runtime.marshalling.descriptors import (
+    PrimitiveDescriptor,
+    SequenceDescriptor,
+)
 from rtgen.runtime.opaque_rpc import (
     E_BOVR,
     E_OBJ,

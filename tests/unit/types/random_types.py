@@ -12,8 +12,7 @@ from collections.abc import Callable, Sequence
 from decimal import Decimal
 from typing import Any
 
-from rtgen.runtime.cdr_values import ObjectReference
-from rtgen.runtime.descriptors import (
+from rtgen.runtime.marshalling.descriptors import (
     NULL,
     AliasDescriptor,
     ArrayDescriptor,
@@ -33,6 +32,7 @@ from rtgen.runtime.descriptors import (
     class_of,
     plain,
 )
+from rtgen.runtime.marshalling.octets import ObjectReference
 from rtgen.runtime.values import AnyValue
 
 BITS = {"short": 16, "long": 32, "long long": 64, "octet": 8}

@@ -10,8 +10,7 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from rtgen.runtime.cdr_values import ObjectReference
-from rtgen.runtime.descriptors import (
+from rtgen.runtime.marshalling.descriptors import (
     AliasDescriptor,
     ArrayDescriptor,
     BitfieldDescriptor,
@@ -31,6 +30,7 @@ from rtgen.runtime.descriptors import (
     UnionDescriptor,
     plain,
 )
+from rtgen.runtime.marshalling.octets import ObjectReference
 
 _BITS = {
     "short": 16,

@@ -16,16 +16,16 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from rtgen.runtime.cdr import CdrError
-from rtgen.runtime.cdr_faults import encoded
-from rtgen.runtime.cdr_reader import Reader
-from rtgen.runtime.descriptors import (
+from rtgen.runtime.marshalling.comparison import difference
+from rtgen.runtime.marshalling.descriptors import (
     AliasDescriptor,
     InterfaceDescriptor,
     MemberDescriptor,
     SequenceDescriptor,
     StructDescriptor,
-    difference,
 )
+from rtgen.runtime.marshalling.dynamic import encoded
+from rtgen.runtime.marshalling.reader import Reader
 from rtgen.runtime.marshalling.shapes import SHAPES_KEPT
 from rtgen.runtime.values import AnyValue
 

@@ -9,7 +9,8 @@ from typing import Any
 import emitted
 import pytest
 
-from rtgen.runtime.descriptors import AliasDescriptor, difference, plain
+from rtgen.runtime.marshalling.comparison import difference
+from rtgen.runtime.marshalling.descriptors import AliasDescriptor, plain
 
 IDL = """
 module M {

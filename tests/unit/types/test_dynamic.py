@@ -12,9 +12,8 @@ import emitted
 import pytest
 
 from rtgen.runtime.cdr import CdrError
-from rtgen.runtime.cdr_faults import decoded, encoded
-from rtgen.runtime.cdr_values import ObjectReference
-from rtgen.runtime.descriptors import (
+from rtgen.runtime.marshalling.comparison import difference
+from rtgen.runtime.marshalling.descriptors import (
     ANY,
     NULL,
     AliasDescriptor,
@@ -25,9 +24,10 @@ from rtgen.runtime.descriptors import (
     SequenceDescriptor,
     StringDescriptor,
     StructDescriptor,
-    difference,
     plain,
 )
+from rtgen.runtime.marshalling.dynamic import decoded, encoded
+from rtgen.runtime.marshalling.octets import ObjectReference
 from rtgen.runtime.system.json_printers import plain as plain_sample
 from rtgen.runtime.values import (
     AnyValue,

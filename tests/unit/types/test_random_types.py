@@ -13,13 +13,13 @@ from random_types import Definitions, Values
 from seeds import cases, seed
 
 from rtgen.runtime.cdr import CdrError
-from rtgen.runtime.cdr_faults import decoded, encoded
-from rtgen.runtime.descriptors import (
+from rtgen.runtime.marshalling.descriptors import (
     NULL,
     AliasDescriptor,
     Descriptor,
     PrimitiveDescriptor,
 )
+from rtgen.runtime.marshalling.dynamic import decoded, encoded
 
 MODULES = 4
 TYPES = 40

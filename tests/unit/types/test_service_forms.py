@@ -12,7 +12,7 @@ import emitted
 import pytest
 
 from rtgen.runtime.cdr import CdrError
-from rtgen.runtime.cdr_values import ObjectReference
+from rtgen.runtime.marshalling.octets import ObjectReference
 from rtgen.runtime.services.calls import Client, Reply, ReplyStatus, Server, calls_of
 from rtgen.runtime.services.servants import (
     BadOperation,

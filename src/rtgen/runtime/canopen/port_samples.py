@@ -6,7 +6,7 @@ from collections import deque
 from collections.abc import Iterator, Sequence
 from typing import Any, Final, TypeVar
 
-from rtgen.runtime.descriptors import DataType
+from rtgen.runtime.marshalling.descriptors import DataType
 from rtgen.runtime.ports.data_ports import InPort
 
 T = TypeVar("T", bound=DataType)

@@ -12,13 +12,13 @@ from omniORB import CORBA
 from rtgen.runtime.corba.faults import caught, is_inactive, is_unsent
 from rtgen.runtime.corba.naming import Naming, is_alive
 from rtgen.runtime.corba.objects import Objects, Remote, signatures
-from rtgen.runtime.descriptors import InterfaceDescriptor
 from rtgen.runtime.errors import (
     ConnectorPropertyError,
     DuplicateConnectionError,
     PortTypeError,
     TransportError,
 )
+from rtgen.runtime.marshalling.descriptors import InterfaceDescriptor
 from rtgen.runtime.services.connectors import end, read_properties
 from rtgen.runtime.services.ports import Consumer, ServicePort
 from rtgen.runtime.services.servants import (

@@ -12,17 +12,17 @@ import omniORB
 from omniORB import CORBA, PortableServer, tcInternal
 
 from rtgen.runtime.cdr import UserException
-from rtgen.runtime.cdr_values import (
-    ObjectReference,
-    read_reference,
-    write_reference,
-)
 from rtgen.runtime.corba.faults import caught, raised
 from rtgen.runtime.corba.operations import Operations
 from rtgen.runtime.corba.orb import Orb
 from rtgen.runtime.corba.wire_types import Interface, WireTypes
-from rtgen.runtime.descriptors import InterfaceDescriptor
 from rtgen.runtime.failures import described, ends_run, log
+from rtgen.runtime.marshalling.descriptors import InterfaceDescriptor
+from rtgen.runtime.marshalling.octets import (
+    ObjectReference,
+    read_reference,
+    write_reference,
+)
 from rtgen.runtime.services.calls import encoded_arguments
 from rtgen.runtime.services.servants import (
     Invoker,

@@ -7,7 +7,7 @@ from typing import Any, TypeAlias
 
 from rtgen.runtime.cdr import UserException
 from rtgen.runtime.corba.wire_types import WireException, WireType, WireTypes
-from rtgen.runtime.descriptors import DataType
+from rtgen.runtime.marshalling.descriptors import DataType
 from rtgen.runtime.services.calls import Call, calls_of
 from rtgen.runtime.services.servants import BadOperation, MarshalError, Servant
 

@@ -19,9 +19,7 @@ import omniORB
 from omniORB import CORBA, tcInternal
 
 from rtgen.runtime.cdr import UserException
-from rtgen.runtime.cdr_faults import decoded, encoded
-from rtgen.runtime.cdr_values import fixed_octets, wide_character, wide_character_value
-from rtgen.runtime.descriptors import (
+from rtgen.runtime.marshalling.descriptors import (
     AliasDescriptor,
     ArrayDescriptor,
     Descriptor,
@@ -37,7 +35,13 @@ from rtgen.runtime.descriptors import (
     class_of,
     plain,
 )
+from rtgen.runtime.marshalling.octets import (
+    fixed_octets,
+    wide_character,
+    wide_character_value,
+)
 from rtgen.runtime.services.servants import MarshalError, Servant
+from rtgen.runtime.values import decoded, encoded
 
 Convert: TypeAlias = Callable[[Any], Any]
 Interface: TypeAlias = type[Servant] | None

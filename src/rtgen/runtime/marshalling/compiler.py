@@ -11,9 +11,8 @@ from collections.abc import Callable
 from threading import RLock
 from typing import Any
 
-from rtgen.runtime.cdr import FAILURES, Buffer, CdrError
-from rtgen.runtime.descriptors import StructDescriptor
-from rtgen.runtime.faults import Fault
+from rtgen.runtime.marshalling.descriptors import StructDescriptor
+from rtgen.runtime.marshalling.errors import FAILURES, Buffer, CdrError, Fault
 from rtgen.runtime.marshalling.fault_search import fault_in_body
 from rtgen.runtime.marshalling.formats import CLASSIC, Format, UnsupportedError
 from rtgen.runtime.marshalling.functions import FUNCTIONS

@@ -5,8 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from rtgen.runtime.cdr import BOOLEAN
-from rtgen.runtime.cdr_values import (
+from rtgen.runtime.marshalling.nodes import (
+    Atom,
+    Form,
+    Text,
+)
+from rtgen.runtime.marshalling.octets import (
+    BOOLEAN,
     fixed_octets,
     fixed_value,
     flags_number,
@@ -22,11 +27,6 @@ from rtgen.runtime.cdr_values import (
     wide_character_value,
     wide_octets,
     wide_value,
-)
-from rtgen.runtime.marshalling.nodes import (
-    Atom,
-    Form,
-    Text,
 )
 from rtgen.runtime.marshalling.text import Namespace
 

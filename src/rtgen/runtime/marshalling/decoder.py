@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from rtgen.runtime.cdr_values import nested, read_reference
 from rtgen.runtime.marshalling.conversions import Conversions, each
 from rtgen.runtime.marshalling.headers import Lengths, next_member, next_parameter
 from rtgen.runtime.marshalling.layout import (
@@ -37,6 +36,7 @@ from rtgen.runtime.marshalling.nodes import (
     TextArray,
     TextSequence,
 )
+from rtgen.runtime.marshalling.octets import nested, read_reference
 from rtgen.runtime.marshalling.references import References
 from rtgen.runtime.marshalling.shapes import Layouts
 from rtgen.runtime.marshalling.text import Body, Locals

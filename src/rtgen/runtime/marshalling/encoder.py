@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from rtgen.runtime.cdr_values import exact, flat, write_reference
 from rtgen.runtime.marshalling.conversions import Conversions, each
 from rtgen.runtime.marshalling.headers import (
     LONG_MUST_UNDERSTAND,
@@ -42,6 +41,7 @@ from rtgen.runtime.marshalling.nodes import (
     TextArray,
     TextSequence,
 )
+from rtgen.runtime.marshalling.octets import exact, flat, write_reference
 from rtgen.runtime.marshalling.references import References
 from rtgen.runtime.marshalling.shapes import Layouts
 from rtgen.runtime.marshalling.text import Body, Locals

@@ -12,10 +12,10 @@ from collections.abc import Callable, Iterable
 from itertools import product
 from typing import Any, TypeAlias
 
-from rtgen.runtime.descriptors import StructDescriptor, UnionDescriptor
-from rtgen.runtime.faults import LOCATED, Fault, located
 from rtgen.runtime.marshalling.conversions import Conversions
 from rtgen.runtime.marshalling.decoder import EMPTY_ELEMENTS
+from rtgen.runtime.marshalling.descriptors import StructDescriptor, UnionDescriptor
+from rtgen.runtime.marshalling.errors import LOCATED, Fault, located
 from rtgen.runtime.marshalling.formats import Format
 from rtgen.runtime.marshalling.headers import left, next_member, next_parameter
 from rtgen.runtime.marshalling.nodes import (

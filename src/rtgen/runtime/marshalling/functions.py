@@ -6,16 +6,17 @@ from collections.abc import Callable
 from copy import deepcopy
 from typing import Any, TypeAlias
 
-from rtgen.runtime.cdr import FAILURES, decoding_error, encoding_error
-from rtgen.runtime.descriptors import (
+from rtgen.runtime.marshalling import unions
+from rtgen.runtime.marshalling.copier import Copier
+from rtgen.runtime.marshalling.decoder import Decoder
+from rtgen.runtime.marshalling.descriptors import (
     ExceptionDescriptor,
     StructDescriptor,
     UnionDescriptor,
 )
-from rtgen.runtime.marshalling import unions
-from rtgen.runtime.marshalling.copier import Copier
-from rtgen.runtime.marshalling.decoder import Decoder
 from rtgen.runtime.marshalling.encoder import Encoder
+from rtgen.runtime.marshalling.errors import FAILURES
+from rtgen.runtime.marshalling.faults import decoding_error, encoding_error
 from rtgen.runtime.marshalling.layout import (
     ANYWHERE,
     ORIGIN,
@@ -109,7 +110,7 @@ def _guarded(refer: References, lines: list[str], reaction: str) -> list[str]:
 def _encoding(descriptor: Any, refer: References, name: str) -> list[str]:
     out = "bytearray"
     if is_dynamic(descriptor):
-        from rtgen.runtime.cdr_writer import Output
+        from rtgen.runtime.marshalling.writer import Output
 
         out = refer.function(Output)
     if isinstance(descriptor, UnionDescriptor):
@@ -128,7 +129,7 @@ def _encoding(descriptor: Any, refer: References, name: str) -> list[str]:
 def _decoding(descriptor: Any, decoder: Decoder, refer: References) -> list[str]:
     first = []
     if is_dynamic(descriptor):
-        from rtgen.runtime.cdr_reader import Input
+        from rtgen.runtime.marshalling.octet_reader import Input
 
         first = [f"data = {refer.function(Input)}(data)"]
     if isinstance(descriptor, UnionDescriptor):

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from rtgen.runtime.cdr_values import nested
-from rtgen.runtime.descriptors import (
+from rtgen.runtime.marshalling.descriptors import (
     ArrayDescriptor,
     Descriptor,
     EnumDescriptor,
@@ -18,6 +17,7 @@ from rtgen.runtime.descriptors import (
     UnionDescriptor,
     plain,
 )
+from rtgen.runtime.marshalling.octets import nested
 
 
 def initial_value(descriptor: Descriptor) -> Any:

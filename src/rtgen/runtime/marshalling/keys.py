@@ -11,9 +11,9 @@ from hashlib import md5
 from math import prod
 from typing import Any
 
-from rtgen.runtime.cdr import CdrError
-from rtgen.runtime.descriptors import UnionDescriptor
 from rtgen.runtime.marshalling.compiler import compiled
+from rtgen.runtime.marshalling.descriptors import UnionDescriptor
+from rtgen.runtime.marshalling.errors import CdrError
 from rtgen.runtime.marshalling.formats import Format, UnsupportedError
 from rtgen.runtime.marshalling.nodes import (
     Atom,

@@ -58,12 +58,12 @@ class References:
 
     def dynamic_writer(self) -> str:
         """The function that appends a value whose type is known only at run time."""
-        from rtgen.runtime.cdr_writer import write_dynamic
+        from rtgen.runtime.marshalling.writer import write_dynamic
 
         return self.function(write_dynamic)
 
     def dynamic_reader(self) -> str:
         """The function that reads a value whose type is known only at run time."""
-        from rtgen.runtime.cdr_reader import read_dynamic
+        from rtgen.runtime.marshalling.reader import read_dynamic
 
         return self.function(read_dynamic)

@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from struct import Struct
 from typing import Any, TypeAlias, TypeVar
 
-from rtgen.runtime.cdr import Buffer
+from rtgen.runtime.marshalling.errors import Buffer
 from rtgen.runtime.marshalling.layout import (
     Run,
 )

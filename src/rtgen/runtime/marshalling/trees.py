@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 from rtgen.facts.primitives import SCALARS, Primitive
-from rtgen.runtime.descriptors import (
+from rtgen.runtime.marshalling.descriptors import (
     AliasDescriptor,
     ArrayDescriptor,
     BitsetDescriptor,

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from enum import Enum
 
-from rtgen.runtime.descriptors import BranchDescriptor, UnionDescriptor
 from rtgen.runtime.marshalling.copier import Copier
 from rtgen.runtime.marshalling.decoder import Decoder
+from rtgen.runtime.marshalling.descriptors import BranchDescriptor, UnionDescriptor
 from rtgen.runtime.marshalling.encoder import Encoder
 from rtgen.runtime.marshalling.formats import Format
 from rtgen.runtime.marshalling.initial import initial_value

@@ -9,7 +9,7 @@ from typing import ClassVar, Final, TypeAlias
 
 from rtgen.runtime import idl
 from rtgen.runtime.cdr import UserException
-from rtgen.runtime.descriptors import InterfaceDescriptor
+from rtgen.runtime.marshalling.descriptors import InterfaceDescriptor
 from rtgen.runtime.services.servants import Servant, Skeleton, Stub, operation
 
 IDL: Final = Path(__file__).with_name("OpaqueRpc.idl")

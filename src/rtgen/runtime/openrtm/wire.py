@@ -14,18 +14,18 @@ from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 import omniORB
 from omniORB import CORBA, tcInternal
 
-from rtgen.runtime.cdr_faults import decoded, encoded
-from rtgen.runtime.cdr_reader import Reader
-from rtgen.runtime.cdr_writer import Output, Writer
 from rtgen.runtime.corba.faults import caught
-from rtgen.runtime.descriptors import (
+from rtgen.runtime.marshalling.descriptors import (
     ANY,
     Descriptor,
     PrimitiveDescriptor,
     StringDescriptor,
 )
+from rtgen.runtime.marshalling.reader import Reader
+from rtgen.runtime.marshalling.writer import Output, Writer
 from rtgen.runtime.openrtm.stubs import StubsMissingError
 from rtgen.runtime.services.servants import ObjectNotExist
+from rtgen.runtime.values import decoded, encoded
 
 _T = TypeVar("_T")
 

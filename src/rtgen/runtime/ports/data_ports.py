@@ -16,13 +16,14 @@ from rtgen.facts.connector_properties import (
     FullPolicy,
     Subscription,
 )
-from rtgen.runtime.descriptors import DataType, difference
 from rtgen.runtime.errors import (
     ConnectionLimitError,
     DuplicateConnectionError,
     PortTypeError,
     SampleTypeError,
 )
+from rtgen.runtime.marshalling.comparison import difference
+from rtgen.runtime.marshalling.descriptors import DataType
 from rtgen.runtime.ports import connector_properties
 from rtgen.runtime.ports.buffers import RingBuffer
 from rtgen.runtime.ports.publisher import Publisher

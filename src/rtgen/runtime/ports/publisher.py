@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Generic, TypeVar
 
 from rtgen.facts.connector_properties import PushPolicy
-from rtgen.runtime.descriptors import DataType
+from rtgen.runtime.marshalling.descriptors import DataType
 from rtgen.runtime.ports.buffers import RingBuffer
 from rtgen.runtime.ports.connector_properties import ConnectorSettings
 from rtgen.runtime.return_codes import PORT_OK

@@ -8,9 +8,9 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol, TypeVar, cast
 
-from rtgen.runtime.descriptors import DataType
 from rtgen.runtime.errors import DuplicatePortError
 from rtgen.runtime.failures import Failure, described, ends_run, log, log_failure
+from rtgen.runtime.marshalling.descriptors import DataType
 from rtgen.runtime.ports.data_ports import InPort, OutPort
 from rtgen.runtime.return_codes import (
     CREATED_STATE,

@@ -17,9 +17,10 @@ from enum import IntEnum
 from importlib import import_module
 from typing import Protocol, TypeAlias, TypeVar
 
-from rtgen.runtime.cdr import FAILURES, CdrError, UserException
-from rtgen.runtime.cdr_values import ObjectReference, text_value
-from rtgen.runtime.descriptors import DataType
+from rtgen.runtime.cdr import CdrError, UserException
+from rtgen.runtime.marshalling.descriptors import DataType
+from rtgen.runtime.marshalling.errors import FAILURES
+from rtgen.runtime.marshalling.octets import ObjectReference, text_value
 from rtgen.runtime.services.servants import (
     BadOperation,
     CallTimeout,

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from typing import Any
 
 from rtgen.facts.connector_properties import SERVICE, STRICTNESS, is_pair
-from rtgen.runtime.descriptors import difference, lineage
 from rtgen.runtime.errors import (
     ConnectionLimitError,
     ConnectorPropertyError,
@@ -14,6 +13,8 @@ from rtgen.runtime.errors import (
     PolarityError,
     PortTypeError,
 )
+from rtgen.runtime.marshalling.comparison import difference
+from rtgen.runtime.marshalling.descriptors import lineage
 from rtgen.runtime.ports.connector_properties import check
 from rtgen.runtime.services.ports import Carrier, Consumer, Provider, ServicePort
 from rtgen.runtime.services.transports import Transport

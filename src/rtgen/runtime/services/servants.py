@@ -9,8 +9,8 @@ from functools import cache, wraps
 from inspect import signature
 from typing import Any, ClassVar, TypeAlias, TypeVar, cast
 
-from rtgen.runtime.descriptors import InterfaceDescriptor
 from rtgen.runtime.failures import described, ends_run, log
+from rtgen.runtime.marshalling.descriptors import InterfaceDescriptor
 
 _F = TypeVar("_F", bound=Callable[..., object])
 

@@ -17,7 +17,7 @@ from keyword import iskeyword
 from typing import Any
 
 from rtgen.facts.primitives import INTEGERS
-from rtgen.runtime.descriptors import (
+from rtgen.runtime.marshalling.descriptors import (
     AliasDescriptor,
     BitsetDescriptor,
     DataType,

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, runtime_checkable
 
-from rtgen.runtime.descriptors import DataType
+from rtgen.runtime.marshalling.descriptors import DataType
 from rtgen.runtime.return_codes import LifeCycleState
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ from typing import ClassVar, Final, TypeAlias
 
 from rtgen.runtime import Servant, Skeleton, Stub, idl, operation
 from rtgen.runtime.cdr import Aggregated, AliasCodec, field
-from rtgen.runtime.descriptors import InterfaceDescriptor
+from rtgen.runtime.marshalling.descriptors import InterfaceDescriptor
 
 WHEELS: Final = 2
 NAME_SIZE: Final = 32

@@ -8,10 +8,9 @@ from abc import abstractmethod
 from dataclasses import dataclass
 from typing import ClassVar, Final, TypeAlias
 
-from rtgen.runtime import idl
+from rtgen.runtime import Servant, Skeleton, Stub, idl, operation
 from rtgen.runtime.cdr import Aggregated, AliasCodec, Enumeration, UserException, field
-from rtgen.runtime.descriptors import InterfaceDescriptor
-from rtgen.runtime.services.servants import Servant, Skeleton, Stub, operation
+from rtgen.runtime.marshalling.descriptors import InterfaceDescriptor
 
 
 class Time(Aggregated):

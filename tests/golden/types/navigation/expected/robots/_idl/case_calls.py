@@ -7,8 +7,8 @@ from __future__ import annotations
 from typing import ClassVar
 
 from rtgen.runtime import idl
-from rtgen.runtime.services.calls import Call
 from rtgen.runtime.cdr import Aggregated
+from rtgen.runtime.services.calls import Call
 
 from .case import Halt_Busy
 

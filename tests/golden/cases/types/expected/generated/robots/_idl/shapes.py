@@ -17,7 +17,7 @@ from rtgen.runtime.cdr import (
     UserException,
     field,
 )
-from rtgen.runtime.descriptors import InterfaceDescriptor
+from rtgen.runtime.marshalling.descriptors import InterfaceDescriptor
 
 
 class Point(Aggregated):

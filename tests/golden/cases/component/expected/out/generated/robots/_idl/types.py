@@ -9,7 +9,7 @@ from typing import ClassVar
 
 from rtgen.runtime import Servant, Skeleton, Stub, idl
 from rtgen.runtime.cdr import Aggregated
-from rtgen.runtime.descriptors import InterfaceDescriptor
+from rtgen.runtime.marshalling.descriptors import InterfaceDescriptor
 
 
 class Velocity(Aggregated):

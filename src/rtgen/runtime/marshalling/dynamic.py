@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from rtgen.runtime.cdr import FAILURES, Buffer, CdrError
-from rtgen.runtime.cdr_reader import Input, Reader
-from rtgen.runtime.cdr_writer import Output, Writer
-from rtgen.runtime.faults import Fault
+from rtgen.runtime.marshalling.errors import FAILURES, Buffer, CdrError, Fault
+from rtgen.runtime.marshalling.octet_reader import Input
+from rtgen.runtime.marshalling.reader import Reader
+from rtgen.runtime.marshalling.writer import Output, Writer
 
 _TOO_DEEP = "the value contains itself, or is nested too deeply"
 

@@ -1,4 +1,4 @@
-"""Unmarshals classic CDR by descriptors: the inverse of `cdr_writer`.
+"""Unmarshals classic CDR by descriptors: the inverse of `writer`.
 
 Lengths are checked against the remaining octets, and created values are counted, so that memory
 and time are bounded by the size of the input.
@@ -6,37 +6,21 @@ and time are bounded by the size of the input.
 
 from __future__ import annotations
 
-import struct
 from collections.abc import Callable
 from functools import partial
 from math import prod
 from typing import Any, TypeVar
 
-from rtgen.runtime.cdr import Buffer
-from rtgen.runtime.cdr_values import (
-    ObjectReference,
-    fixed_value,
-    quad_value,
-    text_value,
-    wide_character_value,
-    wide_value,
-)
-from rtgen.runtime.cdr_writer import (
-    CHUNKED,
-    CODEBASE,
+from rtgen.runtime.marshalling.checks import (
     CODES,
-    ID_LIST,
-    INDIRECTION,
-    NULL_TAG,
-    ONE_ID,
     TEXTS,
-    VALUE_TAG,
+    LeastSizes,
     bits_code,
     check_bound,
     check_string,
-    size_of,
 )
-from rtgen.runtime.descriptors import (
+from rtgen.runtime.marshalling.descriptors import (
+    UNKNOWN,
     AliasDescriptor,
     ArrayDescriptor,
     BitsetDescriptor,
@@ -59,36 +43,29 @@ from rtgen.runtime.descriptors import (
     plain,
     registered,
 )
-from rtgen.runtime.faults import LOCATED, Fault, located
-from rtgen.runtime.type_codes import TypeCodeReader, simple_type
-from rtgen.runtime.values import (
-    AnyValue,
-    DynamicBox,
-    DynamicState,
-    DynamicUnion,
-    DynamicValue,
+from rtgen.runtime.marshalling.errors import LOCATED, Buffer, Fault, located
+from rtgen.runtime.marshalling.octet_reader import OctetReader
+from rtgen.runtime.marshalling.octets import (
+    ObjectReference,
+    fixed_value,
+    quad_value,
+    text_value,
+    wide_character_value,
+    wide_value,
+)
+from rtgen.runtime.marshalling.type_codes import TypeCodeReader, simple_type
+from rtgen.runtime.marshalling.writer import (
+    CHUNKED,
+    CODEBASE,
+    ID_LIST,
+    INDIRECTION,
+    NULL_TAG,
+    ONE_ID,
+    VALUE_TAG,
 )
 
 _T = TypeVar("_T")
-_WORK_FOR_AN_OCTET = 16
-_LEAST_WORK = 100_000
 _MOST_IDS = 100
-
-
-class Input(bytes):
-    """The input body, with its values by the offsets of their headers.
-
-    `work` is the remaining number of values that may be created.
-    """
-
-    values: dict[int, Any]
-    work: int
-
-    def __new__(cls, data: Buffer) -> Input:
-        made = super().__new__(cls, memoryview(data))
-        made.values = {}
-        made.work = _LEAST_WORK + _WORK_FOR_AN_OCTET * len(made)
-        return made
 
 
 def read_dynamic(
@@ -99,24 +76,12 @@ def read_dynamic(
     return reader.value(descriptor), reader.offset
 
 
-class Reader:
+class Reader(OctetReader):
     """Reads consecutive values. Raises Fault for invalid input."""
 
     def __init__(self, data: Buffer, little_endian: bool, offset: int = 0) -> None:
-        self._data = data if isinstance(data, Input) else Input(data)
-        self._little = bool(little_endian)
-        self._order = "<" if little_endian else ">"
-        self.offset = offset
-        self._level = 0
-        self._chunk_end = 0
-        self._closed = 0
-        self._least_sizes: dict[int, int] = {}
-
-    def end(self) -> None:
-        """Raises Fault for remaining octets."""
-        rest = len(self._data) - self.offset
-        if rest:
-            raise Fault(f"{rest} octets too many")
+        super().__init__(data, little_endian, offset)
+        self._sizes = LeastSizes()
 
     def value(self, descriptor: Descriptor) -> Any:
         """A value of any type."""
@@ -142,7 +107,7 @@ class Reader:
             case SequenceDescriptor(element, bound):
                 return self._sequence(element, bound)
             case ArrayDescriptor(element, dimensions):
-                if not self._least(element):
+                if not self._sizes.of(element):
                     self._data.work -= prod(dimensions)
                 return self._array(element, dimensions)
             case MapDescriptor(key, item, bound):
@@ -157,65 +122,6 @@ class Reader:
                 return self._reference()
             case ValueDescriptor() | BoxDescriptor():
                 return self._valued(descriptor)
-
-    # Octets, from chunks inside a value.
-
-    def _take(self, size: int, align: int) -> bytes:
-        """A number of contiguous octets."""
-        if self._level and self.offset >= self._chunk_end:
-            self._open_chunk()
-        start = self.offset + -self.offset % align
-        end = self._chunk_end if self._level else len(self._data)
-        if size > end - start:
-            left = max(end - self.offset, 0)
-            raise Fault(f"truncated: {size} octets are needed, {left} are left")
-        self.offset = start + size
-        return self._data[start : self.offset]
-
-    def _octets(self, count: int) -> bytes:
-        """A number of octets, which may be split across chunks."""
-        if not self._level:
-            return self._take(count, 1)
-        parts = []
-        while count:
-            if self.offset >= self._chunk_end:
-                self._open_chunk()
-            size = min(count, self._chunk_end - self.offset)
-            parts.append(self._take(size, 1))
-            count -= size
-        return b"".join(parts)
-
-    def _open_chunk(self) -> None:
-        size = self._between("i")
-        if self._closed or not 0 < size < VALUE_TAG:
-            raise Fault("a value ends before its state does")
-        if size > len(self._data) - self.offset:
-            raise Fault("a chunk is longer than what is left")
-        self._chunk_end = self.offset + size
-
-    def _between(self, code: str) -> int:
-        """A number outside of chunks."""
-        start = self.offset + -self.offset % 4
-        if start + 4 > len(self._data):
-            left = max(len(self._data) - self.offset, 0)
-            raise Fault(f"truncated: 4 octets are needed, {left} are left")
-        self.offset = start + 4
-        number = struct.unpack_from(f"{self._order}{code}", self._data, start)[0]
-        return int(number)
-
-    def _number(self, code: str) -> Any:
-        size = struct.calcsize(f"<{code}")
-        return struct.unpack(self._order + code, self._take(size, size))[0]
-
-    def _integer(self, code: str) -> int:
-        return int(self._number(code))
-
-    def _count(self, least: int) -> int:
-        count = self._integer("I")
-        left = len(self._data) - self.offset
-        if count * least > left:
-            raise Fault(f"a length of {count}, and {left} octets are left")
-        return count
 
     # Basic types.
 
@@ -264,7 +170,7 @@ class Reader:
     # Collections.
 
     def _sequence(self, element: Descriptor, bound: int | None) -> Any:
-        count = self._count(self._least(element) or 1)
+        count = self._count(self._sizes.of(element) or 1)
         check_bound(count, bound, "items")
         return self._items(element, count)
 
@@ -321,7 +227,8 @@ class Reader:
         if made is not None:
             return made(*values)
         names = [member.name for member in descriptor.members]
-        return DynamicValue(descriptor, dict(zip(names, values, strict=True)))
+        members = dict(zip(names, values, strict=True))
+        return UNKNOWN[StructDescriptor](descriptor, members)
 
     def _union(self, descriptor: UnionDescriptor) -> Any:
         part = ".discriminator"
@@ -334,7 +241,7 @@ class Reader:
                 value = self.value(branch.type)
         except LOCATED as failure:
             raise located(failure, part) from failure
-        made = class_of(descriptor) or partial(DynamicUnion, descriptor)
+        made = class_of(descriptor) or partial(UNKNOWN[UnionDescriptor], descriptor)
         return made(discriminator, value)
 
     def _reference(self) -> ObjectReference | None:
@@ -350,7 +257,7 @@ class Reader:
 
     # Any and type codes.
 
-    def _any(self) -> AnyValue:
+    def _any(self) -> Any:
         type_ = self._type_code()
         described = plain(type_)
         try:
@@ -358,7 +265,7 @@ class Reader:
                 repository_id = self._text()
                 if repository_id != described.repository_id:
                     raise Fault(f"{repository_id} instead of {described.repository_id}")
-            return AnyValue(type_, self.value(described))
+            return UNKNOWN[PrimitiveDescriptor](type_, self.value(described))
         except LOCATED as failure:
             raise located(failure, ".value") from failure
 
@@ -488,8 +395,7 @@ class Reader:
         self._chunk_end = self.offset
         made: Any
         if isinstance(actual, BoxDescriptor):
-            class_ = class_of(actual)
-            made = DynamicBox(actual) if class_ is None else class_.__new__(class_)
+            made = _empty(actual)
             self._data.values[place] = made
             try:
                 made.value = self.value(actual.target)
@@ -505,7 +411,7 @@ class Reader:
         if actual.modifier in ("abstract", "custom"):
             raise Fault(f"{actual.name} is {actual.modifier}: it has no state here")
         class_ = class_of(actual)
-        made = DynamicState(actual) if class_ is None else class_.__new__(class_)
+        made = _empty(actual)
         self._data.values[place] = made
         part = ""
         try:
@@ -550,46 +456,10 @@ class Reader:
         self._level -= 1
         self._chunk_end = self.offset
 
-    def _skip(self, size: int) -> None:
-        if size > len(self._data) - self.offset:
-            raise Fault("a chunk is longer than what is left")
-        self.offset += size
 
-    # The minimum size of a value, for checking counts.
-
-    def _least(self, element: Descriptor) -> int:
-        known = self._least_sizes.get(id(element))
-        if known is None:
-            self._least_sizes[id(element)] = 1
-            known = self._least_sizes[id(element)] = self._least_of(element)
-        return known
-
-    def _least_of(self, element: Descriptor) -> int:
-        match element:
-            case PrimitiveDescriptor("wchar"):
-                return 3
-            case PrimitiveDescriptor("long double"):
-                return 16
-            case PrimitiveDescriptor(name) if name in CODES:
-                return size_of(name)
-            case PrimitiveDescriptor("null" | "void"):
-                return 0
-            case FixedDescriptor(digits=digits):
-                return digits // 2 + 1
-            case ArrayDescriptor(element=inner, dimensions=dimensions):
-                return self._least(inner) * prod(dimensions)
-            case StructDescriptor(members=members):
-                return sum(self._least(member.type) for member in members)
-            case AliasDescriptor(target=target):
-                return self._least(target)
-            case LinkDescriptor() | PrimitiveDescriptor("char"):
-                return 1
-            case InterfaceDescriptor(abstract=True):
-                return 5
-            case PrimitiveDescriptor("Object") | InterfaceDescriptor():
-                return 8
-            case FlagsDescriptor(bound=bound) | BitsetDescriptor(bound=bound):
-                return struct.calcsize(f"<{bits_code(bound)}")
-            case UnionDescriptor(switch=switch):
-                return self._least(switch)
-        return 4
+def _empty(descriptor: ValueDescriptor | BoxDescriptor) -> Any:
+    """A value without its state, which may refer to the value."""
+    class_ = class_of(descriptor)
+    if class_ is None:
+        return UNKNOWN[type(descriptor)](descriptor)
+    return class_.__new__(class_)

@@ -16,6 +16,9 @@ from typing import Any, TypeVar
 
 _T = TypeVar("_T")
 
+BOOLEAN = {0: False, 1: True}
+"""The values of a boolean octet."""
+
 
 def text_octets(text: str) -> bytes:
     """The octets of a string, without the final NUL. Raises ValueError for NUL and surrogates."""

@@ -7,11 +7,11 @@ not look at them.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar, Final, Protocol, Self, TypeAlias, TypeVar
 
-from rtgen.runtime.cdr import Buffer
+from rtgen.runtime.marshalling.errors import Buffer
 
 NEXT: Final = -1
 """The member id that follows that of the member before."""
@@ -96,7 +96,7 @@ class MapDescriptor(Description):
 
 
 @dataclass(frozen=True, slots=True)
-class _Named(Description):
+class Named(Description):
     """`class_` is the Python class it describes, or None; `codecs` what was compiled from it.
 
     `representation` is the version of XCDR that `to_cdr` gives, 0 for classic CDR.
@@ -115,7 +115,7 @@ class _Named(Description):
 
 
 @dataclass(frozen=True, slots=True)
-class AliasDescriptor(_Named):
+class AliasDescriptor(Named):
     """A typedef: what the types that it is used in are compared by is its target."""
 
     target: Descriptor
@@ -125,7 +125,7 @@ class AliasDescriptor(_Named):
 
 
 @dataclass(frozen=True, slots=True)
-class EnumDescriptor(_Named):
+class EnumDescriptor(Named):
     """An enum: its members in order with their numbers, and the bits it has at most."""
 
     members: tuple[tuple[str, int], ...]
@@ -138,7 +138,7 @@ class EnumDescriptor(_Named):
 
 
 @dataclass(frozen=True, slots=True)
-class FlagsDescriptor(_Named):
+class FlagsDescriptor(Named):
     """A bitmask: its flags with their positions, and how many bits it has."""
 
     members: tuple[tuple[str, int], ...]
@@ -182,7 +182,7 @@ class BitfieldDescriptor:
 
 
 @dataclass(frozen=True, slots=True)
-class BitsetDescriptor(_Named):
+class BitsetDescriptor(Named):
     """A bitset: its named fields, those of its base first, and how many bits it has."""
 
     fields: tuple[BitfieldDescriptor, ...]
@@ -214,7 +214,7 @@ class MemberDescriptor:
 
 
 @dataclass(frozen=True, slots=True)
-class StructDescriptor(_Named):
+class StructDescriptor(Named):
     """A struct: its members in the order of the wire, those of its bases first.
 
     `extensibility` is `final`, `appendable` or `mutable`; `nested`: it is no topic by itself.
@@ -231,7 +231,7 @@ class StructDescriptor(_Named):
 
 
 @dataclass(frozen=True, slots=True)
-class ExceptionDescriptor(_Named):
+class ExceptionDescriptor(Named):
     """A user exception: as a struct."""
 
     members: tuple[MemberDescriptor, ...]
@@ -257,7 +257,7 @@ class BranchDescriptor:
 
 
 @dataclass(frozen=True, slots=True)
-class UnionDescriptor(_Named):
+class UnionDescriptor(Named):
     """A union: its discriminator (member id 0) and its branches in order."""
 
     switch: Descriptor
@@ -277,7 +277,7 @@ class UnionDescriptor(_Named):
 
 
 @dataclass(frozen=True, slots=True)
-class InterfaceDescriptor(_Named):
+class InterfaceDescriptor(Named):
     """An interface: the signatures of its operations and attributes, those of its bases first.
 
     `opaque`: its name is all that was known when it was generated.
@@ -295,7 +295,7 @@ class InterfaceDescriptor(_Named):
 
 
 @dataclass(frozen=True, slots=True)
-class ValueDescriptor(_Named):
+class ValueDescriptor(Named):
     """A valuetype: its own state, its bases, and what it is: custom, abstract, truncatable."""
 
     members: tuple[MemberDescriptor, ...]
@@ -339,7 +339,7 @@ def lineage(descriptor: _Derived) -> dict[str, _Derived]:
 
 
 @dataclass(frozen=True, slots=True)
-class BoxDescriptor(_Named):
+class BoxDescriptor(Named):
     """A boxed value."""
 
     target: Descriptor
@@ -354,7 +354,7 @@ class BoxDescriptor(_Named):
 
 
 @dataclass(frozen=True, slots=True)
-class LinkDescriptor(_Named):
+class LinkDescriptor(Named):
     """A type inside its own definition; equal if the name and the repository id are."""
 
     target: Callable[[], Descriptor] = field(compare=False, repr=False)
@@ -424,10 +424,13 @@ ANY: Final = PrimitiveDescriptor("any")
 NULL: Final = PrimitiveDescriptor("null")
 """The type of nothing."""
 
-_REGISTERED: dict[str, _Named] = {}
+UNKNOWN: Final[dict[type[Description], Any]] = {}
+"""The classes of values of no generated type, by that of the descriptor; `values` enters them."""
+
+_REGISTERED: dict[str, Named] = {}
 
 
-def register(class_: type[Any], descriptor: _Named) -> None:
+def register(class_: type[Any], descriptor: Named) -> None:
     """Makes a class the one that values of the descriptor are made as.
 
     Of two types with one repository id the last is found by it.
@@ -448,53 +451,6 @@ def class_of(descriptor: Descriptor) -> Any:
     return getattr(descriptor, "class_", None)
 
 
-def known(descriptor: Descriptor) -> Descriptor:
-    """The generated type with the same repository id and structure, or the descriptor itself."""
-    found = registered(getattr(descriptor, "repository_id", ""))
-    return found if found is not None and _same(descriptor, found) else descriptor
-
-
-def _same(a: Descriptor, b: Descriptor) -> bool:
-    """Whether what a type code told is a generated type; names that it left out are no matter."""
-    if isinstance(a, LinkDescriptor) or isinstance(b, LinkDescriptor):
-        return getattr(a, "repository_id", None) == getattr(b, "repository_id", "")
-    if type(a) is not type(b):
-        return False
-    match a, b:
-        case AliasDescriptor(target=one), AliasDescriptor(target=other):
-            return _same(one, other)
-        case BoxDescriptor(target=one), BoxDescriptor(target=other):
-            return _same(one, other)
-        case SequenceDescriptor(one, most), SequenceDescriptor(other, limit):
-            return most == limit and _same(one, other)
-        case ArrayDescriptor(one, here), ArrayDescriptor(other, there):
-            return here == there and _same(one, other)
-        case EnumDescriptor(), EnumDescriptor():
-            return len(a.members) == len(b.members)
-        case UnionDescriptor(), UnionDescriptor():
-            return _same(a.switch, b.switch) and _same_parts(a.branches, b.branches)
-        case (
-            StructDescriptor() | ExceptionDescriptor() | ValueDescriptor(),
-            StructDescriptor() | ExceptionDescriptor() | ValueDescriptor(),
-        ):
-            return _same_parts(a.members, b.members)
-        case _Named(), _Named():
-            return a.repository_id == b.repository_id
-    return a == b
-
-
-def _same_parts(
-    left: Sequence[MemberDescriptor | BranchDescriptor],
-    right: Sequence[MemberDescriptor | BranchDescriptor],
-) -> bool:
-    return len(left) == len(right) and all(
-        a.name in ("", b.name)
-        and getattr(a, "labels", ()) == getattr(b, "labels", ())
-        and _same(a.type, b.type)
-        for a, b in zip(left, right, strict=True)
-    )
-
-
 class DataType(Protocol):
     """What every generated struct and union has: a port can carry it."""
 
@@ -512,68 +468,3 @@ class DataType(Protocol):
     def _snapshot_(self) -> Self:
         """A copy that shares nothing that can change."""
         ...
-
-
-def difference(a: Descriptor, b: Descriptor) -> str | None:
-    """None if repository id and structure agree, else both types, one beside the other.
-
-    Lines that differ are marked with `!`. An opaque type agrees with none, since nobody knows.
-    """
-    for one in (a, b):
-        if isinstance(one, StructDescriptor | InterfaceDescriptor) and one.opaque:
-            return f"  the definition of {one.name} was not found; generate with its IDL file"
-    if a == b:
-        return None
-    left, right = list(_lines(a)), list(_lines(b))
-    if left == right:
-        return None
-    height = max(len(left), len(right))
-    left += [""] * (height - len(left))
-    right += [""] * (height - len(right))
-    width = max(map(len, left))
-    return "\n".join(
-        f"{' ' if x == y else '!'} {x.ljust(width)} | {y}".rstrip()
-        for x, y in zip(left, right, strict=True)
-    )
-
-
-def _lines(descriptor: Descriptor) -> Iterator[str]:
-    """The definition as text, with the structs inside of it taken apart."""
-    descriptor = plain(descriptor)
-    if isinstance(descriptor, _Named):
-        yield f"{descriptor.name}  {descriptor.repository_id}"
-    yield from _inside(descriptor, "  ")
-
-
-def _inside(descriptor: Descriptor, margin: str) -> Iterator[str]:
-    match descriptor:
-        case AliasDescriptor(target=target):
-            yield from _inside(target, margin)
-        case StructDescriptor(members=members) | ExceptionDescriptor(members=members):
-            for member in members:
-                optional = "@optional " if member.optional else ""
-                yield f"{margin}{optional}{member.type} {member.name}"
-                yield from _inside(member.type, margin + "  ")
-        case BitsetDescriptor(fields=fields):
-            for bits in fields:
-                yield f"{margin}bitfield<{bits.bits}> {bits.name} at {bits.position}"
-        case EnumDescriptor(members=enumerators) | FlagsDescriptor(members=enumerators):
-            yield margin + ", ".join(
-                f"{name} = {number}" for name, number in enumerators
-            )
-        case UnionDescriptor(switch=switch, branches=branches):
-            yield f"{margin}switch ({switch})"
-            yield from _inside(switch, margin + "  ")
-            for branch in branches:
-                labels = [f"case {label!r}" for label in branch.labels]
-                labels += ["default"] * branch.default
-                yield f"{margin}{', '.join(labels)}: {branch.type} {branch.name}"
-                yield from _inside(branch.type, margin + "  ")
-        case SequenceDescriptor(element=element) | ArrayDescriptor(element=element):
-            yield from _inside(element, margin)
-        case MapDescriptor(key=key, value=value):
-            yield from _inside(key, margin)
-            yield from _inside(value, margin)
-        case InterfaceDescriptor(operations=operations):
-            for operation in operations:
-                yield f"{margin}{operation}"

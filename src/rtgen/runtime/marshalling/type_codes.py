@@ -17,8 +17,8 @@ from rtgen.facts.primitives import (
     Scalar,
     integer_range,
 )
-from rtgen.runtime.cdr_values import text_octets, text_value
-from rtgen.runtime.descriptors import (
+from rtgen.runtime.marshalling.comparison import known
+from rtgen.runtime.marshalling.descriptors import (
     AliasDescriptor,
     ArrayDescriptor,
     BoxDescriptor,
@@ -36,10 +36,10 @@ from rtgen.runtime.descriptors import (
     StructDescriptor,
     UnionDescriptor,
     ValueDescriptor,
-    known,
     plain,
 )
-from rtgen.runtime.faults import Fault
+from rtgen.runtime.marshalling.errors import Fault
+from rtgen.runtime.marshalling.octets import text_octets, text_value
 
 _SIMPLE = {kind: str(name) for name, kind in TYPE_CODE_KINDS.items()}
 _OBJREF, _STRUCT, _UNION, _ENUM, _STRING, _SEQUENCE, _ARRAY = 14, 15, 16, 17, 18, 19, 20

@@ -11,16 +11,17 @@ from collections.abc import Callable, Sized
 from functools import partial
 from typing import Any, NoReturn
 
-from rtgen.runtime.cdr_values import (
-    ObjectReference,
-    fixed_octets,
-    quad_octets,
-    text_octets,
-    wide_character,
-    wide_octets,
-    write_reference,
+from rtgen.runtime.marshalling.checks import (
+    CODES,
+    TEXTS,
+    bits_code,
+    check_bound,
+    check_string,
+    packed,
+    size_of,
 )
-from rtgen.runtime.descriptors import (
+from rtgen.runtime.marshalling.descriptors import (
+    ANY,
     AliasDescriptor,
     ArrayDescriptor,
     BitsetDescriptor,
@@ -41,28 +42,17 @@ from rtgen.runtime.descriptors import (
     ValueDescriptor,
     plain,
 )
-from rtgen.runtime.faults import LOCATED, Fault, located
-from rtgen.runtime.type_codes import type_code_octets
-from rtgen.runtime.values import AnyValue, Box, Value
-
-CODES = {
-    "short": "h",
-    "unsigned short": "H",
-    "long": "i",
-    "unsigned long": "I",
-    "long long": "q",
-    "unsigned long long": "Q",
-    "int8": "b",
-    "uint8": "B",
-    "octet": "B",
-    "boolean": "B",
-    "float": "f",
-    "double": "d",
-}
-"""The `struct` codes of the basic types that have one."""
-
-TEXTS = {"octet": (bytes, bytearray), "uint8": (bytes, bytearray), "char": (str,)}
-"""The Python types of sequences of these types."""
+from rtgen.runtime.marshalling.errors import LOCATED, Fault, located
+from rtgen.runtime.marshalling.octets import (
+    ObjectReference,
+    fixed_octets,
+    quad_octets,
+    text_octets,
+    wide_character,
+    wide_octets,
+    write_reference,
+)
+from rtgen.runtime.marshalling.type_codes import type_code_octets
 
 NULL_TAG = 0
 INDIRECTION = 0xFFFFFFFF
@@ -341,7 +331,7 @@ class Writer:
     # Any and type codes.
 
     def _any(self, value: Any) -> None:
-        if not isinstance(value, AnyValue):
+        if getattr(value, "_descriptor_", None) is not ANY:
             raise Fault(f"an AnyValue is needed, not {type(value).__name__}")
         self._type_code(value.type)
         described = plain(value.type)
@@ -366,9 +356,10 @@ class Writer:
         if value is None:
             self._number("I", NULL_TAG)
             return
-        if not isinstance(value, Value | Box):
+        described = getattr(value, "described", None)
+        actual = None if described is None else described()
+        if not isinstance(actual, ValueDescriptor | BoxDescriptor):
             raise Fault(f"a value is needed, not {type(value).__name__}")
-        actual = value.described()
         if formal is not None and not actual.is_a(formal.repository_id):
             raise Fault(f"a {formal.name} is needed, not a {actual.name}")
         known = self._shared.values.get(id(value))
@@ -450,42 +441,6 @@ class Writer:
                 self.value(member.type, inner)
         except LOCATED as failure:
             raise located(failure, part) from failure
-
-
-def size_of(name: str) -> int:
-    """The size of a basic type, which is its alignment too."""
-    return struct.calcsize(f"<{CODES[name]}")
-
-
-def bits_code(bound: int) -> str:
-    """The `struct` code of the smallest unsigned integer of at least that many bits."""
-    return "BHIQ"[(bound > 8) + (bound > 16) + (bound > 32)]
-
-
-def packed(code: str, name: str, value: Any, order: str) -> bytes:
-    """The octets of a number; raises Fault."""
-    try:
-        return struct.pack(order + code, value)
-    except struct.error as failure:
-        if isinstance(value, int) and not isinstance(value, bool):
-            raise Fault(f"{value} is out of the range of {name}") from failure
-        raise Fault(f"a value of {name} is needed, not {value!r}") from failure
-    except OverflowError as failure:
-        raise Fault(f"{value} is out of the range of {name}") from failure
-
-
-def check_string(text: str, wide: bool, bound: int | None) -> None:
-    """Raises Fault for a string beyond its bound."""
-    if wide:
-        check_bound(len(text.encode("utf-16-le")) // 2, bound, "UTF-16 units")
-    else:
-        check_bound(len(text.encode()), bound, "octets of UTF-8")
-
-
-def check_bound(length: int, bound: int | None, unit: str) -> None:
-    """Raises Fault for a length beyond the bound."""
-    if bound is not None and length > bound:
-        raise Fault(f"{length} {unit}, and {bound} are the most")
 
 
 def _bits(descriptor: BitsetDescriptor, value: Any) -> int:

@@ -1,0 +1,122 @@
+"""Sizes, codes and bounds of classic CDR, for the codecs that walk along descriptors."""
+
+from __future__ import annotations
+
+import struct
+from math import prod
+from typing import Any
+
+from rtgen.runtime.marshalling.descriptors import (
+    AliasDescriptor,
+    ArrayDescriptor,
+    BitsetDescriptor,
+    Descriptor,
+    FixedDescriptor,
+    FlagsDescriptor,
+    InterfaceDescriptor,
+    LinkDescriptor,
+    PrimitiveDescriptor,
+    StructDescriptor,
+    UnionDescriptor,
+)
+from rtgen.runtime.marshalling.errors import Fault
+
+CODES = {
+    "short": "h",
+    "unsigned short": "H",
+    "long": "i",
+    "unsigned long": "I",
+    "long long": "q",
+    "unsigned long long": "Q",
+    "int8": "b",
+    "uint8": "B",
+    "octet": "B",
+    "boolean": "B",
+    "float": "f",
+    "double": "d",
+}
+"""The `struct` codes of the basic types that have one."""
+
+TEXTS = {"octet": (bytes, bytearray), "uint8": (bytes, bytearray), "char": (str,)}
+"""The Python types of sequences of these types."""
+
+
+def size_of(name: str) -> int:
+    """The size of a basic type, which is its alignment too."""
+    return struct.calcsize(f"<{CODES[name]}")
+
+
+def bits_code(bound: int) -> str:
+    """The `struct` code of the smallest unsigned integer of at least that many bits."""
+    return "BHIQ"[(bound > 8) + (bound > 16) + (bound > 32)]
+
+
+def packed(code: str, name: str, value: Any, order: str) -> bytes:
+    """The octets of a number; raises Fault."""
+    try:
+        return struct.pack(order + code, value)
+    except struct.error as failure:
+        if isinstance(value, int) and not isinstance(value, bool):
+            raise Fault(f"{value} is out of the range of {name}") from failure
+        raise Fault(f"a value of {name} is needed, not {value!r}") from failure
+    except OverflowError as failure:
+        raise Fault(f"{value} is out of the range of {name}") from failure
+
+
+def check_string(text: str, wide: bool, bound: int | None) -> None:
+    """Raises Fault for a string beyond its bound."""
+    if wide:
+        check_bound(len(text.encode("utf-16-le")) // 2, bound, "UTF-16 units")
+    else:
+        check_bound(len(text.encode()), bound, "octets of UTF-8")
+
+
+def check_bound(length: int, bound: int | None, unit: str) -> None:
+    """Raises Fault for a length beyond the bound."""
+    if bound is not None and length > bound:
+        raise Fault(f"{length} {unit}, and {bound} are the most")
+
+
+class LeastSizes:
+    """The minimum sizes of types, against which counts are checked."""
+
+    def __init__(self) -> None:
+        self._known: dict[int, int] = {}
+
+    def of(self, element: Descriptor) -> int:
+        """The minimum size of a value in octets, without padding."""
+        known = self._known.get(id(element))
+        if known is None:
+            self._known[id(element)] = 1
+            known = self._known[id(element)] = self._least_of(element)
+        return known
+
+    def _least_of(self, element: Descriptor) -> int:
+        match element:
+            case PrimitiveDescriptor("wchar"):
+                return 3
+            case PrimitiveDescriptor("long double"):
+                return 16
+            case PrimitiveDescriptor(name) if name in CODES:
+                return size_of(name)
+            case PrimitiveDescriptor("null" | "void"):
+                return 0
+            case FixedDescriptor(digits=digits):
+                return digits // 2 + 1
+            case ArrayDescriptor(element=inner, dimensions=dimensions):
+                return self.of(inner) * prod(dimensions)
+            case StructDescriptor(members=members):
+                return sum(self.of(member.type) for member in members)
+            case AliasDescriptor(target=target):
+                return self.of(target)
+            case LinkDescriptor() | PrimitiveDescriptor("char"):
+                return 1
+            case InterfaceDescriptor(abstract=True):
+                return 5
+            case PrimitiveDescriptor("Object") | InterfaceDescriptor():
+                return 8
+            case FlagsDescriptor(bound=bound) | BitsetDescriptor(bound=bound):
+                return struct.calcsize(f"<{bits_code(bound)}")
+            case UnionDescriptor(switch=switch):
+                return self.of(switch)
+        return 4
