@@ -61,9 +61,12 @@ def check_picture(path: str | None) -> None:
             "--plot needs matplotlib, which is not installed",
             hint="pip install 'rtgen[plot]'",
         )
+    existed = file.exists()
     try:
         with file.open("ab"):
             pass
+        if not existed:
+            file.unlink()  # a run that fails leaves no empty picture
     except OSError as error:
         raise ToolError(f"cannot write {path}: {error.strerror}") from error
 

@@ -95,6 +95,11 @@ def test_trajectories_are_drawn_as_before() -> None:
         (["--plot", "PathFollower0.velocity["], 2, "names no value of a port"),
         (["--csv", "a.csv", "--csv", "b.csv"], 2, "two files, a.csv and b.csv"),
         (["--plot", "a.jpeg"], 3, "unknown kind of picture"),
+        (
+            ["--plot", "a.svg", "--plot", "PathFollower0.velocty"],
+            2,
+            "did you mean PathFollower0.velocity?",
+        ),
     ],
 )
 def test_what_is_not_there(
@@ -102,3 +107,4 @@ def test_what_is_not_there(
 ) -> None:
     assert run([*SHORT, *arguments]) == code
     assert message in capfd.readouterr().err
+    assert not Path("a.svg").exists()
