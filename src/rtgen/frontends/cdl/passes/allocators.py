@@ -1,4 +1,4 @@
-"""The `allocator` specifier of entry ports in celltypes and composites."""
+"""The `allocator` specifier: reads signatures, adds allocator ports to celltypes and composites."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Checks of all cells of a unit, once their joins are resolved: use, fixed joins, ids."""
+"""Check of all cells after `joins`: use of prototypes, fixed joins, ids; adds nothing."""
 
 from __future__ import annotations
 

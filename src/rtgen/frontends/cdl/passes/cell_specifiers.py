@@ -1,4 +1,4 @@
-"""Specifiers of cells: id, allocator, restrict, generate, prototype."""
+"""Specifiers of cells: adds id, allocators, restrictions, plug-in and prototype to the cell."""
 
 from __future__ import annotations
 

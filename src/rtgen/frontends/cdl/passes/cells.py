@@ -1,4 +1,4 @@
-"""Declarations of cells: prototypes, bodies, specifiers, joins."""
+"""Pass over cells: reads celltypes, adds bodies, prototypes, and joins still without targets."""
 
 from __future__ import annotations
 

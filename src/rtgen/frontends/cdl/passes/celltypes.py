@@ -1,4 +1,4 @@
-"""Celltypes: ports, attributes, variables."""
+"""Pass over celltypes: reads signatures and types, adds ports, attributes and variables."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The statements of components: celltypes, composites, cells, regions, plug-ins."""
+"""Pass over component statements: adds celltypes, composites, cells and regions to the table."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Composites: inner cells and exports."""
+"""Pass over composites: reads celltypes, adds inner cells (by `cells`) and exports."""
 
 from __future__ import annotations
 

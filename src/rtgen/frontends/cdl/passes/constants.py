@@ -1,4 +1,4 @@
-"""Constants, and validation of initialisers against their types."""
+"""Pass over constants: reads types, adds values; validates initialisers against their types."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Expressions: type checking, constant folding, and lowering to the model."""
+"""Pass over one expression: reads names declared before, returns its operand; adds nothing."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Checks of `factory` and `FACTORY`: text that is emitted for cells and celltypes."""
+"""Check of `factory` and `FACTORY`: reads attributes and variables; notes who has a factory."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Joins: resolution of their entry ports and plug-ins."""
+"""Pass over all cells at the end: reads joins and exports, adds entry ports and plug-ins."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From analysed celltypes and cells to their model."""
+"""The model of celltypes and cells, made when all passes are done; adds nothing."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Finds unconnected call ports, and attributes without values."""
+"""Check of all cells after `joins`: call ports without joins, attributes without values."""
 
 from __future__ import annotations
 

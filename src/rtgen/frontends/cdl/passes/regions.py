@@ -1,4 +1,4 @@
-"""Regions: permitted joins, and the plug-ins on the path from one region to another."""
+"""Pass over regions: reads their specifiers, adds permitted joins, and plug-ins on the way."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`require`: call ports that are joined automatically."""
+"""`require`: reads singletons, adds call ports that are joined automatically."""
 
 from __future__ import annotations
 

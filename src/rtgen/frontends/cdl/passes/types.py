@@ -1,4 +1,4 @@
-"""Types from the syntax tree: typedefs, structs, enums, declarators."""
+"""Pass over types: reads names declared before, adds typedefs, structs and enums to the table."""
 
 from __future__ import annotations
 

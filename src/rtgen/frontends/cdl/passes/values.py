@@ -1,4 +1,4 @@
-"""Types, constants and initialisers for celltypes and cells."""
+"""What celltypes and cells read of earlier passes: types, constants, initialisers; adds nothing."""
 
 from __future__ import annotations
 
