@@ -15,7 +15,7 @@ if TYPE_CHECKING:  # a run from the cache makes artifacts without the model
 
 
 class Owner(StrEnum):
-    """Who owns a file: rtgen overwrites its own, and creates a user's once."""
+    """The owner of a file: rtgen overwrites its own files, and creates a user's once."""
 
     RTGEN = "rtgen"
     USER = "user"
@@ -104,7 +104,7 @@ class Backend(Protocol):
 
     @property
     def name(self) -> str:
-        """Its name in messages."""
+        """The name of the back end in messages."""
         ...
 
     def emit(self, model: Model, options: Options) -> Emission:

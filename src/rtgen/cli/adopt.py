@@ -48,7 +48,7 @@ def adopt(
         with target.open("x", encoding="utf-8", newline="\n") as stream:
             stream.write(text)
     except FileExistsError:
-        raise ToolError(f"{target.as_posix()} is there already") from None
+        raise ToolError(f"{target.as_posix()} exists already") from None
     except OSError as error:
         raise ToolError(
             f"cannot write {target.as_posix()}: {error.strerror}"

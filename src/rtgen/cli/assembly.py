@@ -176,7 +176,7 @@ def _ports(component: runtime.Component) -> InstancePorts:
 def _failed_end(
     system: runtime.System, connection: Connection
 ) -> tuple[Span, str | None]:
-    """Where to report a failed connection: the end whose port is missing, with a suggestion."""
+    """The place at which to report a failed connection: the end without port, and a suggestion."""
     for end in (connection.source, connection.target):
         if end.instance not in system.instances:
             continue

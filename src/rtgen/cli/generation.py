@@ -22,7 +22,7 @@ from rtgen.project import output as writer
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Request:
-    """What the command line asks for."""
+    """The options of the command line."""
 
     definitions: Definitions
     output: str | None

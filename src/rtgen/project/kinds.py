@@ -41,7 +41,7 @@ def is_definition(path: Path) -> bool:
 
 @cache
 def plugin_suffixes() -> tuple[str, ...]:
-    """What front ends of plug-ins read. Raises ToolError for a broken plug-in."""
+    """The suffixes that front ends of plug-ins read. Raises ToolError for a broken plug-in."""
     return tuple(
         s for _, f in plugins.loaded(plugins.Group.FRONTENDS) for s in f.suffixes
     )

@@ -28,16 +28,16 @@ if TYPE_CHECKING:
     from rtgen.project import file as project_file
 
 TARGETS = ("embedded", "openrtm", "small", "dds")
-"""What components run on, as rtgen.toml may say it."""
+"""The platforms of components that rtgen.toml can name."""
 
 AVAILABLE_TARGETS = ("embedded", "openrtm", "small")
-"""Those of this version."""
+"""The targets that this version implements."""
 
 SYSTEMS_TARGET = "openrtm"
-"""The target that makes something of systems."""
+"""The target that generates files for systems."""
 
 PRELUDES = ("kernel", "none")
-"""What CDL knows without an import: the scalar types of TOPPERS kernels, or nothing."""
+"""Declarations that CDL files have without an import: TOPPERS' scalar types, or none."""
 
 KCODES = ("auto", "euc", "sjis", "utf8", "none")
 """The encodings of CDL files."""
@@ -47,7 +47,7 @@ _RESERVED_PACKAGES = frozenset({"generated", "RTC", "rtgen"})
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Project:
-    """What a run reads and where it writes.
+    """The inputs and outputs of a run.
 
     `root` is the absolute folder of rtgen.toml (else the working folder), which the keys of inputs
     are relative to. `sources`, `systems` and `include` are paths as they are shown to the user.

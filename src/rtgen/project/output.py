@@ -60,9 +60,12 @@ class Change:
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """What a run would do to the disk. `changes` are rtgen's own files in the order of writing,
-    `skeletons` a user's, `strays` files that rtgen neither makes nor made, `leftovers` and
-    `barren` what a killed run left and folders that nothing is in, innermost first."""
+    """The changes that a run would make to the disk.
+
+    `changes` are rtgen's own files in the order of writing, `skeletons` a user's, `strays` files
+    that rtgen neither makes nor made, `leftovers` files of a killed run, `barren` the folders
+    that become empty, innermost first.
+    """
 
     changes: tuple[Change, ...]
     skeletons: tuple[Change, ...]
@@ -80,7 +83,7 @@ class Plan:
 def plan(
     project: Project, artifacts: Sequence[Artifact], inputs: Mapping[str, str]
 ) -> Plan:
-    """What to do so that the tree holds the artifacts, made from inputs (key to sha256).
+    """The changes after which the tree holds the artifacts; inputs are given as key to sha256.
 
     Raises InputError if a file would leave its folder, ToolError if the disk fails.
     """
@@ -323,7 +326,7 @@ def _upto(parts: Sequence[str]) -> range:
 
 
 def _tree(output: Path) -> tuple[set[str], set[str], list[Path]]:
-    """What lies below the output folder, bytecode left out: files and links, folders, and what a
+    """The content of the output folder without bytecode: files and links, folders, and what a
     killed run left half written."""
     there: set[str] = set()
     found: set[str] = set()

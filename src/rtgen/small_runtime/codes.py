@@ -30,7 +30,7 @@ CODE_NAMES = (
 
 
 class PortStatus:
-    """What `OutPort.write` answers."""
+    """The results of `OutPort.write`."""
 
     PORT_OK = 0
     PRECONDITION_NOT_MET = 5

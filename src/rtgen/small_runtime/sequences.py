@@ -110,7 +110,7 @@ def copy_items(target, source) -> None:
 
 
 def copy_array(target, source) -> None:
-    """The same for an array, whose length is fixed. Raises SizeError."""
+    """Replace the items of an array, whose length is fixed. Raises SizeError."""
     if len(source) != len(target):
         raise SizeError(f"{len(source)} items for an array of {len(target)}")
     for i in range(len(target)):

@@ -4,7 +4,7 @@
 import struct
 
 _NOT_PACKED = (getattr(struct, "error", ValueError), ValueError, OverflowError)
-"""What `struct` raises; MicroPython's has no error of its own."""
+"""Exceptions of `struct`; MicroPython's has no error of its own."""
 
 
 class CodecError(ValueError):

@@ -229,7 +229,7 @@ def _content(text: str, name: str) -> dict[str, Any]:
 
 
 def _place(action: Action) -> int:
-    """Its place in the order of events at one instant."""
+    """The position in the order of events at one instant."""
     if isinstance(action, Ask):
         return _ORDER.index(action.request)
     return _ORDER.index(_KINDS[type(action)])

@@ -63,7 +63,7 @@ class Quantity:
 
     @property
     def type(self) -> Type:
-        """Its IDL type."""
+        """The IDL type."""
         return row(self.variable.data_type).type if self.factor is None else _DOUBLE
 
     def timed(self, module: str) -> ScopedName:

@@ -155,7 +155,7 @@ class PythonNames:
         return _free(self._classes[name] + suffix, taken)
 
     def public_companion(self, name: ScopedName, suffix: str) -> str:
-        """Its name in the package of the declaration's IDL module."""
+        """The name of a companion in the package of the declaration's IDL module."""
         return _free(self._attribute(name) + suffix, self._members_of[name[:-1]])
 
     @cached_property

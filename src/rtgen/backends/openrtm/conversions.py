@@ -81,7 +81,7 @@ class _Module:
         self._services = WireServices(unit.model, names, self._scope, self._code)
 
     def artifact(self) -> Artifact:
-        """Its file."""
+        """The file of the module."""
         sources = [f for f in self._unit.model.files if f.name in self._file.files]
         keys = tuple(dict.fromkeys(file.key for file in sources))
         blocks = [self._block(declaration) for declaration in self._declarations]

@@ -241,7 +241,7 @@ class ComponentPlan:
 
     @property
     def folder(self) -> str:
-        """Its folder, below the output folder."""
+        """The folder, relative to the output folder."""
         return f"{ROOT}/{self.name}"
 
     @property
@@ -267,7 +267,7 @@ class ComponentPlan:
 
     @property
     def own_idl_files(self) -> tuple[IdlFile, ...]:
-        """Those of the IDL files that OpenRTM lacks."""
+        """The IDL files that are not among those of OpenRTM."""
         return tuple(file for file in self.idl_files if not file.stock)
 
     @cached_property

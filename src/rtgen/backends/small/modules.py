@@ -1,4 +1,4 @@
-"""The texts of the target small: types, packages, bases of components."""
+"""Prints the modules of the target small: types, packages, bases of components."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ from rtgen.typemap.idl_python_names import PythonNames, package_path
 from rtgen.typemap.python_names import identifier
 
 _HELPERS = (*("Numbers", "Values", "bounded", "copy_array", "copy_items", "exactly"),)
-"""They are imported with a leading `_`, which no name of a definition has."""
+"""Names imported with a leading `_`, which no name of a definition has."""
 _USED = frozenset({"bytes", "chr", "len", "ord", "range"})
-"""What the methods use of Python, so that no class may be called like it."""
+"""Names of Python that the methods use, and that no class can have."""
 _FLOATING = (PrimitiveType(Primitive.FLOAT), PrimitiveType(Primitive.DOUBLE))
 
 
@@ -157,7 +157,7 @@ def package(
     classes: Mapping[ScopedName, str],
     constants: Sequence[Const],
 ) -> str:
-    """What an IDL module offers: its types and constants."""
+    """The types and constants of an IDL module."""
     title = (
         f"The IDL module `{'::'.join(scope)}`." if scope else "The global scope of IDL."
     )
@@ -225,7 +225,7 @@ def component_module(
 
 
 class _PackageImports:
-    """Where the types of ports come from, under names that hide nothing."""
+    """The imports of the types of ports, under names that hide no other."""
 
     def __init__(self, taken: set[str]) -> None:
         self._taken = taken

@@ -37,7 +37,7 @@ MAGIC_BYTES = {
 class Decoder:
     """Writes the body of one method, except for its end.
 
-    `condition` gives the expression of whether a nullable item is there, None if the
+    `condition` gives the expression of whether a nullable item is present, None if the
     message has a flag for it. `checks` gives the expected values of magics.
     """
 

@@ -36,12 +36,12 @@ class Found:
 
     @property
     def state_text(self) -> str:
-        """Its NMT state in words, empty without a heartbeat."""
+        """The name of the NMT state, empty without a heartbeat."""
         return "" if self.state is None else self.state.name.lower().replace("_", "-")
 
     @property
     def device_text(self) -> str:
-        """Its name, with the profile of its device type."""
+        """The name of the node, with the profile of its device type."""
         kind = self.identity[0]
         profile = 0 if kind is None else kind & 0xFFFF
         words = [self.name] if self.name else []

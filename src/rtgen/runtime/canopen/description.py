@@ -46,7 +46,7 @@ class ObjectDescription:
         return self.access not in ("ro", "const")
 
     def named(self, name: str) -> ObjectDescription:
-        """The same with another name."""
+        """A copy with another name."""
         return replace(self, name=name)
 
     def initial(self, node_id: int) -> ObjectValue | None:

@@ -94,7 +94,7 @@ class Entry(Generic[T]):
 
 Boolean: TypeAlias = Entry[bool]
 Integer: TypeAlias = Entry[int]
-"""Also times: in ns, of day since 1970 (UTC)."""
+"""Integers, and times in ns: a time of day since 1970 (UTC)."""
 Real: TypeAlias = Entry[float]
 Text: TypeAlias = Entry[str]
 Octets: TypeAlias = Entry[bytes]
@@ -108,7 +108,7 @@ def descriptions(class_: type[Objects]) -> tuple[ObjectDescription, ...]:
 
 
 class ObjectDictionary(Protocol):
-    """What a consumer of the service `CANopen::ObjectDictionary` has."""
+    """The operations of a consumer of the service `CANopen::ObjectDictionary`."""
 
     def read(self, index: int, subindex: int, /) -> bytes:
         """The octets of an object."""

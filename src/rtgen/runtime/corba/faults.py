@@ -7,7 +7,7 @@ from typing import Any
 import omniORB
 from omniORB import CORBA
 
-from rtgen.runtime.services.calls import SYSTEM_EXCEPTIONS, TOLD_AS, kind_of
+from rtgen.runtime.services.calls import REPORTED_AS, SYSTEM_EXCEPTIONS, kind_of
 from rtgen.runtime.services.servants import (
     BadOperation,
     CallTimeout,
@@ -26,7 +26,7 @@ def raised(error: ServiceError) -> Any:
     kind = kind_of(error)
     begun = not isinstance(error, _BEFORE_THE_CALL)
     completed = CORBA.COMPLETED_MAYBE if begun else CORBA.COMPLETED_NO
-    return getattr(CORBA, TOLD_AS[kind])(_OURS, completed)
+    return getattr(CORBA, REPORTED_AS[kind])(_OURS, completed)
 
 
 def caught(operation: str, error: Any) -> ServiceError:

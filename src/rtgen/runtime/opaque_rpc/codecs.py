@@ -176,7 +176,7 @@ class Messages(Generic[_P, _R]):
         return E_OK
 
     def _kept_of(self, arguments: tuple[Any, ...]) -> tuple[Any, ...]:
-        """Those arguments that the reply depends on."""
+        """The arguments that the reply depends on."""
         kept = self.kept
         if len(kept) == 1:
             return (arguments[kept[0]],)

@@ -41,7 +41,7 @@ _BLOCK = 4096
 _LOOK = 0.2
 """How often [s] a server that waits looks whether it was closed."""
 _SHARED_HEAD = 4
-"""Where the request begins on a shared channel."""
+"""The offset of the request on a shared channel."""
 
 
 def silence(baudrate: int) -> float:
@@ -113,7 +113,7 @@ class _Line:
         return False
 
     def discard(self) -> None:
-        """Discards what is there."""
+        """Discard the received octets."""
         with _as_os_errors():
             self._port.reset_input_buffer()
 

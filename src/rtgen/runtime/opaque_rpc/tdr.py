@@ -123,7 +123,7 @@ BIG: Final = make_tdr("big")
 INT8: Final[Mapping[int, int]] = {v: (v & 0xFF ^ 0x80) - 0x80 for v in range(-128, 256)}
 """8-bit integers as signed ones: 128 to 255 are taken for the same bits."""
 UINT8: Final[Mapping[int, int]] = {v: v & 0xFF for v in range(-128, 256)}
-"""The same as unsigned ones."""
+"""8-bit integers as unsigned ones: -128 to -1 are taken for the same bits."""
 
 
 class Items:

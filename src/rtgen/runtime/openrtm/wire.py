@@ -119,7 +119,7 @@ class Octets:
 
 
 class ExceptionOctets(Octets):
-    """The same for an exception: its repository id is in front, as in a reply."""
+    """The octets of an exception, preceded by its repository id as in a reply."""
 
     _ID = StringDescriptor()
 
@@ -195,7 +195,7 @@ def raised(
     error: Exception,
     declared: Mapping[type[Any], Callable[[Any], Exception]] = _NONE,
 ) -> Exception:
-    """What a call through a stub raises for what omniORB raised.
+    """The exception that a call through a stub raises for one of omniORB.
 
     `declared` are the exceptions of the operation. What is none of CORBA's is raised as it is.
     """

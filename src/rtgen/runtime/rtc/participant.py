@@ -26,7 +26,7 @@ from rtgen.runtime.rtc.life_cycle import GATED, TRANSITIONS, Request
 
 
 class ParticipantContext(ExecutionContextOperations, Protocol):
-    """What a participant and its observers use of its context."""
+    """The members of a context that a participant and its observers use."""
 
     overruns: int
 

@@ -320,7 +320,7 @@ def _user_exception(operation: str, call: Call, reply: Reply) -> Exception:
     return UnknownException(f"{operation} raised {identity}, which it does not declare")
 
 
-TOLD_AS: dict[type[ServiceError], str] = {
+REPORTED_AS: dict[type[ServiceError], str] = {
     BadOperation: "BAD_OPERATION",
     MarshalError: "MARSHAL",
     ObjectNotExist: "OBJECT_NOT_EXIST",
@@ -331,7 +331,7 @@ TOLD_AS: dict[type[ServiceError], str] = {
 """The system exception of CORBA for each class of error."""
 
 SYSTEM_EXCEPTIONS: dict[str, type[ServiceError]] = {
-    **{f"IDL:omg.org/CORBA/{name}:1.0": type_ for type_, name in TOLD_AS.items()},
+    **{f"IDL:omg.org/CORBA/{name}:1.0": type_ for type_, name in REPORTED_AS.items()},
     "IDL:omg.org/CORBA/BAD_PARAM:1.0": MarshalError,
     "IDL:omg.org/CORBA/DATA_CONVERSION:1.0": MarshalError,
     "IDL:omg.org/CORBA/INV_OBJREF:1.0": ObjectNotExist,
@@ -344,13 +344,13 @@ _MAYBE = 2
 
 
 def kind_of(error: ServiceError) -> type[ServiceError]:
-    """The class of error reported to clients; UnknownException if `TOLD_AS` lacks it."""
-    return next((k for k in TOLD_AS if isinstance(error, k)), UnknownException)
+    """The class of error reported to clients; UnknownException if `REPORTED_AS` lacks it."""
+    return next((k for k in REPORTED_AS if isinstance(error, k)), UnknownException)
 
 
 def _failure(error: ServiceError, little_endian: bool) -> Reply:
     """The reply for an error (CORBA 3.3 part 2, 9.4.3.2, SystemExceptionReplyBody)."""
-    name = TOLD_AS[kind_of(error)]
+    name = REPORTED_AS[kind_of(error)]
     identity = f"IDL:omg.org/CORBA/{name}:1.0\0".encode()
     order = "<" if little_endian else ">"
     padding = -len(identity) % 4

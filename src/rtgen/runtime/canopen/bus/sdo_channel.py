@@ -34,7 +34,7 @@ class _Transfer:
 
 
 class SdoLink(Protocol):
-    """What an SDO channel needs of its `Link`."""
+    """The members of a `Link` that an SDO channel uses."""
 
     @property
     def lock(self) -> AbstractContextManager[object]: ...

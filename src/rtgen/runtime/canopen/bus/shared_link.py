@@ -23,7 +23,7 @@ class AttachedStation:
         self.identifiers: frozenset[int] | None = frozenset()
         self.deadline: int | None = None
         self.wake: int | None = None
-        """Its time in the queue of timers, not later than its deadline."""
+        """The time of its timer, not later than its deadline."""
         self.up = True
         """Whether the station regards the bus as available."""
         self.left = False

@@ -56,7 +56,7 @@ def settings_of(config: Any) -> ProxySettings:
 
 @dataclass(frozen=True, slots=True)
 class ProxyPlan:
-    """What settings, network and description together say about a connection.
+    """The parameters of a connection, merged from settings, network and description.
 
     `bit_rate` is in bit/s, `boot_timeout` in ms.
     """
