@@ -20,7 +20,6 @@ from rtgen.backends.tecs.decoding import Decoder
 from rtgen.backends.tecs.encoding import Encoder
 from rtgen.backends.tecs.function_text import (
     result_text,
-    shown,
     target_types,
 )
 from rtgen.layouts.tdr import (
@@ -44,6 +43,7 @@ from rtgen.typemap.tecs_python import (
     struct_class,
     zero,
 )
+from rtgen.typemap.tecs_texts import function_text
 
 _EOP = {True: "EOP_NOTHING_FOLLOWS", False: "EOP_REPLY_FOLLOWS"}
 
@@ -158,7 +158,7 @@ class FunctionCodec:
             *_with_tdr([s for s in statements if s]),
         ]
         parameters = ["codec: Codec", "name: str", "number: int"]
-        doc = docstring(f"`{shown(layout.function, '')}`.", 4).rstrip("\n")
+        doc = docstring(f"`{function_text(layout.function, '')}`.", 4).rstrip("\n")
         facts = "\n".join(f"    {name} = {v}" for name, v in self._facts())
         body = "\n\n".join(
             filter(

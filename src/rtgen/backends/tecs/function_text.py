@@ -1,4 +1,4 @@
-"""Functions of CDL in Python: names, annotations, and the text of their declaration."""
+"""Functions of CDL in Python: names and annotations."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from collections.abc import Sequence
 
 from rtgen.backends.tecs.views import used_structs
 from rtgen.layouts.tdr import FunctionLayout, SignatureLayout
-from rtgen.model.tecs import Sizes, TecsFunction
 from rtgen.typemap.idl_python_names import distinct
 from rtgen.typemap.tecs_python import (
     CODEC_ATTRIBUTES,
@@ -81,39 +80,3 @@ def tuple_type(types: Sequence[str]) -> str:
     if len(types) > 1:
         return f"tuple[{', '.join(types)}]"
     return types[0] if types else "None"
-
-
-def shown(function: TecsFunction, name: str | None = None) -> str:
-    """The function as CDL declares it; `name` in place of its own."""
-    shown = ", ".join(
-        f"[{', '.join([str(p.direction), *sizes_text(p.sizes)])}] {_declared(p.type, p.name)}"
-        for p in function.parameters
-    )
-    oneway = "[oneway] " if function.oneway else ""
-    named = function.name if name is None else name
-    return f"{oneway}{function.returns} {named}({shown or 'void'})"
-
-
-def sizes_text(sizes: Sizes) -> list[str]:
-    """The specifiers of a parameter other than its direction."""
-    found = []
-    if sizes.size_is is not None:
-        most = "" if sizes.max_size is None else f", {sizes.max_size}"
-        found.append(f"size_is({sizes.size_is}{most})")
-    if sizes.count_is is not None:
-        found.append(f"count_is({sizes.count_is})")
-    if sizes.string is not None:
-        found.append(f"string({sizes.string})")
-    elif sizes.is_string:
-        found.append("string")
-    if sizes.nullable:
-        found.append("nullable")
-    return found
-
-
-def _declared(type_: object, name: str) -> str:
-    text = str(type_)
-    if text.endswith("]") and "[" in text:
-        head, bracket, tail = text.partition("[")
-        return f"{head} {name}{bracket}{tail}"
-    return f"{text[:-1]} *{name}" if text.endswith("*") else f"{text} {name}"

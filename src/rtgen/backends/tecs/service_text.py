@@ -13,7 +13,6 @@ from rtgen.backends.tecs.function_text import (
     function_names,
     parameters_text,
     result_text,
-    shown,
     struct_classes,
 )
 from rtgen.layouts.tdr import FunctionLayout, SignatureLayout
@@ -22,6 +21,7 @@ from rtgen.lowering.tecs.plan import Service
 from rtgen.typemap.idl_python_names import distinct
 from rtgen.typemap.python_names import identifier
 from rtgen.typemap.tecs_python import codec_class, codec_module
+from rtgen.typemap.tecs_texts import function_text
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,7 +72,7 @@ class ServiceText:
             )
             verb = "" if result == "None" else "return "
             body = (f"{verb}self.codec.{name}.call({given})",)
-        text = docstring(f"`{shown(function)}`.", 8) if documented else ""
+        text = docstring(f"`{function_text(function)}`.", 8) if documented else ""
         return Method(name, parameters, result, text, body)
 
     def parameters(self, layout: FunctionLayout) -> dict[str, str]:
