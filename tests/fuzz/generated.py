@@ -6,7 +6,6 @@ import importlib
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from functools import cache
 from importlib.abc import InspectLoader, MetaPathFinder
 from importlib.machinery import ModuleSpec
 from itertools import chain
@@ -15,7 +14,7 @@ from types import ModuleType
 
 from fuzzing import ViolationError
 
-from rtgen.backends import Backend, Options
+from rtgen.backends import Options
 from rtgen.backends.stage import BUILT_IN
 from rtgen.diagnostics import InputError, has_errors
 from rtgen.model import Model
@@ -25,7 +24,7 @@ from rtgen.runtime.marshalling import descriptors
 def generate(model: Model) -> dict[str, str]:
     """The Python of all back ends by its paths; InputError if there are errors."""
     options = Options("fuzzed", "skeletons", "0")
-    emissions = [backend.emit(model, options) for backend in _backends()]
+    emissions = [backend.emit(model, options) for backend in BUILT_IN]
     diagnostics = list(chain.from_iterable(e.diagnostics for e in emissions))
     for d in diagnostics:
         if d.span is None or not d.message:
@@ -39,11 +38,6 @@ def generate(model: Model) -> dict[str, str]:
             if artifact.path.startswith("fuzzed/"):
                 texts[artifact.path] = artifact.text
     return texts
-
-
-@cache
-def _backends() -> tuple[Backend, ...]:
-    return tuple(importlib.import_module(module).BACKEND for module in BUILT_IN)
 
 
 @contextmanager

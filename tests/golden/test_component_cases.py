@@ -14,7 +14,7 @@ import pytest
 from lxml import etree
 
 from rtgen.backends import Options, Owner, rtc_profile
-from rtgen.backends.components import BACKEND
+from rtgen.backends.components.backend import BACKEND
 from rtgen.diagnostics import Diagnostic, in_order
 from rtgen.frontends.idl import load
 

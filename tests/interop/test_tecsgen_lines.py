@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 
 from rtgen.backends import Options
-from rtgen.backends.tecs import BACKEND
+from rtgen.backends.tecs.backend import BACKEND
 from rtgen.diagnostics import has_errors
 from rtgen.frontends.cdl import load
 from rtgen.layouts.signature_digest import signature_digest, signature_text

@@ -3,32 +3,57 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from importlib import import_module
 from typing import TYPE_CHECKING, Final, cast
 
 from rtgen import plugins
-from rtgen.backends import Backend
+from rtgen.backends import Backend, DeferredBackend, Options
 
 if TYPE_CHECKING:
     from rtgen.model import Model
 
+
+def _has_components(model: Model, _: Options) -> bool:
+    from rtgen.model import Component
+
+    return any(isinstance(each, Component) for each in model.declarations)
+
+
 BUILT_IN: Final = (
-    "rtgen.backends.types",
-    "rtgen.backends.components",
-    "rtgen.backends.rtc_profile",
-    "rtgen.backends.tecs",
-    "rtgen.backends.canopen",
-    "rtgen.backends.adapters",
-    "rtgen.backends.openrtm",
-    "rtgen.backends.small",
+    DeferredBackend(
+        "types",
+        "rtgen.backends.types.backend",
+        lambda model, _: bool(model.declarations or model.packages),
+    ),
+    DeferredBackend("components", "rtgen.backends.components.backend", _has_components),
+    DeferredBackend("rtc-profile", "rtgen.backends.rtc_profile", _has_components),
+    DeferredBackend(
+        "tecs", "rtgen.backends.tecs.backend", lambda model, _: bool(model.packages)
+    ),
+    DeferredBackend(
+        "canopen",
+        "rtgen.backends.canopen.backend",
+        lambda model, _: bool(model.devices or model.buses),
+    ),
+    DeferredBackend(
+        "adapters", "rtgen.backends.adapters", lambda model, _: bool(model.adapters)
+    ),
+    DeferredBackend(
+        "openrtm",
+        "rtgen.backends.openrtm.backend",
+        lambda _, options: options.target == "openrtm",
+    ),
+    DeferredBackend(
+        "small",
+        "rtgen.backends.small.backend",
+        lambda _, options: options.target == "small",
+    ),
 )
-"""The modules of the built-in back ends, in the order of their artifacts; each has `BACKEND`."""
+"""The built-in back ends, in the order of their artifacts, with what makes each necessary."""
 
 
 def backends() -> Iterator[Backend]:
     """All back ends. Raises ToolError for a plug-in that cannot be imported."""
-    for module in BUILT_IN:
-        yield cast("Backend", import_module(module).BACKEND)
+    yield from BUILT_IN
     for _, backend in plugins.loaded(plugins.Group.BACKENDS):
         yield cast("Backend", backend)
 

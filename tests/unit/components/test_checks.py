@@ -17,7 +17,8 @@ from component_models import (
 )
 
 from rtgen.backends import rtc_profile
-from rtgen.backends.components import BACKEND, rules
+from rtgen.backends.components import rules
+from rtgen.backends.components.backend import BACKEND
 from rtgen.backends.components.checks import check
 from rtgen.diagnostics import Severity
 from rtgen.model import (

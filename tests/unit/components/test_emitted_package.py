@@ -12,7 +12,7 @@ from component_models import DOUBLE, MODE, OPTIONS, component, model, parameter,
 from type_checkers import check_by_mypy
 
 from rtgen.backends import Owner
-from rtgen.backends.components import BACKEND
+from rtgen.backends.components.backend import BACKEND
 from rtgen.backends.types import BACKEND as TYPES
 from rtgen.runtime import RTC_OK, LifeCycleState, SimulatedClock, System
 

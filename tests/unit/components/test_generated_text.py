@@ -23,7 +23,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rtgen.backends import Artifact, Owner
-from rtgen.backends.components import BACKEND
+from rtgen.backends.components.backend import BACKEND
 from rtgen.model import (
     Component,
     ConfigurationParameter,

@@ -10,7 +10,7 @@ from pathlib import Path
 from types import ModuleType
 
 from rtgen.backends import Artifact, Emission, Options, Owner
-from rtgen.backends.tecs import BACKEND
+from rtgen.backends.tecs.backend import BACKEND
 from rtgen.backends.types import BACKEND as TYPES
 from rtgen.diagnostics import Diagnostic, has_errors
 from rtgen.frontends.cdl import load

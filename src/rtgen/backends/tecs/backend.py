@@ -52,9 +52,11 @@ class TecsBackend:
             is_emitted(d) or isinstance(d, Component) for d in model.declarations
         ):
             title = "What is made of CDL files."
-            artifacts += _package(options, title, shared.sources)
+            artifacts.append(_package(options, title, shared.sources))
+            typed = f"{options.folder}/py.typed"
+            artifacts.append(Artifact(typed, "", artifacts[0].origin))
         title = "TECS boards, a package for each CDL file."
-        artifacts += _package(inside, title, shared.sources)
+        artifacts.append(_package(inside, title, shared.sources))
         entries: dict[str, str] = {}
         skeletons: dict[str, Artifact] = {}
         for package in (shared, *found):
@@ -74,15 +76,12 @@ class TecsBackend:
 BACKEND = TecsBackend()
 
 
-def _package(
-    options: Options, title: str, sources: Sequence[SourceFile]
-) -> Iterator[Artifact]:
-    """The files of a package that contains only packages."""
+def _package(options: Options, title: str, sources: Sequence[SourceFile]) -> Artifact:
+    """The module of a package that contains only packages."""
     origin = tuple(source.key for source in sources)
     header = header_comment(options.version, origin)
     text = f"{header}{docstring(title, 0)}"
-    yield Artifact(f"{options.folder}/__init__.py", text, origin)
-    yield Artifact(f"{options.folder}/py.typed", "", origin)
+    return Artifact(f"{options.folder}/__init__.py", text, origin)
 
 
 class _Writer:

@@ -34,6 +34,8 @@ from rtgen.typemap.idl_python_names import PythonNames, is_emitted, package_path
 
 _LONGEST_NAME = 120
 
+_TYPED = "py.typed"
+
 
 @dataclass(frozen=True, slots=True)
 class TypesBackend:
@@ -48,7 +50,12 @@ class TypesBackend:
         for package in model.packages:
             origin = tuple(source.key for source in package.sources)
             made = self._emit(package.own, options.inside(package))
-            artifacts += (replace(each, origin=origin) for each in made.artifacts)
+            # The marker of the project's package holds for those inside (PEP 561).
+            artifacts += (
+                replace(each, origin=origin)
+                for each in made.artifacts
+                if not each.path.endswith(f"/{_TYPED}")
+            )
             findings += made.diagnostics
         return Emission(tuple(artifacts), tuple(findings))
 
@@ -114,7 +121,7 @@ class _Writer:
             yield self._package(root, package, everything)
         inner = self._header(everything) + docstring("One module for each IDL file.", 0)
         yield self._artifact(f"{root}/_idl/__init__.py", inner, everything)
-        yield self._artifact(f"{root}/py.typed", "", everything)
+        yield self._artifact(f"{root}/{_TYPED}", "", everything)
         yield from modules
 
     def _calls_module(self, file: str) -> Artifact:
