@@ -43,7 +43,7 @@ def test_code_of_the_language_is_inserted_as_it_is(suffix: str) -> None:
 
 
 def test_every_template_is_of_a_known_language() -> None:
-    files = [p for p in TEMPLATES.rglob("*") if p.is_file()]
+    files = [*TEMPLATES.rglob("*.j2")]
     assert {PurePosixPath(p.name).suffixes[-2] for p in files} == set(
         rendering.LANGUAGES
     )
