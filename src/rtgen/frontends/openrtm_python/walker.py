@@ -17,6 +17,7 @@ from rtgen.frontends.openrtm_python.modules import (
     Modules,
     definition,
 )
+from rtgen.frontends.openrtm_python.state import State
 from rtgen.frontends.openrtm_python.values import (
     UNKNOWN,
     Bound,
@@ -31,7 +32,6 @@ from rtgen.frontends.openrtm_python.values import (
     Unknown,
     Value,
     dotted,
-    merged,
 )
 
 MOST_STEPS = 200_000
@@ -218,15 +218,15 @@ class Walker:
 
     def _any_of(self, ways: Sequence[Sequence[ast.stmt]], frame: Frame) -> _End | None:
         """Run alternative blocks: their results are merged, except of those that end early."""
-        start = _State.of(frame)
+        start = State.of(frame)
         certain, self._certain = self._certain, False
-        left: _State | None = None
+        left: State | None = None
         end: _End | None = None
         for way in ways:
             start.restore(frame)
             stopped = self._block(way, frame)
             if stopped is None:
-                here = _State.of(frame)
+                here = State.of(frame)
                 left = here if left is None else left.merged(here)
             else:
                 end = stopped
@@ -435,40 +435,6 @@ class Walker:
         finally:
             self._stack.pop()
         return end.value if end is not None and end.kind is ast.Return else None
-
-
-@dataclass(frozen=True, slots=True)
-class _State:
-    """The variables of a function and the attributes of its object at one moment."""
-
-    names: dict[str, Value]
-    attributes: dict[str, Value]
-
-    @classmethod
-    def of(cls, frame: Frame) -> _State:
-        held = {} if frame.component is None else frame.component.attributes
-        names = frame.module.names if frame.names is None else frame.names
-        return cls(dict(names), dict(held))
-
-    def restore(self, frame: Frame) -> None:
-        names = frame.module.names if frame.names is None else frame.names
-        names.clear()
-        names.update(self.names)
-        if frame.component is not None:
-            frame.component.attributes.clear()
-            frame.component.attributes.update(self.attributes)
-
-    def merged(self, other: _State) -> _State:
-        return _State(
-            _merged(self.names, other.names), _merged(self.attributes, other.attributes)
-        )
-
-
-def _merged(one: dict[str, Value], other: dict[str, Value]) -> dict[str, Value]:
-    found = {**other, **one}
-    for name in one.keys() & other.keys():
-        found[name] = merged(one[name], other[name])
-    return found
 
 
 _PYTHON: frozenset[str] = frozenset(

@@ -191,18 +191,24 @@ class _Trees:
                 return Atom("H", 2, 2, Form.UNIT)
             case PrimitiveDescriptor(name) if name in ATOMS:
                 return self._atom(ATOMS[name])
-        if not self._version:
-            match descriptor:
-                case ValueDescriptor() | BoxDescriptor():
-                    return Dynamic(descriptor)
-                case InterfaceDescriptor(abstract=True):
-                    return Dynamic(descriptor, 5)
-                case InterfaceDescriptor() | PrimitiveDescriptor(Primitive.OBJECT):
-                    return Reference()
-                case PrimitiveDescriptor(name) if name in _DYNAMIC:
-                    return Dynamic(descriptor)
-        name = "XCDR" if self._version else "CDR"
-        raise UnsupportedError(f"{name} has no representation of {descriptor}")
+        found = None if self._version else self._of_corba(descriptor)
+        if found is None:
+            name = "XCDR" if self._version else "CDR"
+            raise UnsupportedError(f"{name} has no representation of {descriptor}")
+        return found
+
+    def _of_corba(self, descriptor: Descriptor) -> Node | None:
+        """The node of a type that only CORBA marshals, None for any other."""
+        match descriptor:
+            case ValueDescriptor() | BoxDescriptor():
+                return Dynamic(descriptor)
+            case InterfaceDescriptor(abstract=True):
+                return Dynamic(descriptor, 5)
+            case InterfaceDescriptor() | PrimitiveDescriptor(Primitive.OBJECT):
+                return Reference()
+            case PrimitiveDescriptor(name) if name in _DYNAMIC:
+                return Dynamic(descriptor)
+        return None
 
     def body(
         self, descriptor: StructDescriptor | ExceptionDescriptor
