@@ -75,7 +75,7 @@ class Side:
         if not self.cut:
             self.objects.Target_velocity = round(sample.Target_velocity / VELOCITY)
 
-    def tell(self) -> None:
+    def send_position(self) -> None:
         self.drive.run(0.01)
         if not self.cut:
             made = self.objects
@@ -128,8 +128,8 @@ class Bench:
 
     def run(self, seconds: float) -> None:
         for _ in range(round(seconds * 100)):
-            self.left.tell()
-            self.right.tell()
+            self.left.send_position()
+            self.right.send_position()
             self.angles.append(self.base.step(self.now))
             self.now += STEP
 

@@ -129,7 +129,7 @@ def test_the_base_reaches_its_goal(
         assert {system.statistics(name).lost for name in system.instances} == {0}
         states = [system.state(name) for name in system.instances]
         assert states.count(ACTIVE_STATE) == len(states) - 1
-        # SYNC every 10 ms, and each drive tells its position with it.
+        # SYNC every 10 ms, and each drive sends its position with it.
         beats = [time for time, _ in sniffer.sent(0x080)]
         assert len(beats) == system.time // CYCLE
         for node in nodes:
@@ -240,8 +240,8 @@ def test_a_motor_follows_a_potentiometer_with_no_master(
         assert {system.statistics(name).lost for name in system.instances} == {0}
     # From the moment on at which the motor is enabled, only the two nodes send.
     begin = SECOND
-    heard = {frame.can_id for time, frame in sniffer.frames if time >= begin}
-    assert heard == {0x181, 0x281, 0x282, 0x482, 0x701, 0x702}
+    seen = {frame.can_id for time, frame in sniffer.frames if time >= begin}
+    assert seen == {0x181, 0x281, 0x282, 0x482, 0x701, 0x702}
     # No PDO of a master ever: an RPDO's identifier is sent by nobody but the linked board.
     ids = {frame.can_id for _, frame in sniffer.frames}
     assert not ids & {

@@ -71,7 +71,7 @@ class Bench:
             self.send(0x200 + NODE, pack("<Hb", word, mode))
         self.run(0.05)
 
-    def heard(self, can_id: int) -> list[bytes]:
+    def received(self, can_id: int) -> list[bytes]:
         found = [frame.data for frame in self.frames if frame.can_id == can_id]
         self.frames.clear()
         return found
@@ -118,7 +118,7 @@ def test_a_drive_is_enabled_by_pdo_and_turns(drive: Bench) -> None:
     drive.run(1.0)
     drive.send(0x080, b"")
     drive.run(0.01)
-    [sample] = drive.heard(0x280 + NODE)
+    [sample] = drive.received(0x280 + NODE)
     position, velocity = unpack("<ii", sample)
     assert position > 0
     assert velocity == pytest.approx(100_000, rel=1e-3)
@@ -146,7 +146,7 @@ def test_controlwords_by_sdo_in_pre_operational_are_kept(drive: Bench) -> None:
     number = bytes.fromhex("2b406000")
     drive.send(0x600 + NODE, number + pack("<I", 6))
     drive.run(0.05)
-    assert drive.heard(0x580 + NODE) == [bytes.fromhex("6040600000000000")]
+    assert drive.received(0x580 + NODE) == [bytes.fromhex("6040600000000000")]
     drive.nmt(0x01)
     assert drive.power is PowerState.READY_TO_SWITCH_ON
     drive.send(0x600 + NODE, number + pack("<I", 15))
@@ -160,7 +160,7 @@ def test_faults_are_reported_as_emergencies(ftmd: Bench) -> None:
     axis.voltage = 5.0
     ftmd.frames.clear()
     ftmd.run(0.1)
-    [emergency] = ftmd.heard(0x080 + NODE)
+    [emergency] = ftmd.received(0x080 + NODE)
     assert emergency[:2] == b"\x20\x32"
     assert ftmd.power is PowerState.FAULT
     assert ftmd.device.objects.Error_code == 0x3220
@@ -169,7 +169,7 @@ def test_faults_are_reported_as_emergencies(ftmd: Bench) -> None:
     ftmd.frames.clear()
     ftmd.control(0x00, 0x80)
     ftmd.run(0.1)
-    [gone] = ftmd.heard(0x080 + NODE)
+    [gone] = ftmd.received(0x080 + NODE)
     assert gone[:3] == b"\0\0\0"
     assert ftmd.power is PowerState.SWITCH_ON_DISABLED
 
@@ -204,18 +204,18 @@ def test_analogue_inputs_are_silent_until_they_are_enabled(palette: Bench) -> No
     palette.nmt(0x01)
     board.voltages[0] = 1.0
     palette.run(0.1)
-    assert palette.heard(0x280 + NODE) == []
+    assert palette.received(0x280 + NODE) == []
     palette.device.objects.Analogue_input_global_interrupt_enable = True
     palette.device.objects.Delta_of_analogue_input_1 = 1000
     palette.run(0.1)
-    [first] = palette.heard(0x280 + NODE)
+    [first] = palette.received(0x280 + NODE)
     assert unpack("<hhhh", first)[0] == round(0x7FFF / 5)
     board.voltages[0] = 1.1
     palette.run(0.1)
-    assert palette.heard(0x280 + NODE) == []
+    assert palette.received(0x280 + NODE) == []
     board.voltages[0] = 1.3
     palette.run(0.1)
-    assert len(palette.heard(0x280 + NODE)) == 1
+    assert len(palette.received(0x280 + NODE)) == 1
 
 
 def test_digital_inputs_and_outputs(palette: Bench) -> None:
@@ -224,7 +224,7 @@ def test_digital_inputs_and_outputs(palette: Bench) -> None:
     palette.frames.clear()
     board.digital[0] = 0x81
     palette.run(0.05)
-    assert palette.heard(0x180 + NODE) == [b"\x81\x00"]
+    assert palette.received(0x180 + NODE) == [b"\x81\x00"]
     palette.send(0x200 + NODE, b"\x0f\xf0")
     palette.run(0.05)
     assert board.levels == [0x0F, 0xF0]

@@ -37,7 +37,7 @@ def identities(context: Context) -> Iterator[Diagnostic]:
         if not vendor_id:
             yield rules.NO_VENDOR.at(
                 device.span if vendor is None else vendor.span,
-                f"{device.name} tells no vendor (1018h sub-index 1)",
+                f"{device.name} has no vendor number (1018h sub-index 1)",
                 hint="so a manager cannot know whether it is the right device",
             )
 

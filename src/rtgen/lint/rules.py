@@ -16,7 +16,7 @@ UNBOUNDED = Rule("LINT0009", "no bound", Severity.WARNING)
 MISSING_ENUMERATORS = Rule("LINT0010", "enumerators without a branch", Severity.WARNING)
 PYTHON_NAME = Rule("LINT0011", "name that differs in Python", Severity.NOTE)
 NO_HEARTBEAT = Rule("LINT0012", "device without heartbeat", Severity.WARNING)
-NO_VENDOR = Rule("LINT0013", "device that does not tell its vendor", Severity.WARNING)
+NO_VENDOR = Rule("LINT0013", "device without a vendor number", Severity.WARNING)
 SAME_NAME = Rule("LINT0014", "objects of one name", Severity.NOTE)
 
 RULES: tuple[Rule, ...] = (

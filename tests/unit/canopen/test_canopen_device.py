@@ -129,10 +129,10 @@ class Listener:
     deadline = None
 
     def __init__(self) -> None:
-        self.heard: list[Frame] = []
+        self.received: list[Frame] = []
 
     def receive(self, frame: Frame, now: int) -> tuple[Frame, ...]:
-        self.heard.append(frame)
+        self.received.append(frame)
         return ()
 
     def poll(self, now: int) -> tuple[Frame, ...]:
@@ -157,10 +157,10 @@ class Setup:
 
     def run(self, milliseconds: int = 30) -> list[Frame]:
         """What the device sends meanwhile."""
-        self.listener.heard.clear()
+        self.listener.received.clear()
         end = self.system.clock.elapsed() + milliseconds * MILLISECOND
         self.system.run(until_ns=end)
-        return list(self.listener.heard)
+        return list(self.listener.received)
 
     def command(self, command: NmtCommand) -> list[Frame]:
         self.link.send([command_frame(command, NODE_ID)], self.listener)
@@ -191,7 +191,7 @@ def setup() -> Iterator[Setup]:
 
 def test_boot_up() -> None:
     setup = Setup()
-    assert setup.listener.heard == [BOOT_UP]
+    assert setup.listener.received == [BOOT_UP]
     assert setup.calls() == ["on_initialize"]
     assert setup.states == (INACTIVE_STATE, NmtState.PRE_OPERATIONAL)
 
@@ -484,7 +484,7 @@ def test_a_node_id_comes_by_lss(supported: bool) -> None:
     device.config.node_id = 255
     device.node.serial_number = 3
     setup = Setup(device)
-    assert setup.listener.heard == []
+    assert setup.listener.received == []
     setup.send(0x7E5, "0401000000000000")
     setup.send(0x7E5, "1105000000000000")
     assert BOOT_UP in setup.send(0x7E5, "0400000000000000")

@@ -1,4 +1,4 @@
-"""The manager of a network: boot, supervision, restarts, what others ask of it, faults."""
+"""The manager of a network: boot, supervision, restarts, requests of others, faults."""
 
 from __future__ import annotations
 
@@ -506,7 +506,7 @@ def test_a_node_that_leaves_operational_by_itself() -> None:
     assert bench.node().reason == "it has stopped by itself"
 
 
-# What others ask of it
+# Requests of others
 
 
 @pytest.mark.parametrize(

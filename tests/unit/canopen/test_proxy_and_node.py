@@ -59,7 +59,7 @@ class Bench:
         self.link.attach(self.recorder)
         self.link.attach(self.node)
         self.system.add(self.proxy, 100.0)
-        self.tell(self.node.boot(0))
+        self.send_all(self.node.boot(0))
         self.run(0.05)
 
     def __enter__(self) -> Bench:
@@ -73,7 +73,7 @@ class Bench:
         assert isinstance(self.link, SimulatedCanBus)
         return self.link
 
-    def tell(self, frames: Iterable[Frame]) -> None:
+    def send_all(self, frames: Iterable[Frame]) -> None:
         self.link.send(frames, self.node)
         self.link.refresh(self.node)
 

@@ -81,14 +81,14 @@ class DeviceProcess:
         assert self._process.stdout is not None
         self._process.stdout.close()
 
-    def tell(self, word: str) -> None:
+    def send_command(self, word: str) -> None:
         assert self._process.stdin is not None
         self._process.stdin.write(f"{word}\n")
         self._process.stdin.flush()
 
     def state(self) -> list[str]:
         """Its state, and its callbacks since the last time."""
-        self.tell("state")
+        self.send_command("state")
         return self._read().replace("_STATE", "").split()
 
     def _read(self) -> str:
@@ -199,7 +199,7 @@ def test_life_cycle_in_two_processes(generated: Path, hub: HubProcess) -> None:
         # 4 from the device.
         system.activate("Proxy0")
         both(ACTIVE_STATE)
-        device.tell("deactivate")
+        device.send_command("deactivate")
         assert both(INACTIVE_STATE) == ["on_deactivated"]
         assert observer.seen(0x05) == ["NMT 01", "05"]
         assert observer.seen(0x7F) == ["7F"]
@@ -220,7 +220,7 @@ def test_life_cycle_in_two_processes(generated: Path, hub: HubProcess) -> None:
         assert both(INACTIVE_STATE) == ["on_reset"]
         assert observer.seen(0x7F) == ["NMT 81", "00", "7F"]
         # 6 from the device, 5 from the device.
-        device.tell("fail")
+        device.send_command("fail")
         assert both(ERROR_STATE) == ["on_aborting"]
         assert "EMCY 6200" in observer.seen(0x04)
         assert "EMCY 6200h user software" in exchange.proxy.reason
@@ -230,7 +230,7 @@ def test_life_cycle_in_two_processes(generated: Path, hub: HubProcess) -> None:
         system.activate("Proxy0")
         both(ACTIVE_STATE)
         assert observer.seen(0x05) == ["NMT 01", "05"]
-        device.tell("fail")
+        device.send_command("fail")
         assert both(ERROR_STATE) == ["on_aborting"]
         assert "EMCY 6200" in observer.seen(0x04)
         system.reset("Proxy0")
@@ -248,6 +248,6 @@ def test_life_cycle_in_two_processes(generated: Path, hub: HubProcess) -> None:
         # 10 from the device.
         system.activate("Proxy0")
         both(ACTIVE_STATE)
-        device.tell("remove")
+        device.send_command("remove")
         limit = system.time + 20 * SECOND
         assert system.run(limit, until=lambda s: s.state("Proxy0") is ERROR_STATE)

@@ -126,23 +126,23 @@ def test_failures_are_reported(forms: Any, connect: Connect, objects: Objects) -
 def test_a_oneway_operation_tells_nobody_of_a_failure(
     forms: Any, connect: Connect
 ) -> None:
-    heard: list[object] = []
+    received: list[object] = []
 
     def fail() -> None:
-        heard.append("tick")
+        received.append("tick")
         raise KeyError("gone")
 
-    servant = serving(forms.Signals, fire=lambda *x: heard.append(x), tick=fail)
+    servant = serving(forms.Signals, fire=lambda *x: received.append(x), tick=fail)
     stub = connect(forms.Signals, servant)
     assert stub.tick() is None
     assert stub.fire("now", forms.Pose(1.0, 2.0)) is None
     # Nothing is answered. omniORB may give two requests of a connection to two threads.
     deadline = time.monotonic() + PATIENCE
-    while len(heard) < 2 and time.monotonic() < deadline:
+    while len(received) < 2 and time.monotonic() < deadline:
         time.sleep(0.001)
-    assert len(heard) == 2
-    assert "tick" in heard
-    assert ("now", forms.Pose(1.0, 2.0)) in heard
+    assert len(received) == 2
+    assert "tick" in received
+    assert ("now", forms.Pose(1.0, 2.0)) in received
 
 
 def test_a_local_interface_has_no_calls(forms: Any, objects: Objects) -> None:

@@ -177,14 +177,14 @@ def motor_board(modules: dict[str, Any], stem: str = "board") -> Any:
         def maybe(
             self, in8: int | None, letter: int | None, point: Any, out32: bool
         ) -> tuple[int, int | None, int | None]:
-            heard = (in8 is not None) + (letter is not None) + (point is not None)
-            return heard, letter, 77 if out32 else None
+            received = (in8 is not None) + (letter is not None) + (point is not None)
+            return received, letter, 77 if out32 else None
 
         def names(
             self, list_: list[str], n: int, wide: list[int], marks: list[int] | None
         ) -> tuple[int, str]:
-            heard = "" if marks is None else str(marks)
-            return n, "+".join(list_) + "".join(map(chr, wide)) + heard
+            received = "" if marks is None else str(marks)
+            return n, "+".join(list_) + "".join(map(chr, wide)) + received
 
         def part(self, points: list[Any], n: int) -> tuple[int, Any, list[bool]]:
             total = types.nBoard_tagPoint(

@@ -239,15 +239,15 @@ def test_attributes(forms: Any, connect: Connect) -> None:
 def test_nobody_learns_that_a_oneway_operation_failed(
     forms: Any, connect: Connect, caplog: pytest.LogCaptureFixture
 ) -> None:
-    heard: list[object] = []
+    received: list[object] = []
 
     def fail() -> None:
         raise ObjectNotExist("gone")
 
-    servant = serving(forms.Signals, fire=lambda *x: heard.append(x), tick=fail)
+    servant = serving(forms.Signals, fire=lambda *x: received.append(x), tick=fail)
     stub = connect(forms.Signals, servant)
     assert stub.fire("now", forms.Pose(1.0, 2.0)) is None
-    assert heard == [("now", forms.Pose(1.0, 2.0))]
+    assert received == [("now", forms.Pose(1.0, 2.0))]
     with caplog.at_level(logging.WARNING, "rtgen.runtime"):
         assert stub.tick() is None
     assert "tick failed" in caplog.text

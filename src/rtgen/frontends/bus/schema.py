@@ -82,8 +82,8 @@ SCHEMA: dict[str, Any] = {
                 },
                 "event": _SECONDS
                 | {
-                    "description": "Least time between two event-driven PDOs that tell of none, "
-                    "in seconds; default 0.01."
+                    "description": "Least time between two event-driven PDOs without an inhibit "
+                    "time, in seconds; default 0.01."
                 },
             },
             "bit_rate",
@@ -179,8 +179,8 @@ SCHEMA: dict[str, Any] = {
                     | {"description": "Its revision number (1018h:3), to be checked."},
                     "serial": _U32
                     | {
-                        "description": "Its serial number (1018h:4), to be checked; tells it from "
-                        "others of its kind in LSS."
+                        "description": "Its serial number (1018h:4), to be checked; selects it "
+                        "among others of its kind in LSS."
                     },
                 },
                 "device",

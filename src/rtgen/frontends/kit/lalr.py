@@ -93,7 +93,7 @@ class Grammar:
 
 
 def key(text: str) -> str:
-    """What tells that tables are those of a grammar."""
+    """The hash by which tables are matched to a grammar."""
     return sha256(f"{FORMAT}\n{text}".encode()).hexdigest()
 
 

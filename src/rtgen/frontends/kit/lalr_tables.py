@@ -17,7 +17,7 @@ def make(text: str) -> dict[str, Any]:
     """The tables of a grammar: plain data, as `lalr.Grammar` takes them.
 
     `terminals` stand in the order in which they are tried. Words are no terminals of the lexer,
-    but are told from identifiers: `words` always, `guarded` where what follows them fits.
+    but take precedence over identifiers: `words` always, `guarded` where what follows them fits.
     """
     from lark import Lark
     from lark.lexer import PatternStr
