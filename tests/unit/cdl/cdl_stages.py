@@ -8,7 +8,7 @@ from rtgen.diagnostics import Diagnostic
 from rtgen.frontends.cdl.names.entities import Cell, Celltype, component
 from rtgen.frontends.cdl.names.table import Table
 from rtgen.frontends.cdl.passes.analysis import Analysis
-from rtgen.frontends.cdl.syntax import tree
+from rtgen.frontends.cdl.syntax import statements
 from rtgen.frontends.cdl.syntax.parser import parse
 from rtgen.frontends.cdl.syntax.unit import TypeNames, Unit
 from rtgen.frontends.cdl.text.source import Source
@@ -26,10 +26,10 @@ CELLTYPES = (
 class _NoImports:
     lacks_types = False
 
-    def import_file(self, statement: tree.Import, unit: Unit) -> None:
+    def import_file(self, statement: statements.Import, unit: Unit) -> None:
         raise AssertionError("the text imports a file")
 
-    def import_header(self, statement: tree.ImportC, unit: Unit) -> None:
+    def import_header(self, statement: statements.ImportC, unit: Unit) -> None:
         raise AssertionError("the text imports a header")
 
 

@@ -2,14 +2,14 @@
 
 from cdl_stages import parsed
 
-from rtgen.frontends.cdl.syntax import tree
+from rtgen.frontends.cdl.syntax import statements, tree
 
 
 def test_statements_in_order() -> None:
     unit, errors = parsed("typedef int32_t A; signature s { A f(void); }; cell t c {};")
     assert not errors
     kinds = [type(item.node) for item in unit.items]
-    assert kinds == [tree.Typedef, tree.Signature, tree.Cell]
+    assert kinds == [tree.Typedef, statements.Signature, statements.Cell]
 
 
 def test_one_error_hides_no_other_statement() -> None:
@@ -17,7 +17,7 @@ def test_one_error_hides_no_other_statement() -> None:
         "const int32_t A = ;\ntypedef int32_t B;\nconst int32_t C = ;\n"
     )
     kinds = [type(item.node) for item in unit.items]
-    assert kinds == [tree.Skipped, tree.Typedef, tree.Skipped]
+    assert kinds == [statements.Skipped, tree.Typedef, statements.Skipped]
     assert [error.span.line for error in errors if error.span] == [1, 3]
     assert {"A", "C"} <= unit.lost
 

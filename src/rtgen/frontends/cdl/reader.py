@@ -12,7 +12,7 @@ from rtgen.diagnostics import Diagnostic, Rule, Span
 from rtgen.frontends.cdl.c_headers.file import HeaderFile
 from rtgen.frontends.cdl.rules import files
 from rtgen.frontends.cdl.rules import headers as header_rules
-from rtgen.frontends.cdl.syntax import parser, tree
+from rtgen.frontends.cdl.syntax import parser, statements
 from rtgen.frontends.cdl.syntax.unit import TypeNames, Unit
 from rtgen.frontends.cdl.text.source import Source
 from rtgen.frontends.cdl.text.tool_information import tool_information
@@ -68,7 +68,7 @@ class Reader:
         self.units.append(unit)
         return unit
 
-    def _tool_imports(self, unit: Unit) -> tuple[tree.Item, ...]:
+    def _tool_imports(self, unit: Unit) -> tuple[statements.Item, ...]:
         """Apply the `__tool_info__` of a file; returns the imports that it names."""
         found = tool_information(unit.source)
         if found is None:
@@ -79,13 +79,14 @@ class Reader:
             if _DEFINITION.fullmatch(macro):
                 self._define.setdefault(name, value if equals else "1")
         imports = [
-            tree.Import(name, False, found.start, found.end) for name in found.imports
+            statements.Import(name, False, found.start, found.end)
+            for name in found.imports
         ]
         for statement in imports:
             self.import_file(statement, unit)
-        return tuple(tree.Item(None, i, found.start, found.end) for i in imports)
+        return tuple(statements.Item(None, i, found.start, found.end) for i in imports)
 
-    def import_file(self, statement: tree.Import, unit: Unit) -> None:
+    def import_file(self, statement: statements.Import, unit: Unit) -> None:
         span = unit.span(statement.start, statement.end)
         try:
             source = self._found(statement.path, unit)
@@ -116,7 +117,7 @@ class Reader:
         )
         self._depth -= 1
 
-    def import_header(self, statement: tree.ImportC, unit: Unit) -> None:
+    def import_header(self, statement: statements.ImportC, unit: Unit) -> None:
         span = unit.span(statement.start, statement.end)
         name = statement.header.text
         given = statement.definitions.text if statement.definitions else ""

@@ -9,7 +9,7 @@ from typing import Protocol, TypeAlias
 
 from rtgen.diagnostics import Diagnostic, Related, Span
 from rtgen.frontends.cdl.names.scopes import Entity, Kind, Scope
-from rtgen.frontends.cdl.syntax import tree
+from rtgen.frontends.cdl.syntax import statements, tree
 from rtgen.frontends.cdl.syntax.unit import Unit
 from rtgen.frontends.kit.suggestions import nearest
 from rtgen.model.c_types import CType, Expression
@@ -148,7 +148,7 @@ class Port:
     hidden: HiddenFor | None = None
     allocations: tuple[tree.Allocation, ...] = ()
     allocators: dict[tuple[str, str], Allocator] = field(default_factory=dict)
-    fixed: tree.PortOf | None = None
+    fixed: statements.PortOf | None = None
     fixed_place: Place | None = None
 
     @property
@@ -406,7 +406,7 @@ class Cell:
     inside: Composite | None = None
     order: list[Join] = field(default_factory=list)
     joins: dict[str, list[Join]] = field(default_factory=dict)
-    reversed: list[tuple[tree.ReverseJoin, Place]] = field(default_factory=list)
+    reversed: list[tuple[statements.ReverseJoin, Place]] = field(default_factory=list)
     allocators: list[CellAllocator] = field(default_factory=list)
     exported: dict[str, Exported] = field(default_factory=dict)
     plugins: list[tree.Name] = field(default_factory=list)

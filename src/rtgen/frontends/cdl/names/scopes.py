@@ -8,7 +8,7 @@ from enum import StrEnum
 
 from rtgen.diagnostics import Span
 from rtgen.frontends.cdl.names.operands import Operand
-from rtgen.frontends.cdl.syntax import tree
+from rtgen.frontends.cdl.syntax import statements, tree
 from rtgen.frontends.cdl.syntax.unit import Unit
 from rtgen.model.tecs import TecsDeclaration
 from rtgen.model.types import ScopedName
@@ -42,7 +42,13 @@ class Entity:
     kind: Kind
     name: ScopedName
     unit: Unit | None
-    node: tree.Item | tree.Declarator | tree.StructSpecifier | tree.EnumSpecifier | None
+    node: (
+        statements.Item
+        | tree.Declarator
+        | tree.StructSpecifier
+        | tree.EnumSpecifier
+        | None
+    )
     place: Span
     declaration: TecsDeclaration | None = None
     broken: bool = False

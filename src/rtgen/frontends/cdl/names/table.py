@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from rtgen.diagnostics import Diagnostic, Related, Span
 from rtgen.frontends.cdl.names.scopes import Entity, Kind, Scope
 from rtgen.frontends.cdl.rules import types as rules
-from rtgen.frontends.cdl.syntax import tree
+from rtgen.frontends.cdl.syntax import statements, tree
 from rtgen.frontends.cdl.syntax.unit import Unit
 from rtgen.frontends.kit.suggestions import Guesses
 from rtgen.model.tecs import TecsDeclaration
@@ -51,7 +51,7 @@ class Table:
         self,
         kind: Kind,
         name: tree.Name,
-        node: tree.Item | tree.Declarator,
+        node: statements.Item | tree.Declarator,
         unit: Unit,
         scope: Scope,
     ) -> Entity | None:

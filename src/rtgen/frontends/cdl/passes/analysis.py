@@ -20,21 +20,26 @@ from rtgen.frontends.cdl.passes.types import Types
 from rtgen.frontends.cdl.passes.values import DeclaredValues
 from rtgen.frontends.cdl.rules import headers as header_rules
 from rtgen.frontends.cdl.rules import syntax
-from rtgen.frontends.cdl.syntax import tree
+from rtgen.frontends.cdl.syntax import statements, tree
 from rtgen.frontends.cdl.syntax.unit import Header, Unit
 from rtgen.model.c_types import resolve
 from rtgen.model.tecs import TecsDeclaration, TecsEnum, TecsStruct, TecsTypedef
 
 _OF_SIGNATURES = frozenset(("context", "callback", "deviate", "generate"))
-_COMPONENTS = (tree.Celltype, tree.Composite, tree.Cell, tree.Region)
+_COMPONENTS = (
+    statements.Celltype,
+    statements.Composite,
+    statements.Cell,
+    statements.Region,
+)
 _CALLED = {
     tree.Typedef: "typedef",
     tree.Declaration: "constant",
     tree.TypeStatement: "type",
-    tree.Namespace: "name space",
-    tree.Import: "import",
-    tree.ImportC: "import_C",
-    tree.Generate: "generate",
+    statements.Namespace: "name space",
+    statements.Import: "import",
+    statements.ImportC: "import_C",
+    statements.Generate: "generate",
 }
 
 
@@ -57,16 +62,18 @@ class Analysis:
         self._types.finish()
         self._components.finish()
 
-    def _items(self, items: Sequence[tree.Item], unit: Unit, scope: Scope) -> None:
+    def _items(
+        self, items: Sequence[statements.Item], unit: Unit, scope: Scope
+    ) -> None:
         """Walk over the statements of a file or a name space."""
         for item in items:
             self._statement(item, unit, scope)
 
-    def _statement(self, item: tree.Item, unit: Unit, scope: Scope) -> None:
+    def _statement(self, item: statements.Item, unit: Unit, scope: Scope) -> None:
         node = item.node
         self._check_specifiers(item, unit)
         match node:
-            case tree.Namespace():
+            case statements.Namespace():
                 inner = self._table.open_scope(node.name, unit, scope, Kind.NAMESPACE)
                 if not node.items:
                     message = f"there is nothing in the name space {node.name.text}"
@@ -82,32 +89,32 @@ class Analysis:
                 )
             case tree.Declaration():
                 self._constants.declare(item, node, unit, scope)
-            case tree.Signature():
+            case statements.Signature():
                 self._signature(item, node, unit, scope)
-            case tree.Celltype():
+            case statements.Celltype():
                 self._components.celltype(item, node, Place(unit, scope))
-            case tree.Composite():
+            case statements.Composite():
                 self._components.composite(item, node, Place(unit, scope))
-            case tree.Cell():
+            case statements.Cell():
                 self._components.cell(item, node, Place(unit, scope))
-            case tree.Region():
+            case statements.Region():
                 region = self._components.region(item, node, Place(unit, scope))
                 self._items(node.items, unit, region)
-            case tree.Generate():
+            case statements.Generate():
                 self._components.generate(node, Place(unit, scope))
-            case tree.Import():
+            case statements.Import():
                 imported = unit.imports.get(node)
                 if imported is not None:
                     self._items(imported.items, imported, self._table.root)
-            case tree.ImportC():
+            case statements.ImportC():
                 header = unit.headers.get(node)
                 if header is not None:
                     self._header(header)
 
-    def _check_specifiers(self, item: tree.Item, unit: Unit) -> None:
+    def _check_specifiers(self, item: statements.Item, unit: Unit) -> None:
         if item.specifiers is None or isinstance(item.node, _COMPONENTS):
             return
-        is_signature = isinstance(item.node, tree.Signature)
+        is_signature = isinstance(item.node, statements.Signature)
         allowed = _OF_SIGNATURES if is_signature else frozenset[str]()
         for specifier in item.specifiers.items:
             if specifier.word not in allowed:
@@ -117,7 +124,7 @@ class Analysis:
                 self._report(syntax.MISPLACED_SPECIFIER.at(span, message))
 
     def _typedef(
-        self, item: tree.Item, node: tree.Typedef, unit: Unit, scope: Scope
+        self, item: statements.Item, node: tree.Typedef, unit: Unit, scope: Scope
     ) -> None:
         for specifier in node.specifiers.items if node.specifiers else ():
             if specifier.word != "string":
@@ -143,7 +150,11 @@ class Analysis:
                 self._table.declared(entity)
 
     def _signature(
-        self, item: tree.Item, node: tree.Signature, unit: Unit, scope: Scope
+        self,
+        item: statements.Item,
+        node: statements.Signature,
+        unit: Unit,
+        scope: Scope,
     ) -> None:
         entity = self._table.declare(Kind.SIGNATURE, node.name, item, unit, scope)
         if entity is None:

@@ -31,7 +31,7 @@ from rtgen.frontends.cdl.passes.regions import Regions
 from rtgen.frontends.cdl.rules import cells as rules
 from rtgen.frontends.cdl.rules import celltypes as celltype_rules
 from rtgen.frontends.cdl.rules import regions as region_rules
-from rtgen.frontends.cdl.syntax import tree
+from rtgen.frontends.cdl.syntax import statements, tree
 from rtgen.model.tecs import Signature
 
 _TYPES = (Kind.CELLTYPE, Kind.COMPOSITE)
@@ -62,8 +62,8 @@ class Cells:
 
     def declare(
         self,
-        item: tree.Item,
-        node: tree.Cell,
+        item: statements.Item,
+        node: statements.Cell,
         place: Place,
         inside: Composite | None = None,
     ) -> None:
@@ -86,7 +86,7 @@ class Cells:
         self._count(cell)
 
     def _celltype(
-        self, node: tree.Cell, place: Place, inside: Composite | None
+        self, node: statements.Cell, place: Place, inside: Composite | None
     ) -> tuple[Celltype | None, bool]:
         """The celltype of a cell, and whether a plug-in may have declared it."""
         found = place.lookup(node.celltype)
@@ -129,7 +129,7 @@ class Cells:
 
     def _cell(
         self,
-        node: tree.Cell,
+        node: statements.Cell,
         place: Place,
         inside: Composite | None,
         type_: Celltype | None,
@@ -198,7 +198,7 @@ class Cells:
                     made = CellAllocator(port.name, None, function, parameter, join)
                     cell.allocators.append(made)
 
-    def _define(self, cell: Cell, node: tree.Cell, place: Place) -> None:
+    def _define(self, cell: Cell, node: statements.Cell, place: Place) -> None:
         span = place.span(node.name)
         if cell.defined:
             assert cell.span is not None
@@ -242,20 +242,26 @@ class Cells:
 
     # Joins
 
-    def _part(self, cell: Cell, item: tree.Item, place: Place, prototype: bool) -> None:
+    def _part(
+        self, cell: Cell, item: statements.Item, place: Place, prototype: bool
+    ) -> None:
         part = item.node
-        words = specifiers.JOIN if isinstance(part, tree.Join) else ()
+        words = specifiers.JOIN if isinstance(part, statements.Join) else ()
         given = specifiers.accepted(item.specifiers, words, "this", place, self._report)
         match part:
-            case tree.Join():
+            case statements.Join():
                 self._join(cell, part, given, place)
-            case tree.ReverseJoin():
+            case statements.ReverseJoin():
                 self._reverse(cell, part, place, prototype)
-            case tree.Export():
+            case statements.Export():
                 self._call_export(cell, part, place)
 
     def _join(
-        self, cell: Cell, node: tree.Join, given: list[tree.Specifier], place: Place
+        self,
+        cell: Cell,
+        node: statements.Join,
+        given: list[tree.Specifier],
+        place: Place,
     ) -> None:
         name, value = node.name.text, node.value
         member = cell.celltype.members.get(name) if cell.celltype is not None else None
@@ -311,7 +317,7 @@ class Cells:
         return Plugin(name, argument, place)
 
     def _inner_value(
-        self, cell: Cell, node: tree.Join, place: Place
+        self, cell: Cell, node: statements.Join, place: Place
     ) -> tuple[bool, tree.Initialiser | None]:
         """Whether an attribute of an inner cell has a value in the composite, and the value."""
         assert cell.inside is not None
@@ -355,7 +361,7 @@ class Cells:
             )
         )
 
-    def _call_export(self, cell: Cell, node: tree.Export, place: Place) -> None:
+    def _call_export(self, cell: Cell, node: statements.Export, place: Place) -> None:
         if cell.inside is None:
             message = "this cell is not in a composite: nothing can be exported"
             self._report(celltype_rules.OUTSIDE_COMPOSITE.at(place.span(node), message))
@@ -369,7 +375,7 @@ class Cells:
         self.export(cell, node.port, node.name, "call", place)
 
     def _reverse(
-        self, cell: Cell, node: tree.ReverseJoin, place: Place, prototype: bool
+        self, cell: Cell, node: statements.ReverseJoin, place: Place, prototype: bool
     ) -> None:
         type_ = cell.celltype
         port = type_.members.get(node.name.text) if type_ is not None else None
@@ -416,7 +422,9 @@ class Cells:
             )
         cell.reversed.clear()
 
-    def _caller(self, cell: Cell, node: tree.ReverseJoin, place: Place) -> Cell | None:
+    def _caller(
+        self, cell: Cell, node: statements.ReverseJoin, place: Place
+    ) -> Cell | None:
         owner = node.target.owner
         if cell.inside is not None:
             found: object = cell.inside.inner.get(owner.parts[-1].text)

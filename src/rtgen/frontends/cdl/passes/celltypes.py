@@ -29,7 +29,7 @@ from rtgen.frontends.cdl.passes.requirements import Requirements
 from rtgen.frontends.cdl.rules import celltypes as rules
 from rtgen.frontends.cdl.rules import syntax
 from rtgen.frontends.cdl.rules.cells import MADE_BY_PLUGIN
-from rtgen.frontends.cdl.syntax import tree
+from rtgen.frontends.cdl.syntax import statements, tree
 from rtgen.frontends.kit.suggestions import nearest
 from rtgen.model.c_types import CArrayType, CPointerType, CType, resolve
 from rtgen.model.tecs import Signature
@@ -48,22 +48,22 @@ class Celltypes:
         self._requirements = Requirements(self.add, self._unseen, report)
         self._factories = Factories(values, report)
 
-    def fill(self, type_: Celltype, node: tree.Celltype) -> None:
+    def fill(self, type_: Celltype, node: statements.Celltype) -> None:
         """Analyse the body of a celltype."""
         place = type_.place
         for item in node.items:
             part = item.node
-            if not isinstance(part, tree.Port):
+            if not isinstance(part, statements.Port):
                 words = item.specifiers
                 specifiers.accepted(words, (), _named(part), place, self._report)
             match part:
-                case tree.Port():
+                case statements.Port():
                     self.port(type_, item, part)
-                case tree.Attributes():
+                case statements.Attributes():
                     self.variables(type_, part)
-                case tree.Require():
+                case statements.Require():
                     self._requirements.take(type_, part)
-                case tree.Factory():
+                case statements.Factory():
                     self._factories.take(type_, part)
         self.sizes(type_)
         for port in type_.ports:
@@ -98,7 +98,9 @@ class Celltypes:
 
     # Ports
 
-    def port(self, type_: Celltype, item: tree.Item, node: tree.Port) -> Port:
+    def port(
+        self, type_: Celltype, item: statements.Item, node: statements.Port
+    ) -> Port:
         """Add a port, for a composite with the call ports for its allocators."""
         place = type_.place
         outer = isinstance(type_, Composite)
@@ -164,7 +166,7 @@ class Celltypes:
         declaration = scope.entities[name[-1]].declaration
         return declaration if isinstance(declaration, Signature) else None
 
-    def _size(self, node: tree.Port, place: Place) -> tuple[bool, int | None]:
+    def _size(self, node: statements.Port, place: Place) -> tuple[bool, int | None]:
         if node.subscript is None:
             return False, None
         index = node.subscript.index
@@ -214,7 +216,7 @@ class Celltypes:
             message = f"{late.word} has no use: {reason}"
             self._report(rules.SPECIFIERS_CLASH.at(place.span(late), message))
 
-    def _fixed(self, port: Port, target: tree.PortOf, place: Place) -> None:
+    def _fixed(self, port: Port, target: statements.PortOf, place: Place) -> None:
         problem = self._fixed_problem(port, target, place)
         if problem is None:
             port.fixed, port.fixed_place = target, place
@@ -224,7 +226,7 @@ class Celltypes:
         self._report(rules.BAD_FIXED_JOIN.at(span, message, related=related, hint=hint))
 
     def _fixed_problem(
-        self, port: Port, target: tree.PortOf, place: Place
+        self, port: Port, target: statements.PortOf, place: Place
     ) -> tuple[str, str | None, list[Related]] | None:
         if port.kind == "call":
             message = (
@@ -286,7 +288,7 @@ class Celltypes:
 
     # Attributes and variables
 
-    def variables(self, type_: Celltype, node: tree.Attributes) -> None:
+    def variables(self, type_: Celltype, node: statements.Attributes) -> None:
         """Add the members of a block of attributes or variables."""
         place, kind = type_.place, node.keyword
         words = specifiers.ATTRIBUTE if kind == "attr" else specifiers.VARIABLE
@@ -482,6 +484,6 @@ def check_length(
 
 
 def _named(part: object) -> str:
-    if isinstance(part, tree.Attributes):
+    if isinstance(part, statements.Attributes):
         return f"{part.keyword} {{ }}"
-    return "require" if isinstance(part, tree.Require) else "a factory"
+    return "require" if isinstance(part, statements.Require) else "a factory"

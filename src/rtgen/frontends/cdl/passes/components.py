@@ -17,7 +17,7 @@ from rtgen.frontends.cdl.passes.open_ends import OpenEnds
 from rtgen.frontends.cdl.passes.regions import Regions
 from rtgen.frontends.cdl.rules import cells as rules
 from rtgen.frontends.cdl.rules import celltypes as celltype_rules
-from rtgen.frontends.cdl.syntax import tree
+from rtgen.frontends.cdl.syntax import statements, tree
 from rtgen.model.tecs import (
     Celltype,
     Composite,
@@ -50,7 +50,9 @@ class Components:
 
     # In the order of the text
 
-    def celltype(self, item: tree.Item, node: tree.Celltype, place: Place) -> None:
+    def celltype(
+        self, item: statements.Item, node: statements.Celltype, place: Place
+    ) -> None:
         """Declare a celltype."""
         unit, scope = place.unit, place.scope
         entity = self._table.declare(Kind.CELLTYPE, node.name, item, unit, scope)
@@ -75,7 +77,9 @@ class Components:
         )
         self._table.declared(entity)
 
-    def composite(self, item: tree.Item, node: tree.Composite, place: Place) -> None:
+    def composite(
+        self, item: statements.Item, node: statements.Composite, place: Place
+    ) -> None:
         """Declare a composite with its inner cells."""
         unit, scope = place.unit, place.scope
         entity = self._table.declare(Kind.COMPOSITE, node.name, item, unit, scope)
@@ -105,7 +109,7 @@ class Components:
         )
         self._table.declared(entity)
 
-    def cell(self, item: tree.Item, node: tree.Cell, place: Place) -> None:
+    def cell(self, item: statements.Item, node: statements.Cell, place: Place) -> None:
         """Declare a cell, or its prototype."""
         before = len(self._cells.all)
         self._cells.declare(item, node, place)
@@ -113,7 +117,9 @@ class Components:
             self._docs[cell.entity] = self._doc(place, item)
             self._table.declared(cell.entity)
 
-    def region(self, item: tree.Item, node: tree.Region, place: Place) -> Scope:
+    def region(
+        self, item: statements.Item, node: statements.Region, place: Place
+    ) -> Scope:
         """Open the scope of a region."""
         before = place.scope.own(node.name.text)
         scope = self._regions.open(item, node, place)
@@ -131,7 +137,7 @@ class Components:
             self._table.declared(entity)
         return scope
 
-    def generate(self, node: tree.Generate, place: Place) -> None:
+    def generate(self, node: statements.Generate, place: Place) -> None:
         """Record a plug-in that `generate` applies to an earlier declaration."""
         maker = self._regions.applied.of_types
         self.applied(node.plugin, place)
@@ -160,10 +166,12 @@ class Components:
         """Record a plug-in of a signature, celltype or cell, which may add declarations."""
         self._regions.apply(plugin, place, on_way=False)
 
-    def _doc(self, place: Place, item: tree.Item) -> str:
+    def _doc(self, place: Place, item: statements.Item) -> str:
         return self._table.doc(place.unit, item.start, item.end)
 
-    def _specify(self, type_: known.Celltype, item: tree.Item, place: Place) -> None:
+    def _specify(
+        self, type_: known.Celltype, item: statements.Item, place: Place
+    ) -> None:
         what = f"the {type_.entity.kind} {type_.name}"
         given = specifiers.accepted(
             item.specifiers, specifiers.CELLTYPE, what, place, self._report

@@ -20,7 +20,7 @@ from rtgen.frontends.cdl.passes.joins import Joins
 from rtgen.frontends.cdl.passes.open_ends import OpenEnds
 from rtgen.frontends.cdl.rules import celltypes as rules
 from rtgen.frontends.cdl.rules import syntax
-from rtgen.frontends.cdl.syntax import tree
+from rtgen.frontends.cdl.syntax import statements, tree
 from rtgen.frontends.kit.suggestions import nearest
 from rtgen.limits import MOST_LEVELS
 
@@ -43,20 +43,20 @@ class Composites:
         self._report = report
         cells.export = self.export
 
-    def fill(self, composite: Composite, node: tree.Composite) -> None:
+    def fill(self, composite: Composite, node: statements.Composite) -> None:
         """Analyse the body of a composite."""
         place = composite.place
         for item in node.items:
             match item.node:
-                case tree.Port() as written:
+                case statements.Port() as written:
                     self._celltypes.port(composite, item, written)
-                case tree.Attributes() as attributes:
+                case statements.Attributes() as attributes:
                     bracket = item.specifiers
                     specifiers.accepted(bracket, (), "attr { }", place, self._report)
                     self._celltypes.variables(composite, attributes)
-                case tree.Cell() as cell:
+                case statements.Cell() as cell:
                     self._cells.declare(item, cell, place, composite)
-                case tree.EntryExport() as export:
+                case statements.EntryExport() as export:
                     bracket = item.specifiers
                     specifiers.accepted(bracket, (), "this", place, self._report)
                     self._entry(composite, export)
@@ -79,7 +79,7 @@ class Composites:
         self._check_exports(composite)
         self._check_allocators(composite)
 
-    def _entry(self, composite: Composite, node: tree.EntryExport) -> None:
+    def _entry(self, composite: Composite, node: statements.EntryExport) -> None:
         cell = composite.inner.get(node.cell.text)
         if cell is None:
             composite.tried.add(node.name.text)

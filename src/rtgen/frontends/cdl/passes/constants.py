@@ -15,7 +15,7 @@ from rtgen.frontends.cdl.passes.arithmetic import limits, width
 from rtgen.frontends.cdl.passes.expressions import Expressions
 from rtgen.frontends.cdl.passes.types import Types
 from rtgen.frontends.cdl.rules import constants as rules
-from rtgen.frontends.cdl.syntax import tree
+from rtgen.frontends.cdl.syntax import statements, tree
 from rtgen.frontends.cdl.syntax.unit import Unit
 from rtgen.model.c_types import (
     AggregateExpression,
@@ -43,7 +43,7 @@ class Constants:
         self._types = types
 
     def declare(
-        self, item: tree.Item, node: tree.Declaration, unit: Unit, scope: Scope
+        self, item: statements.Item, node: tree.Declaration, unit: Unit, scope: Scope
     ) -> None:
         """Declare the constants of a statement."""
         base = self._types.of(node.type, unit, scope)

@@ -8,7 +8,7 @@ from rtgen.diagnostics import Related
 from rtgen.frontends.cdl.names.entities import Celltype, Report, Values, Variable
 from rtgen.frontends.cdl.passes.constants import is_character
 from rtgen.frontends.cdl.rules import celltypes as rules
-from rtgen.frontends.cdl.syntax import tree
+from rtgen.frontends.cdl.syntax import statements, tree
 from rtgen.frontends.kit.suggestions import nearest
 from rtgen.model.c_types import CPointerType, resolve
 
@@ -26,12 +26,12 @@ class Factories:
         self._values = values
         self._report = report
 
-    def take(self, type_: Celltype, node: tree.Factory) -> None:
+    def take(self, type_: Celltype, node: statements.Factory) -> None:
         """Check the calls of a factory, and record that the celltype has one."""
         place = type_.place
         for item in node.items:
             call = item.node
-            if not isinstance(call, tree.FactoryCall):
+            if not isinstance(call, statements.FactoryCall):
                 continue
             if node.keyword == "factory":
                 type_.cell_factory = True
@@ -61,7 +61,7 @@ class Factories:
             self._arguments(type_, node, call)
 
     def _arguments(
-        self, type_: Celltype, node: tree.Factory, call: tree.FactoryCall
+        self, type_: Celltype, node: statements.Factory, call: statements.FactoryCall
     ) -> None:
         place = type_.place
         if node.keyword == "FACTORY" and call.arguments:
@@ -94,7 +94,7 @@ class Factories:
                 )
             )
 
-    def _format(self, type_: Celltype, call: tree.FactoryCall) -> None:
+    def _format(self, type_: Celltype, call: statements.FactoryCall) -> None:
         """Whether the format matches its arguments by the rules of Ruby's `printf`."""
         text = self._values.constant(call.format, type_.place)
         if not isinstance(text, str):

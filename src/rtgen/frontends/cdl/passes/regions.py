@@ -9,7 +9,7 @@ from rtgen.frontends.cdl.names.entities import Place, Plugin, Report, here
 from rtgen.frontends.cdl.names.scopes import Kind, Scope
 from rtgen.frontends.cdl.passes import plugins, specifiers
 from rtgen.frontends.cdl.rules import regions as rules
-from rtgen.frontends.cdl.syntax import tree
+from rtgen.frontends.cdl.syntax import statements, tree
 from rtgen.frontends.kit.suggestions import nearest
 
 
@@ -44,7 +44,9 @@ class Regions:
         """The joins that a region permits."""
         return self._permits.setdefault(scope, Permits())
 
-    def open(self, item: tree.Item, node: tree.Region, place: Place) -> Scope:
+    def open(
+        self, item: statements.Item, node: statements.Region, place: Place
+    ) -> Scope:
         """The scope of a region, created at its first appearance."""
         outer, name = place.scope, node.name.text
         span = place.span(node.name)

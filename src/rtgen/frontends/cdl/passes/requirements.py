@@ -16,7 +16,7 @@ from rtgen.frontends.cdl.names.entities import (
 )
 from rtgen.frontends.cdl.names.scopes import Entity, Kind
 from rtgen.frontends.cdl.rules import celltypes as rules
-from rtgen.frontends.cdl.syntax import tree
+from rtgen.frontends.cdl.syntax import statements, tree
 from rtgen.frontends.kit.suggestions import nearest
 
 _REQUIRABLE = (Kind.CELLTYPE, Kind.CELL)
@@ -41,7 +41,7 @@ class Requirements:
         self._unseen = unseen
         self._report = report
 
-    def take(self, type_: Celltype, node: tree.Require) -> None:
+    def take(self, type_: Celltype, node: statements.Require) -> None:
         """Add the port of a `require`."""
         place = type_.place
         target = self._required_type(node, place)
@@ -88,7 +88,7 @@ class Requirements:
         )
 
     def _required_type(
-        self, node: tree.Require, place: Place
+        self, node: statements.Require, place: Place
     ) -> tuple[Entity, Celltype] | None:
         owner = node.target.owner
         entity = place.lookup(owner)
@@ -121,7 +121,7 @@ class Requirements:
         return entity, type_
 
     def _clash(
-        self, type_: Celltype, node: tree.Require, port: Port, place: Place
+        self, type_: Celltype, node: statements.Require, port: Port, place: Place
     ) -> bool:
         """Whether a function of the port has a name that is taken, which is reported."""
         assert port.signature is not None

@@ -10,7 +10,7 @@ from rtgen.frontends.cdl.passes.parameters import ParameterAnalysis, SignatureAn
 from rtgen.frontends.cdl.passes.types import Types
 from rtgen.frontends.cdl.rules import signatures as rules
 from rtgen.frontends.cdl.rules import syntax
-from rtgen.frontends.cdl.syntax import tree
+from rtgen.frontends.cdl.syntax import statements, tree
 from rtgen.frontends.cdl.syntax.unit import Unit
 from rtgen.model.c_types import CPointerType, CType, CTypedefType, resolve
 from rtgen.model.tecs import Signature, TecsDirection, TecsFunction, TecsParameter
@@ -27,8 +27,8 @@ class Signatures:
 
     def signature(
         self,
-        item: tree.Item,
-        node: tree.Signature,
+        item: statements.Item,
+        node: statements.Signature,
         unit: Unit,
         scope: Scope,
         entity: Entity,
@@ -56,7 +56,7 @@ class Signatures:
 class _Signature(SignatureAnalysis):
     """Analyses one signature and its functions."""
 
-    def context(self, item: tree.Item) -> str:
+    def context(self, item: statements.Item) -> str:
         found: str | None = None
         for specifier in item.specifiers.items if item.specifiers else ():
             if specifier.word == "context":
@@ -72,12 +72,12 @@ class _Signature(SignatureAnalysis):
                     self._report(rules.CONTEXT_UNKNOWN, argument, message, hint)
         return found if found is not None else "task"
 
-    def functions(self, node: tree.Signature) -> tuple[TecsFunction, ...] | None:
+    def functions(self, node: statements.Signature) -> tuple[TecsFunction, ...] | None:
         found: dict[str, TecsFunction] = {}
         good = True
         number = 0
         for item in node.functions:
-            if not isinstance(item.node, tree.Function):
+            if not isinstance(item.node, statements.Function):
                 good = False
                 continue
             number += 1
@@ -100,7 +100,7 @@ class _Signature(SignatureAnalysis):
         return tuple(found.values()) if good else None
 
     def _function(
-        self, item: tree.Item, node: tree.Function, number: int
+        self, item: statements.Item, node: statements.Function, number: int
     ) -> TecsFunction | None:
         oneway = False
         for specifier in item.specifiers.items if item.specifiers else ():

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from rtgen.facts.tdr import Scalar
-from rtgen.frontends.cdl.syntax import tree
+from rtgen.frontends.cdl.syntax import statements, tree
 from rtgen.frontends.cdl.syntax.expression_builder import (
     Children,
     ExpressionBuilder,
@@ -40,24 +40,24 @@ class Builder(ExpressionBuilder):
 
     # Lists
 
-    def specification(self, children: Children) -> tuple[tree.Item, ...]:
+    def specification(self, children: Children) -> tuple[statements.Item, ...]:
         return tuple(children)
 
-    def item(self, children: Children) -> tree.Item:
+    def item(self, children: Children) -> statements.Item:
         specifiers, node, end = children
-        return tree.Item(specifiers, node, specifiers.start, end.end_pos)
+        return statements.Item(specifiers, node, specifiers.start, end.end_pos)
 
-    def plain_item(self, children: Children) -> tree.Item:
+    def plain_item(self, children: Children) -> statements.Item:
         node, end = children
-        return tree.Item(None, node, node.start, end.end_pos)
+        return statements.Item(None, node, node.start, end.end_pos)
 
-    def unended_item(self, children: Children) -> tree.Item:
+    def unended_item(self, children: Children) -> statements.Item:
         (node,) = children
-        return tree.Item(None, node, node.start, node.end)
+        return statements.Item(None, node, node.start, node.end)
 
-    def skipped(self, children: Children) -> tree.Item:
+    def skipped(self, children: Children) -> statements.Item:
         start = children[0].start_pos
-        return tree.Item(None, tree.Skipped(start, start), start, start)
+        return statements.Item(None, statements.Skipped(start, start), start, start)
 
     # Files and name spaces
 
@@ -65,28 +65,28 @@ class Builder(ExpressionBuilder):
         keyword, name = children
         return Head(name_of(name), keyword.start_pos)
 
-    def namespace_dcl(self, children: Children) -> tree.Namespace:
+    def namespace_dcl(self, children: Children) -> statements.Namespace:
         head, _, *items, end = children
-        return tree.Namespace(head.name, tuple(items), head.start, end.end_pos)
+        return statements.Namespace(head.name, tuple(items), head.start, end.end_pos)
 
-    def import_dcl(self, children: Children) -> tree.Import:
+    def import_dcl(self, children: Children) -> statements.Import:
         keyword, _, path, end = children
-        return tree.Import(
+        return statements.Import(
             path[1:-1], path.type == "ANGLE", keyword.start_pos, end.end_pos
         )
 
-    def import_c_dcl(self, children: Children) -> tree.ImportC:
+    def import_c_dcl(self, children: Children) -> statements.ImportC:
         header, *definitions = nodes_in(children, tree.Text)
-        return tree.ImportC(
+        return statements.ImportC(
             header,
             definitions[0] if definitions else None,
             start_of(children[0]),
             end_of(children[-1]),
         )
 
-    def generate_dcl(self, children: Children) -> tree.Generate:
+    def generate_dcl(self, children: Children) -> statements.Generate:
         keyword, _, plugin, target, argument, end = children
-        return tree.Generate(
+        return statements.Generate(
             name_of(plugin), target, argument, keyword.start_pos, end.end_pos
         )
 
@@ -319,31 +319,31 @@ class Builder(ExpressionBuilder):
 
     # Signatures and celltypes
 
-    def signature_dcl(self, children: Children) -> tree.Signature:
-        return tree.Signature(*self._block(children))
+    def signature_dcl(self, children: Children) -> statements.Signature:
+        return statements.Signature(*self._block(children))
 
-    def celltype_dcl(self, children: Children) -> tree.Celltype:
-        return tree.Celltype(*self._block(children))
+    def celltype_dcl(self, children: Children) -> statements.Celltype:
+        return statements.Celltype(*self._block(children))
 
-    def composite_dcl(self, children: Children) -> tree.Composite:
-        return tree.Composite(*self._block(children))
+    def composite_dcl(self, children: Children) -> statements.Composite:
+        return statements.Composite(*self._block(children))
 
-    def region_dcl(self, children: Children) -> tree.Region:
-        return tree.Region(*self._block(children))
+    def region_dcl(self, children: Children) -> statements.Region:
+        return statements.Region(*self._block(children))
 
     def _block(
         self, children: Children
-    ) -> tuple[tree.Name, tuple[tree.Item, ...], int, int]:
+    ) -> tuple[tree.Name, tuple[statements.Item, ...], int, int]:
         keyword, name, _, *items, end = children
         return name_of(name), tuple(items), keyword.start_pos, end.end_pos
 
-    def function(self, children: Children) -> tree.Function:
+    def function(self, children: Children) -> statements.Function:
         type_, declarator = children
-        return tree.Function(type_, declarator, type_.start, declarator.end)
+        return statements.Function(type_, declarator, type_.start, declarator.end)
 
-    def port(self, children: Children) -> tree.Port:
+    def port(self, children: Children) -> statements.Port:
         keyword, signature, name, *subscript = children
-        return tree.Port(
+        return statements.Port(
             word_of(keyword),
             signature,
             name_of(name),
@@ -353,9 +353,9 @@ class Builder(ExpressionBuilder):
             end_of(children[-1]),
         )
 
-    def joined_port(self, children: Children) -> tree.Port:
+    def joined_port(self, children: Children) -> statements.Port:
         keyword, signature, name, _, target = children
-        return tree.Port(
+        return statements.Port(
             word_of(keyword),
             signature,
             name_of(name),
@@ -365,33 +365,33 @@ class Builder(ExpressionBuilder):
             target.end,
         )
 
-    def port_of(self, children: Children) -> tree.PortOf:
+    def port_of(self, children: Children) -> statements.PortOf:
         owner, _, port = children
-        return tree.PortOf(owner, name_of(port), None, owner.start, port.end_pos)
+        return statements.PortOf(owner, name_of(port), None, owner.start, port.end_pos)
 
-    def attributes(self, children: Children) -> tree.Attributes:
+    def attributes(self, children: Children) -> statements.Attributes:
         keyword, _, *items, end = children
-        return tree.Attributes(
+        return statements.Attributes(
             word_of(keyword), tuple(items), keyword.start_pos, end.end_pos
         )
 
-    def require(self, children: Children) -> tree.Require:
+    def require(self, children: Children) -> statements.Require:
         keyword, target = children
-        return tree.Require(None, target, keyword.start_pos, target.end)
+        return statements.Require(None, target, keyword.start_pos, target.end)
 
-    def named_require(self, children: Children) -> tree.Require:
+    def named_require(self, children: Children) -> statements.Require:
         keyword, name, _, target = children
-        return tree.Require(name_of(name), target, keyword.start_pos, target.end)
+        return statements.Require(name_of(name), target, keyword.start_pos, target.end)
 
-    def factory(self, children: Children) -> tree.Factory:
+    def factory(self, children: Children) -> statements.Factory:
         keyword, _, *items, end = children
-        return tree.Factory(
+        return statements.Factory(
             word_of(keyword), tuple(items), keyword.start_pos, end.end_pos
         )
 
-    def factory_call(self, children: Children) -> tree.FactoryCall:
+    def factory_call(self, children: Children) -> statements.FactoryCall:
         function, _, file, format_, *arguments, end = children
-        return tree.FactoryCall(
+        return statements.FactoryCall(
             name_of(function),
             file,
             format_,
@@ -402,9 +402,9 @@ class Builder(ExpressionBuilder):
 
     # Cells and composites
 
-    def cell_dcl(self, children: Children) -> tree.Cell:
+    def cell_dcl(self, children: Children) -> statements.Cell:
         keyword, celltype, name, *body = children
-        return tree.Cell(
+        return statements.Cell(
             celltype,
             name_of(name),
             tuple(body[1:-1]) if body else None,
@@ -412,9 +412,9 @@ class Builder(ExpressionBuilder):
             end_of(children[-1]),
         )
 
-    def join(self, children: Children) -> tree.Join:
+    def join(self, children: Children) -> statements.Join:
         name, *subscript, _, value = children
-        return tree.Join(
+        return statements.Join(
             name_of(name),
             subscript[0] if subscript else None,
             value,
@@ -422,10 +422,10 @@ class Builder(ExpressionBuilder):
             value.end,
         )
 
-    def composite_join(self, children: Children) -> tree.Join:
+    def composite_join(self, children: Children) -> statements.Join:
         name, *subscript, _, keyword, _, outer = children
         value = tree.OfComposite(name_of(outer), keyword.start_pos, outer.end_pos)
-        return tree.Join(
+        return statements.Join(
             name_of(name),
             subscript[0] if subscript else None,
             value,
@@ -433,10 +433,10 @@ class Builder(ExpressionBuilder):
             value.end,
         )
 
-    def reverse_join(self, children: Children) -> tree.ReverseJoin:
+    def reverse_join(self, children: Children) -> statements.ReverseJoin:
         name, *left, operator, owner, _, port = children[: _after_port(children)]
         right = children[_after_port(children) :]
-        target = tree.PortOf(
+        target = statements.PortOf(
             owner,
             name_of(port),
             right[0] if right else None,
@@ -444,17 +444,19 @@ class Builder(ExpressionBuilder):
             end_of(children[-1]),
         )
         assert is_token(operator, "LESS_EQUAL")
-        return tree.ReverseJoin(
+        return statements.ReverseJoin(
             name_of(name), left[0] if left else None, target, name.start_pos, target.end
         )
 
-    def export(self, children: Children) -> tree.Export:
+    def export(self, children: Children) -> statements.Export:
         port, *_, name = children
-        return tree.Export(name_of(port), name_of(name), port.start_pos, name.end_pos)
+        return statements.Export(
+            name_of(port), name_of(name), port.start_pos, name.end_pos
+        )
 
-    def entry_export(self, children: Children) -> tree.EntryExport:
+    def entry_export(self, children: Children) -> statements.EntryExport:
         name, cell, port = tokens_in(children, "IDENT")
-        return tree.EntryExport(
+        return statements.EntryExport(
             name_of(name),
             name_of(cell),
             name_of(port),
@@ -464,13 +466,13 @@ class Builder(ExpressionBuilder):
 
     # Statements of graphical editors
 
-    def tool_info(self, children: Children) -> tree.ToolInformation:
-        return tree.ToolInformation(
+    def tool_info(self, children: Children) -> statements.ToolInformation:
+        return statements.ToolInformation(
             str(children[0]), start_of(children[0]), end_of(children[-1])
         )
 
-    def json_object(self, children: Children) -> tree.Skipped:
-        return tree.Skipped(start_of(children[0]), end_of(children[-1]))
+    def json_object(self, children: Children) -> statements.Skipped:
+        return statements.Skipped(start_of(children[0]), end_of(children[-1]))
 
     json_property = json_array = location = port_location = bar = json_object
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Protocol
 
 from rtgen.diagnostics import Diagnostic, Severity
 from rtgen.frontends.cdl.rules import syntax
-from rtgen.frontends.cdl.syntax import tree
+from rtgen.frontends.cdl.syntax import statements, tree
 from rtgen.frontends.cdl.syntax.builder import Builder, Head
 from rtgen.frontends.cdl.syntax.unit import TypeNames, Unit
 from rtgen.frontends.cdl.syntax.words import RESERVED, SPECIFIERS, TERMINALS, WORDS
@@ -49,10 +49,10 @@ class Imports(Protocol):
     def lacks_types(self) -> bool:
         """Whether a missing file may declare types."""
 
-    def import_file(self, statement: tree.Import, unit: Unit) -> None:
+    def import_file(self, statement: statements.Import, unit: Unit) -> None:
         """Read an imported CDL file."""
 
-    def import_header(self, statement: tree.ImportC, unit: Unit) -> None:
+    def import_header(self, statement: statements.ImportC, unit: Unit) -> None:
         """Read a C header."""
 
 
@@ -66,7 +66,7 @@ def parse(
     types: TypeNames,
     imports: Imports,
     report: Callable[[Diagnostic], None],
-) -> tuple[tree.Item, ...]:
+) -> tuple[statements.Item, ...]:
     """The statements of a unit, without those that have a syntax error; never raises."""
     return _Run(unit, types, imports, report).result()
 
@@ -125,11 +125,11 @@ class CdlParser(RecoveringParser):
             for declarator in statement.declarators:
                 if declarator.name is not None:
                     self._types.declare(self.space, declarator.name.text)
-        elif isinstance(statement, tree.Namespace):
+        elif isinstance(statement, statements.Namespace):
             self.space = self.space[:-1]
-        elif isinstance(statement, tree.Import):
+        elif isinstance(statement, statements.Import):
             self._imports.import_file(statement, self._unit)
-        elif isinstance(statement, tree.ImportC):
+        elif isinstance(statement, statements.ImportC):
             self._imports.import_header(statement, self._unit)
 
     def unwind(self) -> int:
@@ -162,10 +162,10 @@ class _Run:
         self._surplus = self._text.count("{") - self._text.count("}")
         self._mended: set[tuple[int, tuple[str, ...], int | None]] = set()
 
-    def result(self) -> tuple[tree.Item, ...]:
+    def result(self) -> tuple[statements.Item, ...]:
         while True:
             try:
-                items: tuple[tree.Item, ...] = self._parser.run()
+                items: tuple[statements.Item, ...] = self._parser.run()
                 return items
             except lalr.UnexpectedTokenError as error:
                 self._unexpected(error.token)

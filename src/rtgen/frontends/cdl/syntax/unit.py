@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from rtgen.diagnostics import Span
-from rtgen.frontends.cdl.syntax import tree
+from rtgen.frontends.cdl.syntax import statements, tree
 from rtgen.frontends.cdl.text.source import Source
 from rtgen.model.tecs import TecsDeclaration
 from rtgen.model.types import ScopedName
@@ -30,9 +30,9 @@ class Unit:
 
     source: Source
     reused: bool = False
-    items: tuple[tree.Item, ...] = ()
-    imports: dict[tree.Import, Unit] = field(default_factory=dict)
-    headers: dict[tree.ImportC, Header] = field(default_factory=dict)
+    items: tuple[statements.Item, ...] = ()
+    imports: dict[statements.Import, Unit] = field(default_factory=dict)
+    headers: dict[statements.ImportC, Header] = field(default_factory=dict)
     lost: set[str] = field(default_factory=set)
     guessed: set[str] = field(default_factory=set)
 
