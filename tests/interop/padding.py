@@ -10,7 +10,7 @@ class _Padding(Reader):
     """Walks octets and notes where padding lies."""
 
     def __init__(self, data: bytes, little_endian: bool) -> None:
-        super().__init__(data, little_endian)
+        super().__init__(data, little_endian, walking=True)
         self.places: list[int] = []
 
     def _take(self, size: int, align: int) -> bytes:

@@ -59,6 +59,8 @@ class _Compiled:
         from rtgen.runtime.marshalling.compiler import compiled
         from rtgen.runtime.marshalling.formats import Format
 
+        if self._kind in ("_read_", "_write_"):
+            return staticmethod(compiled(self._kind.strip("_"), descriptor))
         way, _, form = self._kind.partition("_")
         if way not in ("to", "from"):
             return compiled(self._kind, descriptor)
@@ -68,7 +70,9 @@ class _Compiled:
 
 
 _KINDS = ("to_cdr", "from_cdr", "to_xcdr1", "from_xcdr1", "to_xcdr2", "from_xcdr2")
-_COMPILED = {kind: _Compiled(kind) for kind in (*_KINDS, "_snapshot_")}
+_COMPILED = {
+    kind: _Compiled(kind) for kind in (*_KINDS, "_snapshot_", "_read_", "_write_")
+}
 
 
 def _register(cls: type[Any]) -> None:
@@ -232,6 +236,8 @@ class Aggregated(_Xcdr, msgspec.Struct, gc=False):
         to_cdr = _COMPILED["to_cdr"]
         from_cdr = _COMPILED["from_cdr"]
         _snapshot_ = _COMPILED["_snapshot_"]
+        _read_ = _COMPILED["_read_"]
+        _write_ = _COMPILED["_write_"]
 
     def key_hash(self) -> bytes:
         """The 16 octets that identify a DDS instance; raises CdrError if the type has no key.

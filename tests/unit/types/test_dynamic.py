@@ -26,8 +26,11 @@ from rtgen.runtime.marshalling.descriptors import (
     StructDescriptor,
     plain,
 )
+from rtgen.runtime.marshalling.direct import compiled_class
 from rtgen.runtime.marshalling.dynamic import decoded, encoded
 from rtgen.runtime.marshalling.octets import ObjectReference
+from rtgen.runtime.marshalling.reader import Reader
+from rtgen.runtime.marshalling.writer import Output, Writer
 from rtgen.runtime.system.json_printers import plain as plain_sample
 from rtgen.runtime.values import (
     AnyValue,
@@ -466,3 +469,42 @@ def test_links_are_looked_through(dyn: Any) -> None:
     member = dyn.V._descriptor_.members[1]
     assert isinstance(member.type, LinkDescriptor)
     assert plain(member.type) is dyn.V._descriptor_
+
+
+def test_generated_types_in_an_any_use_their_codecs(tmp_path: Path) -> None:
+    """Their octets and the places of faults are those of the walk along the descriptor."""
+    p = emitted.emit_text(
+        tmp_path,
+        """
+        struct Point { short x; double y; };
+        struct Path { string name; sequence<Point> points; };
+        union Choice switch (short) { case 1: Path all; case 2: Point one; };
+        struct Nothing {};
+        struct Many { Nothing none[1000]; long number; };
+        struct Maybe { @optional long number; };
+        struct Holder { octet before; any what; };
+        """,
+    )
+    for class_ in (p.Point, p.Path, p.Choice):
+        assert compiled_class(class_._descriptor_) is class_
+    for class_ in (p.Many, p.Maybe):
+        assert compiled_class(class_._descriptor_) is None
+    path = p.Path("a", [p.Point(1, 2.0), p.Point(3, 4.0)])
+    for value in (path, p.Choice.of_all(path), p.Many(number=3)):
+        holder = p.Holder(1, AnyValue(type(value), value))
+        for little in (True, False):
+            octets = holder.to_cdr(little)
+            walked = Output()
+            Writer(walked, little, walking=True).value(p.Holder._descriptor_, holder)
+            assert octets == walked
+            assert p.Holder.from_cdr(octets, little) == holder
+            reader = Reader(octets, little, walking=True)
+            assert reader.value(p.Holder._descriptor_) == holder
+    path.points[1].x = 1 << 15
+    holder = p.Holder(1, AnyValue(p.Path, path))
+    with pytest.raises(CdrError, match=r"^Holder\.what\.value\.points\[1\]\.x: 32768 "):
+        holder.to_cdr()
+    path.points[1].x = 3
+    octets = holder.to_cdr()
+    with pytest.raises(CdrError, match=r"^Holder\.what\.value\.points\[1\]\.y: trunc"):
+        p.Holder.from_cdr(octets[:-1])

@@ -18,7 +18,8 @@ def encoded(descriptor: Any, value: object, little_endian: bool) -> bytes:
     try:
         Writer(out, little_endian).value(descriptor, value)
     except FAILURES as failure:
-        raise _error(_root(descriptor), failure) from failure
+        name = _root(descriptor)
+        raise fault_in_value(descriptor, name, value, failure) from failure
     return bytes(out)
 
 
@@ -29,7 +30,10 @@ def decoded(descriptor: Any, data: Buffer, little_endian: bool) -> Any:
         value = reader.value(descriptor)
         reader.end()
     except FAILURES as failure:
-        raise _error(_root(descriptor), failure) from failure
+        name = _root(descriptor)
+        raise fault_in_octets(
+            descriptor, name, data, little_endian, failure
+        ) from failure
     return value
 
 
@@ -38,7 +42,7 @@ def fault_in_value(
 ) -> CdrError:
     """The first fault of a value that could not be encoded; `root` begins its path."""
     try:
-        Writer(Output(), True).value(descriptor, value)
+        Writer(Output(), True, walking=True).value(descriptor, value)
     except FAILURES as found:
         failure = found
     return _error(root, failure)
@@ -53,7 +57,7 @@ def fault_in_octets(
     except TypeError:
         return CdrError(root, f"octets are needed, not {type(data).__name__}")
     try:
-        reader = Reader(octets, little_endian)
+        reader = Reader(octets, little_endian, walking=True)
         reader.value(descriptor)
         reader.end()
     except FAILURES as found:

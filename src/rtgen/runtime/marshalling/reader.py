@@ -43,6 +43,7 @@ from rtgen.runtime.marshalling.descriptors import (
     plain,
     registered,
 )
+from rtgen.runtime.marshalling.direct import compiled_class
 from rtgen.runtime.marshalling.errors import LOCATED, Buffer, Fault, located
 from rtgen.runtime.marshalling.octet_reader import OctetReader
 from rtgen.runtime.marshalling.octets import (
@@ -77,10 +78,20 @@ def read_dynamic(
 
 
 class Reader(OctetReader):
-    """Reads consecutive values. Raises Fault for invalid input."""
+    """Reads consecutive values. Raises Fault for invalid input.
 
-    def __init__(self, data: Buffer, little_endian: bool, offset: int = 0) -> None:
+    `walking`: compiled codecs are not used, so that a fault has its path.
+    """
+
+    def __init__(
+        self,
+        data: Buffer,
+        little_endian: bool,
+        offset: int = 0,
+        walking: bool = False,
+    ) -> None:
         super().__init__(data, little_endian, offset)
+        self._walking = walking
         self._sizes = LeastSizes()
 
     def value(self, descriptor: Descriptor) -> Any:
@@ -112,10 +123,17 @@ class Reader(OctetReader):
                 return self._array(element, dimensions)
             case MapDescriptor(key, item, bound):
                 return self._map(key, item, bound)
-            case StructDescriptor() | ExceptionDescriptor():
+            case StructDescriptor() | UnionDescriptor():
+                class_ = None if self._walking else compiled_class(descriptor)
+                if class_ is not None and not self._level:
+                    read = class_._read_
+                    value, self.offset = read(self._data, self.offset, self._little)
+                    return value
+                if isinstance(descriptor, UnionDescriptor):
+                    return self._union(descriptor)
                 return self._struct(descriptor)
-            case UnionDescriptor():
-                return self._union(descriptor)
+            case ExceptionDescriptor():
+                return self._struct(descriptor)
             case InterfaceDescriptor(abstract=True):
                 return self._reference() if self._boolean() else self._valued(None)
             case InterfaceDescriptor():

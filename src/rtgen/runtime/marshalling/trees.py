@@ -320,8 +320,7 @@ def _innermost(array: ArrayDescriptor) -> Descriptor:
 def can_evolve(descriptor: Descriptor) -> bool:
     """Whether values of other versions of the type are read: it has an appendable part."""
     return any(
-        getattr(part, "extensibility", "") == "appendable"
-        for part in _parts(descriptor)
+        getattr(part, "extensibility", "") == "appendable" for part in parts(descriptor)
     )
 
 
@@ -354,12 +353,12 @@ def unsupported(descriptor: Descriptor, format_: Format) -> tuple[str, str]:
 
 def is_dynamic(descriptor: Descriptor) -> bool:
     """Whether values of the type contain one marshalled by its descriptor."""
-    return any(_is_dynamic_leaf(part) for part in _parts(descriptor))
+    return any(_is_dynamic_leaf(part) for part in parts(descriptor))
 
 
 def has_headers(descriptor: Descriptor) -> bool:
     """Whether XCDR1 puts headers before members in the type: optional ones, mutable types'."""
-    return any(_has_headers(part) for part in _parts(descriptor))
+    return any(_has_headers(part) for part in parts(descriptor))
 
 
 def _is_dynamic_leaf(descriptor: Descriptor) -> bool:
@@ -393,7 +392,7 @@ def _is_link(descriptor: Descriptor) -> bool:
     return isinstance(descriptor, LinkDescriptor)
 
 
-def _parts(descriptor: Descriptor) -> list[Descriptor]:
+def parts(descriptor: Descriptor) -> list[Descriptor]:
     """All types that a type consists of, itself included, each once."""
     found: dict[int, Descriptor] = {}
     waiting = [descriptor]

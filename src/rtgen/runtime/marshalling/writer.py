@@ -42,6 +42,7 @@ from rtgen.runtime.marshalling.descriptors import (
     ValueDescriptor,
     plain,
 )
+from rtgen.runtime.marshalling.direct import compiled_class
 from rtgen.runtime.marshalling.errors import LOCATED, Fault, located
 from rtgen.runtime.marshalling.octets import (
     ObjectReference,
@@ -80,9 +81,15 @@ def write_dynamic(
 
 
 class Writer:
-    """Appends values to a body. Raises Fault for an invalid value."""
+    """Appends values to a body. Raises Fault for an invalid value.
 
-    def __init__(self, out: bytearray, little_endian: bool) -> None:
+    `walking`: compiled codecs are not used, so that a fault has its path.
+    """
+
+    def __init__(
+        self, out: bytearray, little_endian: bool, walking: bool = False
+    ) -> None:
+        self._walking = walking
         self._out = out
         self._shared = out if isinstance(out, Output) else Output()
         self._little = bool(little_endian)
@@ -118,10 +125,16 @@ class Writer:
                 self._array(element, dimensions, value)
             case MapDescriptor(key, item, bound):
                 self._map(key, item, bound, value)
-            case StructDescriptor() | ExceptionDescriptor():
+            case StructDescriptor() | UnionDescriptor():
+                class_ = None if self._walking else compiled_class(descriptor)
+                if class_ is not None and type(value) is class_ and not self._level:
+                    class_._write_(value, self._out, self._little)
+                elif isinstance(descriptor, UnionDescriptor):
+                    self._union(descriptor, value)
+                else:
+                    self.members(descriptor, value)
+            case ExceptionDescriptor():
                 self.members(descriptor, value)
-            case UnionDescriptor():
-                self._union(descriptor, value)
             case InterfaceDescriptor(abstract=True):
                 self._abstract(descriptor, value)
             case InterfaceDescriptor():
@@ -239,9 +252,8 @@ class Writer:
 
     def _check_items(self, element: Descriptor, value: Any) -> None:
         """Raises the fault of an item in preference to one of the collection."""
-        Writer(bytearray(), self._little)._items(
-            value, partial(Writer(Output(), self._little).value, element)
-        )
+        writer = Writer(Output(), self._little, walking=True)
+        writer._items(value, partial(writer.value, element))
 
     def _items(self, value: Any, write: Callable[[Any], None]) -> None:
         index = -1
