@@ -11,7 +11,7 @@ from rtgen.frontends.cdl.passes.cell_checks import check_ids, check_use
 from rtgen.frontends.cdl.passes.cells import Cells
 from rtgen.frontends.cdl.passes.celltypes import Celltypes
 from rtgen.frontends.cdl.passes.composites import Composites
-from rtgen.frontends.cdl.passes.joins import Joins
+from rtgen.frontends.cdl.passes.implicit_joins import ImplicitJoins
 from rtgen.frontends.cdl.passes.lowering import cell_of, port_of, variables
 from rtgen.frontends.cdl.passes.open_ends import OpenEnds
 from rtgen.frontends.cdl.passes.regions import Regions
@@ -39,7 +39,7 @@ class Components:
         self._report = report
         self._regions = Regions(table.root, report)
         self._cells = Cells(values, self._regions, report)
-        self._joins = Joins(values, self._regions, self._cells, report)
+        self._joins = ImplicitJoins(values, self._regions, self._cells, report)
         self._celltypes = Celltypes(values, self._regions.applied, report)
         self._open_ends = OpenEnds(values, self._regions, report)
         self._composites = Composites(
