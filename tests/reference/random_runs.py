@@ -134,7 +134,7 @@ class Run:
 
 
 class _Watch:
-    """What is looked at every 10 ms, from outside of the components."""
+    """What is looked at every 20 ms, from outside of the components."""
 
     def __init__(
         self, system: System, run: Run, links: dict[str, float | None]
