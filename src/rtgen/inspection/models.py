@@ -5,14 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from decimal import Decimal
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from rtgen.diagnostics import Diagnostic
 from rtgen.diagnostics.report import as_json
-from rtgen.inspection import buses as bus_inspect
-from rtgen.inspection import devices as device_inspect
 from rtgen.inspection import indented_json
-from rtgen.inspection import tecs as tecs_inspect
 from rtgen.model import (
     Attribute,
     Bitmask,
@@ -44,7 +41,9 @@ from rtgen.model import (
     ValueBox,
     Valuetype,
 )
-from rtgen.model.tecs import TecsDeclaration
+
+if TYPE_CHECKING:
+    from rtgen.model.tecs import TecsDeclaration
 
 FORMAT = "rtgen-inspect/1"
 
@@ -62,13 +61,27 @@ def inspect(model: Model, diagnostics: Sequence[Diagnostic]) -> Json:
         + [s.file for s in model.systems],
         "declarations": [
             *declarations,
-            *map(tecs_inspect.declaration, tecs_inspect.shown(model.tecs)),
-            *map(device_inspect.declaration, model.devices),
-            *map(bus_inspect.declaration, model.buses),
+            *_of_other_languages(model),
             *map(_system, model.systems),
         ],
         "diagnostics": [as_json(d) for d in diagnostics],
     }
+
+
+def _of_other_languages(model: Model) -> Iterator[Json]:
+    """The declarations of CDL, EDS and bus files, whose modules are loaded where needed."""
+    if model.tecs:
+        from rtgen.inspection import tecs
+
+        yield from map(tecs.declaration, tecs.shown(model.tecs))
+    if model.devices:
+        from rtgen.inspection import devices
+
+        yield from map(devices.declaration, model.devices)
+    if model.buses:
+        from rtgen.inspection import buses
+
+        yield from map(buses.declaration, model.buses)
 
 
 def defined(declarations: Iterable[Declaration]) -> list[Declaration]:
@@ -336,20 +349,22 @@ def _character(value: str, wide: bool) -> str:
 
 def tree(model: Model) -> str:
     """The model for people: one line for each declaration and member, by file."""
+    from rtgen.inspection import buses, devices, tecs
+
     lines: list[str] = []
     components: dict[str, list[TecsDeclaration]] = {}
-    for component in tecs_inspect.shown(model.tecs):
+    for component in tecs.shown(model.tecs):
         components.setdefault(component.file, []).append(component)
     for file in model.files:
         lines.append(file.name)
         for d in defined(model.of_file(file.name)):
             lines += _indented(_declaration_lines(d, model))
         for t in components.get(file.name, ()):
-            lines += _indented(tecs_inspect.lines(t))
+            lines += _indented(tecs.lines(t))
     for described in model.devices:
-        lines += [described.file, *_indented(device_inspect.lines(described))]
+        lines += [described.file, *_indented(devices.lines(described))]
     for bus in model.buses:
-        lines += [bus.file, *_indented(bus_inspect.lines(bus))]
+        lines += [bus.file, *_indented(buses.lines(bus))]
     for system in model.systems:
         lines += [system.file, f"  system {system.name}"]
         lines += [f"    {c.instance}: {c.type}" for c in system.components]
