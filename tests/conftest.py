@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import signal
 from pathlib import Path
@@ -21,6 +22,9 @@ for _variable in ("CAN_INTERFACE", "CAN_CHANNEL", "CAN_BITRATE", "CAN_CONFIG"):
 # In the background Ctrl-C is ignored, also by the processes that tests start and interrupt.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
+
+# What is collected lives to the end: the garbage collector need not look at it again and again.
+gc.disable()
 
 TESTS = Path(__file__).parent
 ONCE = ("openrtm", "reference")
@@ -69,6 +73,12 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             item.add_marker("once")
         if is_random or item.get_closest_marker("slow"):
             item.add_marker("no_cover")
+
+
+def pytest_collection_finish() -> None:
+    """Leave what has been collected out of garbage collections."""
+    gc.freeze()
+    gc.enable()
 
 
 @pytest.fixture

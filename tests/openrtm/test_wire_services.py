@@ -151,7 +151,7 @@ def far(orb: Any, wires: Wires, rtm_environment: dict[str, str]) -> Iterator[Any
     types, module = wires.declared(STEM), wires.module(STEM)
     folder = wires.folder.parent
     text = SERVER.format(
-        path=[str(folder), str(Path(__file__).parent)],
+        path=[str(folder), *map(str, Path(__file__).parents[:2])],
         stubs=str(folder / "stubs"),
         stem=STEM,
         package=wires.package,

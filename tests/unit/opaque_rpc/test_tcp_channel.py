@@ -32,6 +32,8 @@ from rtgen.runtime.opaque_rpc import (
 
 SHORT = 0.15
 """A time-out that a test waits for."""
+MEDIUM = 1.5
+"""The same where the next call of the channel has to succeed within it, under load, too."""
 LONG = 20.0
 PAUSE = 0.06
 """Longer than a connection is used again unseen."""
@@ -164,7 +166,7 @@ def test_the_time_is_that_of_the_whole_call() -> None:
                 return
             time.sleep(SHORT / 10)
 
-    with scripted(drip, "answer") as server, channel_to(server, SHORT) as channel:
+    with scripted(drip, "answer") as server, channel_to(server, MEDIUM) as channel:
         with pytest.raises(ChannelError) as caught:
             channel.begin(set_request(1), 1000)
         assert caught.value.sub == E_TMOUT
@@ -183,7 +185,7 @@ def test_a_late_reply_never_answers_the_next_call() -> None:
             return
 
     with scripted(answer_late, "answer") as server:
-        with channel_to(server, SHORT) as channel:
+        with channel_to(server, MEDIUM) as channel:
             assert failure(channel) == E_TMOUT
             late.set()
             assert [call(channel, value) for value in (1, 2)] == [reply(1), reply(2)]
@@ -320,7 +322,7 @@ def test_large_packets() -> None:
 def test_a_peer_that_does_not_read() -> None:
     done = threading.Event()
     with scripted(lambda _: done.wait(LONG) and None, "answer") as server:
-        with channel_to(server, SHORT) as channel:
+        with channel_to(server, MEDIUM) as channel:
             with pytest.raises(ChannelError) as caught:
                 channel.begin(bytes(50_000_000), REPLY_SIZE)
             assert caught.value.sub == E_TMOUT

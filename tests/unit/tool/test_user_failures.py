@@ -86,9 +86,9 @@ def test_the_findings_of_a_run_are_one_document(
         (
             "short",
             ["Traceback", f'File "{CONTROLLER}", line 18'],
-            ["execution_context"],
+            ["participant.py"],
         ),
-        ("full", ["Traceback", "execution_context.py", f'File "{CONTROLLER}"'], []),
+        ("full", ["Traceback", "participant.py", f'File "{CONTROLLER}"'], []),
     ],
 )
 def test_traceback(

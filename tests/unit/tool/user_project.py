@@ -11,7 +11,7 @@ from pathlib import Path
 DOCS = Path(__file__).parents[3] / "docs"
 CONTROLLER = "src/heating/controller.py"
 PATIENT = (
-    "import sys; from rtgen.runtime import watchdog; watchdog.PATIENCE = 0.4;"
+    "import sys; from rtgen.runtime.system import watchdog; watchdog.PATIENCE = 0.4;"
     "from rtgen.cli import run; sys.exit(run(sys.argv[1:]))"
 )
 """The command line, with less patience for code that does not return."""

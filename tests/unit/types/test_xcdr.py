@@ -186,6 +186,20 @@ def test_unknown_members_that_must_be_understood_are_refused(x: Any) -> None:
             decode(x.Other, encode(x.Few, x.Few(1), version, True), version, True)
 
 
+def test_the_header_of_a_member_that_has_a_dheader(tmp_path: Path) -> None:
+    package = emitted.emit_text(
+        tmp_path, "@mutable struct Listed { map<string, long> named; octet last; };"
+    )
+    both(
+        package.Listed({"a": 1}, 2),
+        2,
+        "21000000"
+        "00000040 14000000"
+        "10000000 01000000 02000000 6100 0000 01000000"
+        "01000000 02",
+    )
+
+
 def test_mutable_members_stand_once(x: Any) -> None:
     with pytest.raises(CdrError, match=r"Few\.a: the member stands twice"):
         x.Few.from_xcdr2(bytes.fromhex("10000000 05000020 01000000 05000020 01000000"))

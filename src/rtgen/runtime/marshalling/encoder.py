@@ -143,7 +143,8 @@ class Encoder:
         body = self.body
         match node:
             case Member() if has_varying_length(node):
-                start = self._locals.name(path, "start_")
+                # Its content may have a length of its own at the same path: `start_`.
+                start = self._locals.name(path, "begin_")
                 body.add("out += bytes((-len(out) & 3) + 8)")
                 body.add(f"{start} = len(out)")
                 self.steps(steps, path)
