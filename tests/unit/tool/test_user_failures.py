@@ -86,7 +86,7 @@ def test_the_findings_of_a_run_are_one_document(
         (
             "short",
             ["Traceback", f'File "{CONTROLLER}", line 18'],
-            ["participant.py"],
+            ["execution_context", "participant.py"],
         ),
         ("full", ["Traceback", "participant.py", f'File "{CONTROLLER}"'], []),
     ],

@@ -9,7 +9,7 @@ from importlib.resources import files
 from rtgen.backends import Artifact, Emission, Options
 from rtgen.backends.components.checks import check, components_of
 from rtgen.backends.python_text import header_comment
-from rtgen.backends.small import modules as texts
+from rtgen.backends.small import modules
 from rtgen.backends.small.forms import Forms, Limits, NoFormError, reachable
 from rtgen.backends.small.rules import LEFT_OUT
 from rtgen.diagnostics import Diagnostic, has_errors
@@ -114,7 +114,7 @@ class _Tree:
     def artifacts(self) -> Iterator[Artifact]:
         """Runtime, types, packages, components."""
         used = self._used()
-        classes = texts.type_names(self.model, self.names, used)
+        classes = modules.type_names(self.model, self.names, used)
         root = f"{ROOT}/{self.options.folder}"
         forms = Forms(self.model, self.limits, classes)
         yield self._artifact(f"{ROOT}/rtgen/__init__.py", "", self.components)
@@ -122,7 +122,7 @@ class _Tree:
             source = files("rtgen.small_runtime").joinpath(name)
             text = source.read_text(encoding="utf-8")
             yield self._artifact(f"{ROOT}/rtgen/runtime/{name}", text, self.components)
-        types = texts.types_module(self.model, self.names, used, classes, forms)
+        types = modules.types_module(self.model, self.names, used, classes, forms)
         yield self._artifact(f"{root}/_types.py", types, self.components)
         for scope, text in self._packages(used, classes):
             path = "/".join((root, *package_path(scope), "__init__.py"))
@@ -130,7 +130,7 @@ class _Tree:
         yield self._artifact(f"{root}/components/__init__.py", "", self.components)
         for component in self.components:
             module = module_name(component.name[-1])
-            text = texts.component_module(
+            text = modules.component_module(
                 self.model, self.names, component, self.options
             )
             path = f"{root}/components/{module}.py"
@@ -164,7 +164,7 @@ class _Tree:
                 for declaration in self.model.declarations
                 if isinstance(declaration, Const) and declaration.name[:-1] == scope
             ]
-            yield scope, texts.package(
+            yield scope, modules.package(
                 self.names, scope, {name: classes[name] for name in inside}, constants
             )
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from rtgen.cli import partition as shares
+from rtgen.cli import partition
 from rtgen.diagnostics import InputError, Span
 from rtgen.model import Connection, PortReference, System, SystemComponent
 from rtgen.systems.measures import parse
@@ -61,21 +61,21 @@ def test_components_connections_and_properties() -> None:
         link("aa", "A0.out", "A0.in", service=False),
         link("bb", "B0.out", "B0.in", service=False),
     )
-    here = shares.named(" A0 ", whole)
-    part = shares.share(whole, here)
+    here = partition.named(" A0 ", whole)
+    part = partition.share(whole, here)
     assert [c.instance for c in part.components] == ["A0"]
     assert [c.name for c in part.connections] == ["ab", "aa"]
     assert dict(part.properties) == {
         "rtgen.run.goal": "A0.goal",
         "rtgen.run.until": "B0=ERROR,5",
     }
-    assert shares.share(whole, shares.named("A0,B0,C0", whole)) == whole
+    assert partition.share(whole, partition.named("A0,B0,C0", whole)) == whole
 
 
 def test_of_several_robots_those_of_the_process_are_shown_and_measured() -> None:
     poses = (("rtgen.run.pose", "A0.truth, B0.truth,C0.truth"),)
     whole = replace(system(), properties=poses)
-    part = shares.share(whole, {"A0", "C0"})
+    part = partition.share(whole, {"A0", "C0"})
     assert part.properties == (("rtgen.run.pose", "A0.truth, C0.truth"),)
     alone, far = (
         parse({"name": "m", "kind": "moved", "of": f"{name}.truth"}, lambda _: PLACE)
@@ -83,13 +83,13 @@ def test_of_several_robots_those_of_the_process_are_shown_and_measured() -> None
     )
     both = {"name": "m", "kind": "alike", "of": "A0.truth", "to": "B0.truth"}
     measures = [alone, far, parse(both, lambda _: PLACE)]
-    assert shares.measures_here(measures, {"A0", "C0"}) == [alone]
+    assert partition.measures_here(measures, {"A0", "C0"}) == [alone]
 
 
 @pytest.mark.parametrize("text", ["D0", "A0,D0", "", "A0,,B0"])
 def test_unknown_names(text: str) -> None:
     with pytest.raises(InputError) as caught:
-        shares.named(text, system())
+        partition.named(text, system())
     assert [d.code for d in caught.value.diagnostics] == ["SYS0005"]
 
 
@@ -99,7 +99,7 @@ def test_data_between_processes() -> None:
         link("two", "C0.out", "A0.in", service=False),
     ]
     with pytest.raises(InputError) as caught:
-        shares.share(system(*crossing), {"A0"})
+        partition.share(system(*crossing), {"A0"})
     assert [d.code for d in caught.value.diagnostics] == ["SYS0009"] * 2
     assert caught.value.diagnostics[0].span == PLACE
 
@@ -126,25 +126,25 @@ def test_steps_of_a_timeline() -> None:
         step(Disconnect("other")),
     ]
     mixed = [s for pair in zip(mine, others, strict=True) for s in pair]
-    assert shares.steps_here(mixed, whole, {"A0"}) == mine
+    assert partition.steps_here(mixed, whole, {"A0"}) == mine
 
 
 def test_a_step_that_connects_data_ports_of_two_processes() -> None:
     whole = system(link("data", "B0.out", "A0.in", service=False))
     again = step(Connect("data", port("B0.out"), port("A0.in"), {}))
     with pytest.raises(InputError) as caught:
-        shares.steps_here([again], whole, {"A0"})
+        partition.steps_here([again], whole, {"A0"})
     assert [d.code for d in caught.value.diagnostics] == ["SYS0009"]
 
 
 def test_conditions_and_values() -> None:
     condition = Condition(5, "B0", "ERROR")
-    assert shares.condition_here(condition, {"B0"}, asked=True) == condition
-    assert shares.condition_here(condition, {"A0"}, asked=False) == Condition(5)
-    assert shares.condition_here(Condition(5), {"A0"}, asked=True) == Condition(5)
+    assert partition.condition_here(condition, {"B0"}, asked=True) == condition
+    assert partition.condition_here(condition, {"A0"}, asked=False) == Condition(5)
+    assert partition.condition_here(Condition(5), {"A0"}, asked=True) == Condition(5)
     with pytest.raises(InputError, match="SYS0009"):
-        shares.condition_here(condition, {"A0"}, asked=True)
+        partition.condition_here(condition, {"A0"}, asked=True)
     value = SetParameter("B0", "p", "1")
-    shares.require_here([value], {"B0"})
+    partition.require_here([value], {"B0"})
     with pytest.raises(InputError, match="--set: B0 is not among"):
-        shares.require_here([value], {"A0"})
+        partition.require_here([value], {"A0"})
