@@ -15,7 +15,7 @@ from rtgen.diagnostics import Diagnostic, Span, has_errors, in_order
 from rtgen.diagnostics.explain import rules
 from rtgen.diagnostics.report import report
 from rtgen.frontends.cdl import load
-from rtgen.frontends.cdl.syntax.words import WORDS
+from rtgen.frontends.cdl.syntax.keywords import WORDS
 from rtgen.inspection.models import inspect, tree
 
 ROOT = Path(__file__).parents[2]

@@ -13,7 +13,7 @@ from pycparser.c_parser import CParser, ParseError
 from rtgen.diagnostics import Span
 from rtgen.facts.tdr import Scalar
 from rtgen.frontends.cdl.names.c_types import MAX_DEPTH, depth, opaque
-from rtgen.frontends.cdl.syntax.words import RESERVED
+from rtgen.frontends.cdl.syntax.keywords import RESERVED
 from rtgen.model.c_types import (
     CArrayType,
     CEnumType,

@@ -19,7 +19,7 @@ from rtgen.frontends.cdl.syntax.expression_builder import (
     tokens_in,
     word_of,
 )
-from rtgen.frontends.cdl.syntax.words import TERMINALS
+from rtgen.frontends.cdl.syntax.keywords import TERMINALS
 
 _SCALARS = {kind.value: kind for kind in Scalar} | {"char": Scalar.CHAR}
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from rtgen.frontends.cdl.syntax import tree
-from rtgen.frontends.cdl.syntax.words import WORDS
+from rtgen.frontends.cdl.syntax.keywords import WORDS
 
 if TYPE_CHECKING:
     from rtgen.frontends.kit.lalr import Token

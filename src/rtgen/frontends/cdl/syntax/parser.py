@@ -16,8 +16,8 @@ from rtgen.diagnostics import Diagnostic, Severity
 from rtgen.frontends.cdl.rules import syntax
 from rtgen.frontends.cdl.syntax import statements, tree
 from rtgen.frontends.cdl.syntax.builder import Builder, Head
+from rtgen.frontends.cdl.syntax.keywords import RESERVED, SPECIFIERS, TERMINALS, WORDS
 from rtgen.frontends.cdl.syntax.unit import TypeNames, Unit
-from rtgen.frontends.cdl.syntax.words import RESERVED, SPECIFIERS, TERMINALS, WORDS
 from rtgen.frontends.kit import lalr
 from rtgen.frontends.kit.grammars import load
 from rtgen.frontends.kit.lalr import END, WORD, Token, token
@@ -29,7 +29,7 @@ from rtgen.frontends.kit.recovery import (
 from rtgen.model.types import ScopedName
 
 if TYPE_CHECKING:
-    from rtgen.frontends.cdl.syntax.mistakes import ErrorContext
+    from rtgen.frontends.cdl.syntax.syntax_errors import ErrorContext
     from rtgen.frontends.kit.syntax_errors import Recovery
 
 MAX_ERRORS = 50
@@ -190,10 +190,10 @@ class _Run:
         if found.type == END and self._unit.source.unfinished:
             self._parser.close(len(self._text), 3 * MAX_NESTING)
             return
-        from rtgen.frontends.cdl.syntax.mistakes import ErrorContext, explain
+        from rtgen.frontends.cdl.syntax.syntax_errors import ErrorContext, explain
 
         start = found.start_pos
-        situation = ErrorContext(
+        context = ErrorContext(
             unit=self._unit,
             types=self._types,
             lacks_types=self._imports.lacks_types,
@@ -206,46 +206,46 @@ class _Run:
             opening=self._parser.opening(),
             surplus=self._surplus,
         )
-        mistake = explain(situation)
-        if mistake.diagnostic is not None:
-            behind = mistake.feed and not mistake.instead
-            self._emit(mistake.diagnostic, situation.last if behind else start)
-        if not self._mend(mistake, situation):
+        recovery = explain(context)
+        if recovery.diagnostic is not None:
+            behind = recovery.feed and not recovery.instead
+            self._emit(recovery.diagnostic, context.last if behind else start)
+        if not self._recover(recovery, context):
             self._resume(start)
 
-    def _mend(self, mistake: Recovery, situation: ErrorContext) -> bool:
+    def _recover(self, recovery: Recovery, context: ErrorContext) -> bool:
         """Apply the repair of an error; False if impossible, or already tried at this position."""
-        again = (situation.start, mistake.feed, mistake.resume)
+        again = (context.start, recovery.feed, recovery.resume)
         if self._errors > MAX_ERRORS or again in self._mended:
             return False
         self._mended.add(again)
         parser = self._parser
-        if mistake.instead and not mistake.feed:
-            self._surplus -= {"{": 1, "}": -1}.get(situation.text, 0)
-            parser.position = mistake.resume or situation.end
+        if recovery.instead and not recovery.feed:
+            self._surplus -= {"{": 1, "}": -1}.get(context.text, 0)
+            parser.position = recovery.resume or context.end
             return True
-        if not mistake.feed:
+        if not recovery.feed:
             return False
-        place = situation.start if mistake.instead else situation.last
-        for terminal in mistake.feed:
+        place = context.start if recovery.instead else context.last
+        for terminal in recovery.feed:
             if terminal not in parser.accepts():
                 return False
-            text = situation.text if mistake.instead else WORDS.get(terminal, "")
+            text = context.text if recovery.instead else WORDS.get(terminal, "")
             supplied = token(terminal, place, text)
-            if not mistake.instead:
+            if not recovery.instead:
                 supplied.end_pos = place
             parser.feed(supplied)
             self._surplus += {"LBRACE": 1, "RBRACE": -1}.get(terminal, 0)
-        if mistake.instead:
-            parser.position = situation.end
-        elif mistake.resume is not None:
-            parser.position = mistake.resume
+        if recovery.instead:
+            parser.position = context.end
+        elif recovery.resume is not None:
+            parser.position = recovery.resume
         else:
-            parser.position = situation.start
+            parser.position = context.start
         return True
 
     def _bad_character(self) -> None:
-        from rtgen.frontends.cdl.syntax.mistakes import bad_character, meant
+        from rtgen.frontends.cdl.syntax.syntax_errors import bad_character, meant
 
         parser = self._parser
         start = parser.position

@@ -138,7 +138,7 @@ class _Run:
         ):  # between declarations, where a `;` would be one too many
             accepted.discard("SEMI")
         start = found.start_pos
-        situation = ErrorContext(
+        context = ErrorContext(
             unit=self._unit,
             kind=found.type,
             text=str(found),
@@ -149,47 +149,47 @@ class _Run:
             opening=self._parser.opening(),
             surplus=self._surplus,
         )
-        mistake = explain(situation)
-        behind = mistake.feed and not mistake.instead
-        if mistake.diagnostic is not None:
-            self._emit(mistake.diagnostic, situation.last if behind else start)
-        if not self._mend(mistake, situation):
-            self._resume(start, situation.statement)
+        recovery = explain(context)
+        behind = recovery.feed and not recovery.instead
+        if recovery.diagnostic is not None:
+            self._emit(recovery.diagnostic, context.last if behind else start)
+        if not self._recover(recovery, context):
+            self._resume(start, context.statement)
 
-    def _mend(self, mistake: Recovery, situation: ErrorContext) -> bool:
+    def _recover(self, recovery: Recovery, context: ErrorContext) -> bool:
         """Continue parsing as a recovery says; False if impossible, or already tried here."""
-        again = (situation.start, mistake.feed, mistake.resume)
+        again = (context.start, recovery.feed, recovery.resume)
         if self._errors > MAX_ERRORS or again in self._mended:
             return False
         self._mended.add(again)
         parser = self._parser
-        if mistake.instead and not mistake.feed:
-            self._surplus -= {"{": 1, "}": -1}.get(situation.text, 0)
-            parser.position = situation.end
+        if recovery.instead and not recovery.feed:
+            self._surplus -= {"{": 1, "}": -1}.get(context.text, 0)
+            parser.position = context.end
             return True
-        if not mistake.feed and mistake.resume is None:
+        if not recovery.feed and recovery.resume is None:
             return False
-        if mistake.back or not mistake.feed:
+        if recovery.back or not recovery.feed:
             self._parser.unwind()
-            if not mistake.feed:
-                self._lose(situation.statement, mistake.resume or situation.start)
-                parser.feed(token("ERROR", situation.start))
-        place = situation.start if mistake.instead else situation.last
-        for terminal in mistake.feed:
+            if not recovery.feed:
+                self._lose(context.statement, recovery.resume or context.start)
+                parser.feed(token("ERROR", context.start))
+        place = context.start if recovery.instead else context.last
+        for terminal in recovery.feed:
             if terminal not in parser.accepts():
                 return False
             text = WORDS.get(terminal, terminal.lower())
             supplied = token(
-                terminal, place, f"_{situation.text}" if terminal == "IDENT" else text
+                terminal, place, f"_{context.text}" if terminal == "IDENT" else text
             )
-            if mistake.instead:
-                supplied.end_pos = situation.end
+            if recovery.instead:
+                supplied.end_pos = context.end
             parser.feed(supplied)
             self._surplus += {"LBRACE": 1, "RBRACE": -1}.get(terminal, 0)
-        if mistake.instead:
-            parser.position = situation.end
-        elif mistake.resume is not None:
-            parser.position = mistake.resume
+        if recovery.instead:
+            parser.position = context.end
+        elif recovery.resume is not None:
+            parser.position = recovery.resume
         return True
 
     def _close(self) -> None:

@@ -52,7 +52,7 @@ def _unclosed(s: ErrorContext, start: int, word: str, *, back: bool) -> Recovery
     lone = _LONE.search(s.unit.text, s.opening, start)
     if lone is not None:
         s.unit.excused.add(lone.end() - 1)
-    return s.mistake(
+    return s.recover(
         syntax.UNCLOSED_BRACE,
         f"this '{{' of {s.called} is not closed",
         f"put '}};' before '{word}'",
@@ -82,7 +82,7 @@ def doubled(s: ErrorContext) -> Recovery | None:
         (s.text == "{" and s.surplus > 0) or (s.text == "}" and s.surplus < 0)
     ):
         message = f"this '{s.text}' is one too many"
-        return s.mistake(syntax.UNEXPECTED, message, "remove it", instead=True)
+        return s.recover(syntax.UNEXPECTED, message, "remove it", instead=True)
     return None
 
 
@@ -92,7 +92,7 @@ def end_without_brace(s: ErrorContext) -> Recovery | None:
         return None
     if s.text == ";" and s.construct in ("enum", "bitmask") and "RBRACE" in s.accepted:
         assert s.opening is not None
-        return s.mistake(
+        return s.recover(
             syntax.MISSING_MARK,
             "a '}' is missing before this ';'",
             "write '};'",
@@ -108,7 +108,7 @@ def end_without_brace(s: ErrorContext) -> Recovery | None:
     place = match.end() - 1
     s.unit.excused.add(place)
     brace = _innermost(s.unit.text, s.opening, place)
-    return s.mistake(
+    return s.recover(
         syntax.MISSING_MARK,
         "a '}' is missing before this ';'",
         "write '};'",
@@ -139,7 +139,7 @@ def stray(s: ErrorContext) -> Recovery | None:
     """A `}` without an open brace."""
     if s.text != "}" or s.opening is not None:
         return None
-    return s.mistake(
+    return s.recover(
         syntax.STRAY_BRACE,
         "this '}' closes nothing",
         "remove it, or look for a '{' that is missing before it",

@@ -114,7 +114,7 @@ class ErrorContext(BaseContext):
         texts = [word.text for word in self.before]
         return texts.count("(") > texts.count(")")
 
-    def mistake(
+    def recover(
         self,
         rule: Rule,
         message: str,
@@ -151,7 +151,7 @@ class ErrorContext(BaseContext):
         resume: int | None = None,
     ) -> Recovery:
         """A missing token after the one before; parsing continues as if it were present."""
-        return self.mistake(
+        return self.recover(
             syntax.MISSING_MARK,
             f"a '{mark}' is missing here",
             hint,

@@ -50,7 +50,7 @@ def inclusion(s: ErrorContext) -> Recovery | None:
         hint = (
             'write #include "file.idl" for a file; import takes a name and a semicolon'
         )
-        return s.mistake(syntax.UNEXPECTED, "'import' takes no file name", hint)
+        return s.recover(syntax.UNEXPECTED, "'import' takes no file name", hint)
     if s.text == "include":
         s.unit.lacking = True
     return None
@@ -100,7 +100,7 @@ def _other_language(
 ) -> Recovery:
     start, end = (at.start, at.end) if isinstance(at, Word) else at
     word = s.unit.text[start:end]
-    return s.mistake(
+    return s.recover(
         syntax.FOREIGN,
         f"IDL has no '{word}' here" if drop else f"IDL has no '{word}'",
         hint,
@@ -119,7 +119,7 @@ def number_type(s: ErrorContext) -> Recovery | None:
         known = s.text in _UNSIGNED
         until = s.end if known else word.end
         text = f"unsigned {s.text}" if known else "unsigned"
-        return s.mistake(
+        return s.recover(
             syntax.FOREIGN,
             f"'{text}' is no type",
             hint,
@@ -132,7 +132,7 @@ def number_type(s: ErrorContext) -> Recovery | None:
         size = len(run)
         if run[-1] == s.text and tuple(texts[len(texts) - size + 1 :]) == run[:-1]:
             start = s.before[len(texts) - size + 1].start
-            return s.mistake(
+            return s.recover(
                 syntax.FOREIGN,
                 f"'{' '.join(run)}' is no type",
                 hint,
@@ -140,7 +140,7 @@ def number_type(s: ErrorContext) -> Recovery | None:
                 instead=True,
             )
         if s.kind == "IDENT" and tuple(texts[-size:]) == run and run[-1] == "int":
-            return s.mistake(
+            return s.recover(
                 syntax.FOREIGN,
                 f"'{' '.join(run)}' is no type",
                 hint,

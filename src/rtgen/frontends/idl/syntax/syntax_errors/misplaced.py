@@ -49,7 +49,7 @@ def colon_behind_access(s: ErrorContext) -> Recovery | None:
     """`public:` of C++."""
     if s.text in _ACCESS and s.following == ":":
         end = s.after[0].end
-        return s.mistake(
+        return s.recover(
             syntax.FOREIGN,
             f"IDL has no '{s.text}:'",
             "leave it out: what a struct or an interface has is public",
@@ -58,7 +58,7 @@ def colon_behind_access(s: ErrorContext) -> Recovery | None:
             resume=end,
         )
     if s.text == ":" and s.first in _ACCESS and len(s.before) == 1:
-        return s.mistake(
+        return s.recover(
             syntax.FOREIGN,
             f"IDL has no '{s.first}:'",
             "leave it out, or write it before each state member",
@@ -87,13 +87,13 @@ def misplaced_direction(s: ErrorContext) -> Recovery | None:
     if s.text not in _DIRECTIONS or not s.in_parameters:
         return None
     if s.previous in _DIRECTIONS:
-        return s.mistake(
+        return s.recover(
             syntax.UNEXPECTED,
             f"'{s.previous}' and '{s.text}' cannot stand together",
             "a parameter has one direction: in, out or inout",
         )
     if s.following not in (",", ")", "["):
-        return s.mistake(
+        return s.recover(
             syntax.UNEXPECTED,
             f"'{s.text}' stands before the type of the parameter",
             f"write '{s.text} TYPE NAME'",
@@ -104,19 +104,19 @@ def misplaced_direction(s: ErrorContext) -> Recovery | None:
 def misplaced_clause(s: ErrorContext) -> Recovery | None:
     """`void raises (E) f()`, `raises E`."""
     if s.text == "Object" and s.first == "interface" and s.previous in (":", ","):
-        return s.mistake(
+        return s.recover(
             types.BAD_BASE,
             "Object cannot be named as a base",
             "leave it out: every interface is an Object",
         )
     if s.text == "raises" and s.following == "(" and "RAISES" not in s.accepted:
-        return s.mistake(
+        return s.recover(
             syntax.UNEXPECTED,
             "'raises' stands behind the parameters",
             "write TYPE NAME(...) raises (EXCEPTION)",
         )
     if s.previous in ("raises", "getraises", "setraises") and s.kind == "IDENT":
-        return s.mistake(
+        return s.recover(
             syntax.MISSING_MARK,
             f"a '(' is missing behind '{s.previous}'",
             f"write {s.previous} ({s.text})",
@@ -155,12 +155,12 @@ def misplaced(s: ErrorContext) -> Recovery | None:
         message = (
             "a branch begins with 'case VALUE:'" if label else "'case' is missing here"
         )
-        return s.mistake(syntax.UNEXPECTED, message, "write 'case VALUE: TYPE NAME;'")
+        return s.recover(syntax.UNEXPECTED, message, "write 'case VALUE: TYPE NAME;'")
     return None
 
 
 def _move(s: ErrorContext, message: str, hint: str) -> Recovery:
-    return s.mistake(syntax.MISPLACED, message, hint)
+    return s.recover(syntax.MISPLACED, message, hint)
 
 
 def _outside_all(s: ErrorContext) -> Recovery | None:
@@ -184,7 +184,7 @@ def _method(s: ErrorContext) -> Recovery | None:
     """An operation or an initial value among the members of a struct."""
     if s.text == "(" and s.construct in _BODIES_OF_DATA and "SEMI" in s.accepted:
         if s.following.isdigit():
-            return s.mistake(
+            return s.recover(
                 syntax.BAD_ARRAY,
                 "the size of an array stands in brackets",
                 f"write {s.previous}[{s.following}]",
@@ -194,7 +194,7 @@ def _method(s: ErrorContext) -> Recovery | None:
     if s.text == "void" or s.construct != "interface":
         return None
     if s.text == "(" and len(s.before) == 1 and s.before[0].is_name:
-        return s.mistake(
+        return s.recover(
             syntax.MISSING_WORD,
             f"the operation {s.previous} has no result type",
             "write void before the name if it returns nothing; IDL has no constructors",
@@ -215,11 +215,11 @@ def assignment(s: ErrorContext) -> Recovery | None:
         )
     if s.text == "const" and s.previous == ")":
         message = "operations are not const in IDL"
-        return s.mistake(syntax.FOREIGN, message, "leave the word out", instead=True)
+        return s.recover(syntax.FOREIGN, message, "leave the word out", instead=True)
     if s.text != "=":
         return None
     if s.previous == "=":
-        return s.mistake(
+        return s.recover(
             syntax.UNEXPECTED,
             "'==' cannot stand here",
             "write one '='",
@@ -240,7 +240,7 @@ def assignment(s: ErrorContext) -> Recovery | None:
             "leave the value out, or write @default(VALUE) before the member",
         )
     if s.first == "const":
-        return s.mistake(
+        return s.recover(
             syntax.MISSING_WORD,
             "the constant has no type, or no name",
             "write const TYPE NAME = VALUE;",
@@ -256,13 +256,13 @@ def assignment(s: ErrorContext) -> Recovery | None:
 
 
 def _foreign(s: ErrorContext, message: str, hint: str) -> Recovery:
-    return s.mistake(syntax.FOREIGN, message, hint)
+    return s.recover(syntax.FOREIGN, message, hint)
 
 
 def brackets(s: ErrorContext) -> Recovery | None:
     """`long[3] a`, `a[]`, `a[2,3]`."""
     if s.text == "[" and "IDENT" in s.accepted and s.before:
-        return s.mistake(
+        return s.recover(
             syntax.BAD_ARRAY,
             "the size of an array stands behind the name",
             "write TYPE NAME[SIZE], or sequence<TYPE> NAME if the size varies",
@@ -270,14 +270,14 @@ def brackets(s: ErrorContext) -> Recovery | None:
     if s.text == "[" and not s.before:
         return _foreign(s, "annotations are not written in brackets", "write @name")
     if s.text == "]" and s.previous == "[":
-        return s.mistake(
+        return s.recover(
             syntax.BAD_ARRAY,
             "an array has a size",
             "write NAME[SIZE], or sequence<TYPE> NAME if the size varies",
             at=(s.before[-1].start, s.end),
         )
     if s.text == "," and "RSQB" in s.accepted:
-        return s.mistake(
+        return s.recover(
             syntax.BAD_ARRAY,
             "each dimension has its own brackets",
             "write NAME[2][3]",
@@ -290,13 +290,13 @@ def parenthesis(s: ErrorContext) -> Recovery | None:
     if s.text != "(":
         return None
     if s.previous in ("sequence", "string", "wstring", "fixed", "map"):
-        return s.mistake(
+        return s.recover(
             syntax.MISSING_MARK,
             f"'{s.previous}' takes '<' and '>', not '(' and ')'",
             f"write {s.previous}<...>",
         )
     if s.first in ("interface", "struct", "valuetype") and "COLON" in s.accepted:
-        return s.mistake(
+        return s.recover(
             syntax.UNEXPECTED,
             "a base stands behind ':'",
             f"write {s.first} {s.previous} : {s.following}",
@@ -325,19 +325,19 @@ def marks(s: ErrorContext) -> Recovery | None:
         return s.missing(":", f"put ':' behind '{s.previous}'", feed="COLON")
     if s.text[:1] in ("-", "/") and s.unit.text[s.last : s.start] == "":
         if "IDENT" in s.accepted and "NUMBER" not in s.accepted and s.before:
-            return s.mistake(
+            return s.recover(
                 syntax.UNEXPECTED,
                 f"'{s.text}' cannot stand in a name",
                 "parts of a name are joined by ::",
             )
         if s.before and s.before[-1].is_name and s.following:
-            return s.mistake(
+            return s.recover(
                 syntax.UNEXPECTED,
                 f"'{s.text}' cannot stand in a name",
                 f"write {s.previous}_{s.following}",
             )
     if s.text == ":" and "IDENT" in s.accepted and s.before and s.before[-1].is_name:
-        return s.mistake(
+        return s.recover(
             syntax.UNEXPECTED,
             "one ':' cannot stand in a name",
             "parts of a name are joined by ::",
@@ -350,7 +350,7 @@ def marks(s: ErrorContext) -> Recovery | None:
         if s.following.isdigit():
             hint = "bit fields stand in a bitset: bitfield<3> NAME;"
             return _foreign(s, "members of a struct have no width in bits", hint)
-        return s.mistake(
+        return s.recover(
             syntax.MISSING_SEMICOLON,
             "a ';' is wanted here, not a ':'",
             "each member ends with ';'",
@@ -360,13 +360,13 @@ def marks(s: ErrorContext) -> Recovery | None:
     if s.text in ("-", "<") and not s.before and s.following in ("-", "!"):
         return _foreign(s, "this is no comment in IDL", "write // ... or /* ... */")
     if s.text == ">" and s.previous == ">":
-        return s.mistake(
+        return s.recover(
             syntax.UNEXPECTED, "this '>' closes nothing", "remove it", instead=True
         )
     if s.text == "{" and not s.before and s.last and s.unit.text[s.last - 1] == ";":
         declared = header(s.unit.text, s.last - 1)
         s.unit.lost.update(word.text.lower() for word in declared)
-        return s.mistake(
+        return s.recover(
             syntax.UNEXPECTED,
             "this ';' cuts the body off",
             "remove it",
@@ -374,32 +374,32 @@ def marks(s: ErrorContext) -> Recovery | None:
         )
     is_word = s.text[:1].isdigit() and any(c.isalpha() for c in s.text)
     if is_word and "IDENT" in s.accepted and "NUMBER" not in s.accepted:
-        return s.mistake(
+        return s.recover(
             syntax.UNEXPECTED,
             f"'{s.text}' is no name: it begins with a digit",
             "a name begins with a letter",
         )
     if s.kind == "NUMBER" and s.previous == "<" and "NUMBER" not in s.accepted:
-        return s.mistake(
+        return s.recover(
             syntax.UNEXPECTED,
             "the type comes first, then the bound",
             "write sequence<TYPE, BOUND>",
         )
     if s.text == "{" and "SWITCH" in s.accepted:
-        return s.mistake(
+        return s.recover(
             syntax.MISSING_WORD,
             "'switch (TYPE)' is missing here",
             "a union selects its branches by a value: union U switch (long) { case 1: ... }",
             behind=True,
         )
     if s.kind == "IDENT" and "RPAR" in s.accepted and s.first == "union":
-        return s.mistake(
+        return s.recover(
             syntax.UNEXPECTED,
             "the switch of a union has no name",
             f"write switch ({s.previous})",
         )
     if s.text in RESERVED and s.previous == "readonly":
-        return s.mistake(
+        return s.recover(
             syntax.MISSING_WORD,
             "'attribute' is missing behind 'readonly'",
             "write readonly attribute TYPE NAME;",

@@ -35,19 +35,19 @@ _TAGGED = ("struct", "union", "enum", "interface")
 _BY_TERMINAL = {"TEXT": "string", "WTEXT": "wstring"}
 
 
-def explain(situation: ErrorContext) -> Recovery:
+def explain(context: ErrorContext) -> Recovery:
     """The most likely cause of a syntax error."""
     for recognise in _RECOGNISERS:
-        found = recognise(situation)
+        found = recognise(context)
         if found is not None:
             return found
-    return _unexpected(situation)
+    return _unexpected(context)
 
 
 def _unexpected(s: ErrorContext) -> Recovery:
     text = " ".join(s.text.split())
     text = text if len(text) <= 40 else text[:37] + "..."
-    return s.mistake(
+    return s.recover(
         syntax.UNEXPECTED,
         f"'{text}' cannot stand here{s.expectation()}",
         misplaced.what_stands_here(s),
@@ -60,13 +60,13 @@ def _at_end(s: ErrorContext) -> Recovery | None:
     if "SEMI" in s.accepted:
         return _semicolon(s)
     if s.opening is None:
-        return s.mistake(
+        return s.recover(
             syntax.UNEXPECTED_END,
             "the file ends within a declaration",
             "write its end, or remove it",
             behind=True,
         )
-    return s.mistake(
+    return s.recover(
         syntax.UNCLOSED_BRACE,
         f"this '{{'{' of ' + s.called if s.called else ''} is never closed",
         "put '};' where it ends",
@@ -76,7 +76,7 @@ def _at_end(s: ErrorContext) -> Recovery | None:
 
 
 def _semicolon(s: ErrorContext) -> Recovery:
-    return s.mistake(
+    return s.recover(
         syntax.MISSING_SEMICOLON,
         "a ';' is missing here",
         "put ';' at the end of the declaration",
@@ -108,7 +108,7 @@ def _missing_semicolon(s: ErrorContext) -> Recovery | None:
 
 
 def _comma_for_semicolon(s: ErrorContext, comma: Word, resume: int) -> Recovery:
-    return s.mistake(
+    return s.recover(
         syntax.MISSING_SEMICOLON,
         "a ';' is wanted here, not a ','",
         "a ',' stands between names of one type; each declaration ends with ';'",
@@ -134,7 +134,7 @@ def _wrong_separator(s: ErrorContext) -> Recovery | None:
         return s.missing(")", "close the parenthesis", feed="RPAR")
     if s.text == ";" and "COMMA" in s.accepted and s.in_parameters:
         if s.following in ("in", "out", "inout"):
-            return s.mistake(
+            return s.recover(
                 syntax.MISSING_MARK,
                 "a ',' is wanted here, not a ';'",
                 "parameters are separated by ','",
@@ -145,7 +145,7 @@ def _wrong_separator(s: ErrorContext) -> Recovery | None:
             return s.missing(")", "close the list of parameters", feed="RPAR")
     if s.construct in ("enum", "bitmask") and "COMMA" in s.accepted:
         if s.text == ";":
-            return s.mistake(
+            return s.recover(
                 syntax.MISSING_MARK,
                 "a ',' is wanted here, not a ';'",
                 "enumerators are separated by ','; there is none behind the last",
@@ -162,7 +162,7 @@ def _split_name(s: ErrorContext) -> Recovery | None:
         return None
     if text[s.last - 1] == "}" and "SEMI" in s.accepted:
         end = s.after[0].end if s.following == ";" else s.end
-        return s.mistake(
+        return s.recover(
             syntax.MISSING_SEMICOLON,
             f"a ';' is wanted here, not {s.text}",
             "a body ends with '};': IDL declares types, not variables",
@@ -174,7 +174,7 @@ def _split_name(s: ErrorContext) -> Recovery | None:
     if len(s.before) > 1 and s.before[-2].text in _TAGGED and s.following != "{":
         if near is not None:
             return None
-        return s.mistake(
+        return s.recover(
             syntax.FOREIGN,
             f"a type is named without '{s.before[-2].text}'",
             f"write {s.previous} {s.text}",
@@ -187,7 +187,7 @@ def _split_name(s: ErrorContext) -> Recovery | None:
         if near is not None:
             return None
         s.unit.lost.add(previous.text.lower())
-        return s.mistake(
+        return s.recover(
             syntax.UNEXPECTED,
             f"'{s.text}' cannot stand here: {previous.text} is the name already",
             f"write {previous.text}_{s.text} if that is one name",
@@ -224,7 +224,7 @@ def _misspelt(s: ErrorContext) -> Recovery | None:
     meant = nearest(s.text, [w for w in fitting if w != s.text])
     if meant is None or s.text in fitting:
         return None
-    return s.mistake(
+    return s.recover(
         syntax.MISSPELT_KEYWORD,
         f"'{s.text}' is not known here",
         f"did you mean '{meant}'?",
@@ -260,7 +260,7 @@ def _misspelt_before(s: ErrorContext) -> Recovery | None:
     terminal = TERMINALS.get(meant, "")
     if single and terminal in _starters(s):
         feed, resume = (terminal,), s.start
-    return s.mistake(
+    return s.recover(
         syntax.MISSPELT_KEYWORD,
         f"'{word.text}' is not known here",
         f"did you mean '{meant}'?",
@@ -284,14 +284,14 @@ def _keyword_as_name(s: ErrorContext) -> Recovery | None:
     if "IDENT" not in s.accepted or s.text not in RESERVED:
         return None
     if s.first == "typedef" and len(s.before) == 2 and s.before[1].is_name:
-        return s.mistake(
+        return s.recover(
             syntax.UNEXPECTED,
             f"'{s.text}' cannot stand here: the type comes first",
             f"write typedef {s.text} {s.previous};",
         )
     if s.following not in _BEHIND_A_NAME and s.following not in ("", "}", "switch"):
         return None
-    return s.mistake(
+    return s.recover(
         syntax.KEYWORD_AS_NAME,
         f"'{s.text}' is a keyword and cannot be a name",
         f"'_{s.text}' stands for the name {s.text}",
@@ -305,13 +305,13 @@ def _doubled_word(s: ErrorContext) -> Recovery | None:
     if s.text != s.previous or not s.before[-1].is_word or s.fresh_line:
         return None
     message = f"'{s.text}' stands twice"
-    return s.mistake(syntax.UNEXPECTED, message, "remove one", instead=True)
+    return s.recover(syntax.UNEXPECTED, message, "remove one", instead=True)
 
 
 def _missing_tag(s: ErrorContext) -> Recovery | None:
     if s.text != "{" or s.previous not in DEFINERS:
         return None
-    return s.mistake(
+    return s.recover(
         syntax.MISSING_NAME,
         f"the {s.previous} has no name",
         f"write '{s.previous} Name {{ ... }}'",
@@ -332,27 +332,27 @@ def _missing_mark(s: ErrorContext) -> Recovery | None:
     where = f"behind '{s.previous}'" if s.previous else "here"
     hint = f"put '{mark}' {where}"
     if mark == "{" and s.first == "enum" and s.text == ":":
-        return s.mistake(
+        return s.recover(
             syntax.FOREIGN,
             "an enum names no type for its values in IDL",
             "leave it out, or write @bit_bound(BITS) before the enum",
         )
     if mark == "(" and s.text == ";":
-        return s.mistake(
+        return s.recover(
             syntax.MISSING_MARK,
             "'()' is missing here",
             f"write {s.previous}() for an operation, attribute TYPE {s.previous} for a value",
             behind=True,
         )
     if mark == "=" and s.text == ";":
-        return s.mistake(
+        return s.recover(
             syntax.MISSING_MARK,
             "the value of the constant is missing here",
             "write '= VALUE' behind the name",
             behind=True,
         )
     if mark == "=" and s.text == ":":
-        return s.mistake(
+        return s.recover(
             syntax.MISSING_MARK, "a '=' is wanted here, not ':='", "write '='"
         )
     if mark == "{" and s.text == ";":
@@ -367,7 +367,7 @@ def _missing_word(s: ErrorContext) -> Recovery | None:
     if s.text not in (";", ",", ")", ">", "}", "]"):
         return None
     if s.previous in ("(", ",", "<", "[", "=") and "NUMBER" in s.accepted:
-        return s.mistake(
+        return s.recover(
             syntax.MISSING_WORD,
             "a value is missing here",
             "write a number, a constant, or an expression of these",
@@ -380,7 +380,7 @@ def _missing_word(s: ErrorContext) -> Recovery | None:
         "LONG" in s.accepted and "SHORT" in s.accepted
     )
     if s.previous == "::":
-        return s.mistake(
+        return s.recover(
             syntax.MISSING_WORD,
             "a name is missing behind '::'",
             "'::' stands between the parts of a scoped name",
@@ -393,23 +393,23 @@ def _missing_word(s: ErrorContext) -> Recovery | None:
             if s.previous == "," and s.in_parameters
             else "write what it holds: sequence<long>"
         )
-        return s.mistake(syntax.MISSING_WORD, f"a {what} is missing here", hint)
+        return s.recover(syntax.MISSING_WORD, f"a {what} is missing here", hint)
     if s.previous == ",":
-        return s.mistake(
+        return s.recover(
             syntax.MISSING_WORD,
             "a name is missing here",
             "remove one ',', or write a name",
         )
     if s.in_parameters and s.text in ",)":
         if s.previous == "void":
-            return s.mistake(
+            return s.recover(
                 syntax.MISSING_WORD,
                 "an operation without parameters has nothing between ( and )",
                 "write ()",
                 at=s.before[-1],
             )
         hint = "parameters have a direction, a type and a name: in long count"
-        return s.mistake(
+        return s.recover(
             syntax.MISSING_WORD,
             "the name of the parameter is missing here",
             hint,
@@ -417,13 +417,13 @@ def _missing_word(s: ErrorContext) -> Recovery | None:
         )
     last = s.before[-1] if s.before else None
     if last is not None and last.is_name and len(s.before) == 1:
-        return s.mistake(
+        return s.recover(
             syntax.MISSING_WORD,
             f"{last.text} has no type, or no name",
             f"write 'TYPE {last.text};' or '{last.text} NAME;'",
             at=last,
         )
-    return s.mistake(
+    return s.recover(
         syntax.MISSING_WORD,
         "a name is missing here",
         "a declaration has a type and a name: long count",
@@ -435,7 +435,7 @@ def _semicolon_of_macro(s: ErrorContext) -> Recovery | None:
     """`#define SIZE 10;`"""
     if s.text != ";" or "SEMI" in s.accepted or not s.unit.piece(s.start)[0].expanded:
         return None
-    return s.mistake(
+    return s.recover(
         syntax.UNEXPECTED,
         "the text of this macro holds a ';', which cannot stand here",
         "remove the ';' from its #define",

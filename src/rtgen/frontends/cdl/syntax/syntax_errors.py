@@ -10,8 +10,8 @@ from unicodedata import normalize
 
 from rtgen.diagnostics import Diagnostic, Span
 from rtgen.frontends.cdl.rules import lexical, syntax, types
+from rtgen.frontends.cdl.syntax.keywords import RESERVED, SPECIFIERS, TERMINALS, WORDS
 from rtgen.frontends.cdl.syntax.unit import TypeNames, Unit
-from rtgen.frontends.cdl.syntax.words import RESERVED, SPECIFIERS, TERMINALS, WORDS
 from rtgen.frontends.cdl.text.source import ANGLE_MARK
 from rtgen.frontends.kit.lalr import END
 from rtgen.frontends.kit.suggestions import nearest
@@ -101,15 +101,15 @@ class ErrorContext(BaseContext):
         return self.text[:1].isalpha() or self.text[:1] == "_"
 
 
-def explain(situation: ErrorContext) -> Recovery:
+def explain(context: ErrorContext) -> Recovery:
     """The likely error behind an unexpected token."""
     for recogniser in _RECOGNISERS:
-        mistake = recogniser(situation)
-        if mistake is not None:
-            return mistake
-    shown = f"'{situation.text[:40]}'" if situation.text else "this"
-    return situation.recovery(
-        syntax.UNEXPECTED, f"{shown} cannot stand here{situation.expectation()}"
+        found = recogniser(context)
+        if found is not None:
+            return found
+    shown = f"'{context.text[:40]}'" if context.text else "this"
+    return context.recovery(
+        syntax.UNEXPECTED, f"{shown} cannot stand here{context.expectation()}"
     )
 
 
