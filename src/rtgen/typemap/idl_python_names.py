@@ -147,16 +147,20 @@ class PythonNames:
 
     def companion(self, name: ScopedName, suffix: str) -> str:
         """The companion of a declaration's class: `RefHardStub`, `RangeListCodec`."""
-        declaration = self._model.find(name)
-        taken = {
-            self._classes[d.name]
-            for d in self.declarations(self._modules[declaration.file])
-        }
-        return _free(self._classes[name] + suffix, taken)
+        module = self._modules[self._model.find(name).file]
+        return _free(self._classes[name] + suffix, self._classes_of[module])
 
     def public_companion(self, name: ScopedName, suffix: str) -> str:
         """The name of a companion in the package of the declaration's IDL module."""
         return _free(self._attribute(name) + suffix, self._members_of[name[:-1]])
+
+    @cached_property
+    def _classes_of(self) -> dict[str, set[str]]:
+        """The names of the classes in each implementation module."""
+        return {
+            module: {self._classes[declaration.name] for declaration in declarations}
+            for module, declarations in self._by_module.items()
+        }
 
     @cached_property
     def _members_of(self) -> dict[ScopedName, set[str]]:
