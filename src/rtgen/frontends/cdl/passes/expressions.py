@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, TypeAlias
 
 from rtgen.diagnostics import Rule
@@ -27,6 +27,7 @@ from rtgen.frontends.cdl.passes.arithmetic import (
     whole_number,
     wrapped,
 )
+from rtgen.frontends.cdl.passes.expression_walks import nesting_depth
 from rtgen.frontends.cdl.rules import constants as rules
 from rtgen.frontends.cdl.rules import syntax
 from rtgen.frontends.cdl.syntax import tree
@@ -86,7 +87,7 @@ class Expressions:
             found = ExpressionAnalysis(self, unit, scope, names or {}).at(written)
         except ExpressionError:
             return None
-        if _depth(found.model) > MAX_DEPTH:
+        if nesting_depth(found.model) > MAX_DEPTH:
             message = f"this is nested for more than {MAX_DEPTH} levels"
             self.table.report(syntax.TOO_DEEP.at(unit.place(written), message))
             return None
@@ -488,39 +489,3 @@ class ExpressionAnalysis:
     ) -> ExpressionError:
         message = f"'{mark}' cannot be used on {operand.operand_class.with_article}"
         return self.error(rules.OPERATOR_KIND, node, message)
-
-
-def _depth(expression: Expression) -> int:
-    """The nesting depth of operators."""
-    deepest = 0
-    left = [(expression, 1)]
-    while left:
-        part, depth = left.pop()
-        deepest = max(deepest, depth)
-        match part:
-            case BinaryExpression(_, one, two):
-                left += (one, depth + 1), (two, depth + 1)
-            case UnaryExpression(_, operand) | CastExpression(_, operand):
-                left.append((operand, depth + 1))
-            case ConditionalExpression(condition, yes, no):
-                left += ((part, depth + 1) for part in (condition, yes, no))
-    return deepest
-
-
-def references(expression: Expression) -> Iterator[str]:
-    """The names that an expression uses."""
-    match expression:
-        case Reference(name):
-            yield name
-        case BinaryExpression(".", left, _):
-            yield from references(left)
-        case BinaryExpression(_, left, right):
-            yield from references(left)
-            yield from references(right)
-        case UnaryExpression(_, operand) | CastExpression(_, operand):
-            yield from references(operand)
-        case ConditionalExpression(condition, yes, no):
-            for part in (condition, yes, no):
-                yield from references(part)
-        case _:
-            return

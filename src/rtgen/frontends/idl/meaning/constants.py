@@ -10,6 +10,7 @@ from math import copysign, inf, isfinite
 from rtgen.diagnostics import Diagnostic, Related, Rule
 from rtgen.facts.primitives import INTEGER_RANGES
 from rtgen.frontends.idl.meaning.operands import (
+    BOUND_HINT,
     CONVERSIONS,
     DIGITS_31,
     EXACT,
@@ -44,10 +45,6 @@ from rtgen.model import (
     PrimitiveType,
     StringType,
     Type,
-)
-
-_BOUND_HINT = (
-    "a bound is positive; without a bound, sequences and strings hold any number"
 )
 
 
@@ -127,7 +124,7 @@ class Constants:
             span = unit.span(node.start, node.end)
             self._report(
                 type_rules.BAD_BOUND.at(
-                    span, f"{value} is not from 1 to 4294967295", hint=_BOUND_HINT
+                    span, f"{value} is not from 1 to 4294967295", hint=BOUND_HINT
                 )
             )
             return None
@@ -235,12 +232,8 @@ class Constants:
     ) -> ConstantValue:
         if wanted in (OperandClass.FLOAT, OperandClass.FIXED):
             example = f"{value}.0" if wanted is OperandClass.FLOAT else f"{value}d"
-            self._report_at(
-                rules.INTEGER_AS_FLOAT,
-                node,
-                f"{wanted} is wanted here",
-                f"write {example}",
-            )
+            message, hint = f"{wanted} is wanted here", f"write {example}"
+            self._report_at(rules.INTEGER_AS_FLOAT, node, message, hint)
             return float(value) if wanted is OperandClass.FLOAT else Decimal(value)
         if wanted is not OperandClass.INTEGER:
             self._mixed(node, wanted, OperandClass.INTEGER)

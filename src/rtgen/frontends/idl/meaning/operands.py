@@ -80,6 +80,10 @@ EXAMPLES = {
     OperandClass.ENUM: "write the name of an enumerator",
 }
 
+BOUND_HINT = (
+    "a bound is positive; without a bound, sequences and strings hold any number"
+)
+
 _WIDE_HINT = "wide literals begin with L, others do not"
 
 CONVERSIONS = {
