@@ -87,25 +87,19 @@ def plan(
 
     Raises InputError if a file would leave its folder, ToolError if the disk fails.
     """
-    findings = [*_check_paths(artifacts)]
-    if findings:
-        raise InputError(findings)
+    _check(project, artifacts)
     own = [a for a in artifacts if a.owner is Owner.RTGEN]
     users = [(_place(project, a), a) for a in artifacts if a.owner is Owner.USER]
     absent = [(place, a) for place, a in users if not os.path.lexists(place)]
     ours = [a.path for a in own]
-    theirs = [a.path for _, a in absent]
-    findings = [
-        *_check_links(project, project.output, [*ours, MANIFEST]),
-        *_check_links(project, project.skeletons, theirs),
-    ]
-    if findings:
-        raise InputError(findings)
     wanted = {a.path: a.text.encode() for a in own}
     with _disk_failures():
         there, found, temporary = _tree(project.output)
         known = _former(project.output)
-        findings = [*_check_foreign(project.output, wanted, known)]
+        differences = {
+            p: _difference(project.output / p, wanted[p]) for p in sorted(wanted)
+        }
+        findings = [*_check_foreign(differences, known)]
         if findings:
             raise InputError(findings)
         former = [p for p in known if p in there and p not in wanted]
@@ -113,8 +107,8 @@ def plan(
         changes = [
             Change(project.output / p, _read(project.output / p), None) for p in former
         ]
-        for path, data in [(MANIFEST, manifest), *sorted(wanted.items())]:
-            changes += _difference(project.output / path, data)
+        changes += _difference(project.output / MANIFEST, manifest)
+        changes += (change for found in differences.values() for change in found)
         written = sum(c.new is not None for c in changes)
         kept = {
             f for p in {*there.difference(former), *ours} for f in _folders_above(p)
@@ -151,9 +145,7 @@ def write(
     """
     with _disk_failures():
         if not project.output.is_dir():
-            plan(
-                project, artifacts, inputs
-            )  # what it finds wrong comes before the folder
+            _check(project, artifacts)  # before the folder is made
             project.output.mkdir(parents=True, exist_ok=True)
         with _lock(project.output):
             planned = plan(project, artifacts, inputs)
@@ -276,6 +268,25 @@ def _name_problem(path: str) -> Rule | None:
     return None
 
 
+def _check(project: Project, artifacts: Sequence[Artifact]) -> None:
+    """Raise InputError if a file would leave its folder, or cannot have its name."""
+    findings = [*_check_paths(artifacts)]
+    if findings:
+        raise InputError(findings)
+    ours = [a.path for a in artifacts if a.owner is Owner.RTGEN]
+    theirs = [
+        a.path
+        for a in artifacts
+        if a.owner is Owner.USER and not os.path.lexists(_place(project, a))
+    ]
+    findings = [
+        *_check_links(project, project.output, [*ours, MANIFEST]),
+        *_check_links(project, project.skeletons, theirs),
+    ]
+    if findings:
+        raise InputError(findings)
+
+
 def _check_links(
     project: Project, folder: Path, paths: list[str]
 ) -> Iterator[Diagnostic]:
@@ -305,14 +316,14 @@ def _check_links(
 
 
 def _check_foreign(
-    output: Path, wanted: Mapping[str, bytes], known: Sequence[str]
+    differences: Mapping[str, list[Change]], known: Sequence[str]
 ) -> Iterator[Diagnostic]:
     """Findings for files that rtgen would overwrite, and that it never made.
 
     rtgen's own are in the manifest; where that is lost, their headers tell.
     """
-    for path in sorted(set(wanted).difference(known)):
-        for change in _difference(output / path, wanted[path]):
+    for path in sorted(set(differences).difference(known)):
+        for change in differences[path]:
             if change.old is not None and _MARK not in change.old[:_HEAD]:
                 yield FOREIGN_FILE.at(
                     None,
