@@ -26,7 +26,7 @@ endif
 endif
 endif
 
-.PHONY: demo gallery test check format lint types pyright imports drift pytest test-openrtm interpreters further fuzz bench clean
+.PHONY: demo gallery test check format lint types pyright imports drift pytest test-openrtm interpreters fuzz bench clean
 
 demo: $(VENV)/demo.stamp
 	$(BIN)/rtgen generate
@@ -44,8 +44,7 @@ gallery: $(VENV)/test.stamp
 # the same on each interpreter, and fast, is left to the further one: `pytest` alone runs all.
 test: SELECTED = -m "not once or slow or peer or random"
 test: $(VENV)/test.stamp
-	$(MAKE) --no-print-directory -j 2 pytest lint types imports drift further SELECTED='$(SELECTED)'
-	$(BIN)/python tests/interpreters.py --made
+	$(MAKE) --no-print-directory -j 2 pytest lint types imports drift interpreters SELECTED='$(SELECTED)'
 
 lint: $(VENV)/test.stamp
 	$(BIN)/black --check --quiet src tests benchmarks
@@ -78,12 +77,9 @@ test-openrtm: $(VENV)/test.stamp
 
 # The fast tests again on another interpreter, those with peers left out, with the coverage of lines.
 # Each commit tries one; `tests/interpreters.py --all` tries all that this machine has.
+# With a lower priority than the tests beside them, which wait for each other's processes.
 interpreters: $(VENV)/test.stamp
-	$(BIN)/python tests/interpreters.py
-
-# The environment of that interpreter.
-further: $(VENV)/test.stamp
-	$(BIN)/python tests/interpreters.py --make
+	nice -n 5 $(BIN)/python tests/interpreters.py
 
 # The random tests with thirty times their inputs, others each time: `make fuzz RTGEN_SEED=7` repeats them.
 fuzz: export RTGEN_SEED ?= $(shell date +%s)
