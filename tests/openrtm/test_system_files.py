@@ -313,7 +313,9 @@ class CutPort:
         return "RTC_OK", profile
 
 
-def test_a_connector_that_is_removed_at_once_is_made_again() -> None:
+def test_a_connector_that_is_removed_at_once_is_made_again(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     """An OutPort of OpenRTM removes, by its id, a connector that it could not write to."""
     out, inp = CutPort("A0.out", 1), CutPort("B0.in", 0)
     client = Client.__new__(Client)
@@ -338,8 +340,8 @@ def test_a_connector_that_is_removed_at_once_is_made_again() -> None:
     assert out.made == ["c", "c"]
     # Removed later: the last look at the connections makes it again.
     out.connectors.clear()
-    client._find = lambda _: None  # type: ignore[method-assign]
-    client._require_active = lambda _: out.connectors.clear()  # type: ignore[method-assign]
+    monkeypatch.setattr(client, "_find", lambda _: None)
+    monkeypatch.setattr(client, "_require_active", lambda _: out.connectors.clear())
     steps = list(client.start(systems.System("s", [], [connection])))
     assert steps[-1] == "ready"
     assert out.made == ["c"] * 4

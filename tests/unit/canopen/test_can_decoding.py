@@ -141,7 +141,9 @@ def test_factors_and_units_of_the_bus_file(fourx: NodeIndex) -> None:
         message.text
         == "Position_actual_value=1.0 deg, Velocity_actual_value=-1.0 deg/s"
     )
-    assert message.to_json()["values"][0] == {  # type: ignore[index]
+    values = message.to_json()["values"]
+    assert isinstance(values, list)
+    assert values[0] == {
         "object": "6064:0",
         "name": "Position_actual_value",
         "value": 1.0,
