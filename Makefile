@@ -82,6 +82,7 @@ interpreters: $(VENV)/test.stamp
 	nice -n 5 $(BIN)/python tests/interpreters.py
 
 # The random tests with thirty times their inputs, others each time: `make fuzz RTGEN_SEED=7` repeats them.
+# Those of `make test` are drawn by the commit; `make test RTGEN_SEED=7` by another seed.
 fuzz: export RTGEN_SEED ?= $(shell date +%s)
 fuzz: export RTGEN_BUDGET ?= 30
 fuzz: $(VENV)/test.stamp

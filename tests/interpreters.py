@@ -121,9 +121,9 @@ def _printed(
     )
 
 
-def chosen(found: Sequence[str], commit: str) -> str:
-    """The version that this commit is tried on."""
-    return found[int(commit[:8], 16) % len(found)]
+def chosen(found: Sequence[str], commit: str | None) -> str:
+    """The version that this commit is tried on, the first without a commit."""
+    return found[int((commit or "0")[:8], 16) % len(found)]
 
 
 def main() -> int:
