@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from random import Random
 
 from fuzzing import ViolationError, log_uniform
+from msgspec.structs import replace
 
 from rtgen.backends import Options
 from rtgen.backends.components.checks import check, components_of

@@ -3,11 +3,10 @@
 `make fuzz` and `python tests/fuzz/can_schedules.py 10000` try more of them.
 """
 
-from dataclasses import replace
-
 import pytest
 from can_schedules import ScheduleTarget
 from fuzzing import run
+from msgspec.structs import replace
 from seeds import budget, cases
 
 from rtgen.layouts.can_timing import Message

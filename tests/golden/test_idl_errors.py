@@ -12,11 +12,11 @@ import json
 import re
 import shutil
 import tomllib
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
+from msgspec.structs import replace
 
 from rtgen.diagnostics.explain import rules
 from rtgen.diagnostics.report import report

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from msgspec.structs import replace
 from test_rtc_profiles import SPECS, shown
 
 from rtgen.backends.idl_text import idl_text

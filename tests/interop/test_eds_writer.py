@@ -6,10 +6,10 @@ import logging
 import math
 import struct
 from collections.abc import Iterator
-from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import pytest
 
 from rtgen.backends.canopen.eds_text import eds_text, value_text
@@ -47,13 +47,13 @@ def content(thing: Any) -> Any:
     """What a part of the model says, places aside."""
     if isinstance(thing, tuple):
         return tuple(map(content, thing))
-    if not hasattr(thing, "__dataclass_fields__"):
+    if not isinstance(thing, msgspec.Struct):
         return repr(thing)
     left_out = _PLACES | (_OF_THE_FILE if isinstance(thing, Device) else set())
     return {
-        f.name: content(getattr(thing, f.name))
-        for f in fields(thing)
-        if f.name not in left_out
+        name: content(getattr(thing, name))
+        for name in thing.__struct_fields__
+        if name not in left_out
     }
 
 

@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +9,7 @@ import pytest
 from idl_facts import facts, omniidl_batch
 from idl_probes import SECTIONS
 from idl_probes.probe import Probe, Relation
+from msgspec.structs import replace
 
 from rtgen.frontends import FrontendResult
 from rtgen.frontends.idl import load

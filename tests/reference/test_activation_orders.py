@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import replace
 from functools import cache
 from itertools import permutations
 from math import hypot
@@ -12,6 +11,7 @@ from multiprocessing import get_context
 from random import Random
 
 import pytest
+from msgspec.structs import replace
 from pipeline import LONGEST, at_end, build, goal, profile, truth
 from seeds import budget, seed
 

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Protocol
+
+import msgspec
+from msgspec.structs import replace
 
 from rtgen.diagnostics import Diagnostic
 
@@ -21,8 +23,7 @@ class Owner(StrEnum):
     USER = "user"
 
 
-@dataclass(frozen=True, slots=True)
-class Artifact:
+class Artifact(msgspec.Struct, frozen=True):
     """A generated file.
 
     `path` is relative with `/`: rtgen's below the output folder, a user's below the skeleton
@@ -35,8 +36,7 @@ class Artifact:
     owner: Owner = Owner.RTGEN
 
 
-@dataclass(frozen=True, slots=True)
-class Options:
+class Options(msgspec.Struct, frozen=True):
     """Options of back ends: the generated Python package, skeletons, representation.
 
     `representation` (`cdr` or `xcdr2`) is the format of `to_cdr`, `extensibility` (`final`,
@@ -57,14 +57,14 @@ class Options:
     target: str = "embedded"
     representation: str = "cdr"
     extensibility: str = "final"
-    external: Mapping[str, str] = field(default_factory=dict)
-    factories: Mapping[str, str] = field(default_factory=dict)
+    external: Mapping[str, str] = msgspec.field(default_factory=dict)
+    factories: Mapping[str, str] = msgspec.field(default_factory=dict)
     skeleton_path: str = "../src"
     small: tuple[int, int, int] = (1024, 128, 2)
     marshalled: bool = True
     tecs_corba: bool = False
     lazy: bool = False
-    plugins: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    plugins: Mapping[str, Mapping[str, Any]] = msgspec.field(default_factory=dict)
 
     @property
     def folder(self) -> str:
@@ -91,8 +91,7 @@ class Options:
         return f"{self.skeleton_package}." if self.skeleton_package else ""
 
 
-@dataclass(frozen=True, slots=True)
-class Emission:
+class Emission(msgspec.Struct, frozen=True):
     """Result of a back end: artifacts and diagnostics."""
 
     artifacts: Sequence[Artifact] = ()
@@ -112,8 +111,7 @@ class Backend(Protocol):
         ...
 
 
-@dataclass(frozen=True, slots=True)
-class DeferredBackend:
+class DeferredBackend(msgspec.Struct, frozen=True):
     """A back end whose module, which has `BACKEND`, is imported when there is something to emit."""
 
     name: str

@@ -7,7 +7,8 @@ definition, so the output is deterministic.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+
+import msgspec
 
 from rtgen.backends import Artifact, Emission, Options
 from rtgen.backends.components.checks import check, components_of
@@ -53,8 +54,7 @@ _COMPARISONS = {
 }
 
 
-@dataclass(frozen=True, slots=True)
-class _Node:
+class _Node(msgspec.Struct, frozen=True):
     """A constraint as the profile nests it; a leaf has texts, the rest children."""
 
     kind: str
@@ -63,8 +63,7 @@ class _Node:
     key: str = ""
 
 
-@dataclass(frozen=True, slots=True)
-class _Parameter:
+class _Parameter(msgspec.Struct, frozen=True):
     name: str
     identifier: str
     type: str
@@ -77,8 +76,7 @@ class _Parameter:
     facts: str
 
 
-@dataclass(frozen=True, slots=True)
-class _DataPort:
+class _DataPort(msgspec.Struct, frozen=True):
     kind: str
     position: str
     name: str
@@ -91,8 +89,7 @@ class _DataPort:
     events: tuple[dict[str, str], ...]
 
 
-@dataclass(frozen=True, slots=True)
-class _Interface:
+class _Interface(msgspec.Struct, frozen=True):
     name: str
     identifier: str
     direction: str
@@ -102,8 +99,7 @@ class _Interface:
     doc: str
 
 
-@dataclass(frozen=True, slots=True)
-class _ServicePort:
+class _ServicePort(msgspec.Struct, frozen=True):
     name: str
     position: str
     interfaces: tuple[_Interface, ...]

@@ -8,7 +8,9 @@ always present: an abstract, dates, an execution context for each component, com
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+
+from msgspec.structs import replace
 
 from rtgen.backends.rendering import render
 from rtgen.model import Connection, PortReference, System

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
 from pathlib import Path
+
+import msgspec
+from msgspec.structs import replace
 
 from rtgen import compiler
 from rtgen.backends.components.locations import summary
@@ -23,14 +25,13 @@ _WITH_TYPES = (".idl", ".eds", ".dcf", ".toml")
 _DATA_PORTS = (PortKind.INPORT, PortKind.OUTPORT)
 
 
-@dataclass(frozen=True, slots=True)
-class Adopted:
+class Adopted(msgspec.Struct, frozen=True):
     """The component and its model; `component` is None if there are errors."""
 
     component: Component | None
-    model: Model = field(default_factory=Model)
+    model: Model = msgspec.field(default_factory=Model)
     diagnostics: tuple[Diagnostic, ...] = ()
-    sources: Mapping[str, str] = field(default_factory=dict)
+    sources: Mapping[str, str] = msgspec.field(default_factory=dict)
 
 
 def adopted(path: Path, include: Sequence[Path]) -> Adopted:

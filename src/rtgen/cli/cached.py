@@ -53,7 +53,7 @@ def inspect(
 def _inspected(
     project: Project | None, profiles: Sequence[Path], as_json: bool
 ) -> Compilation:
-    from dataclasses import replace
+    from msgspec.structs import replace
 
     from rtgen import compiler
     from rtgen.backends import Artifact

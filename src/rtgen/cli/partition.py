@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import replace
+
+from msgspec.structs import replace
 
 from rtgen.diagnostics import Diagnostic, InputError, Span
 from rtgen.model import Connection, PortReference, System

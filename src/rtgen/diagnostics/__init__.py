@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
+
+import msgspec
 
 _PAGES = Path(__file__).parent / "pages"
 
@@ -22,8 +23,7 @@ LONGEST_TEXT = 1000
 """Maximum length of a message, hint or label in characters; quotations of a file may be longer."""
 
 
-@dataclass(frozen=True, slots=True, order=True)
-class Span:
+class Span(msgspec.Struct, frozen=True, order=True):
     """A stretch of a user's text: 1-based lines and columns (in characters), end exclusive.
 
     `file` is the path as given on the command line, included files relative to the working
@@ -37,16 +37,14 @@ class Span:
     end_column: int
 
 
-@dataclass(frozen=True, slots=True)
-class Related:
+class Related(msgspec.Struct, frozen=True):
     """A further place that explains a finding, such as "first declared here"."""
 
     span: Span
     label: str
 
 
-@dataclass(frozen=True, slots=True)
-class Diagnostic:
+class Diagnostic(msgspec.Struct, frozen=True):
     """One finding. `span` is None only where no file can be blamed."""
 
     code: str
@@ -57,8 +55,7 @@ class Diagnostic:
     hint: str | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Rule:
+class Rule(msgspec.Struct, frozen=True):
     """A rule: the record behind `rtgen explain` and behind each diagnostic with its code.
 
     `text` is the explanation of a plug-in's rule; rtgen's own rules have theirs in a file.

@@ -3,24 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
+
+import msgspec
 
 from rtgen.diagnostics import Diagnostic, in_order
 from rtgen.model import Model
 
 
-@dataclass(frozen=True, slots=True)
-class Dependency:
+class Dependency(msgspec.Struct, frozen=True):
     """A path that was read or searched for: the sha256 of its content, or None if it is missing."""
 
     path: Path
     sha256: str | None
 
 
-@dataclass(frozen=True, slots=True)
-class FrontendResult:
+class FrontendResult(msgspec.Struct, frozen=True):
     """Result of reading a set of definition files.
 
     `sources` maps displayed paths to decoded texts, for excerpts in diagnostics. `dependencies`

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Final, TypeAlias
+
+import msgspec
+from msgspec.structs import replace
 
 from rtgen import plugins
 from rtgen.frontends import FrontendResult, together
@@ -13,8 +15,7 @@ from rtgen.frontends.kit.library import VirtualFile
 from rtgen.model import Model
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Settings:
+class Settings(msgspec.Struct, frozen=True, kw_only=True):
     """The settings of all front ends.
 
     `root` is the project's folder, which keys of files are relative to. `include` are the folders
@@ -26,13 +27,13 @@ class Settings:
 
     root: Path
     include: tuple[Path, ...] = ()
-    define: Mapping[str, str] = field(default_factory=dict)
+    define: Mapping[str, str] = msgspec.field(default_factory=dict)
     ignore_case_clashes: bool = False
     tecs_path: tuple[Path, ...] = ()
     kcode: str = "auto"
     prelude: bool = True
     node_id: int | None = None
-    plugins: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    plugins: Mapping[str, Mapping[str, Any]] = msgspec.field(default_factory=dict)
 
 
 Read: TypeAlias = Callable[[Sequence[Path], Settings], FrontendResult]

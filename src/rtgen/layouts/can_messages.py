@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from typing import TypeAlias
+
+import msgspec
 
 from rtgen.facts.canopen import (
     EMERGENCY,
@@ -30,8 +31,7 @@ and the answer of an SDO client and a node, emergencies without inhibit time."""
 _EMERGENCY_INHIBIT = 0x1015
 
 
-@dataclass(frozen=True, slots=True)
-class Writing:
+class Writing(msgspec.Struct, frozen=True):
     """The writes of a component to an RPDO's port, in s; `jitter`: the delay of a sample."""
 
     period: float

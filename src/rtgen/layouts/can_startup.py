@@ -10,7 +10,9 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+
+import msgspec
+from msgspec.structs import replace
 
 from rtgen.layouts.can_values import CanValueError, octets
 from rtgen.model.can_bus import BusNode, DeviceKind
@@ -32,8 +34,7 @@ _NOT_ON_DOWNLOAD = 1 << 0
 """Flag of an object (CiA 306, 4.6.3.2) that excludes it from configuration writes."""
 
 
-@dataclass(frozen=True, slots=True)
-class StartWrite:
+class StartWrite(msgspec.Struct, frozen=True):
     """A write of a value; `why` is a short reason for reports.
 
     `verify`: the value can be read back; `relative`: the node-id is added to the value.

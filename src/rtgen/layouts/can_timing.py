@@ -11,9 +11,10 @@ and work-conserving queues" (2012). All times are whole nanoseconds.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from itertools import accumulate
 from typing import TypeAlias
+
+import msgspec
 
 NANOSECONDS = 1_000_000_000
 
@@ -23,8 +24,7 @@ _MOST_ROUNDS = 200
 """The largest number of rounds until jitters that depend on responses are stable."""
 
 
-@dataclass(frozen=True, slots=True)
-class Message:
+class Message(msgspec.Struct, frozen=True):
     """A frame that is sent repeatedly.
 
     `identifier` is that of 11 bits, or of 29 bits if `extended`; `octets` are its data. `period` is
@@ -54,8 +54,7 @@ class Message:
         return self.identifier >> 18, 2, self.identifier & 0x3FFFF
 
 
-@dataclass(frozen=True, slots=True)
-class Timing:
+class Timing(msgspec.Struct, frozen=True):
     """The timing of a message; `response` is None if unbounded, or too large to compute."""
 
     message: Message

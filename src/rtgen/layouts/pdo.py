@@ -9,8 +9,9 @@ letter for are read in parts, the last of which carries the sign: 24 bits are `H
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from enum import StrEnum
+
+import msgspec
 
 from rtgen.model.canopen import SIGNED, UNSIGNED, DataType
 
@@ -33,8 +34,7 @@ class Kind(StrEnum):
     OCTETS = "octets"
 
 
-@dataclass(frozen=True, slots=True)
-class Mapped:
+class Mapped(msgspec.Struct, frozen=True):
     """An entry of a mapping: the field's name (None for a gap), data type and length."""
 
     name: str | None
@@ -42,8 +42,7 @@ class Mapped:
     bits: int
 
 
-@dataclass(frozen=True, slots=True)
-class PdoField:
+class PdoField(msgspec.Struct, frozen=True):
     """A field: `shift` is its first bit in the slot."""
 
     name: str
@@ -52,16 +51,14 @@ class PdoField:
     shift: int = 0
 
 
-@dataclass(frozen=True, slots=True)
-class Part:
+class Part(msgspec.Struct, frozen=True):
     """A letter of the struct format and the bits that it takes."""
 
     letter: str
     bits: int
 
 
-@dataclass(frozen=True, slots=True)
-class Slot:
+class Slot(msgspec.Struct, frozen=True):
     """Octets that are read together: the parts, low ones first, and the fields in them.
 
     `whole`: one field fills the slot, so it needs neither shift nor mask.
@@ -72,8 +69,7 @@ class Slot:
     whole: bool
 
 
-@dataclass(frozen=True, slots=True)
-class PdoLayout:
+class PdoLayout(msgspec.Struct, frozen=True):
     """A PDO's data: its slots in order, and its size in octets."""
 
     slots: tuple[Slot, ...]

@@ -8,10 +8,11 @@ the definition.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from enum import Enum, auto
 from functools import cached_property
 from typing import TypeAlias
+
+import msgspec
 
 from rtgen.diagnostics import Span
 from rtgen.facts.tdr import LETTERS, Scalar
@@ -40,13 +41,11 @@ class TransferError(Exception):
         self.hint = hint
 
 
-@dataclass(frozen=True, slots=True)
-class Nothing:
+class Nothing(msgspec.Struct, frozen=True):
     """`void`, or a pointer to it, which takes no bytes."""
 
 
-@dataclass(frozen=True, slots=True)
-class Basic:
+class Basic(msgspec.Struct, frozen=True):
     """A number or truth value."""
 
     scalar: Scalar
@@ -57,24 +56,21 @@ class Basic:
         return LETTERS[self.scalar]
 
 
-@dataclass(frozen=True, slots=True)
-class Octets:
+class Octets(msgspec.Struct, frozen=True):
     """A fixed array of octets or characters."""
 
     scalar: Scalar
     count: int
 
 
-@dataclass(frozen=True, slots=True)
-class FixedArray:
+class FixedArray(msgspec.Struct, frozen=True):
     """A fixed array of anything else."""
 
     element: Node
     count: int
 
 
-@dataclass(frozen=True, slots=True)
-class Record:
+class Record(msgspec.Struct, frozen=True):
     """A struct; `items` in the order of the declaration, `steps` in that of the wire."""
 
     struct: TecsStruct
@@ -87,8 +83,7 @@ class Record:
         return all(isinstance(step, Run) for step in self.steps)
 
 
-@dataclass(frozen=True, slots=True)
-class Counted:
+class Counted(msgspec.Struct, frozen=True):
     """A pointer to an array: `count` elements are transferred, `size` fit; `most` bounds `size`."""
 
     element: Node
@@ -107,8 +102,7 @@ class Counted:
         return self.scalar in OCTETS
 
 
-@dataclass(frozen=True, slots=True)
-class String:
+class String(msgspec.Struct, frozen=True):
     """A string; `length` is the size of its buffer."""
 
     scalar: Scalar
@@ -128,8 +122,7 @@ class String:
 Node: TypeAlias = Nothing | Basic | Octets | FixedArray | Record | Counted | String
 
 
-@dataclass(frozen=True, slots=True)
-class Item:
+class Item(msgspec.Struct, frozen=True):
     """A parameter, a member or the return value (whose name is empty).
 
     `pointer`: the value is the target of a pointer without sizes.
@@ -169,8 +162,7 @@ class Role(Enum):
     VALUE = auto()
 
 
-@dataclass(frozen=True, slots=True)
-class Field:
+class Field(msgspec.Struct, frozen=True):
     """A part of a run; `item` is that of a flag, a length or a value."""
 
     role: Role
@@ -190,8 +182,7 @@ class Field:
         return kinds(self.item.node)
 
 
-@dataclass(frozen=True, slots=True)
-class Run:
+class Run(msgspec.Struct, frozen=True):
     """Fields of fixed size, one after the other."""
 
     fields: tuple[Field, ...]
@@ -202,30 +193,26 @@ class Run:
         return tuple(kind for field in self.fields for kind in field.kinds)
 
 
-@dataclass(frozen=True, slots=True)
-class Payload:
+class Payload(msgspec.Struct, frozen=True):
     """The elements of a `Counted` whose elements have a fixed size, or the units of a `String`."""
 
     item: Item
 
 
-@dataclass(frozen=True, slots=True)
-class Part:
+class Part(msgspec.Struct, frozen=True):
     """A compound value with parts whose sizes depend on values."""
 
     item: Item
 
 
-@dataclass(frozen=True, slots=True)
-class Branch:
+class Branch(msgspec.Struct, frozen=True):
     """Steps that are present only if the item is not NULL."""
 
     item: Item
     steps: tuple[Step, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class Reserve:
+class Reserve(msgspec.Struct, frozen=True):
     """No bytes: reserves the server's memory for an outward array or string."""
 
     item: Item
@@ -234,8 +221,7 @@ class Reserve:
 Step: TypeAlias = Run | Payload | Part | Branch | Reserve
 
 
-@dataclass(frozen=True)
-class FunctionLayout:
+class FunctionLayout(msgspec.Struct, dict=True, frozen=True):
     """A function. `reply` is None where it is oneway; `paper` the reply with the outs first.
 
     `kept` are the parameters whose value in the request the reply depends on. `leaves_out`:
@@ -267,8 +253,7 @@ class FunctionLayout:
         return isinstance(self.returned.node, Nothing)
 
 
-@dataclass(frozen=True, slots=True)
-class SignatureLayout:
+class SignatureLayout(msgspec.Struct, frozen=True):
     """A signature; `records` are the structs it needs, those inside others first."""
 
     signature: Signature

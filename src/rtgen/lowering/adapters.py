@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from difflib import get_close_matches
 from hashlib import sha256
 from typing import Final
+
+from msgspec.structs import replace
 
 from rtgen.diagnostics import Diagnostic, InputError, Rule
 from rtgen.facts.primitives import INTEGER_RANGES

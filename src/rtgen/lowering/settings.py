@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from typing import Any
+
+import msgspec
 
 from rtgen.diagnostics import Span
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class AdapterEntry:
+class AdapterEntry(msgspec.Struct, frozen=True, kw_only=True):
     """`[adapter.NAME]`: scoped names of structs, and which member of `source` fills which."""
 
     name: str
@@ -20,8 +20,7 @@ class AdapterEntry:
     span: Span
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Settings:
+class Settings(msgspec.Struct, frozen=True, kw_only=True):
     """The settings of all lowerings.
 
     `definitions` are the displayed paths of the IDL files that the user named. `plugins` has the
@@ -30,4 +29,4 @@ class Settings:
 
     adapters: tuple[AdapterEntry, ...] = ()
     definitions: frozenset[str] = frozenset()
-    plugins: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    plugins: Mapping[str, Mapping[str, Any]] = msgspec.field(default_factory=dict)

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
 from importlib import import_module
 from typing import Final, TypeAlias
+
+import msgspec
 
 from rtgen import plugins
 from rtgen.diagnostics import Diagnostic
@@ -13,8 +14,7 @@ from rtgen.lowering.settings import Settings
 from rtgen.model import Model
 
 
-@dataclass(frozen=True, slots=True)
-class Lowered:
+class Lowered(msgspec.Struct, frozen=True):
     """The lowered model and the diagnostics."""
 
     model: Model
@@ -29,8 +29,7 @@ def _no_idl(_: Model) -> list[str]:
     return []
 
 
-@dataclass(frozen=True, slots=True)
-class Lowering:
+class Lowering(msgspec.Struct, frozen=True):
     """A lowering of rtgen: its module has `lower`, and is imported only if the model needs it.
 
     `idl` gives the names of the IDL files of rtgen whose types the lowering uses. `definitions`:

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TYPE_CHECKING
+
+import msgspec
+from msgspec.structs import replace
 
 from rtgen.facts.primitives import Primitive
 from rtgen.model.components import (
@@ -124,8 +127,7 @@ __all__ = [
 ]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SourceFile:
+class SourceFile(msgspec.Struct, frozen=True, kw_only=True):
     """A file that was read.
 
     `name` is the displayed path (as in spans), `key` the path for generated text (relative to the
@@ -142,8 +144,7 @@ class SourceFile:
     belongs_to: str | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Model:
+class Model(msgspec.Struct, frozen=True, dict=True):
     """Everything that was read: files (included before includer) and declarations in order.
 
     Each main CDL file is a separate unit in `tecs`; see `rtgen.model.tecs`. `packages` are made
@@ -159,12 +160,10 @@ class Model:
     profiles: tuple[RtcProfile, ...] = ()
     adapters: tuple[Adapter, ...] = ()
     packages: tuple[Package, ...] = ()
-    _by_name: dict[ScopedName, Declaration] = field(
-        init=False, repr=False, compare=False, default_factory=dict
-    )
 
-    def __post_init__(self) -> None:
-        self._by_name.update((d.name, d) for d in self.declarations)
+    @cached_property
+    def _by_name(self) -> dict[ScopedName, Declaration]:
+        return {d.name: d for d in self.declarations}
 
     def find(self, name: ScopedName) -> Declaration:
         """Find a declaration by scoped name. Raises KeyError."""
@@ -200,8 +199,7 @@ class Model:
         return (d for d in self.declarations if d.file == name)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Package:
+class Package(msgspec.Struct, frozen=True, kw_only=True):
     """Declarations with names of their own, in a package `name` below the project's.
 
     `types` maps the displayed path of a file to the module that has what it declares, where the
@@ -213,8 +211,8 @@ class Package:
     name: str
     model: Model
     sources: tuple[SourceFile, ...]
-    types: Mapping[str, str] = field(default_factory=dict)
-    conversions: Mapping[str, str] = field(default_factory=dict)
+    types: Mapping[str, str] = msgspec.field(default_factory=dict)
+    conversions: Mapping[str, str] = msgspec.field(default_factory=dict)
     any_values: bool = False
 
     @property

@@ -7,10 +7,12 @@ until the C compiler evaluates them; all others are constants, evaluated to a `L
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from typing import TypeAlias
 
+import msgspec
+
 from rtgen.facts.tdr import Scalar
+from rtgen.model.spelling import Unspelled
 from rtgen.model.types import ScopedName
 
 _PLAIN = {
@@ -20,22 +22,22 @@ _PLAIN = {
 }
 
 
-@dataclass(frozen=True, slots=True)
-class CScalarType:
+class CScalarType(Unspelled, frozen=True, eq=False):
     """A basic type with its qualifiers; `plain`: `char_t` was written as C's `char`."""
+
+    spelling = frozenset({"plain"})
 
     kind: Scalar
     const: bool = False
     volatile: bool = False
-    plain: bool = field(default=False, compare=False)
+    plain: bool = False
 
     def __str__(self) -> str:
         text = _PLAIN[self.kind] if self.plain else self.kind.value
         return _qualified(text, self.const, self.volatile)
 
 
-@dataclass(frozen=True, slots=True)
-class CTypedefType:
+class CTypedefType(msgspec.Struct, frozen=True):
     """A use of a typedef: `name` as declared (C headers: one part), `target` its type."""
 
     name: ScopedName
@@ -47,8 +49,7 @@ class CTypedefType:
         return _qualified("::".join(self.name), self.const, self.volatile)
 
 
-@dataclass(frozen=True, slots=True)
-class CStructType:
+class CStructType(msgspec.Struct, frozen=True):
     """A use of `struct tag`; the tag is the key of a `TecsStruct`."""
 
     tag: ScopedName
@@ -59,8 +60,7 @@ class CStructType:
         return _qualified("struct " + "::".join(self.tag), self.const, self.volatile)
 
 
-@dataclass(frozen=True, slots=True)
-class CEnumType:
+class CEnumType(msgspec.Struct, frozen=True):
     """A use of `enum tag` (`enum8` ... by `bits`); real tecsgen cannot transfer one."""
 
     tag: ScopedName
@@ -74,8 +74,7 @@ class CEnumType:
         return _qualified(text, self.const, self.volatile)
 
 
-@dataclass(frozen=True, slots=True)
-class CPointerType:
+class CPointerType(msgspec.Struct, frozen=True):
     """`target *`; the qualifiers are those after the star."""
 
     target: CType
@@ -86,8 +85,7 @@ class CPointerType:
         return _declared(self)
 
 
-@dataclass(frozen=True, slots=True)
-class CArrayType:
+class CArrayType(msgspec.Struct, frozen=True):
     """`element[size]`; `size` is None for `[]`."""
 
     element: CType
@@ -97,8 +95,7 @@ class CArrayType:
         return _declared(self)
 
 
-@dataclass(frozen=True, slots=True)
-class CFunctionType:
+class CFunctionType(msgspec.Struct, frozen=True):
     """A function; behind a pointer only, and never transferable."""
 
     returns: CType
@@ -108,8 +105,7 @@ class CFunctionType:
         return _declared(self)
 
 
-@dataclass(frozen=True, slots=True)
-class DescriptorType:
+class DescriptorType(msgspec.Struct, frozen=True):
     """`Descriptor(signature)`, a join made at run time."""
 
     signature: ScopedName
@@ -158,8 +154,7 @@ def _qualified(text: str, const: bool, volatile: bool) -> str:
     return "const " * const + "volatile " * volatile + text
 
 
-@dataclass(frozen=True, slots=True)
-class Literal:
+class Literal(msgspec.Struct, frozen=True):
     """A number, truth value or text; constants are evaluated to one."""
 
     value: bool | int | float | str
@@ -170,8 +165,7 @@ class Literal:
         return f'"{self.value}"' if isinstance(self.value, str) else str(self.value)
 
 
-@dataclass(frozen=True, slots=True)
-class Reference:
+class Reference(msgspec.Struct, frozen=True):
     """The value of a parameter, member or attribute of that name."""
 
     name: str
@@ -180,8 +174,7 @@ class Reference:
         return self.name
 
 
-@dataclass(frozen=True, slots=True)
-class UnaryExpression:
+class UnaryExpression(msgspec.Struct, frozen=True):
     """`operator` is one of `* & + - ~ !`."""
 
     operator: str
@@ -191,8 +184,7 @@ class UnaryExpression:
         return f"{self.operator}{self.operand}"
 
 
-@dataclass(frozen=True, slots=True)
-class BinaryExpression:
+class BinaryExpression(msgspec.Struct, frozen=True):
     """`operator` is one of C's binary operators, `[]` for a subscript, `.` for a member."""
 
     operator: str
@@ -207,8 +199,7 @@ class BinaryExpression:
         return f"({self.left} {self.operator} {self.right})"
 
 
-@dataclass(frozen=True, slots=True)
-class ConditionalExpression:
+class ConditionalExpression(msgspec.Struct, frozen=True):
     """`condition ? yes : no`."""
 
     condition: Expression
@@ -219,8 +210,7 @@ class ConditionalExpression:
         return f"({self.condition} ? {self.yes} : {self.no})"
 
 
-@dataclass(frozen=True, slots=True)
-class CastExpression:
+class CastExpression(msgspec.Struct, frozen=True):
     """`(type)operand`."""
 
     type: CType
@@ -230,8 +220,7 @@ class CastExpression:
         return f"({self.type}){self.operand}"
 
 
-@dataclass(frozen=True, slots=True)
-class CExpression:
+class CExpression(msgspec.Struct, frozen=True):
     """`C_EXP("text")`, only for the C compiler."""
 
     text: str
@@ -240,8 +229,7 @@ class CExpression:
         return f'C_EXP("{self.text}")'
 
 
-@dataclass(frozen=True, slots=True)
-class AggregateExpression:
+class AggregateExpression(msgspec.Struct, frozen=True):
     """`{ a, b, {c} }`."""
 
     items: tuple[Expression, ...]

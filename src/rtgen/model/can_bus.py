@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import msgspec
 
 from rtgen.diagnostics import Span
 from rtgen.model.canopen import Device, Value
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class DeviceKind:
+class DeviceKind(msgspec.Struct, frozen=True, kw_only=True):
     """A kind of device on the bus: its description, and settings for its components.
 
     `ports` is `pdo` (a port for each PDO) or `object` (one for each object). `parameters` are the
@@ -43,8 +42,7 @@ def kind_of(device: Device) -> DeviceKind:
     )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class BusNode:
+class BusNode(msgspec.Struct, frozen=True, kw_only=True):
     """A node: its kind, and the device with the values written to it at start-up.
 
     Times are in seconds; `heartbeat_timeout` defaults to three periods. After an error the
@@ -73,16 +71,14 @@ class BusNode:
     serial: int | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class PdoLink:
+class PdoLink(msgspec.Struct, frozen=True):
     """A TPDO that another node receives as an RPDO, each as (node, number)."""
 
     source: tuple[str, int]
     target: tuple[str, int]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Bus:
+class Bus(msgspec.Struct, frozen=True, kw_only=True):
     """A network. `bit_rate` is in kbit/s; times are in seconds, 0 for none.
 
     `file` is the displayed path, `key` the one for generated text, `sha256` that of its content.

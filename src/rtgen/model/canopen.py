@@ -7,10 +7,11 @@ COB-IDs with their flag bits.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
 from enum import IntEnum, StrEnum
 from functools import cached_property
 from typing import TypeAlias
+
+import msgspec
 
 from rtgen.diagnostics import Span
 from rtgen.facts.canopen import BITS as BITS
@@ -79,8 +80,7 @@ class Access(StrEnum):
         return self in (Access.WO, Access.RW, Access.RWW)
 
 
-@dataclass(frozen=True, slots=True)
-class NodeRelative:
+class NodeRelative(msgspec.Struct, frozen=True):
     """A number relative to the node-id: `$NODEID+offset`."""
 
     offset: int
@@ -107,8 +107,7 @@ def resolved(value: Value | None, node_id: int | None) -> Value | None:
     return value
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Variable:
+class Variable(msgspec.Struct, frozen=True, kw_only=True):
     """A value of the object dictionary: an object of type VAR or DOMAIN, or a sub-object.
 
     `data_type` is a DataType if the code is known, else the file's code. `value` is the value
@@ -153,8 +152,7 @@ class Variable:
             return None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Object:
+class Object(msgspec.Struct, frozen=True, kw_only=True):
     """An entry of the object dictionary with its variables in order of sub-index."""
 
     index: int
@@ -174,8 +172,7 @@ class PdoDirection(StrEnum):
     RPDO = "rpdo"
 
 
-@dataclass(frozen=True, slots=True)
-class PdoEntry:
+class PdoEntry(msgspec.Struct, frozen=True):
     """An entry of a PDO mapping: an object or a gap."""
 
     index: int
@@ -188,8 +185,7 @@ class PdoEntry:
         return self.index < 0x1000
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Pdo:
+class Pdo(msgspec.Struct, frozen=True, kw_only=True):
     """A process data object: `number` from 1; None for values missing in the file.
 
     `entries` is the current mapping (that of a DCF if it has one), `default_entries` that of the
@@ -231,8 +227,7 @@ class Pdo:
         return offset is not None and not offset & INVALID
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class FileInfo:
+class FileInfo(msgspec.Struct, frozen=True, kw_only=True):
     """The section FileInfo; texts are empty where missing."""
 
     file_name: str = ""
@@ -247,8 +242,7 @@ class FileInfo:
     last_eds: str = ""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class DeviceInfo:
+class DeviceInfo(msgspec.Struct, frozen=True, kw_only=True):
     """The section DeviceInfo. `bit_rates` are in kbit/s, `granularity` in bits (0: no mapping)."""
 
     vendor_name: str = ""
@@ -269,8 +263,7 @@ class DeviceInfo:
     lss: bool = False
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Commissioning:
+class Commissioning(msgspec.Struct, frozen=True, kw_only=True):
     """The section DeviceComissioning of a DCF. `bit_rate` is in kbit/s."""
 
     node_id: int | None = None
@@ -282,8 +275,7 @@ class Commissioning:
     serial_number: int | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Module:
+class Module(msgspec.Struct, frozen=True):
     """A module type of a modular device."""
 
     number: int
@@ -291,8 +283,7 @@ class Module:
     order_code: str = ""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Device:
+class Device(msgspec.Struct, frozen=True, dict=True, kw_only=True):
     """A device described by one EDS or DCF.
 
     `name` is that of its IDL module. `file` is the displayed path, `key` the one for generated
@@ -317,9 +308,7 @@ class Device:
     comments: str = ""
     modules: tuple[Module, ...] = ()
     connected: tuple[int, ...] = ()
-    further: tuple[tuple[str, tuple[tuple[str, str], ...]], ...] = field(
-        default=(), repr=False
-    )
+    further: tuple[tuple[str, tuple[tuple[str, str], ...]], ...] = ()
 
     @cached_property
     def _by_number(self) -> dict[tuple[int, int], Variable]:

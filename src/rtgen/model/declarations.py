@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from decimal import Decimal
 from enum import StrEnum
 from typing import TypeAlias
+
+import msgspec
 
 from rtgen.diagnostics import Span
 from rtgen.model.types import ScopedName, Type
@@ -14,8 +15,7 @@ OPAQUE = "opaque"
 """The annotation of a struct or interface known by name only."""
 
 
-@dataclass(frozen=True, slots=True)
-class EnumeratorName:
+class EnumeratorName(msgspec.Struct, frozen=True):
     """The value of an enumerated constant or label."""
 
     name: ScopedName
@@ -25,8 +25,7 @@ ConstantValue: TypeAlias = bool | int | float | str | Decimal | EnumeratorName
 """The value of a constant expression; its Python type depends on the constant's type."""
 
 
-@dataclass(frozen=True, slots=True)
-class Annotation:
+class Annotation(msgspec.Struct, frozen=True):
     """`@name(arguments)`; a single unnamed argument has the name `value`."""
 
     name: str
@@ -37,8 +36,7 @@ class Annotation:
         return dict(self.arguments).get(key)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Documented:
+class Documented(msgspec.Struct, frozen=True, kw_only=True):
     """Attributes common to declarations and members: place, doc comment and annotations."""
 
     span: Span
@@ -50,8 +48,7 @@ class Documented:
         return next((a for a in self.annotations if a.name == name), None)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Declaration(Documented):
+class Declaration(Documented, frozen=True, kw_only=True):
     """A named declaration. `span` is the place of its name; `file` is the file that contains it."""
 
     name: ScopedName
@@ -64,8 +61,7 @@ class Declaration(Documented):
         return "::".join(self.name)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Member(Documented):
+class Member(Documented, frozen=True, kw_only=True):
     """A field of a struct or exception.
 
     `id` is its member id if the definition gives one, as a number or as a hash of a name; None is
@@ -89,8 +85,7 @@ class Extensibility(StrEnum):
     MUTABLE = "mutable"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Struct(Declaration):
+class Struct(Declaration, frozen=True, kw_only=True):
     """A struct; `base` as in IDL 4.2's struct inheritance. `members` excludes inherited ones."""
 
     members: tuple[Member, ...]
@@ -99,15 +94,13 @@ class Struct(Declaration):
     nested: bool = False
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ExceptionDecl(Declaration):
+class ExceptionDecl(Declaration, frozen=True, kw_only=True):
     """A user exception."""
 
     members: tuple[Member, ...]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Case(Documented):
+class Case(Documented, frozen=True, kw_only=True):
     """A branch of a union. `labels` are of the switch type; `default` may be given in addition."""
 
     labels: tuple[ConstantValue, ...]
@@ -118,8 +111,7 @@ class Case(Documented):
     external: bool = False
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Union(Declaration):
+class Union(Declaration, frozen=True, kw_only=True):
     """A discriminated union."""
 
     switch: Type
@@ -128,24 +120,21 @@ class Union(Declaration):
     nested: bool = False
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Enumerator(Documented):
+class Enumerator(Documented, frozen=True, kw_only=True):
     """A member of an enum or bitmask with its number (bit position for a bitmask)."""
 
     name: str
     value: int
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Enum(Declaration):
+class Enum(Declaration, frozen=True, kw_only=True):
     """An enum; its enumerators belong to the enclosing scope. `bound` is in bits."""
 
     members: tuple[Enumerator, ...]
     bound: int = 32
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Bitfield(Documented):
+class Bitfield(Documented, frozen=True, kw_only=True):
     """A field of a bitset: `bits` wide, `type` when one was written; unnamed ones are padding."""
 
     name: str | None
@@ -153,39 +142,34 @@ class Bitfield(Documented):
     type: Type | None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Bitset(Declaration):
+class Bitset(Declaration, frozen=True, kw_only=True):
     """A bitset (IDL 4.2)."""
 
     members: tuple[Bitfield, ...]
     base: ScopedName | None = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Bitmask(Declaration):
+class Bitmask(Declaration, frozen=True, kw_only=True):
     """A bitmask (IDL 4.2)."""
 
     members: tuple[Enumerator, ...]
     bound: int = 32
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Typedef(Declaration):
+class Typedef(Declaration, frozen=True, kw_only=True):
     """One declarator of a typedef."""
 
     type: Type
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Const(Declaration):
+class Const(Declaration, frozen=True, kw_only=True):
     """A constant, evaluated."""
 
     type: Type
     value: ConstantValue
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Native(Declaration):
+class Native(Declaration, frozen=True, kw_only=True):
     """A native type: a name without marshalling."""
 
 
@@ -197,8 +181,7 @@ class Direction(StrEnum):
     INOUT = "inout"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Parameter(Documented):
+class Parameter(Documented, frozen=True, kw_only=True):
     """A parameter of an operation."""
 
     direction: Direction
@@ -206,8 +189,7 @@ class Parameter(Documented):
     type: Type
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Operation(Documented):
+class Operation(Documented, frozen=True, kw_only=True):
     """An operation of an interface."""
 
     name: str
@@ -219,8 +201,7 @@ class Operation(Documented):
     repository_id: str = ""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Attribute(Documented):
+class Attribute(Documented, frozen=True, kw_only=True):
     """An attribute of an interface or component."""
 
     name: str
@@ -231,8 +212,7 @@ class Attribute(Documented):
     repository_id: str = ""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Interface(Declaration):
+class Interface(Declaration, frozen=True, kw_only=True):
     """An interface. Operations and attributes exclude inherited ones, each in source order.
 
     `forward`: the interface is only declared, and not defined in any file that was read.
@@ -246,15 +226,13 @@ class Interface(Declaration):
     operations: tuple[Operation, ...] = ()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class StateMember(Member):
+class StateMember(Member, frozen=True, kw_only=True):
     """A state member of a valuetype."""
 
     public: bool
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Valuetype(Declaration):
+class Valuetype(Declaration, frozen=True, kw_only=True):
     """A valuetype; `eventtype` marks the CORBA 3 form, `forward` is as for interfaces."""
 
     bases: tuple[ScopedName, ...] = ()
@@ -270,15 +248,13 @@ class Valuetype(Declaration):
     factories: tuple[Operation, ...] = ()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ValueBox(Declaration):
+class ValueBox(Declaration, frozen=True, kw_only=True):
     """A boxed value: `valuetype Name T;`."""
 
     type: Type
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Home(Declaration):
+class Home(Declaration, frozen=True, kw_only=True):
     """A component home; parsed, but not generated from."""
 
     manages: ScopedName | None = None

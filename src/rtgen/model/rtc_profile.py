@@ -6,8 +6,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from typing import Any
+
+import msgspec
 
 from rtgen.diagnostics import Span
 from rtgen.facts.constraints import Constraint
@@ -19,8 +20,7 @@ EVENT_ARGUMENTS = ("name", "source", "target", "condition", "type")
 """Attributes of an event: name, states before and after, time, data type."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ProfileParameter:
+class ProfileParameter(msgspec.Struct, frozen=True, kw_only=True):
     """A parameter of the set `default`. `type` is a word of C++, `default` its text."""
 
     name: str
@@ -34,11 +34,10 @@ class ProfileParameter:
     doc: str = ""
     widget: str = ""
     constraint: Constraint | None = None
-    facts: Mapping[str, Any] = field(default_factory=dict)
+    facts: Mapping[str, Any] = msgspec.field(default_factory=dict)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ProfileDataPort:
+class ProfileDataPort(msgspec.Struct, frozen=True, kw_only=True):
     """A data port. `type` is a scoped name of IDL, `idl_file` a base name or empty.
 
     An input for the events of a state machine is `for_events`; `events` has the attributes of
@@ -54,13 +53,12 @@ class ProfileDataPort:
     variable: str = ""
     unit: str = ""
     doc: str = ""
-    facts: Mapping[str, Any] = field(default_factory=dict)
+    facts: Mapping[str, Any] = msgspec.field(default_factory=dict)
     for_events: bool = False
     events: tuple[tuple[tuple[str, str], ...], ...] = ()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ProfileInterface:
+class ProfileInterface(msgspec.Struct, frozen=True, kw_only=True):
     """An interface of a service port."""
 
     name: str
@@ -72,11 +70,10 @@ class ProfileInterface:
     variable: str = ""
     instance: str = ""
     doc: str = ""
-    facts: Mapping[str, Any] = field(default_factory=dict)
+    facts: Mapping[str, Any] = msgspec.field(default_factory=dict)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ProfileServicePort:
+class ProfileServicePort(msgspec.Struct, frozen=True, kw_only=True):
     """A service port with its interfaces."""
 
     name: str
@@ -84,8 +81,7 @@ class ProfileServicePort:
     doc: str = ""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class RtcProfile:
+class RtcProfile(msgspec.Struct, frozen=True, kw_only=True):
     """Content of `rtc:RtcProfile`; `format_version` of the profile, `version` of the component.
 
     `rate` is in Hz, None if not given. `implements`: a component of this name in the definitions is
@@ -112,5 +108,5 @@ class RtcProfile:
     parameters: tuple[ProfileParameter, ...]
     data_ports: tuple[ProfileDataPort, ...]
     service_ports: tuple[ProfileServicePort, ...]
-    facts: Mapping[str, Any] = field(default_factory=dict)
+    facts: Mapping[str, Any] = msgspec.field(default_factory=dict)
     implements: bool = False

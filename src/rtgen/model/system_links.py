@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
+
+import msgspec
 
 from rtgen.model.components import (
     Component,
@@ -22,8 +23,7 @@ if TYPE_CHECKING:
 DATA_KINDS = (PortKind.INPORT, PortKind.OUTPORT)
 
 
-@dataclass(frozen=True, slots=True)
-class Known:
+class Known(msgspec.Struct, frozen=True):
     """A component's definition, and the model that contains its types."""
 
     component: Component
@@ -40,8 +40,7 @@ def known_components(models: Iterable[Model]) -> dict[str, Known]:
     return found
 
 
-@dataclass(frozen=True, slots=True)
-class Pair:
+class Pair(msgspec.Struct, frozen=True):
     """A consumer matched with a provider."""
 
     consumer_end: PortReference

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import StrEnum
+
+import msgspec
 
 from rtgen.diagnostics import Span
 from rtgen.model.c_types import CType, Expression
@@ -34,8 +35,7 @@ _INWARD = frozenset({TecsDirection.IN, TecsDirection.INOUT, TecsDirection.SEND})
 _OUTWARD = frozenset({TecsDirection.OUT, TecsDirection.INOUT, TecsDirection.RECEIVE})
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Sizes:
+class Sizes(msgspec.Struct, frozen=True, kw_only=True):
     """Size specifiers of a parameter or struct member.
 
     `string` is None without the specifier; `unsized_string`: `string` without an argument.
@@ -55,8 +55,7 @@ class Sizes:
         return self.string is not None or self.unsized_string
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class TecsParameter:
+class TecsParameter(msgspec.Struct, frozen=True, kw_only=True):
     """A parameter of a function. `allocator` is the signature of send and receive."""
 
     name: str
@@ -67,8 +66,7 @@ class TecsParameter:
     span: Span
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class TecsFunction:
+class TecsFunction(msgspec.Struct, frozen=True, kw_only=True):
     """A function of a signature; `id` counts from 1 in the order of the text."""
 
     id: int
@@ -80,8 +78,7 @@ class TecsFunction:
     doc: str = ""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class TecsDeclaration:
+class TecsDeclaration(msgspec.Struct, frozen=True, kw_only=True):
     """Attributes of all named declarations of CDL: scoped name, file, place."""
 
     name: ScopedName
@@ -100,8 +97,7 @@ class TecsDeclaration:
         return "_".join(self.name)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class TecsMember:
+class TecsMember(msgspec.Struct, frozen=True, kw_only=True):
     """A member of a struct."""
 
     name: str
@@ -110,40 +106,35 @@ class TecsMember:
     span: Span
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class TecsStruct(TecsDeclaration):
+class TecsStruct(TecsDeclaration, frozen=True, kw_only=True):
     """A struct by its tag; `from_c`: declared in a C header."""
 
     members: tuple[TecsMember, ...]
     from_c: bool = False
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class TecsTypedef(TecsDeclaration):
+class TecsTypedef(TecsDeclaration, frozen=True, kw_only=True):
     """A typedef; `from_c`: declared in a C header or in the prelude."""
 
     type: CType
     from_c: bool = False
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class TecsEnum(TecsDeclaration):
+class TecsEnum(TecsDeclaration, frozen=True, kw_only=True):
     """An enum with its values."""
 
     members: tuple[tuple[str, int], ...]
     bits: int | None = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class TecsConst(TecsDeclaration):
+class TecsConst(TecsDeclaration, frozen=True, kw_only=True):
     """A constant; `value` is None for a pointer constant that only C can evaluate."""
 
     type: CType
     value: bool | int | float | str | None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Signature(TecsDeclaration):
+class Signature(TecsDeclaration, frozen=True, kw_only=True):
     """A set of functions. `context` is `task`, `non-task` or `any`."""
 
     functions: tuple[TecsFunction, ...]
@@ -152,8 +143,7 @@ class Signature(TecsDeclaration):
     deviate: bool = False
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class TecsPort:
+class TecsPort(msgspec.Struct, frozen=True, kw_only=True):
     """A call port or entry port (`kind` is `call` or `entry`).
 
     `size` of an array is None for `[]`. Two kinds of call ports are implicit: `required` ones
@@ -175,8 +165,7 @@ class TecsPort:
     span: Span
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class TecsVariable:
+class TecsVariable(msgspec.Struct, frozen=True, kw_only=True):
     """An attribute or variable of a celltype, with its initialiser."""
 
     name: str
@@ -188,8 +177,7 @@ class TecsVariable:
     span: Span
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Celltype(TecsDeclaration):
+class Celltype(TecsDeclaration, frozen=True, kw_only=True):
     """A celltype."""
 
     ports: tuple[TecsPort, ...] = ()
@@ -200,8 +188,7 @@ class Celltype(TecsDeclaration):
     idx_is_id: bool = False
 
 
-@dataclass(frozen=True, slots=True)
-class TextPiece:
+class TextPiece(msgspec.Struct, frozen=True):
     """A piece of a concatenated string: it starts at `offset` of the text, and came from `span`.
 
     The span is that of the text between the quotes, on one line of the source.
@@ -211,8 +198,7 @@ class TextPiece:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
-class PluginArgument:
+class PluginArgument(msgspec.Struct, frozen=True):
     """The argument string of a plug-in, adjacent literals joined, escapes as written."""
 
     text: str
@@ -230,8 +216,7 @@ class PluginArgument:
         return Span(span.file, span.line, first, span.line, max(last, first))
 
 
-@dataclass(frozen=True, slots=True)
-class PluginOption:
+class PluginOption(msgspec.Struct, frozen=True):
     """`name = value` of a plug-in's argument: `value` without quotes, escapes and `$...$`."""
 
     name: str
@@ -240,8 +225,7 @@ class PluginOption:
     value_span: Span
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Through:
+class Through(msgspec.Struct, frozen=True, kw_only=True):
     """A plug-in of a join. `origin` is the kind of specifier that added it.
 
     `origin` is `through`, `out_through`, `to_through` or `in_through`; `region` is its region,
@@ -257,8 +241,7 @@ class Through:
     options: tuple[PluginOption, ...] = ()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Join:
+class Join(msgspec.Struct, frozen=True, kw_only=True):
     """A resolved join of a call port to an entry port; `through` in the order from the caller.
 
     `index` is the subscript of the call port, None if it is no array.
@@ -274,8 +257,7 @@ class Join:
     span: Span
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Cell(TecsDeclaration):
+class Cell(TecsDeclaration, frozen=True, kw_only=True):
     """A cell. `name` includes its regions; `attributes` are the values that the cell gives."""
 
     celltype: ScopedName
@@ -284,8 +266,7 @@ class Cell(TecsDeclaration):
     attributes: tuple[tuple[str, Expression], ...] = ()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Composite(TecsDeclaration):
+class Composite(TecsDeclaration, frozen=True, kw_only=True):
     """A composite celltype: its outer ports and attributes, and the inner cells.
 
     `exports` maps an outer port to its name, inner cell and inner port.
@@ -299,16 +280,14 @@ class Composite(TecsDeclaration):
     active: bool = False
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Region(TecsDeclaration):
+class Region(TecsDeclaration, frozen=True, kw_only=True):
     """A region; `linkunit` and `node` start a separate executable."""
 
     linkunit: bool = False
     node: bool = False
 
 
-@dataclass(frozen=True, slots=True)
-class TecsUnit:
+class TecsUnit(msgspec.Struct, frozen=True):
     """The declarations of a main CDL file and its imports, imports before importers.
 
     `file` is the displayed path of the main file, `key` the one for generated text.

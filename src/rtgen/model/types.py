@@ -6,8 +6,9 @@ a plain value without cycles, even if types are recursive.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TypeAlias
+
+import msgspec
 
 from rtgen.facts.primitives import Primitive
 
@@ -15,8 +16,7 @@ ScopedName: TypeAlias = tuple[str, ...]
 """A name from the global scope down: `("IIS", "TimedPose2D")`; escape underscores removed."""
 
 
-@dataclass(frozen=True, slots=True)
-class PrimitiveType:
+class PrimitiveType(msgspec.Struct, frozen=True):
     """A basic type."""
 
     kind: Primitive
@@ -25,8 +25,7 @@ class PrimitiveType:
         return self.kind.value
 
 
-@dataclass(frozen=True, slots=True)
-class StringType:
+class StringType(msgspec.Struct, frozen=True):
     """`string`, `wstring`, either with a bound in characters."""
 
     wide: bool = False
@@ -37,8 +36,7 @@ class StringType:
         return name if self.bound is None else f"{name}<{self.bound}>"
 
 
-@dataclass(frozen=True, slots=True)
-class SequenceType:
+class SequenceType(msgspec.Struct, frozen=True):
     """`sequence<T>` or `sequence<T,bound>`."""
 
     element: Type
@@ -49,8 +47,7 @@ class SequenceType:
         return f"sequence<{self.element}{bound}>"
 
 
-@dataclass(frozen=True, slots=True)
-class ArrayType:
+class ArrayType(msgspec.Struct, frozen=True):
     """`T name[a][b]`; dimensions outermost first. The element is never an array itself."""
 
     element: Type
@@ -60,8 +57,7 @@ class ArrayType:
         return str(self.element) + "".join(f"[{n}]" for n in self.dimensions)
 
 
-@dataclass(frozen=True, slots=True)
-class FixedType:
+class FixedType(msgspec.Struct, frozen=True):
     """`fixed<digits,scale>`."""
 
     digits: int
@@ -71,8 +67,7 @@ class FixedType:
         return f"fixed<{self.digits},{self.scale}>"
 
 
-@dataclass(frozen=True, slots=True)
-class MapType:
+class MapType(msgspec.Struct, frozen=True):
     """`map<K,V>` or `map<K,V,bound>` (IDL 4.2)."""
 
     key: Type
@@ -84,8 +79,7 @@ class MapType:
         return f"map<{self.key},{self.value}{bound}>"
 
 
-@dataclass(frozen=True, slots=True)
-class NamedType:
+class NamedType(msgspec.Struct, frozen=True):
     """A reference to a declared type."""
 
     name: ScopedName

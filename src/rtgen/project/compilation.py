@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+
+import msgspec
 
 from rtgen.backends import Artifact
 from rtgen.diagnostics import Diagnostic, has_errors
 
 
-@dataclass(frozen=True, slots=True)
-class Compilation:
+class Compilation(msgspec.Struct, frozen=True):
     """The result of a run: artifacts (none if there are errors), and their inputs.
 
     `inputs` maps the key of each file read to its sha256; `dependencies` maps the path of each
@@ -22,7 +22,7 @@ class Compilation:
     inputs: Mapping[str, str]
     diagnostics: tuple[Diagnostic, ...]
     dependencies: Mapping[str, str | None]
-    sources: Mapping[str, str] = field(default_factory=dict)
+    sources: Mapping[str, str] = msgspec.field(default_factory=dict)
 
     @property
     def failed(self) -> bool:

@@ -6,9 +6,11 @@ import keyword
 import os
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+import msgspec
+from msgspec.structs import replace
 
 from rtgen.backends import Options
 from rtgen.diagnostics import Diagnostic, InputError, Span
@@ -45,8 +47,7 @@ KCODES = ("auto", "euc", "sjis", "utf8", "none")
 _RESERVED_PACKAGES = frozenset({"generated", "RTC", "rtgen"})
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Project:
+class Project(msgspec.Struct, frozen=True, kw_only=True):
     """The inputs and outputs of a run.
 
     `root` is the absolute folder of rtgen.toml (else the working folder), which the keys of inputs
@@ -80,7 +81,7 @@ class Project:
     components: tuple[tuple[str, str], ...] = ()
     adapters: tuple[AdapterEntry, ...] = ()
     lint: tuple[tuple[str, str, Span], ...] = ()
-    plugins: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    plugins: Mapping[str, Mapping[str, Any]] = msgspec.field(default_factory=dict)
     node_id: int | None = None
 
     @property

@@ -14,10 +14,11 @@ import shutil
 import stat
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from hashlib import sha256
 from pathlib import Path, PurePosixPath
+
+import msgspec
 
 from rtgen.backends import Artifact, Owner
 from rtgen.diagnostics import Diagnostic, InputError, Rule, ToolError
@@ -45,8 +46,7 @@ _HEAD = 1024
 _FORBIDDEN = frozenset('\\:*?"<>|').union(map(chr, range(32)), "\x7f")
 
 
-@dataclass(frozen=True, slots=True)
-class Change:
+class Change(msgspec.Struct, frozen=True):
     """A file that differs: its bytes now (None: not there) and then (None: no longer made).
 
     `obstacle` says that something other than a regular file is in its place.
@@ -58,8 +58,7 @@ class Change:
     obstacle: bool = False
 
 
-@dataclass(frozen=True, slots=True)
-class Plan:
+class Plan(msgspec.Struct, frozen=True):
     """The changes that a run would make to the disk.
 
     `changes` are rtgen's own files in the order of writing, `skeletons` a user's, `strays` files

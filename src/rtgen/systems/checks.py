@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
+
+from msgspec.structs import replace
 
 from rtgen.diagnostics import Diagnostic, Rule, Severity, Span
 from rtgen.facts import connector_properties, parameter_texts

@@ -6,8 +6,10 @@ The common source for IDL, codecs and conversions of a device.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
 from math import isfinite
+
+import msgspec
+from msgspec.structs import replace
 
 from rtgen.layouts.pdo import Mapped, PdoLayout, PdoLayoutError, layout
 from rtgen.model import NamedType, Primitive, PrimitiveType, ScopedName, Type
@@ -49,8 +51,7 @@ _OWN_TIMED = {
 }
 
 
-@dataclass(frozen=True, slots=True)
-class Quantity:
+class Quantity(msgspec.Struct, frozen=True):
     """A variable as shown by components: with a factor it is a physical value, a `double`.
 
     Physical value = `factor` * value; None if the raw value is shown.
@@ -90,8 +91,7 @@ def can_be_parameter(quantity: Quantity) -> bool:
     )
 
 
-@dataclass(frozen=True, slots=True)
-class PdoSample:
+class PdoSample(msgspec.Struct, frozen=True):
     """A PDO with a port: `fields` are the members of its struct after the time stamp.
 
     `layout` has the same fields, under the same names.
@@ -112,8 +112,7 @@ class PdoSample:
         return self.name.capitalize()
 
 
-@dataclass(frozen=True, slots=True)
-class ObjectPort:
+class ObjectPort(msgspec.Struct, frozen=True):
     """A mapped object with a separate port.
 
     `places` are the PDOs that map it, as (PDO number, index among the PDO's fields).

@@ -22,6 +22,15 @@ _PROFILE = (
 )
 """The arguments of `@rtc`, in order: fields of a component."""
 
+_USUAL = dict(
+    zip(
+        reversed(Component.__struct_fields__),
+        reversed(Component.__struct_defaults__),
+        strict=False,
+    )
+)
+"""The defaults of a component's fields; those without stand first."""
+
 _FIELDS = {
     **{(word, "value"): word for word in ("name", "port", "instance", "unit")},
     **{(word, "value"): word for word in ("type_name", "widget", "constraint")},
@@ -63,10 +72,9 @@ def _of_component(component: Component) -> tuple[Annotation, ...]:
 
 
 def _different(component: Component) -> Iterator[tuple[str, ConstantValue]]:
-    defaults = Component.__dataclass_fields__
     for name in _PROFILE:
         value = getattr(component, name)
-        usual = defaults[name].default
+        usual = _USUAL[name]
         if name == "description":
             usual = component.doc.split("\n")[0]
         if value != usual:

@@ -7,7 +7,9 @@ its last dot (`PortBase.setOwner`). Profiles written by its tools have these nam
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+
+from msgspec.structs import replace
 
 from rtgen.model import Component, Connection, Port, PortKind, PortReference, System
 

@@ -7,7 +7,9 @@ mapping keeps the bits; `docs/tecs.md` describes the differences.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+
+from msgspec.structs import replace
 
 from rtgen.facts.tdr import Scalar
 from rtgen.model import (

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import fields, is_dataclass
 from pathlib import Path
 
+import msgspec
 import pytest
 from eds_files import Thing, eds, entry
 
@@ -335,8 +335,8 @@ def _alike(declaration: Declaration) -> object:
             return None
         if isinstance(value, tuple):
             return [stripped(each) for each in value]
-        if is_dataclass(value):
-            named = ((f.name, getattr(value, f.name)) for f in fields(value))
+        if isinstance(value, msgspec.Struct):
+            named = ((n, getattr(value, n)) for n in value.__struct_fields__)
             return [
                 (n, stripped(each)) for n, each in named if n not in ("doc", "file")
             ]

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from msgspec.structs import replace
 
 from rtgen.backends.canopen.eds_text import eds_text
 from rtgen.backends.canopen.mirror import SHIFT, mirrored

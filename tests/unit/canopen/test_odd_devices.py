@@ -5,13 +5,13 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from dataclasses import replace
 from pathlib import Path
 
 import black
 import programs
 import pytest
 from eds_files import WIDTHS, Thing, eds, entry
+from msgspec.structs import replace
 from type_checkers import check_by_mypy
 
 from rtgen.compiler import compile_project

@@ -2,7 +2,6 @@
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from itertools import combinations, pairwise
 from types import MappingProxyType
 
@@ -11,6 +10,7 @@ from component_models import SPAN, component, port
 from hypothesis import given
 from hypothesis import strategies as st
 from lxml import etree
+from msgspec.structs import replace
 
 from rtgen.backends.wiring import (
     ComponentView,

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 
 import pytest
+from msgspec.structs import replace
 
 from rtgen.diagnostics import Span
 from rtgen.facts.connector_properties import DATA, SERVICE, is_foreign

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import subprocess
-from dataclasses import fields, is_dataclass
 from pathlib import Path
 
+import msgspec
 import programs
 import pytest
 
@@ -58,13 +58,13 @@ module Names {
 
 def without_places(value: object) -> object:
     """The value as a tree; where it stands in a file is left out."""
-    if is_dataclass(value):
+    if isinstance(value, msgspec.Struct):
         return (
             type(value).__name__,
             *(
-                (each.name, without_places(getattr(value, each.name)))
-                for each in fields(value)
-                if each.name not in ("span", "file")
+                (name, without_places(getattr(value, name)))
+                for name in value.__struct_fields__
+                if name not in ("span", "file")
             ),
         )
     return tuple(map(without_places, value)) if isinstance(value, tuple) else value

@@ -74,7 +74,7 @@ def test_names_that_clash(tmp_path: Path) -> None:
 
 
 def test_a_factory_that_is_an_attribute(tmp_path: Path) -> None:
-    from dataclasses import replace
+    from msgspec.structs import replace
 
     options = replace(OPTIONS, factories={"Relay": "own.parts:Relays.make"})
     (plan,), _ = planned(tmp_path, options, a="component Relay {};")

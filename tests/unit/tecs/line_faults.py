@@ -15,11 +15,11 @@ import socket
 import subprocess
 import sys
 import threading
-from dataclasses import replace
 from pathlib import Path
 from random import Random
 from typing import Any
 
+from msgspec.structs import replace
 from random_signatures import Call, _parameter, plain, sample, scalar
 from services import Generated
 

@@ -16,7 +16,7 @@ from rtgen.project import kinds
 
 MODULE = '''
 from contextlib import contextmanager
-from dataclasses import replace
+from msgspec.structs import replace
 from pathlib import Path
 
 from rtgen.backends import Artifact, Emission

@@ -7,7 +7,8 @@ of a TPDO (1800h, 1A00h) lie 400h lower in the proxy (1400h, 1600h), those of an
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
+
+from msgspec.structs import replace
 
 from rtgen.model.canopen import (
     NO_RTR,

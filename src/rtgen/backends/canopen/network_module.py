@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from msgspec.structs import replace
 
 from rtgen.backends.canopen.literals import call, items
 from rtgen.backends.canopen.objects_module import identity_of, pdo_text, write_text

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+
+import msgspec
 
 from rtgen.backends import Options, Owner
 from rtgen.backends.components.base_module import class_names
@@ -34,24 +35,21 @@ _TAKEN = frozenset(
 )
 
 
-@dataclass(frozen=True, slots=True)
-class _Attribute:
+class _Attribute(msgspec.Struct, frozen=True):
     name: str
     type: str
     readonly: bool
     docstring: str
 
 
-@dataclass(frozen=True, slots=True)
-class _Operation:
+class _Operation(msgspec.Struct, frozen=True):
     name: str
     parameters: tuple[str, ...]
     result: str
     docstring: str
 
 
-@dataclass(frozen=True, slots=True)
-class _Servant:
+class _Servant(msgspec.Struct, frozen=True):
     """The servant class of a provider; `attribute` is the provider's."""
 
     name: str

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import isfinite
+
+from msgspec.structs import replace
 
 from rtgen.backends import Artifact
 from rtgen.backends.openrtm import system_rules as rules

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
 from functools import cached_property
 from sys import stdlib_module_names
+
+from msgspec.structs import replace
 
 from rtgen.backends import Artifact
 from rtgen.backends.idl_text import idl_text

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
+
+from msgspec.structs import replace
 
 from rtgen.backends.python_text import fit_text
 from rtgen.backends.quoting.python import string_literal

@@ -7,7 +7,8 @@ the methods.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+
+import msgspec
 
 from rtgen.backends.quoting.python import docstring, string_literal
 from rtgen.backends.tecs.codec_parts import (
@@ -48,8 +49,7 @@ from rtgen.typemap.tecs_texts import function_text
 _EOP = {True: "EOP_NOTHING_FOLLOWS", False: "EOP_REPLY_FOLLOWS"}
 
 
-@dataclass(frozen=True, slots=True)
-class CodecClass:
+class CodecClass(msgspec.Struct, frozen=True):
     """A class of a codec module; `records` are the classes of structs that it uses."""
 
     name: str

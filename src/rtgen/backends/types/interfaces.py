@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+
+import msgspec
 
 from rtgen.backends.quoting.python import docstring, string_literal
 from rtgen.backends.rendering import render
@@ -23,8 +24,7 @@ from rtgen.typemap.idl_python import PythonMapping
 from rtgen.typemap.idl_python_names import PythonNames, distinct
 
 
-@dataclass(frozen=True, slots=True)
-class _Attribute:
+class _Attribute(msgspec.Struct, frozen=True):
     name: str
     type: str
     docstring: str
@@ -33,8 +33,7 @@ class _Attribute:
     set_operation: str
 
 
-@dataclass(frozen=True, slots=True)
-class _Operation:
+class _Operation(msgspec.Struct, frozen=True):
     name: str
     parameters: str
     result: str

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import msgspec
 
 from rtgen.backends.quoting.python import docstring, string_literal
 from rtgen.backends.rendering import render
@@ -14,8 +14,7 @@ from rtgen.typemap.idl_python import PythonMapping
 from rtgen.typemap.idl_python_names import PythonNames
 
 
-@dataclass(frozen=True, slots=True)
-class _Method:
+class _Method(msgspec.Struct, frozen=True):
     name: str
     parameters: str
     result: str
@@ -23,8 +22,7 @@ class _Method:
     message: str
 
 
-@dataclass(frozen=True, slots=True)
-class _Property:
+class _Property(msgspec.Struct, frozen=True):
     name: str
     type: str
     docstring: str
@@ -32,8 +30,7 @@ class _Property:
     message: str
 
 
-@dataclass(frozen=True, slots=True)
-class _State:
+class _State(msgspec.Struct, frozen=True):
     text: str
     docstring: str
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
 from pathlib import Path
 
 import click
+from msgspec.structs import replace
 
 from rtgen.backends.canopen.reports import timing_text
 from rtgen.cli.can.writing_rates import writings

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
+
+from msgspec.structs import replace
 
 from rtgen.diagnostics import Span
 from rtgen.frontends.eds import numbers

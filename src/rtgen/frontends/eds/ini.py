@@ -6,7 +6,8 @@ import codecs
 import re
 from bisect import bisect_left
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+
+import msgspec
 
 from rtgen.diagnostics import Diagnostic, Span
 from rtgen.frontends.eds.findings import Findings
@@ -32,8 +33,7 @@ def _as_latin_1(error: UnicodeError) -> tuple[str, int]:
 codecs.register_error(_FALLBACK, _as_latin_1)
 
 
-@dataclass(slots=True, eq=False)
-class Entry:
+class Entry(msgspec.Struct, eq=False):
     """An entry `key=value`. Columns are 1-based; `value` is stripped."""
 
     file: str
@@ -58,13 +58,12 @@ class Entry:
         return Span(self.file, self.line, self.column, self.line, end)
 
 
-@dataclass(slots=True, eq=False)
-class Section:
+class Section(msgspec.Struct, eq=False):
     """A section: its name as written, and its entries by lower-case key."""
 
     name: str
     span: Span
-    entries: dict[str, Entry] = field(default_factory=dict)
+    entries: dict[str, Entry] = msgspec.field(default_factory=dict)
 
     def get(self, key: str) -> Entry | None:
         """The entry of a key, if it has a value."""
@@ -83,8 +82,7 @@ class Section:
                 yield int(key), entry
 
 
-@dataclass(slots=True, eq=False)
-class Document:
+class Document(msgspec.Struct, eq=False):
     """A file as text, and as sections by lower-case name, in order."""
 
     file: str

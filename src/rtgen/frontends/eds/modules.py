@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+
+from msgspec.structs import replace
 
 from rtgen.frontends.eds.findings import Findings
 from rtgen.frontends.eds.ini import Section

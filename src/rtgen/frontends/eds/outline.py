@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass, field
 from typing import TypeVar
+
+import msgspec
 
 from rtgen.frontends.eds.findings import Findings
 from rtgen.frontends.eds.ini import Document, Section
@@ -42,16 +43,15 @@ _MODULE = re.compile(r"m([0-9]{1,5})(moduleinfo|comments|fixedobjects|subextends
 _TOOL = re.compile(r"tool[0-9]+")
 
 
-@dataclass(slots=True, eq=False)
-class ObjectSections:
+class ObjectSections(msgspec.Struct, eq=False):
     """The sections of objects, by index and sub-index."""
 
-    heads: dict[int, Section] = field(default_factory=dict)
-    subs: dict[int, dict[int, Section]] = field(default_factory=dict)
-    names: dict[int, Section] = field(default_factory=dict)
-    values: dict[int, Section] = field(default_factory=dict)
-    denotations: dict[int, Section] = field(default_factory=dict)
-    links: dict[int, Section] = field(default_factory=dict)
+    heads: dict[int, Section] = msgspec.field(default_factory=dict)
+    subs: dict[int, dict[int, Section]] = msgspec.field(default_factory=dict)
+    names: dict[int, Section] = msgspec.field(default_factory=dict)
+    values: dict[int, Section] = msgspec.field(default_factory=dict)
+    denotations: dict[int, Section] = msgspec.field(default_factory=dict)
+    links: dict[int, Section] = msgspec.field(default_factory=dict)
 
     def all(self) -> Iterator[Section]:
         """The sections that describe an object or a sub-object."""
@@ -60,24 +60,22 @@ class ObjectSections:
             yield from subs.values()
 
 
-@dataclass(slots=True, eq=False)
-class ModuleSections:
+class ModuleSections(msgspec.Struct, eq=False):
     """The sections of a module type."""
 
     info: Section | None = None
-    fixed: ObjectSections = field(default_factory=ObjectSections)
-    extensions: dict[int, Section] = field(default_factory=dict)
+    fixed: ObjectSections = msgspec.field(default_factory=ObjectSections)
+    extensions: dict[int, Section] = msgspec.field(default_factory=dict)
     first: Section | None = None
 
 
-@dataclass(slots=True, eq=False)
-class Outline:
+class Outline(msgspec.Struct, eq=False):
     """All sections of a file by their kind."""
 
-    plain: dict[str, Section] = field(default_factory=dict)
-    objects: ObjectSections = field(default_factory=ObjectSections)
-    modules: dict[int, ModuleSections] = field(default_factory=dict)
-    further: list[Section] = field(default_factory=list)
+    plain: dict[str, Section] = msgspec.field(default_factory=dict)
+    objects: ObjectSections = msgspec.field(default_factory=ObjectSections)
+    modules: dict[int, ModuleSections] = msgspec.field(default_factory=dict)
+    further: list[Section] = msgspec.field(default_factory=list)
 
 
 def outline(document: Document, findings: Findings) -> Outline:

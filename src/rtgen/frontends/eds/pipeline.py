@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
+
+from msgspec.structs import replace
 
 from rtgen.diagnostics import Diagnostic, in_order
 from rtgen.frontends import FrontendResult

@@ -9,7 +9,8 @@ from __future__ import annotations
 import re
 from bisect import bisect_left
 from collections.abc import Sequence
-from dataclasses import dataclass
+
+import msgspec
 
 _DOCUMENTING = ("/**", "/*!", "///", "//!")
 _TRAILING = ("/**<", "/*!<", "///<", "//!<")
@@ -19,8 +20,7 @@ _MARK = re.compile(r"//[/!]?<? ?")
 _STAR = re.compile(r"^[ \t]*\*(?!/) ?", re.MULTILINE)
 
 
-@dataclass(frozen=True, slots=True)
-class Comment:
+class Comment(msgspec.Struct, frozen=True):
     """A comment with its marks, at [start, end) of a text."""
 
     start: int

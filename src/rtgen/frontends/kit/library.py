@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
 from typing import Generic, Protocol, TypeVar
+
+import msgspec
 
 from rtgen.frontends import Dependency
 
@@ -15,8 +16,7 @@ MAX_BYTES = 32 * 1024 * 1024
 """A larger file is not read."""
 
 
-@dataclass(frozen=True, slots=True)
-class VirtualFile:
+class VirtualFile(msgspec.Struct, frozen=True):
     """A file that others may include without its being on the disk.
 
     `key` is the one for generated text; a `text` that is a function is made when it is included.

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TypeVar, dataclass_transform
+from typing import dataclass_transform
 
-T = TypeVar("T")
+import msgspec
 
 
 @dataclass_transform(eq_default=False, frozen_default=True)
-def node(cls: type[T]) -> type[T]:
-    """A frozen dataclass for type checkers; nothing at run time enforces it, which would make
-    the parser slower by a sixth."""
-    return dataclass(slots=True, eq=False, repr=False)(cls)
+class Node(msgspec.Struct, frozen=True, eq=False):
+    """A node: frozen, and compared by identity, as its subclasses are."""

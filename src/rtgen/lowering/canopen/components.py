@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 from math import isfinite
 from typing import Any
+
+from msgspec.structs import replace
 
 from rtgen.diagnostics import Span
 from rtgen.lowering.canopen.kinds import file_name, folder_of, service_of

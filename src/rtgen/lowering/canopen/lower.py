@@ -8,7 +8,9 @@ lowering makes takes its place.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
+
+from msgspec.structs import replace
 
 from rtgen.diagnostics import Diagnostic, Related
 from rtgen.lowering.canopen.components import device_components, manager

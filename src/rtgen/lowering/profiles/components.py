@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import TypeVar
+
+from msgspec.structs import replace
 
 from rtgen.diagnostics import Diagnostic, Related, Rule, Span
 from rtgen.facts.constraints import Constraint, text_of

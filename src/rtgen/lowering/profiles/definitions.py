@@ -8,8 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, TypeAlias, TypeVar
+
+from msgspec.structs import replace
 
 from rtgen.diagnostics import Diagnostic, Span
 from rtgen.model import (

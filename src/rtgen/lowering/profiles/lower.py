@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from msgspec.structs import replace
 
 from rtgen.lowering.profiles.components import components
 from rtgen.lowering.settings import Settings

@@ -6,7 +6,8 @@ RTM-TECS, 5.1 and Table 1: a marshaller RTC and a client RTC for each signature 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+
+from msgspec.structs import replace
 
 from rtgen.diagnostics import Diagnostic
 from rtgen.layouts.tdr import SignatureLayout, TransferError
@@ -20,8 +21,7 @@ from rtgen.lowering.tecs.rules import NOT_TRANSFERRED
 from rtgen.model import Model, Package
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class BoardPackage(Package):
+class BoardPackage(Package, frozen=True, kw_only=True):
     """The package of a CDL file: its plan, and its signatures in IDL and on the wire."""
 
     plan: TecsPackage

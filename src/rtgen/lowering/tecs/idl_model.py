@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
 from typing import TypeVar
+
+import msgspec
+from msgspec.structs import replace
 
 from rtgen.diagnostics import Diagnostic, Span
 from rtgen.facts.tdr import Scalar
@@ -57,8 +59,7 @@ _D = TypeVar("_D", bound=TecsDeclaration)
 _ANY = PrimitiveType(Primitive.ANY)
 
 
-@dataclass(frozen=True, slots=True)
-class IdlService:
+class IdlService(msgspec.Struct, frozen=True):
     """A service in IDL.
 
     `declarations` are the types that it needs, in order, then the interface. `arrays` gives the
@@ -76,8 +77,7 @@ class IdlService:
         return f"{self.service.name}.idl"
 
 
-@dataclass(frozen=True, slots=True)
-class IdlSide:
+class IdlSide(msgspec.Struct, frozen=True):
     """The IDL of a package's services. `shared` are the declarations that several files use.
 
     `structs` gives the scoped name in IDL of each struct of CDL, `refused` the spans of

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import PurePosixPath
+
+import msgspec
 
 from rtgen.diagnostics import Diagnostic, Related, Span
 from rtgen.facts.opaque_rpc import FIRST_PORT
@@ -27,8 +28,7 @@ _TAKEN = frozenset({"_corba"})
 """Modules beside the packages of the CDL files."""
 
 
-@dataclass(frozen=True, slots=True)
-class Service:
+class Service(msgspec.Struct, frozen=True):
     """A signature that RTCs offer: `name` as in `ServerMarshaller`, `module` as in
     `server_codec`; `options` are those that all its joins share."""
 
@@ -38,8 +38,7 @@ class Service:
     options: RtcOptions
 
 
-@dataclass(frozen=True, slots=True)
-class RtcJoin:
+class RtcJoin(msgspec.Struct, frozen=True):
     """A join through `RTCPlugin`. `number` counts in the CDL file, from 0."""
 
     number: int
@@ -73,8 +72,7 @@ class RtcJoin:
         return f"{through.origin} {region} {target}{_subscript(join.target_index)}"
 
 
-@dataclass(frozen=True, slots=True)
-class TecsPackage:
+class TecsPackage(msgspec.Struct, frozen=True):
     """The package of a CDL file. `sources` are its inputs, the main file first."""
 
     unit: TecsUnit

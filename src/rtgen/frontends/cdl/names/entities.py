@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
 from typing import Protocol, TypeAlias
+
+import msgspec
 
 from rtgen.diagnostics import Diagnostic, Related, Span
 from rtgen.frontends.cdl.names.scopes import Entity, Kind, Scope
@@ -42,8 +43,7 @@ class Spanned(Protocol):
     def end(self) -> int: ...
 
 
-@dataclass(frozen=True, slots=True)
-class Place:
+class Place(msgspec.Struct, frozen=True):
     """Where a node stands: its file, and the scope that its names are looked up from."""
 
     unit: Unit
@@ -76,8 +76,7 @@ class Place:
         return name.parts[-1].text in self.unit.lost
 
 
-@dataclass(frozen=True, slots=True)
-class Declared:
+class Declared(msgspec.Struct, frozen=True):
     """One name of a declaration: its type (None if it has errors) and its initialiser."""
 
     name: tree.Name
@@ -122,8 +121,7 @@ Names: TypeAlias = Callable[[str], "tuple[tree.Initialiser, Place] | None"]
 """The initialiser of an attribute that an expression may name, with its place."""
 
 
-@dataclass(eq=False, slots=True)
-class HiddenFor:
+class HiddenFor(msgspec.Struct, eq=False):
     """The parameter whose allocator an implicit call port is for."""
 
     port: Port
@@ -131,8 +129,7 @@ class HiddenFor:
     parameter: str
 
 
-@dataclass(eq=False, slots=True)
-class Port:
+class Port(msgspec.Struct, eq=False):
     """A call port or entry port of a celltype or composite."""
 
     name: str
@@ -142,12 +139,12 @@ class Port:
     span: Span
     array: bool = False
     size: int | None = None
-    flags: set[str] = field(default_factory=set)
+    flags: set[str] = msgspec.field(default_factory=set)
     required: Entity | None = None
     required_port: str = ""
     hidden: HiddenFor | None = None
     allocations: tuple[tree.Allocation, ...] = ()
-    allocators: dict[tuple[str, str], Allocator] = field(default_factory=dict)
+    allocators: dict[tuple[str, str], Allocator] = msgspec.field(default_factory=dict)
     fixed: statements.PortOf | None = None
     fixed_place: Place | None = None
 
@@ -174,8 +171,7 @@ class Port:
                     yield function.name, parameter.name, parameter.allocator
 
 
-@dataclass(eq=False, slots=True)
-class Allocator:
+class Allocator(msgspec.Struct, eq=False):
     """`function.parameter <= call.function.parameter`, or `= entry` where `call` is empty."""
 
     node: tree.Allocation
@@ -185,8 +181,7 @@ class Allocator:
     entry: str = ""
 
 
-@dataclass(eq=False, slots=True)
-class Variable:
+class Variable(msgspec.Struct, eq=False):
     """An attribute or, as `kind` says (`attr` or `var`), a variable."""
 
     name: str
@@ -205,8 +200,7 @@ class Variable:
 Member: TypeAlias = Port | Variable
 
 
-@dataclass(eq=False, slots=True)
-class Celltype:
+class Celltype(msgspec.Struct, eq=False):
     """A celltype, or a composite (`Composite`)."""
 
     entity: Entity
@@ -214,10 +208,10 @@ class Celltype:
     singleton: bool = False
     active: bool = False
     idx_is_id: bool = False
-    members: dict[str, Member] = field(default_factory=dict)
+    members: dict[str, Member] = msgspec.field(default_factory=dict)
     cell_factory: bool = False
     celltype_factory: bool = False
-    cells: list[Cell] = field(default_factory=list)
+    cells: list[Cell] = msgspec.field(default_factory=list)
     joined_by: str | None = None
     """The plug-in that may join call ports of the cells."""
 
@@ -251,8 +245,7 @@ class Celltype:
         return [(port, port.name) for port in self.ports if port.fixed is not None]
 
 
-@dataclass(eq=False, slots=True)
-class Exported:
+class Exported(msgspec.Struct, eq=False):
     """A port or attribute of an inner cell that a composite exports."""
 
     name: str
@@ -261,25 +254,23 @@ class Exported:
     span: Span
 
 
-@dataclass(eq=False, slots=True)
-class _Inside:
+class _Inside(msgspec.Struct, eq=False):
     """Summary of the inner cells of a composite."""
 
-    real: Counter[Celltype] = field(default_factory=Counter)
+    real: Counter[Celltype] = msgspec.field(default_factory=Counter)
     inactive: bool = True
-    fixed: list[tuple[Port, str]] = field(default_factory=list)
-    kept: list[Port] = field(default_factory=list)
+    fixed: list[tuple[Port, str]] = msgspec.field(default_factory=list)
+    kept: list[Port] = msgspec.field(default_factory=list)
     levels: int = 1
 
 
-@dataclass(eq=False, slots=True)
-class Composite(Celltype):
+class Composite(Celltype, eq=False):
     """A composite with its inner cells. `tried`: names with an invalid export, already reported."""
 
-    inner: dict[str, Cell] = field(default_factory=dict)
-    tried: set[str] = field(default_factory=set)
-    exports: list[Exported] = field(default_factory=list)
-    _inside: _Inside = field(default_factory=_Inside)
+    inner: dict[str, Cell] = msgspec.field(default_factory=dict)
+    tried: set[str] = msgspec.field(default_factory=set)
+    exports: list[Exported] = msgspec.field(default_factory=list)
+    _inside: _Inside = msgspec.field(default_factory=_Inside)
 
     def export(self, name: str) -> Exported | None:
         """The first export of that name."""
@@ -329,8 +320,7 @@ class Composite(Celltype):
         self._inside = found
 
 
-@dataclass(frozen=True, slots=True)
-class Plugin:
+class Plugin(msgspec.Struct, frozen=True):
     """A plug-in on a join, as written; `region`: the region that specifies it, if one does."""
 
     name: tree.Name
@@ -341,8 +331,7 @@ class Plugin:
     count: int = 0
 
 
-@dataclass(eq=False, slots=True)
-class Join:
+class Join(msgspec.Struct, eq=False):
     """A join or attribute value of a cell. `index`: -1 for `[]`, None without a subscript.
 
     `value` is what was written; the target is named by it, or by `target` where the join was made
@@ -367,8 +356,7 @@ class Join:
     done: bool = False
 
 
-@dataclass(frozen=True, slots=True)
-class Target:
+class Target(msgspec.Struct, frozen=True):
     """The right side of a join: the name or the cell itself, the entry port, its subscript."""
 
     cell: tree.ScopedName | Cell
@@ -379,8 +367,7 @@ class Target:
     place: Place
 
 
-@dataclass(frozen=True, slots=True)
-class CellAllocator:
+class CellAllocator(msgspec.Struct, frozen=True):
     """An allocator of an entry port of a cell: the parameter, and the target of its joins."""
 
     port: str
@@ -390,8 +377,7 @@ class CellAllocator:
     join: Join
 
 
-@dataclass(eq=False, slots=True)
-class Cell:
+class Cell(msgspec.Struct, eq=False):
     """A cell, or its prototype only, as long as it is not `defined`.
 
     `guessed`: the celltype is unknown and may have been declared by a plug-in. `tried`
@@ -404,20 +390,22 @@ class Cell:
     place: Place
     region: Scope
     inside: Composite | None = None
-    order: list[Join] = field(default_factory=list)
-    joins: dict[str, list[Join]] = field(default_factory=dict)
-    reversed: list[tuple[statements.ReverseJoin, Place]] = field(default_factory=list)
-    allocators: list[CellAllocator] = field(default_factory=list)
-    exported: dict[str, Exported] = field(default_factory=dict)
-    plugins: list[tree.Name] = field(default_factory=list)
+    order: list[Join] = msgspec.field(default_factory=list)
+    joins: dict[str, list[Join]] = msgspec.field(default_factory=dict)
+    reversed: list[tuple[statements.ReverseJoin, Place]] = msgspec.field(
+        default_factory=list
+    )
+    allocators: list[CellAllocator] = msgspec.field(default_factory=list)
+    exported: dict[str, Exported] = msgspec.field(default_factory=dict)
+    plugins: list[tree.Name] = msgspec.field(default_factory=list)
     defined: bool = False
     span: Span | None = None
     used: bool = False
     resolved: bool = False
     guessed: bool = False
-    tried: set[str] = field(default_factory=set)
-    clashing: set[str] = field(default_factory=set)
-    callers: dict[str, int] = field(default_factory=dict)
+    tried: set[str] = msgspec.field(default_factory=set)
+    clashing: set[str] = msgspec.field(default_factory=set)
+    callers: dict[str, int] = msgspec.field(default_factory=dict)
     id: int | None = None
     id_span: Span | None = None
 

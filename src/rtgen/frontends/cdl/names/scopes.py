@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
 from enum import StrEnum
+
+import msgspec
 
 from rtgen.diagnostics import Span
 from rtgen.frontends.cdl.names.operands import Operand
@@ -29,8 +30,7 @@ class Kind(StrEnum):
     ENUM = "enum"
 
 
-@dataclass(eq=False, slots=True)
-class Entity:
+class Entity(msgspec.Struct, eq=False):
     """A declared entity.
 
     `unit` and `node` are None for what a C header or the prelude declares. `declaration` is its
@@ -56,8 +56,7 @@ class Entity:
     value: Operand | None = None
 
 
-@dataclass(eq=False, slots=True)
-class Scope:
+class Scope(msgspec.Struct, eq=False):
     """A name space or region; the root has no name.
 
     Name spaces and regions are scopes and no entities. Tags of structs and enums have a table of
@@ -68,9 +67,9 @@ class Scope:
     parent: Scope | None
     kind: Kind = Kind.NAMESPACE
     place: Span | None = None
-    scopes: dict[str, Scope] = field(default_factory=dict)
-    entities: dict[str, Entity] = field(default_factory=dict)
-    tags: dict[str, Entity] = field(default_factory=dict)
+    scopes: dict[str, Scope] = msgspec.field(default_factory=dict)
+    entities: dict[str, Entity] = msgspec.field(default_factory=dict)
+    tags: dict[str, Entity] = msgspec.field(default_factory=dict)
 
     def outwards(self) -> Iterator[Scope]:
         """This scope, the one around it, and so on."""

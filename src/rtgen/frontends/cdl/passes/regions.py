@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+import msgspec
+from msgspec.structs import replace
 
 from rtgen.diagnostics import Related, Span
 from rtgen.frontends.cdl.names.entities import Place, Plugin, Report, here
@@ -13,8 +14,7 @@ from rtgen.frontends.cdl.syntax import statements, tree
 from rtgen.frontends.kit.suggestions import nearest
 
 
-@dataclass(eq=False, slots=True)
-class Permits:
+class Permits(msgspec.Struct, eq=False):
     """The joins that the specifiers of a region permit.
 
     A list of plug-ins is None without the specifier: then no join may pass. `free` marks a
@@ -26,10 +26,10 @@ class Permits:
     free: bool = False
     inward: list[Plugin] | None = None
     outward: list[Plugin] | None = None
-    toward: dict[str, list[Plugin]] = field(default_factory=dict)
+    toward: dict[str, list[Plugin]] = msgspec.field(default_factory=dict)
     entered: int = -1
     left: int = -1
-    gone: dict[str, int] = field(default_factory=dict)
+    gone: dict[str, int] = msgspec.field(default_factory=dict)
 
 
 class Regions:

@@ -20,11 +20,10 @@ from rtgen.frontends.cdl.syntax.tree import (
     Typedef,
     TypeStatement,
 )
-from rtgen.frontends.kit.nodes import node
+from rtgen.frontends.kit.nodes import Node
 
 
-@node
-class Namespace:
+class Namespace(Node):
     """`namespace name { items }`."""
 
     name: Name
@@ -33,8 +32,7 @@ class Namespace:
     end: int
 
 
-@node
-class Function:
+class Function(Node):
     """A function of a signature; its parameters are in the declarator."""
 
     type: QualifiedType
@@ -43,8 +41,7 @@ class Function:
     end: int
 
 
-@node
-class Signature:
+class Signature(Node):
     """`signature name { functions }`."""
 
     name: Name
@@ -53,8 +50,7 @@ class Signature:
     end: int
 
 
-@node
-class Port:
+class Port(Node):
     """`call signature name[size]` and `entry signature name`.
 
     `subscript` is that of an array; `target` is the port in `<= celltype.port`.
@@ -69,8 +65,7 @@ class Port:
     end: int
 
 
-@node
-class PortOf:
+class PortOf(Node):
     """`cell.port` or `celltype.port`, with its subscript."""
 
     owner: ScopedName
@@ -80,8 +75,7 @@ class PortOf:
     end: int
 
 
-@node
-class Attributes:
+class Attributes(Node):
     """`attr { ... }` and, as `keyword` says, `var { ... }`; each item is a `Declaration`."""
 
     keyword: str
@@ -90,8 +84,7 @@ class Attributes:
     end: int
 
 
-@node
-class Require:
+class Require(Node):
     """`require target.port` or `require name = target.port`."""
 
     name: Name | None
@@ -100,8 +93,7 @@ class Require:
     end: int
 
 
-@node
-class Factory:
+class Factory(Node):
     """`factory { ... }`, or `FACTORY { ... }` as `keyword` says."""
 
     keyword: str
@@ -110,8 +102,7 @@ class Factory:
     end: int
 
 
-@node
-class FactoryCall:
+class FactoryCall(Node):
     """`write( file, format, arguments )`; arguments are names and strings."""
 
     function: Name
@@ -122,8 +113,7 @@ class FactoryCall:
     end: int
 
 
-@node
-class Celltype:
+class Celltype(Node):
     """`celltype name { ports, attributes, ... }`."""
 
     name: Name
@@ -132,8 +122,7 @@ class Celltype:
     end: int
 
 
-@node
-class Join:
+class Join(Node):
     """`name[i] = value` in a cell: a join, or the value of an attribute.
 
     The target of a join is parsed as the expression `cell.port[i]`.
@@ -146,8 +135,7 @@ class Join:
     end: int
 
 
-@node
-class ReverseJoin:
+class ReverseJoin(Node):
     """`entry[i] <= cell.port[i]`."""
 
     name: Name
@@ -157,8 +145,7 @@ class ReverseJoin:
     end: int
 
 
-@node
-class Export:
+class Export(Node):
     """`port => composite.name` or `port => name` in an inner cell."""
 
     port: Name
@@ -167,8 +154,7 @@ class Export:
     end: int
 
 
-@node
-class EntryExport:
+class EntryExport(Node):
     """`composite.name => cell.entry` or `name => cell.entry` in a composite."""
 
     name: Name
@@ -178,8 +164,7 @@ class EntryExport:
     end: int
 
 
-@node
-class Cell:
+class Cell(Node):
     """`cell type name { joins }`; `joins` is None for a prototype, which has no body."""
 
     celltype: ScopedName
@@ -189,8 +174,7 @@ class Cell:
     end: int
 
 
-@node
-class Composite:
+class Composite(Node):
     """`composite name { ... }`."""
 
     name: Name
@@ -199,8 +183,7 @@ class Composite:
     end: int
 
 
-@node
-class Region:
+class Region(Node):
     """`region name { cells and regions }`."""
 
     name: Name
@@ -209,8 +192,7 @@ class Region:
     end: int
 
 
-@node
-class Import:
+class Import(Node):
     """`import( "file" )`, or `import( <file> )` where `reused` is set; `path` is the name alone."""
 
     path: str
@@ -219,8 +201,7 @@ class Import:
     end: int
 
 
-@node
-class ImportC:
+class ImportC(Node):
     """`import_C( "header" )` or `import_C( "header", "definitions" )`."""
 
     header: Text
@@ -229,8 +210,7 @@ class ImportC:
     end: int
 
 
-@node
-class Generate:
+class Generate(Node):
     """`generate( plugin, target, "arguments" )`."""
 
     plugin: Name
@@ -240,8 +220,7 @@ class Generate:
     end: int
 
 
-@node
-class ToolInformation:
+class ToolInformation(Node):
     """`__tool_info__( "name" ) { ... }` and `__location_information__ { ... }`, both ignored."""
 
     keyword: str
@@ -249,8 +228,7 @@ class ToolInformation:
     end: int
 
 
-@node
-class Skipped:
+class Skipped(Node):
     """A skipped statement with a syntax error, already reported."""
 
     start: int
@@ -291,8 +269,7 @@ Part: TypeAlias = (
 """Statements that are valid only inside another one."""
 
 
-@node
-class Item:
+class Item(Node):
     """An entry of a list in braces, or of a file, with its specifiers."""
 
     specifiers: Specifiers | None

@@ -10,11 +10,10 @@ from __future__ import annotations
 from typing import TypeAlias
 
 from rtgen.facts.tdr import Scalar
-from rtgen.frontends.kit.nodes import node
+from rtgen.frontends.kit.nodes import Node
 
 
-@node
-class Name:
+class Name(Node):
     """An identifier."""
 
     text: str
@@ -22,8 +21,7 @@ class Name:
     end: int
 
 
-@node
-class ScopedName:
+class ScopedName(Node):
     """`a::b`, or `::a::b` if absolute."""
 
     parts: tuple[Name, ...]
@@ -35,8 +33,7 @@ class ScopedName:
         return "::" * self.absolute + "::".join(part.text for part in self.parts)
 
 
-@node
-class TextPart:
+class TextPart(Node):
     """One of several adjacent string literals: the source text between its quotes."""
 
     text: str
@@ -44,8 +41,7 @@ class TextPart:
     end: int
 
 
-@node
-class Text:
+class Text(Node):
     """Adjacent string literals. `text` is their concatenation, escapes as written."""
 
     parts: tuple[TextPart, ...]
@@ -61,8 +57,7 @@ class Text:
 # Expressions
 
 
-@node
-class Number:
+class Number(Node):
     """A number as written."""
 
     text: str
@@ -70,8 +65,7 @@ class Number:
     end: int
 
 
-@node
-class Character:
+class Character(Node):
     """A character literal: the source text between its quotes."""
 
     text: str
@@ -79,8 +73,7 @@ class Character:
     end: int
 
 
-@node
-class Boolean:
+class Boolean(Node):
     """`true` or `false`."""
 
     value: bool
@@ -88,8 +81,7 @@ class Boolean:
     end: int
 
 
-@node
-class Group:
+class Group(Node):
     """An expression in parentheses."""
 
     inner: Expression
@@ -97,8 +89,7 @@ class Group:
     end: int
 
 
-@node
-class Postfix:
+class Postfix(Node):
     """`operand[index]` and `operand.name`, applied from the left."""
 
     operand: Expression
@@ -107,8 +98,7 @@ class Postfix:
     end: int
 
 
-@node
-class Subscript:
+class Subscript(Node):
     """`[index]` after an expression or a port; `index` is None for `[]`."""
 
     index: Expression | None
@@ -116,8 +106,7 @@ class Subscript:
     end: int
 
 
-@node
-class Unary:
+class Unary(Node):
     """`& * + - ~ !` before an operand."""
 
     operator: str
@@ -126,8 +115,7 @@ class Unary:
     end: int
 
 
-@node
-class Cast:
+class Cast(Node):
     """`(type)operand`."""
 
     type: TypeName
@@ -136,8 +124,7 @@ class Cast:
     end: int
 
 
-@node
-class Chain:
+class Chain(Node):
     """Operands joined by operators of one precedence, applied from the left."""
 
     first: Expression
@@ -146,8 +133,7 @@ class Chain:
     end: int
 
 
-@node
-class Conditional:
+class Conditional(Node):
     """`condition ? yes : no`."""
 
     condition: Expression
@@ -172,8 +158,7 @@ Expression: TypeAlias = (
 )
 
 
-@node
-class CExp:
+class CExp(Node):
     """`C_EXP( "text" )`."""
 
     text: Text
@@ -181,8 +166,7 @@ class CExp:
     end: int
 
 
-@node
-class Aggregate:
+class Aggregate(Node):
     """`{ a, b, {c} }`."""
 
     items: tuple[Initialiser, ...]
@@ -190,8 +174,7 @@ class Aggregate:
     end: int
 
 
-@node
-class OfComposite:
+class OfComposite(Node):
     """`composite.name`, as the value of an attribute or call port of an inner cell."""
 
     name: Name
@@ -205,8 +188,7 @@ Initialiser: TypeAlias = Expression | CExp | Aggregate
 # Specifiers
 
 
-@node
-class Specifier:
+class Specifier(Node):
     """A specifier in brackets: its keyword, and its arguments in source order.
 
     | word | arguments |
@@ -232,8 +214,7 @@ class Specifier:
     end: int
 
 
-@node
-class Allocation:
+class Allocation(Node):
     """`port[i].function.parameter = value`, `port.function = value`, `port.function <= value`.
 
     `operator` is `=` or `<=`.
@@ -247,8 +228,7 @@ class Allocation:
     end: int
 
 
-@node
-class Restriction:
+class Restriction(Node):
     """`port = { regions }` or `port.function = { regions }`."""
 
     path: tuple[Name, ...]
@@ -262,8 +242,7 @@ SpecifierArgument: TypeAlias = (
 )
 
 
-@node
-class Specifiers:
+class Specifiers(Node):
     """A specifier list; `broken`: it contained an invalid specifier, already reported."""
 
     items: tuple[Specifier, ...]
@@ -275,8 +254,7 @@ class Specifiers:
 # Types and declarators
 
 
-@node
-class BasicType:
+class BasicType(Node):
     """A basic type; `sign` is `signed` or `unsigned` if written.
 
     `plain` distinguishes `char` from `char_t`, which have the same kind.
@@ -289,8 +267,7 @@ class BasicType:
     end: int
 
 
-@node
-class TypedefName:
+class TypedefName(Node):
     """The name of a typedef."""
 
     name: Name
@@ -298,8 +275,7 @@ class TypedefName:
     end: int
 
 
-@node
-class StructSpecifier:
+class StructSpecifier(Node):
     """`struct tag`, or a struct with its members (which may have no tag)."""
 
     tag: Name | None
@@ -308,8 +284,7 @@ class StructSpecifier:
     end: int
 
 
-@node
-class EnumSpecifier:
+class EnumSpecifier(Node):
     """`enum tag`, or an enum with its enumerators; `keyword` is `enum`, `enum8` ..."""
 
     keyword: str
@@ -319,16 +294,14 @@ class EnumSpecifier:
     end: int
 
 
-@node
-class Enumerator:
+class Enumerator(Node):
     """`name` or `name = value`."""
 
     name: Name
     value: Expression | None
 
 
-@node
-class DescriptorOf:
+class DescriptorOf(Node):
     """`Descriptor( signature )`."""
 
     signature: ScopedName
@@ -341,8 +314,7 @@ TypeSpecifier: TypeAlias = (
 )
 
 
-@node
-class QualifiedType:
+class QualifiedType(Node):
     """A type with the qualifiers before it (`const`, `volatile`)."""
 
     qualifiers: tuple[Name, ...]
@@ -351,8 +323,7 @@ class QualifiedType:
     end: int
 
 
-@node
-class Pointer:
+class Pointer(Node):
     """A `*` with the qualifier after it."""
 
     qualifier: Name | None
@@ -360,8 +331,7 @@ class Pointer:
     end: int
 
 
-@node
-class ArraySuffix:
+class ArraySuffix(Node):
     """`[size]` or `[]`."""
 
     size: Expression | None
@@ -369,8 +339,7 @@ class ArraySuffix:
     end: int
 
 
-@node
-class Parameters:
+class Parameters(Node):
     """`( parameters )`; empty for `()`."""
 
     items: tuple[Parameter, ...]
@@ -378,8 +347,7 @@ class Parameters:
     end: int
 
 
-@node
-class Declarator:
+class Declarator(Node):
     """A declarator as in C; `inner` is None for an abstract one."""
 
     pointers: tuple[Pointer, ...]
@@ -397,8 +365,7 @@ class Declarator:
         return inner
 
 
-@node
-class InitDeclarator:
+class InitDeclarator(Node):
     """A declarator with its initialiser."""
 
     declarator: Declarator
@@ -407,8 +374,7 @@ class InitDeclarator:
     end: int
 
 
-@node
-class Declaration:
+class Declaration(Node):
     """`type a = 1, *b` of constants, attributes and variables."""
 
     type: QualifiedType
@@ -417,8 +383,7 @@ class Declaration:
     end: int
 
 
-@node
-class TypeName:
+class TypeName(Node):
     """A type in a cast."""
 
     type: QualifiedType
@@ -427,8 +392,7 @@ class TypeName:
     end: int
 
 
-@node
-class Parameter:
+class Parameter(Node):
     """A parameter; a valid one has both specifiers and a name."""
 
     specifiers: Specifiers | None
@@ -438,8 +402,7 @@ class Parameter:
     end: int
 
 
-@node
-class MemberItem:
+class MemberItem(Node):
     """`type a, b;` of a struct."""
 
     specifiers: Specifiers | None
@@ -452,8 +415,7 @@ class MemberItem:
 # Statements
 
 
-@node
-class Typedef:
+class Typedef(Node):
     """`typedef type a, *b`."""
 
     specifiers: Specifiers | None
@@ -463,8 +425,7 @@ class Typedef:
     end: int
 
 
-@node
-class TypeStatement:
+class TypeStatement(Node):
     """A declaration of a struct or enum without declarators."""
 
     type: StructSpecifier | EnumSpecifier

@@ -113,7 +113,7 @@ class Components:
         for annotation in common["annotations"]:
             if annotation.name == "rtc":
                 profile.update(annotation.arguments)
-        known = Component.__dataclass_fields__
+        known = Component.__struct_fields__
         profile = {key: found for key, found in profile.items() if key in known}
         for key in _DATES:
             if key in profile and not _DATE.fullmatch(profile[key]):

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from types import MappingProxyType
+
+import msgspec
 
 from rtgen.frontends.idl.names.scopes import Kind
 from rtgen.model import Primitive, PrimitiveType, StringType, Type
@@ -21,14 +22,13 @@ TYPED = "typed"
 Wanted = Type | str
 
 
-@dataclass(frozen=True, slots=True)
-class Definition:
+class Definition(msgspec.Struct, frozen=True):
     """An annotation: its parameters, the places where it is allowed, its mandatory parameter.
 
     `words` are the allowed values of a word argument; empty for any.
     """
 
-    arguments: Mapping[str, Wanted] = field(default_factory=dict)
+    arguments: Mapping[str, Wanted] = msgspec.field(default_factory=dict)
     places: frozenset[str] = frozenset()
     required: str = ""
     words: tuple[str, ...] = ()

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+
+import msgspec
 
 from rtgen.diagnostics import Diagnostic, Related, Span
 from rtgen.frontends.idl.names.scopes import TYPES, Entity, Kind, Scope, Use
@@ -37,8 +38,7 @@ def kind_of(entity: Entity) -> str:
     return f"{_ARTICLE.get(entity.kind[0], 'a')} {entity.kind}"
 
 
-@dataclass(frozen=True, slots=True)
-class _Unknown:
+class _Unknown(msgspec.Struct, frozen=True):
     """An unknown name; `inside` is the scope of a qualified name's last part."""
 
     text: str

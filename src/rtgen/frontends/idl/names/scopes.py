@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
 from enum import StrEnum
+
+import msgspec
 
 from rtgen.diagnostics import Span
 from rtgen.frontends.idl.syntax import tree
@@ -49,8 +50,7 @@ TYPES = frozenset(
 """Kinds that can be the type of a value; exceptions cannot."""
 
 
-@dataclass(eq=False, slots=True)
-class Entity:
+class Entity(msgspec.Struct, eq=False):
     """A declared name. `node` is its definition, None while only forward-declared.
 
     `type_node` is the type behind a typedef, a member or a constant, with its `declarator`.
@@ -98,8 +98,7 @@ class Entity:
         return self.unit.span(self.start, self.end)
 
 
-@dataclass(frozen=True, slots=True)
-class Use:
+class Use(msgspec.Struct, frozen=True):
     """A use of a name that introduced it into a scope."""
 
     entity: Entity
@@ -113,8 +112,7 @@ class Use:
         return self.unit.span(self.start, self.end)
 
 
-@dataclass(eq=False, slots=True)
-class Scope:
+class Scope(msgspec.Struct, eq=False):
     """The names of a scope by look-up key: usually their lower-case form.
 
     `ids` is the path of repository ids; `around` are the enclosing openings of modules with
@@ -124,10 +122,10 @@ class Scope:
     entity: Entity | None
     parent: Scope | None
     ids: str = ""
-    names: dict[str, Entity] = field(default_factory=dict)
-    introduced: dict[str, Use] = field(default_factory=dict)
-    bases: list[Scope] = field(default_factory=list)
-    imported: list[Scope] = field(default_factory=list)
+    names: dict[str, Entity] = msgspec.field(default_factory=dict)
+    introduced: dict[str, Use] = msgspec.field(default_factory=dict)
+    bases: list[Scope] = msgspec.field(default_factory=list)
+    imported: list[Scope] = msgspec.field(default_factory=list)
     around: tuple[tree.Item, ...] = ()
     lacking: bool = False
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import fields, is_dataclass
+from msgspec import Struct
 
 _PLACE = frozenset(("start", "end", "span", "file", "doc"))
 
@@ -13,10 +13,10 @@ def structurally_equal(one: object, other: object) -> bool:
         return False
     if isinstance(one, tuple) and isinstance(other, tuple):
         return len(one) == len(other) and all(map(structurally_equal, one, other))
-    if is_dataclass(one):
+    if isinstance(one, Struct):
         return all(
-            structurally_equal(getattr(one, field.name), getattr(other, field.name))
-            for field in fields(one)
-            if field.name not in _PLACE
+            structurally_equal(getattr(one, name), getattr(other, name))
+            for name in one.__struct_fields__
+            if name not in _PLACE
         )
     return one == other

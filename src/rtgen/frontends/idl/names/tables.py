@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+import msgspec
 
 from rtgen.diagnostics import Diagnostic
 from rtgen.frontends.idl.names.scopes import Entity, Scope
@@ -32,8 +32,7 @@ CORBA_TYPES = {
 """Predefined members of module CORBA: a declaration takes precedence."""
 
 
-@dataclass(eq=False, slots=True)
-class Tables:
+class Tables(msgspec.Struct, eq=False):
     """Results of name resolution of a translation unit.
 
     `references` has None for names that were reported, and a Primitive for IDL 4's integers;
@@ -43,12 +42,12 @@ class Tables:
     """
 
     top: Scope
-    references: dict[tree.ScopedName, Entity | Primitive | None] = field(
+    references: dict[tree.ScopedName, Entity | Primitive | None] = msgspec.field(
         default_factory=dict
     )
-    entities: dict[tree.Name, Entity] = field(default_factory=dict)
-    declared: list[Entity] = field(default_factory=list)
-    annotations: dict[str, tuple[str, ...]] = field(default_factory=dict)
-    units: list[Unit] = field(default_factory=list)
-    modules: list[tuple[tree.Item, Unit]] = field(default_factory=list)
-    undefined: dict[ScopedName, Diagnostic] = field(default_factory=dict)
+    entities: dict[tree.Name, Entity] = msgspec.field(default_factory=dict)
+    declared: list[Entity] = msgspec.field(default_factory=list)
+    annotations: dict[str, tuple[str, ...]] = msgspec.field(default_factory=dict)
+    units: list[Unit] = msgspec.field(default_factory=list)
+    modules: list[tuple[tree.Item, Unit]] = msgspec.field(default_factory=list)
+    undefined: dict[ScopedName, Diagnostic] = msgspec.field(default_factory=dict)

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from decimal import Decimal
+
+import msgspec
 
 _DECIMAL = re.compile(r"[1-9]\d*|0+")
 _OCTAL = re.compile(r"0[0-7]+")
@@ -43,8 +44,7 @@ class LiteralError(Exception):
         super().__init__(message)
 
 
-@dataclass(frozen=True, slots=True)
-class LiteralText:
+class LiteralText(msgspec.Struct, frozen=True):
     """A character or string: its value, and invalid escapes in it."""
 
     value: str

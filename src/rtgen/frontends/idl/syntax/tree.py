@@ -8,12 +8,11 @@ from __future__ import annotations
 
 from typing import TypeAlias
 
-from rtgen.frontends.kit.nodes import node
+from rtgen.frontends.kit.nodes import Node
 from rtgen.model import Direction, Primitive
 
 
-@node
-class Name:
+class Name(Node):
     """An identifier without its escape underscore."""
 
     text: str
@@ -21,8 +20,7 @@ class Name:
     end: int
 
 
-@node
-class ScopedName:
+class ScopedName(Node):
     """`A::B`, or `::A::B` if absolute."""
 
     parts: tuple[Name, ...]
@@ -39,8 +37,7 @@ class ScopedName:
 # Constant expressions
 
 
-@node
-class Number:
+class Number(Node):
     """A number as written."""
 
     text: str
@@ -48,8 +45,7 @@ class Number:
     end: int
 
 
-@node
-class Text:
+class Text(Node):
     """Adjacent string literals, or one character literal, as written with their quotes."""
 
     parts: tuple[str, ...]
@@ -58,8 +54,7 @@ class Text:
     end: int
 
 
-@node
-class Boolean:
+class Boolean(Node):
     """`TRUE` or `FALSE`."""
 
     value: bool
@@ -67,8 +62,7 @@ class Boolean:
     end: int
 
 
-@node
-class Unary:
+class Unary(Node):
     """`-x`, `+x`, `~x`."""
 
     operator: str
@@ -77,8 +71,7 @@ class Unary:
     end: int
 
 
-@node
-class Chain:
+class Chain(Node):
     """Operands joined by operators of one precedence, applied from the left."""
 
     first: Expression
@@ -87,8 +80,7 @@ class Chain:
     end: int
 
 
-@node
-class Group:
+class Group(Node):
     """An expression in parentheses."""
 
     inner: Expression
@@ -102,16 +94,14 @@ Expression: TypeAlias = Number | Text | Boolean | ScopedName | Unary | Chain | G
 # Annotations
 
 
-@node
-class Argument:
+class Argument(Node):
     """An argument of an annotation; `name` is None for the only, unnamed one."""
 
     name: Name | None
     value: Expression
 
 
-@node
-class Annotation:
+class Annotation(Node):
     """`@name(arguments)`; `name` with `::` and without `@`."""
 
     name: str
@@ -123,8 +113,7 @@ class Annotation:
 # Types
 
 
-@node
-class BasicType:
+class BasicType(Node):
     """A basic type."""
 
     kind: Primitive
@@ -132,8 +121,7 @@ class BasicType:
     end: int
 
 
-@node
-class TextType:
+class TextType(Node):
     """`string` or `wstring`."""
 
     wide: bool
@@ -142,8 +130,7 @@ class TextType:
     end: int
 
 
-@node
-class Sequence:
+class Sequence(Node):
     """`sequence<element, bound>`."""
 
     element: TypeNode
@@ -152,8 +139,7 @@ class Sequence:
     end: int
 
 
-@node
-class Fixed:
+class Fixed(Node):
     """`fixed<digits, scale>`, or plain `fixed` in a constant."""
 
     digits: Expression | None
@@ -162,8 +148,7 @@ class Fixed:
     end: int
 
 
-@node
-class Map:
+class Map(Node):
     """`map<key, value, bound>`."""
 
     key: TypeNode
@@ -173,8 +158,7 @@ class Map:
     end: int
 
 
-@node
-class Declarator:
+class Declarator(Node):
     """A name with the dimensions of an array."""
 
     name: Name
@@ -186,8 +170,7 @@ class Declarator:
 # Declarations
 
 
-@node
-class Body:
+class Body(Node):
     """The content of braces; [start, end) is the text between them."""
 
     items: tuple[Item, ...]
@@ -195,18 +178,16 @@ class Body:
     end: int
 
 
-@node
-class Item:
+class Item(Node):
     """An entry of a body or file: annotations and a node, up to its `;`."""
 
     annotations: tuple[Annotation, ...]
-    node: Node
+    node: AnyNode
     start: int
     end: int
 
 
-@node
-class Module:
+class Module(Node):
     """A module, or one opening of it; `template` marks a template module."""
 
     name: Name
@@ -215,8 +196,7 @@ class Module:
     template: bool = False
 
 
-@node
-class Forward:
+class Forward(Node):
     """A forward declaration: `keyword` is struct, union, interface, valuetype, component ..."""
 
     keyword: str
@@ -225,8 +205,7 @@ class Forward:
     start: int
 
 
-@node
-class Member:
+class Member(Node):
     """Struct, exception and state members: one type, one or more declarators."""
 
     type: TypeNode
@@ -234,8 +213,7 @@ class Member:
     start: int
 
 
-@node
-class Struct:
+class Struct(Node):
     """A struct or (with `exception`) an exception."""
 
     name: Name
@@ -249,8 +227,7 @@ class Struct:
         return self.body.end + 1
 
 
-@node
-class Label:
+class Label(Node):
     """`case value:`, or `default:` where `value` is None."""
 
     value: Expression | None
@@ -258,8 +235,7 @@ class Label:
     end: int
 
 
-@node
-class Case:
+class Case(Node):
     """A branch of a union."""
 
     labels: tuple[Label, ...]
@@ -268,8 +244,7 @@ class Case:
     start: int
 
 
-@node
-class Union:
+class Union(Node):
     """A union."""
 
     name: Name
@@ -282,8 +257,7 @@ class Union:
         return self.body.end + 1
 
 
-@node
-class Enumerator:
+class Enumerator(Node):
     """A member of an enum or bitmask; `value` only if one was written, which is an error."""
 
     annotations: tuple[Annotation, ...]
@@ -293,8 +267,7 @@ class Enumerator:
     end: int
 
 
-@node
-class Enum:
+class Enum(Node):
     """An enum, or (with `mask`) a bitmask. `trailing` is the place of a trailing comma."""
 
     name: Name
@@ -305,8 +278,7 @@ class Enum:
     mask: bool = False
 
 
-@node
-class Bitfield:
+class Bitfield(Node):
     """`bitfield<bits, type> names;`."""
 
     bits: Expression
@@ -315,8 +287,7 @@ class Bitfield:
     start: int
 
 
-@node
-class Bitset:
+class Bitset(Node):
     """A bitset."""
 
     name: Name
@@ -329,8 +300,7 @@ class Bitset:
         return self.body.end + 1
 
 
-@node
-class Typedef:
+class Typedef(Node):
     """A typedef with one or more declarators."""
 
     type: TypeNode
@@ -338,8 +308,7 @@ class Typedef:
     start: int
 
 
-@node
-class Const:
+class Const(Node):
     """A constant."""
 
     type: TypeNode
@@ -348,16 +317,14 @@ class Const:
     start: int
 
 
-@node
-class Native:
+class Native(Node):
     """A native type."""
 
     name: Name
     start: int
 
 
-@node
-class Parameter:
+class Parameter(Node):
     """A parameter; `direction` is None if missing."""
 
     annotations: tuple[Annotation, ...]
@@ -368,8 +335,7 @@ class Parameter:
     end: int
 
 
-@node
-class Names:
+class Names(Node):
     """A list of scoped names, as after `raises`; its place is that of the clause."""
 
     keyword: str
@@ -378,8 +344,7 @@ class Names:
     end: int
 
 
-@node
-class Operation:
+class Operation(Node):
     """An operation, or (with `factory`) a factory or finder, which has no type."""
 
     name: Name
@@ -393,8 +358,7 @@ class Operation:
     factory: str = ""
 
 
-@node
-class Attribute:
+class Attribute(Node):
     """Attributes of one type."""
 
     type: TypeNode
@@ -405,8 +369,7 @@ class Attribute:
     start: int
 
 
-@node
-class Interface:
+class Interface(Node):
     """An interface; `modifier` is abstract, local or empty."""
 
     name: Name
@@ -416,8 +379,7 @@ class Interface:
     start: int
 
 
-@node
-class State:
+class State(Node):
     """State members of a valuetype."""
 
     public: bool
@@ -425,8 +387,7 @@ class State:
     start: int
 
 
-@node
-class Valuetype:
+class Valuetype(Node):
     """A valuetype or eventtype; `modifier` is abstract, custom or empty."""
 
     keyword: str
@@ -439,8 +400,7 @@ class Valuetype:
     start: int
 
 
-@node
-class ValueBox:
+class ValueBox(Node):
     """`valuetype name type`."""
 
     name: Name
@@ -448,8 +408,7 @@ class ValueBox:
     start: int
 
 
-@node
-class PortItem:
+class PortItem(Node):
     """`provides`, `uses`, `publishes`, `consumes`, `emits` (or `port`, `mirrorport`) T name."""
 
     keyword: str
@@ -459,8 +418,7 @@ class PortItem:
     end: int
 
 
-@node
-class Component:
+class Component(Node):
     """A component."""
 
     name: Name
@@ -470,8 +428,7 @@ class Component:
     start: int
 
 
-@node
-class Home:
+class Home(Node):
     """A component home."""
 
     name: Name
@@ -483,8 +440,7 @@ class Home:
     start: int
 
 
-@node
-class Identity:
+class Identity(Node):
     """`typeid name "text"` and `typeprefix name "text"`."""
 
     keyword: str
@@ -493,16 +449,14 @@ class Identity:
     start: int
 
 
-@node
-class Import:
+class Import(Node):
     """`import name`."""
 
     name: ScopedName | None
     start: int
 
 
-@node
-class AnnotationDcl:
+class AnnotationDcl(Node):
     """`@annotation name { ... }`, with the names of its members."""
 
     name: Name
@@ -511,8 +465,7 @@ class AnnotationDcl:
     end: int
 
 
-@node
-class Unused:
+class Unused(Node):
     """A construct that is parsed but not supported: porttype, connector, template module ...
 
     `target` is the module of an alias.
@@ -525,8 +478,7 @@ class Unused:
     target: ScopedName | None = None
 
 
-@node
-class Skipped:
+class Skipped(Node):
     """Skipped text: a declaration with a syntax error, or an extra semicolon."""
 
     start: int
@@ -545,7 +497,7 @@ TypeNode: TypeAlias = (
     | Bitset
 )
 
-Node: TypeAlias = (
+AnyNode: TypeAlias = (
     Module
     | Forward
     | Struct

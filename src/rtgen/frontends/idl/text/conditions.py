@@ -5,7 +5,8 @@ from __future__ import annotations
 import operator
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+
+import msgspec
 
 from rtgen.frontends.idl.text.macros import (
     Expander,
@@ -88,8 +89,7 @@ def _defined(tokens: list[Token], macros: Mapping[str, Macro]) -> list[Token]:
     return result
 
 
-@dataclass(frozen=True, slots=True)
-class _Number:
+class _Number(msgspec.Struct, frozen=True):
     """A value of C's intmax_t, or uintmax_t if `unsigned`: 64 bits, with overflow."""
 
     value: int

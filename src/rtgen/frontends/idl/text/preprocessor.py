@@ -6,8 +6,9 @@ import os
 import re
 from collections import ChainMap
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
+
+import msgspec
 
 from rtgen.diagnostics import Diagnostic, Related, Span
 from rtgen.frontends.idl.rules import lexical
@@ -78,8 +79,7 @@ _Place = tuple[Path | None, _Folders, str]
 """The folder of the including file if it is searched, the other folders, and the file's name."""
 
 
-@dataclass(slots=True)
-class _Conditional:
+class _Conditional(msgspec.Struct):
     """An open `#if`: whether its lines are active, and whether a branch has been taken."""
 
     span: Span
@@ -89,8 +89,7 @@ class _Conditional:
     otherwise: bool = False
 
 
-@dataclass(frozen=True, slots=True)
-class _Prepared:
+class _Prepared(msgspec.Struct, frozen=True):
     """A cached unit and the macros it depends on; reusable if those are the same."""
 
     words: set[str]

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
-from dataclasses import dataclass, field
+
+import msgspec
 
 from rtgen.diagnostics import Span
 from rtgen.frontends.idl.text.source import Source
 from rtgen.frontends.kit.doc_comments import Comment
 
 
-@dataclass(frozen=True, slots=True)
-class Piece:
+class Piece(msgspec.Struct, frozen=True):
     """A run of a unit's text, and the run [start, end) of a source's code it came from.
 
     `expanded`: the whole run came from the whole of [start, end), as macro expansions do. A line
@@ -26,8 +26,7 @@ class Piece:
     shift: int = 0
 
 
-@dataclass(frozen=True, slots=True)
-class Pragma:
+class Pragma(msgspec.Struct, frozen=True):
     """`#pragma text` at `offset` of a unit's text; [start, end) is its place in the source."""
 
     offset: int
@@ -35,8 +34,7 @@ class Pragma:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
-class Inclusion:
+class Inclusion(msgspec.Struct, frozen=True):
     """Another file's declarations, included between two definitions at file scope."""
 
     offset: int
@@ -44,8 +42,7 @@ class Inclusion:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
-class Boundary:
+class Boundary(msgspec.Struct, frozen=True):
     """The start or the end of a file that was included inside a declaration."""
 
     offset: int
@@ -53,8 +50,7 @@ class Boundary:
     opens: bool
 
 
-@dataclass(eq=False, slots=True)
-class Unit:
+class Unit(msgspec.Struct, eq=False):
     """Result of preprocessing a file.
 
     `events` (pragmas, inclusions, boundaries of nested files) and `comments` are in order of
@@ -67,16 +63,16 @@ class Unit:
 
     source: Source
     text: str = ""
-    pieces: list[Piece] = field(default_factory=list)
-    offsets: list[int] = field(default_factory=list)
-    events: list[Pragma | Inclusion | Boundary] = field(default_factory=list)
-    comments: list[Comment] = field(default_factory=list)
-    nested: list[Source] = field(default_factory=list)
+    pieces: list[Piece] = msgspec.field(default_factory=list)
+    offsets: list[int] = msgspec.field(default_factory=list)
+    events: list[Pragma | Inclusion | Boundary] = msgspec.field(default_factory=list)
+    comments: list[Comment] = msgspec.field(default_factory=list)
+    nested: list[Source] = msgspec.field(default_factory=list)
     lacking: bool = False
     cut: bool = False
-    flawed: set[int] = field(default_factory=set)
-    lost: set[str] = field(default_factory=set)
-    excused: set[int] = field(default_factory=set)
+    flawed: set[int] = msgspec.field(default_factory=set)
+    lost: set[str] = msgspec.field(default_factory=set)
+    excused: set[int] = msgspec.field(default_factory=set)
 
     def piece(self, offset: int) -> tuple[Piece, int]:
         """The piece at an offset, and its start; the last piece for the end of the text."""

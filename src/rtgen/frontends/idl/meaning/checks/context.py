@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+
+import msgspec
 
 from rtgen.diagnostics import Diagnostic, Related, Rule
 from rtgen.frontends.idl.meaning.typetable import Types
@@ -25,8 +26,7 @@ from rtgen.model import (
 )
 
 
-@dataclass(frozen=True, slots=True)
-class Context:
+class Context(msgspec.Struct, frozen=True):
     """The types and declarations of a translation unit, and the sink of diagnostics."""
 
     types: Types
