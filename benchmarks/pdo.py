@@ -30,7 +30,7 @@ from typing import Any
 import can
 import canopen
 
-from rtgen.backends.canopen.pdo_codec import PdoCodec, module_text
+from rtgen.backends.canopen.pdo_codec import IMPORTS, PdoCodec, codecs_text
 from rtgen.cli import run
 from rtgen.layouts.pdo import Mapped, layout
 from rtgen.model.canopen import DataType
@@ -63,7 +63,9 @@ MAPPINGS: dict[str, tuple[list[Mapped], tuple[int, ...]]] = {
 def ours(mapped: Sequence[Mapped], values: tuple[int, ...]) -> list[Callable[[], Any]]:
     """Encode and decode with the generated codec."""
     module = ModuleType("codec")
-    text = module_text([PdoCodec("tpdo1", "TPDO 1", layout(mapped))])
+    imports = "".join(f"from {home} import {name}\n" for home, name in IMPORTS)
+    codecs = [PdoCodec("tpdo1", "TPDO 1", layout(mapped))]
+    text = imports + codecs_text(codecs, codecs)
     exec(compile(text, "codec", "exec"), module.__dict__)
     encode, decode = module.encode_tpdo1, module.decode_tpdo1
     data = encode(*values)

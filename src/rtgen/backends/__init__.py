@@ -76,14 +76,18 @@ class Options(msgspec.Struct, frozen=True):
 
         Its values are marshalled only where CORBA or an `any` carries them.
         """
-        corba = self.tecs_corba or self.target == "openrtm"
         return replace(
             self,
             package=f"{self.package}.{package.name}",
             lazy=True,
-            marshalled=corba or package.any_values,
+            marshalled=self.corba or package.any_values,
             external=package.types,
         )
+
+    @property
+    def corba(self) -> bool:
+        """Whether services of TECS boards can be called over CORBA."""
+        return self.tecs_corba or self.target == "openrtm"
 
     @property
     def skeleton_prefix(self) -> str:

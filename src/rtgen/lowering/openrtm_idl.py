@@ -1,27 +1,36 @@
-"""The IDL files of OpenRTM's data types that profiles need."""
+"""The IDL files of rtgen that profiles need."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from rtgen.model.rtc_profile import RtcProfile
-from rtgen.resources import OPENRTM_IDL, idl_source
+from rtgen.resources import IDL_FILES, OPENRTM_IDL, idl_source
 
 _DECLARED = re.compile(r"\b(?:struct|union|interface)\s+(\w+)\s*[:{]")
 
 
-def needed_idl(profiles: Iterable[RtcProfile]) -> list[str]:
-    """The files that declare types of data ports, by name."""
+def needed_idl(profiles: Sequence[RtcProfile]) -> list[str]:
+    """The files that profiles name, or that declare OpenRTM's types of data ports, by name."""
     types = [port.type for profile in profiles for port in profile.data_ports]
     parts = [type_.split("::") for type_ in types]
     names = {p[-1] for p in parts if len(p) == 1 or p[-2] == "RTC"}
-    return [
-        file
-        for file in OPENRTM_IDL
-        if names and not names.isdisjoint(_DECLARED.findall(idl_source(file)))
-    ]
+    needed = {file for profile in profiles for file in _files(profile)}
+    if names:
+        needed.update(
+            file
+            for file in OPENRTM_IDL
+            if not names.isdisjoint(_DECLARED.findall(idl_source(file)))
+        )
+    return [file for file in IDL_FILES if file in needed]
+
+
+def _files(profile: RtcProfile) -> Iterator[str]:
+    yield from (port.idl_file for port in profile.data_ports)
+    for service in profile.service_ports:
+        yield from (each.idl_file for each in service.interfaces)
 
 
 def type_names(profile: RtcProfile) -> set[str]:

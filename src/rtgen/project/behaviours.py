@@ -24,11 +24,11 @@ def check(project: Project, artifacts: Sequence[Artifact]) -> Iterator[Diagnosti
 
     `artifacts` are those of the current definitions.
     """
-    prefix = f"{project.package}/components/"
+    base = f"{project.package}/components/*/__init__.py"
     bases = {
-        PurePosixPath(a.path).parts[2]: a.text
-        for a in artifacts
-        if a.path.startswith(prefix) and a.path.endswith("_base.py")
+        path.parts[2]: artifact.text
+        for artifact in artifacts
+        if (path := PurePosixPath(artifact.path)).match(base)
     }
     if not bases:
         return

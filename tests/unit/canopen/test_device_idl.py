@@ -49,11 +49,12 @@ Make = Callable[..., Compilation]
 def make(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Make:
     """Compiles a project of these files."""
 
-    def compiled(**files: str) -> Compilation:
+    def compiled(target: str = "embedded", **files: str) -> Compilation:
         here = tmp_path / "specs"
         here.mkdir(exist_ok=True)
         (tmp_path / "rtgen.toml").write_text(
             '[sources]\npaths = ["specs"]\n[output]\npackage = "robots"\n'
+            f'target = "{target}"\n'
         )
         for name, text in files.items():
             stem, _, suffix = name.rpartition("_")
@@ -250,12 +251,22 @@ def test_a_misspelt_include_of_a_device(make: Make) -> None:
 def test_rtc_types_of_the_project(make: Make) -> None:
     """A project's own file is taken; it is not copied beside the devices'."""
     own = (Path(__file__).parents[3] / "specs/idl/BasicDataType.idl").read_text()
-    made = make(drive_eds=DRIVE, BasicDataType_idl=own)
+    made = make("openrtm", drive_eds=DRIVE, BasicDataType_idl=own)
     paths = {a.path for a in made.artifacts}
     assert "robots/canopen/Canopen.idl" in paths
     assert "robots/canopen/BasicDataType.idl" not in paths
     [types] = [a for a in made.artifacts if a.path == "robots/_idl/basic_data_type.py"]
     assert types.origin == ("specs/BasicDataType.idl",)
+
+
+def test_idl_of_rtgen_is_copied_for_other_compilers(make: Make) -> None:
+    """Only where one reads the IDL of devices."""
+    shared = {"robots/canopen/Canopen.idl", "robots/canopen/BasicDataType.idl"}
+    for_corba = {a.path for a in make("openrtm", drive_eds=DRIVE).artifacts}
+    embedded = {a.path for a in make(drive_eds=DRIVE).artifacts}
+    assert shared <= for_corba
+    assert not shared & embedded
+    assert "robots/canopen/drive/Drive.idl" in embedded
 
 
 def test_no_manager_without_a_network(make: Make) -> None:

@@ -155,9 +155,9 @@ def test_random_devices(
 
 def there_and_back(package: str) -> None:
     """What a proxy makes of octets is what a device puts into them, and the other way round."""
-    codecs = importlib.import_module(f"{package}.canopen.it.codecs")
     device = importlib.import_module(f"{package}.canopen.it.device")
-    proxy = importlib.import_module(f"{package}.canopen.it.proxy").ItProxy("it")
+    codecs = importlib.import_module(f"{package}.canopen.it.proxy")
+    proxy = codecs.ItProxy("it")
     description = proxy.description
     values: dict[tuple[int, int], Any] = {}
     written: dict[str, Any] = {}

@@ -267,7 +267,7 @@ def test_objects_by_sdo(bench: Bench, name: str, values: tuple[Any, ...]) -> Non
 
 def test_objects_by_name(bench: Bench) -> None:
     """Values as they are on the wire: of the proxy itself, and by its service port."""
-    table = of("lab.canopen.sampler.objects", "SamplerObjects")
+    table = of("lab.canopen.sampler", "SamplerObjects")
     consumer = bench.probe.add_consumer(
         "objects", "objects", of("lab.canopen", "ObjectDictionary")
     )

@@ -15,13 +15,21 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from type_checkers import check_by_mypy
 
-from rtgen.backends.canopen.pdo_codec import PdoCodec, module_text
+from rtgen.backends.canopen.pdo_codec import IMPORTS, PdoCodec, codecs_text
 from rtgen.layouts.pdo import Mapped, PdoLayoutError, layout
 from rtgen.model.canopen import BITS, SIGNED, UNSIGNED, DataType
 from rtgen.runtime.canopen.pdo import PdoError
 
 QUICK = settings(max_examples=150, deadline=None)
 INTEGERS = {**SIGNED, **UNSIGNED}
+
+
+def module_text(codecs: Sequence[PdoCodec]) -> str:
+    """A module with both functions of each codec."""
+    imports = [f"from {module} import {name}\n" for module, name in IMPORTS]
+    standard, runtime = "".join(imports[:2]), imports[2]
+    head = f"from __future__ import annotations\n\n{standard}\n{runtime}\n"
+    return f"{head}{codecs_text(codecs, codecs)}\n"
 
 
 def compiled(mapped: Sequence[Mapped], name: str = "tpdo1") -> ModuleType:

@@ -85,22 +85,25 @@ cell tClient{number} Client{number} {{
     return "".join(parts)
 
 
-def emit(folder: Path, files: dict[str, str]) -> tuple[Emission, list[Diagnostic]]:
+def emit(
+    folder: Path, files: dict[str, str], *, corba: bool = False
+) -> tuple[Emission, list[Diagnostic]]:
     """What the back end gives for CDL files, and all findings but notes."""
     for name, text in files.items():
         (folder / name).write_text(text, encoding="utf-8")
     read = load([folder / name for name in files], root=folder)
     assert not has_errors(read.diagnostics), read.diagnostics
-    return emitted(read.model)
+    return emitted(read.model, corba=corba)
 
 
-def emitted(model: Model) -> tuple[Emission, list[Diagnostic]]:
+def emitted(model: Model, *, corba: bool = False) -> tuple[Emission, list[Diagnostic]]:
     """What the back ends give for the model of CDL files."""
     made = lowered(model, Settings())
     findings = list(made.diagnostics)
+    options = Options("robots", "nodes", "0.1.0", tecs_corba=corba)
     artifacts: list[Artifact] = []
     for backend in () if has_errors(findings) else (TYPES, BACKEND):
-        emission = backend.emit(made.model, Options("robots", "nodes", "0.1.0"))
+        emission = backend.emit(made.model, options)
         artifacts += emission.artifacts
         findings += emission.diagnostics
     if has_errors(findings):

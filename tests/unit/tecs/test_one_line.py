@@ -31,10 +31,8 @@ PARTS = {
     "IDL": ("robots/tecs/board/Server.idl",),
     "server code": ("robots/tecs/board/server_server.py",),
     "client skeleton": ("nodes/server_client.py",),
-    "profile, scripts, settings, tecsgen's plug-in": (
+    "profile, settings, tecsgen's plug-in": (
         "robots/tecs/board/RTC.xml",
-        "robots/tecs/board/build.sh",
-        "robots/tecs/board/build.bat",
         "robots/tecs/board/OpaqueRpcCommunication0.conf",
         "robots/tecs/board/RTCPlugin.rb",
     ),

@@ -12,7 +12,7 @@ from rtgen.runtime.canopen.hooks import Getter, Incoming, Outgoing, Setter
 from rtgen.runtime.canopen.node.device import CanopenDevice
 
 from ... import eposdrive, rtc
-from .objects import DESCRIPTION, EposDriveObjects
+from . import DESCRIPTION, EposDriveObjects
 
 
 class EposDriveSlave(CanopenDevice):

@@ -11,7 +11,7 @@ from rtgen.runtime.canopen.hooks import Getter, Incoming, Outgoing, Setter
 from rtgen.runtime.canopen.node.device import CanopenDevice
 
 from ... import fpalette, rtc
-from .objects import DESCRIPTION, FPaletteObjects
+from . import DESCRIPTION, FPaletteObjects
 
 
 class FPaletteSlave(CanopenDevice):

@@ -12,7 +12,7 @@ from rtgen.runtime.canopen.hooks import Getter, Incoming, Outgoing, Setter
 from rtgen.runtime.canopen.node.device import CanopenDevice
 
 from ... import ftmd, rtc
-from .objects import DESCRIPTION, FtmdObjects
+from . import DESCRIPTION, FtmdObjects
 
 
 class FtmdSlave(CanopenDevice):

@@ -11,7 +11,7 @@ from rtgen.runtime.canopen.hooks import Getter, Incoming, Outgoing, Setter
 from rtgen.runtime.canopen.node.device import CanopenDevice
 
 from ... import motorcoreunit, rtc
-from .objects import DESCRIPTION, MotorCoreUnitObjects
+from . import DESCRIPTION, MotorCoreUnitObjects
 
 
 class MotorCoreUnitSlave(CanopenDevice):

@@ -2,6 +2,104 @@
 # Owned by rtgen: edits are overwritten by the next run.
 """AistJoystick: AIST joystick: a digital pad"""
 
-from .aist_joystick_base import AistJoystickBase, AistJoystickConfiguration
+from __future__ import annotations
 
-__all__ = ["AistJoystickBase", "AistJoystickConfiguration"]
+from dataclasses import dataclass
+from typing import ClassVar
+
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+
+from ... import iis, rtc
+
+
+@dataclass(slots=True)
+class AistJoystickConfiguration:
+    """Configuration of AistJoystick."""
+
+    script: str = ""
+    """File that tells what the hand does, relative to the system file: lines
+    `SECONDS FORWARD LEFT TURN`, each within -1..1.
+    """
+    max_v: float = 0.3
+    """Speed at full deflection [m/s]."""
+    max_w: float = 0.5
+    """Angular speed at full deflection [rad/s]."""
+
+
+class AistJoystickBase(Component):
+    """AIST joystick: a digital pad.
+
+    Each direction is on or off, from half deflection on.
+    Commands go out while the stick is deflected, and one of rest when it is let go, so
+    that several joysticks can share a robot. The hand is simulated by a script. The source
+    tells that there are four joysticks, not how they differ: that is ours.
+    """
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        type_name="AistJoystick",
+        kind="DataFlowComponent",
+        category="Robots",
+        vendor="rtgen",
+        version="1.0.0",
+        description="AIST joystick: a digital pad",
+        rate=50.0,
+        max_instances=1,
+        activity="PERIODIC",
+        execution="PeriodicExecutionContext",
+        ports=(
+            PortProfile(
+                name="velocity",
+                python_name="velocity",
+                kind="outport",
+                type="RTC::TimedVelocity",
+                repository_id="IDL:RTC/TimedVelocity:1.0",
+                unit="m/s, rad/s",
+                description="Travel command of the first phase.",
+            ),
+            PortProfile(
+                name="moving_command",
+                python_name="moving_command",
+                kind="outport",
+                type="IIS::TimedVelocity",
+                repository_id="IDL:IIS/TimedVelocity:1.0",
+                unit="m/s, rad/s",
+                description="Travel command of the second phase.",
+            ),
+        ),
+        configuration=(
+            ParameterProfile(
+                name="script",
+                python_name="script",
+                type="string",
+                default="",
+                widget="text",
+                description="File that tells what the hand does, relative to the system file: lines",
+            ),
+            ParameterProfile(
+                name="max_v",
+                python_name="max_v",
+                type="double",
+                default="0.3",
+                minimum=0.0,
+                unit="m/s",
+                description="Speed at full deflection.",
+            ),
+            ParameterProfile(
+                name="max_w",
+                python_name="max_w",
+                type="double",
+                default="0.5",
+                minimum=0.0,
+                unit="rad/s",
+                description="Angular speed at full deflection.",
+            ),
+        ),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.config = self.add_configuration(AistJoystickConfiguration())
+        self.velocity = self.add_out_port("velocity", rtc.TimedVelocity)
+        """Travel command of the first phase [m/s, rad/s]."""
+        self.moving_command = self.add_out_port("moving_command", iis.TimedVelocity)
+        """Travel command of the second phase [m/s, rad/s]."""

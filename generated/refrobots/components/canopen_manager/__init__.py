@@ -2,6 +2,117 @@
 # Owned by rtgen: edits are overwritten by the next run.
 """CanopenManager: Manager of a CANopen network"""
 
-from .canopen_manager_base import CanopenManagerBase, CanopenManagerConfiguration
+from __future__ import annotations
 
-__all__ = ["CanopenManagerBase", "CanopenManagerConfiguration"]
+from dataclasses import dataclass
+from typing import ClassVar
+
+from rtgen.runtime import ComponentProfile, ParameterProfile, PortProfile
+from rtgen.runtime.canopen.master.manager import CanopenManager
+
+from ... import canopen
+
+
+@dataclass(slots=True)
+class CanopenManagerConfiguration:
+    """Configuration of CanopenManager."""
+
+    network: str = ""
+    """The network: the name of its bus file."""
+    interface: str = "virtual"
+    """The kind of bus: an interface of python-can. In simulated time the bus is simulated."""
+    channel: str = "can0"
+    """The channel of the interface."""
+    bitrate: int = 0
+    """Bit rate, 0 for the interface's own [bit/s]."""
+    options: str = ""
+    """Further arguments of the interface: "host=127.0.0.1,port=29536"."""
+
+
+class CanopenManagerBase(CanopenManager):
+    """Runs a CANopen network: checks, configures, starts and supervises its nodes.
+
+    It is the NMT master, and sends SYNC and its own heartbeat as the network says. ACTIVE it runs
+    the network; deactivated, its nodes are in pre-operational. A node that fails for good and may
+    not be missing leads to ERROR.
+    """
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        type_name="CanopenManager",
+        kind="DataFlowComponent",
+        category="CANopen",
+        vendor="rtgen",
+        version="1.0.0",
+        description="Manager of a CANopen network",
+        rate=100.0,
+        max_instances=1,
+        activity="PERIODIC",
+        execution="PeriodicExecutionContext",
+        ports=(
+            PortProfile(
+                name="states",
+                python_name="states",
+                kind="outport",
+                type="CANopen::NodeState",
+                repository_id="IDL:CANopen/NodeState:1.0",
+                description="A node's state, whenever it changes.",
+            ),
+            PortProfile(
+                name="manager",
+                python_name="manager",
+                kind="provider",
+                type="CANopen::Manager",
+                repository_id="IDL:CANopen/Manager:1.0",
+                port="manager",
+                instance="Manager",
+                description="Commands for nodes, and their states.",
+            ),
+        ),
+        configuration=(
+            ParameterProfile(
+                name="network",
+                python_name="network",
+                type="string",
+                default="",
+                description="The network: the name of its bus file.",
+            ),
+            ParameterProfile(
+                name="interface",
+                python_name="interface",
+                type="string",
+                default="virtual",
+                description="The kind of bus: an interface of python-can. In simulated time the bus is simulated.",
+            ),
+            ParameterProfile(
+                name="channel",
+                python_name="channel",
+                type="string",
+                default="can0",
+                description="The channel of the interface.",
+            ),
+            ParameterProfile(
+                name="bitrate",
+                python_name="bitrate",
+                type="long",
+                default="0",
+                minimum=0,
+                unit="bit/s",
+                description="Bit rate, 0 for the interface's own.",
+            ),
+            ParameterProfile(
+                name="options",
+                python_name="options",
+                type="string",
+                default="",
+                description='Further arguments of the interface: "host=127.0.0.1,port=29536".',
+            ),
+        ),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.config = self.add_configuration(CanopenManagerConfiguration())
+        self.states = self.add_out_port("states", canopen.NodeState)
+        """A node's state, whenever it changes."""
+        self.manager = self.add_provider("manager", "Manager", canopen.Manager)
+        """Commands for nodes, and their states."""

@@ -2,6 +2,148 @@
 # Owned by rtgen: edits are overwritten by the next run.
 """CeilingCamera: Camera that looks at the ceiling, simulated"""
 
-from .ceiling_camera_base import CeilingCameraBase, CeilingCameraConfiguration
+from __future__ import annotations
 
-__all__ = ["CeilingCameraBase", "CeilingCameraConfiguration"]
+from dataclasses import dataclass
+from typing import ClassVar
+
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+
+from ... import iis, rtc
+
+
+@dataclass(slots=True)
+class CeilingCameraConfiguration:
+    """Configuration of CeilingCamera."""
+
+    ceiling_map: str = "ceiling_map"
+    """The ceiling, read on activation: lines `m X Y RADIUS`, a lamp each [m]."""
+    width: int = 320
+    """Columns of a picture."""
+    height: int = 240
+    """Rows of a picture."""
+    Center_X: int = 160
+    """Column of the point straight above the base."""
+    Center_Y: int = 120
+    """Row of the point straight above the base."""
+    pixel: float = 0.01
+    """What a pixel shows of the ceiling [m]."""
+    noise: int = 40
+    """How many pixels of a picture are bright by mistake."""
+    seed: int = 1
+    """Where chance begins."""
+
+
+class CeilingCameraBase(Component):
+    """Takes pictures of the ceiling above the base: lamps, round and bright, on a dark ground.
+
+    Not in the source, where the camera is a device. A picture has one octet for each pixel
+    (0 dark, 255 bright), row by row; its upper edge is ahead of the base, its left edge to the
+    left. Some pixels are wrong, at random but the same in each run.
+    """
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        type_name="CeilingCamera",
+        kind="DataFlowComponent",
+        category="Simulation",
+        vendor="rtgen",
+        version="1.0.0",
+        description="Camera that looks at the ceiling, simulated",
+        rate=10.0,
+        max_instances=1,
+        activity="PERIODIC",
+        execution="PeriodicExecutionContext",
+        ports=(
+            PortProfile(
+                name="pose",
+                python_name="pose",
+                kind="inport",
+                type="IIS::TimedPose2D",
+                repository_id="IDL:IIS/TimedPose2D:1.0",
+                unit="m, rad",
+                description="Where the base truly is.",
+            ),
+            PortProfile(
+                name="CameraData",
+                python_name="CameraData",
+                kind="outport",
+                type="RTC::TimedOctetSeq",
+                repository_id="IDL:RTC/TimedOctetSeq:1.0",
+                description="The pictures, with the time of the pose.",
+            ),
+        ),
+        configuration=(
+            ParameterProfile(
+                name="ceiling_map",
+                python_name="ceiling_map",
+                type="string",
+                default="ceiling_map",
+                description="The ceiling, read on activation: lines `m X Y RADIUS`, a lamp each [m].",
+            ),
+            ParameterProfile(
+                name="width",
+                python_name="width",
+                type="long",
+                default="320",
+                minimum=16,
+                maximum=4096,
+                description="Columns of a picture.",
+            ),
+            ParameterProfile(
+                name="height",
+                python_name="height",
+                type="long",
+                default="240",
+                minimum=16,
+                maximum=4096,
+                description="Rows of a picture.",
+            ),
+            ParameterProfile(
+                name="Center_X",
+                python_name="Center_X",
+                type="long",
+                default="160",
+                description="Column of the point straight above the base.",
+            ),
+            ParameterProfile(
+                name="Center_Y",
+                python_name="Center_Y",
+                type="long",
+                default="120",
+                description="Row of the point straight above the base.",
+            ),
+            ParameterProfile(
+                name="pixel",
+                python_name="pixel",
+                type="double",
+                default="0.01",
+                unit="m",
+                constraint="x>0.0",
+                description="What a pixel shows of the ceiling.",
+            ),
+            ParameterProfile(
+                name="noise",
+                python_name="noise",
+                type="long",
+                default="40",
+                minimum=0,
+                maximum=10000,
+                description="How many pixels of a picture are bright by mistake.",
+            ),
+            ParameterProfile(
+                name="seed",
+                python_name="seed",
+                type="long",
+                default="1",
+                description="Where chance begins.",
+            ),
+        ),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.config = self.add_configuration(CeilingCameraConfiguration())
+        self.pose = self.add_in_port("pose", iis.TimedPose2D)
+        """Where the base truly is [m, rad]."""
+        self.CameraData = self.add_out_port("CameraData", rtc.TimedOctetSeq)
+        """The pictures, with the time of the pose."""

@@ -2,9 +2,198 @@
 # Owned by rtgen: edits are overwritten by the next run.
 """CeilingNavigation: Pose by the lamps of the ceiling"""
 
-from .ceiling_navigation_base import (
-    CeilingNavigationBase,
-    CeilingNavigationConfiguration,
-)
+from __future__ import annotations
 
-__all__ = ["CeilingNavigationBase", "CeilingNavigationConfiguration"]
+from dataclasses import dataclass
+from typing import ClassVar
+
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+
+from ... import iis, rtc
+
+
+@dataclass(slots=True)
+class CeilingNavigationConfiguration:
+    """Configuration of CeilingNavigation."""
+
+    NavigationMap: str = "ceiling_map"
+    """The map of the ceiling, read on activation: lines `m X Y RADIUS`, a lamp each [m]."""
+    BlockCoefficient: float = 0.414
+    """How much of the square block round it a lamp fills, at least."""
+    SearchScope: float = 2.0
+    """How far from where it should be a lamp is looked for, in diameters of the lamp."""
+    BlackWhiteValue: int = 220
+    """Brightness from which a pixel counts as bright."""
+    ImageWidth: int = 320
+    """Columns of a picture."""
+    Center_X: int = 160
+    """Column of the point straight above the base."""
+    Center_Y: int = 120
+    """Row of the point straight above the base."""
+    RealMapSize: float = 100.0
+    """What part of the ceiling is as long as `VirtualMapSize` in a picture [cm]."""
+    VirtualMapSize: float = 100.0
+    """How many pixels show `RealMapSize` [pixels]."""
+    PositionTimeout: float = 0.5
+    """Lamps are looked for about no position older than this: without one there is no pose by the [s]
+    ceiling. 0: any age. Not in the source.
+    """
+    CameraTimeout: float = 1.0
+    """Pictures older than this are dropped; without any for so long it is reported. 0: any age. Not [s]
+    in the source.
+    """
+
+
+class CeilingNavigationBase(Component):
+    """Finds the pose of the base by the lamps of the ceiling in a picture.
+
+    The public component matches blocks of the picture against a picture of the whole ceiling;
+    how did not survive. This one looks for bright blocks, takes each for the lamp of the map
+    which should be seen near there, and fits the pose to all of them. Parameters have the
+    public names and defaults.
+    """
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        type_name="CeilingNavigation",
+        kind="DataFlowComponent",
+        category="Navigation",
+        vendor="rtgen",
+        version="1.0.0",
+        description="Pose by the lamps of the ceiling",
+        rate=50.0,
+        max_instances=1,
+        activity="PERIODIC",
+        execution="PeriodicExecutionContext",
+        ports=(
+            PortProfile(
+                name="CameraData",
+                python_name="CameraData",
+                kind="inport",
+                type="RTC::TimedOctetSeq",
+                repository_id="IDL:RTC/TimedOctetSeq:1.0",
+                description="Pictures of the ceiling: one octet for each pixel, row by row, upper edge ahead.",
+            ),
+            PortProfile(
+                name="LocalizedPosition",
+                python_name="LocalizedPosition",
+                kind="inport",
+                type="IIS::TimedPose2D",
+                repository_id="IDL:IIS/TimedPose2D:1.0",
+                unit="m, rad",
+                description="About where the base is.",
+            ),
+            PortProfile(
+                name="CeilingPosition",
+                python_name="CeilingPosition",
+                kind="outport",
+                type="IIS::TimedPose2D",
+                repository_id="IDL:IIS/TimedPose2D:1.0",
+                unit="m, rad",
+                description="Where the base was when the picture was taken.",
+            ),
+        ),
+        configuration=(
+            ParameterProfile(
+                name="NavigationMap",
+                python_name="NavigationMap",
+                type="string",
+                default="ceiling_map",
+                description="The map of the ceiling, read on activation: lines `m X Y RADIUS`, a lamp each [m].",
+            ),
+            ParameterProfile(
+                name="BlockCoefficient",
+                python_name="BlockCoefficient",
+                type="double",
+                default="0.414",
+                minimum=0.0,
+                maximum=1.0,
+                description="How much of the square block round it a lamp fills, at least.",
+            ),
+            ParameterProfile(
+                name="SearchScope",
+                python_name="SearchScope",
+                type="double",
+                default="2.0",
+                constraint="x>0.0",
+                description="How far from where it should be a lamp is looked for, in diameters of the lamp.",
+            ),
+            ParameterProfile(
+                name="BlackWhiteValue",
+                python_name="BlackWhiteValue",
+                type="long",
+                default="220",
+                minimum=1,
+                maximum=255,
+                description="Brightness from which a pixel counts as bright.",
+            ),
+            ParameterProfile(
+                name="ImageWidth",
+                python_name="ImageWidth",
+                type="long",
+                default="320",
+                minimum=16,
+                maximum=4096,
+                description="Columns of a picture.",
+            ),
+            ParameterProfile(
+                name="Center_X",
+                python_name="Center_X",
+                type="long",
+                default="160",
+                description="Column of the point straight above the base.",
+            ),
+            ParameterProfile(
+                name="Center_Y",
+                python_name="Center_Y",
+                type="long",
+                default="120",
+                description="Row of the point straight above the base.",
+            ),
+            ParameterProfile(
+                name="RealMapSize",
+                python_name="RealMapSize",
+                type="double",
+                default="100.0",
+                unit="cm",
+                constraint="x>0.0",
+                description="What part of the ceiling is as long as `VirtualMapSize` in a picture.",
+            ),
+            ParameterProfile(
+                name="VirtualMapSize",
+                python_name="VirtualMapSize",
+                type="double",
+                default="100.0",
+                unit="pixels",
+                constraint="x>0.0",
+                description="How many pixels show `RealMapSize`.",
+            ),
+            ParameterProfile(
+                name="PositionTimeout",
+                python_name="PositionTimeout",
+                type="double",
+                default="0.5",
+                minimum=0.0,
+                unit="s",
+                description="Lamps are looked for about no position older than this: without one there is no pose by the",
+            ),
+            ParameterProfile(
+                name="CameraTimeout",
+                python_name="CameraTimeout",
+                type="double",
+                default="1.0",
+                minimum=0.0,
+                unit="s",
+                description="Pictures older than this are dropped; without any for so long it is reported. 0: any age. Not",
+            ),
+        ),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.config = self.add_configuration(CeilingNavigationConfiguration())
+        self.CameraData = self.add_in_port("CameraData", rtc.TimedOctetSeq)
+        """Pictures of the ceiling: one octet for each pixel, row by row, upper edge ahead."""
+        self.LocalizedPosition = self.add_in_port("LocalizedPosition", iis.TimedPose2D)
+        """About where the base is [m, rad]."""
+        self.CeilingPosition = self.add_out_port("CeilingPosition", iis.TimedPose2D)
+        """Where the base was when the picture was taken [m, rad]."""

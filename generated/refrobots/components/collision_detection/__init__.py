@@ -2,9 +2,148 @@
 # Owned by rtgen: edits are overwritten by the next run.
 """CollisionDetection: Stops the base before a collision"""
 
-from .collision_detection_base import (
-    CollisionDetectionBase,
-    CollisionDetectionConfiguration,
-)
+from __future__ import annotations
 
-__all__ = ["CollisionDetectionBase", "CollisionDetectionConfiguration"]
+from dataclasses import dataclass
+from typing import ClassVar
+
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+
+from ... import RefHard, iis
+
+
+@dataclass(slots=True)
+class CollisionDetectionConfiguration:
+    """Configuration of CollisionDetection."""
+
+    radiusOfBodyArea: float = 0.45
+    """Radius of a circle round the whole body [m]."""
+    margin: float = 0.1
+    """Room between body and obstacle that is left at rest [m]."""
+    reaction: float = 0.25
+    """Time until the base begins to stop [s]."""
+    deceleration: float = 2.0
+    """Deceleration of the base [m/s^2]."""
+    ObstaclesTimeout: float = 0.5
+    """The base is held while the newest scan is older than this; 0 never [s]."""
+    VelocityTimeout: float = 0.5
+    """The base is held while the newest velocity is older than this; 0 never [s]."""
+
+
+class CollisionDetectionBase(Component):
+    """Calls `Stop` of the base when its velocity leads to a collision, and `Go` when it does not any more.
+
+    It stops the base also while it has no scan, or no velocity, that is young enough, and it does
+    not release the base by its own end. Backwards nothing is seen, and nothing is stopped.
+    Of the source's component only the name survived; ports and method are ours. The service is
+    that of a bumper.
+    """
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        type_name="CollisionDetection",
+        kind="DataFlowComponent",
+        category="Navigation",
+        vendor="rtgen",
+        version="1.0.0",
+        description="Stops the base before a collision",
+        rate=100.0,
+        max_instances=1,
+        activity="PERIODIC",
+        execution="PeriodicExecutionContext",
+        ports=(
+            PortProfile(
+                name="obstacles",
+                python_name="obstacles",
+                kind="inport",
+                type="IIS::TimedPoint2DSeq",
+                repository_id="IDL:IIS/TimedPoint2DSeq:1.0",
+                unit="m",
+                description="The points of the newest scan.",
+            ),
+            PortProfile(
+                name="velocity",
+                python_name="velocity",
+                kind="inport",
+                type="IIS::TimedVelocity2D",
+                repository_id="IDL:IIS/TimedVelocity2D:1.0",
+                unit="m/s, rad/s",
+                description="The velocity that the base is asked for.",
+            ),
+            PortProfile(
+                name="BumpRefHard",
+                python_name="BumpRefHard",
+                kind="consumer",
+                type="RefHard",
+                repository_id="IDL:RefHard:1.0",
+                port="BumpRefHard",
+                instance="RefHard",
+                description="Stops the base.",
+            ),
+        ),
+        configuration=(
+            ParameterProfile(
+                name="radiusOfBodyArea",
+                python_name="radiusOfBodyArea",
+                type="double",
+                default="0.45",
+                unit="m",
+                constraint="x>0.0",
+                description="Radius of a circle round the whole body.",
+            ),
+            ParameterProfile(
+                name="margin",
+                python_name="margin",
+                type="double",
+                default="0.1",
+                minimum=0.0,
+                unit="m",
+                description="Room between body and obstacle that is left at rest.",
+            ),
+            ParameterProfile(
+                name="reaction",
+                python_name="reaction",
+                type="double",
+                default="0.25",
+                minimum=0.0,
+                unit="s",
+                description="Time until the base begins to stop.",
+            ),
+            ParameterProfile(
+                name="deceleration",
+                python_name="deceleration",
+                type="double",
+                default="2.0",
+                unit="m/s^2",
+                constraint="x>0.0",
+                description="Deceleration of the base.",
+            ),
+            ParameterProfile(
+                name="ObstaclesTimeout",
+                python_name="ObstaclesTimeout",
+                type="double",
+                default="0.5",
+                minimum=0.0,
+                unit="s",
+                description="The base is held while the newest scan is older than this; 0 never.",
+            ),
+            ParameterProfile(
+                name="VelocityTimeout",
+                python_name="VelocityTimeout",
+                type="double",
+                default="0.5",
+                minimum=0.0,
+                unit="s",
+                description="The base is held while the newest velocity is older than this; 0 never.",
+            ),
+        ),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.config = self.add_configuration(CollisionDetectionConfiguration())
+        self.obstacles = self.add_in_port("obstacles", iis.TimedPoint2DSeq)
+        """The points of the newest scan [m]."""
+        self.velocity = self.add_in_port("velocity", iis.TimedVelocity2D)
+        """The velocity that the base is asked for [m/s, rad/s]."""
+        self.BumpRefHard = self.add_consumer("BumpRefHard", "RefHard", RefHard)
+        """Stops the base."""

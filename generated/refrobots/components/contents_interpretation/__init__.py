@@ -2,9 +2,76 @@
 # Owned by rtgen: edits are overwritten by the next run.
 """ContentsInterpretation: Contents of the records of ucodes"""
 
-from .contents_interpretation_base import (
-    ContentsInterpretationBase,
-    ContentsInterpretationConfiguration,
-)
+from __future__ import annotations
 
-__all__ = ["ContentsInterpretationBase", "ContentsInterpretationConfiguration"]
+from dataclasses import dataclass
+from typing import ClassVar
+
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+
+from ... import ucode
+
+
+@dataclass(slots=True)
+class ContentsInterpretationConfiguration:
+    """Configuration of ContentsInterpretation."""
+
+    cache: int = 4
+    """How many contents are kept; the one that was not needed for longest goes first."""
+
+
+class ContentsInterpretationBase(Component):
+    """Interprets records: where a marker is, and what it stands for (Fig 123).
+
+    What was interpreted once is kept. Ports are ours.
+    """
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        type_name="ContentsInterpretation",
+        kind="DataFlowComponent",
+        category="Embedded",
+        vendor="rtgen",
+        version="1.0.0",
+        description="Contents of the records of ucodes",
+        rate=20.0,
+        max_instances=1,
+        activity="PERIODIC",
+        execution="PeriodicExecutionContext",
+        ports=(
+            PortProfile(
+                name="record",
+                python_name="record",
+                kind="inport",
+                type="Ucode::TimedRecord",
+                repository_id="IDL:Ucode/TimedRecord:1.0",
+                description="Records, with their markers.",
+            ),
+            PortProfile(
+                name="contents",
+                python_name="contents",
+                kind="outport",
+                type="Ucode::TimedContents",
+                repository_id="IDL:Ucode/TimedContents:1.0",
+                description="What they mean.",
+            ),
+        ),
+        configuration=(
+            ParameterProfile(
+                name="cache",
+                python_name="cache",
+                type="long",
+                default="4",
+                minimum=1,
+                maximum=64,
+                description="How many contents are kept; the one that was not needed for longest goes first.",
+            ),
+        ),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.config = self.add_configuration(ContentsInterpretationConfiguration())
+        self.record = self.add_in_port("record", ucode.TimedRecord)
+        """Records, with their markers."""
+        self.contents = self.add_out_port("contents", ucode.TimedContents)
+        """What they mean."""

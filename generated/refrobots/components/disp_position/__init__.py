@@ -2,6 +2,76 @@
 # Owned by rtgen: edits are overwritten by the next run.
 """DispPosition: Pose and trail on a map"""
 
-from .disp_position_base import DispPositionBase, DispPositionConfiguration
+from __future__ import annotations
 
-__all__ = ["DispPositionBase", "DispPositionConfiguration"]
+from dataclasses import dataclass
+from typing import ClassVar
+
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+
+from ... import iis
+
+
+@dataclass(slots=True)
+class DispPositionConfiguration:
+    """Configuration of DispPosition."""
+
+    map_file: str = "route_map"
+    """The map, read on activation, as PathPlanning reads it; empty for none."""
+    picture: str = ""
+    """The picture to be written (.svg, .png or .pdf); empty for none."""
+
+
+class DispPositionBase(Component):
+    """Draws the pose of the base and its trail on the map of the planner.
+
+    The public component shows a window; this one writes the picture when it is deactivated.
+    """
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        type_name="DispPosition",
+        kind="DataFlowComponent",
+        category="Navigation",
+        vendor="rtgen",
+        version="1.0.0",
+        description="Pose and trail on a map",
+        rate=10.0,
+        max_instances=1,
+        activity="PERIODIC",
+        execution="PeriodicExecutionContext",
+        ports=(
+            PortProfile(
+                name="position",
+                python_name="position",
+                kind="inport",
+                type="IIS::TimedPose2D",
+                repository_id="IDL:IIS/TimedPose2D:1.0",
+                unit="m, rad",
+                description="Where the base is. The public name of the port did not survive.",
+            ),
+        ),
+        configuration=(
+            ParameterProfile(
+                name="map_file",
+                python_name="map_file",
+                type="string",
+                default="route_map",
+                widget="text",
+                description="The map, read on activation, as PathPlanning reads it; empty for none.",
+            ),
+            ParameterProfile(
+                name="picture",
+                python_name="picture",
+                type="string",
+                default="",
+                widget="text",
+                description="The picture to be written (.svg, .png or .pdf); empty for none.",
+            ),
+        ),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.config = self.add_configuration(DispPositionConfiguration())
+        self.position = self.add_in_port("position", iis.TimedPose2D)
+        """Where the base is. The public name of the port did not survive [m, rad]."""

@@ -2,6 +2,202 @@
 # Owned by rtgen: edits are overwritten by the next run.
 """EposDriveDevice: Device Wheel drive 24/5"""
 
-from .epos_drive_device_base import EposDriveDeviceBase, EposDriveDeviceConfiguration
+from __future__ import annotations
 
-__all__ = ["EposDriveDeviceBase", "EposDriveDeviceConfiguration"]
+from dataclasses import dataclass
+from typing import ClassVar
+
+from rtgen.runtime import ComponentProfile, ParameterProfile, PortProfile
+
+from ... import eposdrive
+from ...canopen.epos_drive.device import EposDriveSlave
+
+
+@dataclass(slots=True)
+class EposDriveDeviceConfiguration:
+    """Configuration of EposDriveDevice."""
+
+    interface: str = "virtual"
+    """The kind of bus: an interface of python-can. In simulated time the bus is simulated."""
+    channel: str = "can0"
+    """The channel of the interface."""
+    bitrate: int = 0
+    """Bit rate, 0 for the interface's own [bit/s]."""
+    options: str = ""
+    """Further arguments of the interface: "host=127.0.0.1,port=29536"."""
+    node_id: int = 1
+    """The node-id, 255: the one that LSS assigns."""
+    network: str = "rh3_beego"
+    """The network: the name of its bus file; empty for none."""
+    merged_stop: bool = False
+    """Whether a stop command means what figure 111 of RTC-CANopen says."""
+    parameter_file: str = ""
+    """The file of stored parameters (1010h), name.json below the working folder; empty for none."""
+
+
+class EposDriveDeviceBase(EposDriveSlave):
+    """A device on a CANopen bus: Wheel drive 24/5.
+
+    InPorts have what it receives, and what is written to OutPorts is transmitted.
+    """
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        type_name="EposDriveDevice",
+        kind="DataFlowComponent",
+        category="CANopen",
+        vendor="rtgen",
+        version="1.0.0",
+        description="Device Wheel drive 24/5",
+        rate=100.0,
+        max_instances=0,
+        activity="PERIODIC",
+        execution="PeriodicExecutionContext",
+        ports=(
+            PortProfile(
+                name="tpdo1",
+                python_name="tpdo1",
+                kind="outport",
+                type="EposDrive::Tpdo1",
+                repository_id="IDL:EposDrive/Tpdo1:1.0",
+                description="TPDO 1: Statusword, Modes_of_operation_display.",
+            ),
+            PortProfile(
+                name="tpdo2",
+                python_name="tpdo2",
+                kind="outport",
+                type="EposDrive::Tpdo2",
+                repository_id="IDL:EposDrive/Tpdo2:1.0",
+                description="TPDO 2: Position_actual_value, Velocity_actual_value.",
+            ),
+            PortProfile(
+                name="tpdo3",
+                python_name="tpdo3",
+                kind="outport",
+                type="EposDrive::Tpdo3",
+                repository_id="IDL:EposDrive/Tpdo3:1.0",
+                description="TPDO 3: Torque_actual_value, Current_actual_value.",
+            ),
+            PortProfile(
+                name="tpdo4",
+                python_name="tpdo4",
+                kind="outport",
+                type="EposDrive::Tpdo4",
+                repository_id="IDL:EposDrive/Tpdo4:1.0",
+                description="TPDO 4: Digital_input_state, Error_code.",
+            ),
+            PortProfile(
+                name="rpdo1",
+                python_name="rpdo1",
+                kind="inport",
+                type="EposDrive::Rpdo1",
+                repository_id="IDL:EposDrive/Rpdo1:1.0",
+                description="RPDO 1: Controlword, Modes_of_operation.",
+            ),
+            PortProfile(
+                name="rpdo2",
+                python_name="rpdo2",
+                kind="inport",
+                type="EposDrive::Rpdo2",
+                repository_id="IDL:EposDrive/Rpdo2:1.0",
+                description="RPDO 2: Target_position.",
+            ),
+            PortProfile(
+                name="rpdo3",
+                python_name="rpdo3",
+                kind="inport",
+                type="EposDrive::Rpdo3",
+                repository_id="IDL:EposDrive/Rpdo3:1.0",
+                description="RPDO 3: Target_velocity.",
+            ),
+            PortProfile(
+                name="rpdo4",
+                python_name="rpdo4",
+                kind="inport",
+                type="EposDrive::Rpdo4",
+                repository_id="IDL:EposDrive/Rpdo4:1.0",
+                description="RPDO 4: Target_torque.",
+            ),
+        ),
+        configuration=(
+            ParameterProfile(
+                name="interface",
+                python_name="interface",
+                type="string",
+                default="virtual",
+                description="The kind of bus: an interface of python-can. In simulated time the bus is simulated.",
+            ),
+            ParameterProfile(
+                name="channel",
+                python_name="channel",
+                type="string",
+                default="can0",
+                description="The channel of the interface.",
+            ),
+            ParameterProfile(
+                name="bitrate",
+                python_name="bitrate",
+                type="long",
+                default="0",
+                minimum=0,
+                unit="bit/s",
+                description="Bit rate, 0 for the interface's own.",
+            ),
+            ParameterProfile(
+                name="options",
+                python_name="options",
+                type="string",
+                default="",
+                description='Further arguments of the interface: "host=127.0.0.1,port=29536".',
+            ),
+            ParameterProfile(
+                name="node_id",
+                python_name="node_id",
+                type="long",
+                default="1",
+                minimum=1,
+                maximum=255,
+                description="The node-id, 255: the one that LSS assigns.",
+            ),
+            ParameterProfile(
+                name="network",
+                python_name="network",
+                type="string",
+                default="rh3_beego",
+                description="The network: the name of its bus file; empty for none.",
+            ),
+            ParameterProfile(
+                name="merged_stop",
+                python_name="merged_stop",
+                type="boolean",
+                default="0",
+                description="Whether a stop command means what figure 111 of RTC-CANopen says.",
+            ),
+            ParameterProfile(
+                name="parameter_file",
+                python_name="parameter_file",
+                type="string",
+                default="",
+                description="The file of stored parameters (1010h), name.json below the working folder; empty for none.",
+            ),
+        ),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.config = self.add_configuration(EposDriveDeviceConfiguration())
+        self.tpdo1 = self.add_out_port("tpdo1", eposdrive.Tpdo1)
+        """TPDO 1: Statusword, Modes_of_operation_display."""
+        self.tpdo2 = self.add_out_port("tpdo2", eposdrive.Tpdo2)
+        """TPDO 2: Position_actual_value, Velocity_actual_value."""
+        self.tpdo3 = self.add_out_port("tpdo3", eposdrive.Tpdo3)
+        """TPDO 3: Torque_actual_value, Current_actual_value."""
+        self.tpdo4 = self.add_out_port("tpdo4", eposdrive.Tpdo4)
+        """TPDO 4: Digital_input_state, Error_code."""
+        self.rpdo1 = self.add_in_port("rpdo1", eposdrive.Rpdo1)
+        """RPDO 1: Controlword, Modes_of_operation."""
+        self.rpdo2 = self.add_in_port("rpdo2", eposdrive.Rpdo2)
+        """RPDO 2: Target_position."""
+        self.rpdo3 = self.add_in_port("rpdo3", eposdrive.Rpdo3)
+        """RPDO 3: Target_velocity."""
+        self.rpdo4 = self.add_in_port("rpdo4", eposdrive.Rpdo4)
+        """RPDO 4: Target_torque."""

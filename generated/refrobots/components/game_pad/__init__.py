@@ -2,6 +2,228 @@
 # Owned by rtgen: edits are overwritten by the next run.
 """GamePad: Game pad"""
 
-from .game_pad_base import GamePadBase, GamePadConfiguration
+from __future__ import annotations
 
-__all__ = ["GamePadBase", "GamePadConfiguration"]
+from dataclasses import dataclass
+from typing import ClassVar
+
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+
+from ... import iis, rtc
+
+
+@dataclass(slots=True)
+class GamePadConfiguration:
+    """Configuration of GamePad."""
+
+    Klx: float = 1.0
+    """Sideways speed for the full left stick [m/s]."""
+    Kly: float = 1.0
+    """Speed for the full left stick [m/s]."""
+    Krx: float = 1.0
+    """Angular speed for the full right stick [rad/s]."""
+    Kry: float = 1.0
+    """Not used: the right stick forward has no meaning for a base."""
+    str_port: str = "/dev/input/js0"
+    """The device; its last digits tell which one."""
+    script: str = ""
+    """What the hand does, in place of a device; empty for the device."""
+
+
+class GamePadBase(Component):
+    """Sends sticks and buttons of a game pad: as they are, and as velocities.
+
+    Sticks go from -1 to 1, to the right and towards the hand positive. A forward push of the left
+    stick drives forward, to its left it drives left; the right stick turns. `script`, not in the
+    source, takes the place of the device: lines `SECONDS LX LY RX RY BUTTONS`.
+    """
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        type_name="GamePad",
+        kind="DataFlowComponent",
+        category="Input",
+        vendor="rtgen",
+        version="1.0.0",
+        description="Game pad",
+        rate=66.0,
+        max_instances=1,
+        activity="PERIODIC",
+        execution="PeriodicExecutionContext",
+        ports=(
+            PortProfile(
+                name="Button",
+                python_name="Button",
+                kind="outport",
+                type="RTC::TimedULong",
+                repository_id="IDL:RTC/TimedULong:1.0",
+                description="The buttons, one bit for each.",
+            ),
+            PortProfile(
+                name="StickLX",
+                python_name="StickLX",
+                kind="outport",
+                type="RTC::TimedFloat",
+                repository_id="IDL:RTC/TimedFloat:1.0",
+                description="Left stick, to the right.",
+            ),
+            PortProfile(
+                name="StickLY",
+                python_name="StickLY",
+                kind="outport",
+                type="RTC::TimedFloat",
+                repository_id="IDL:RTC/TimedFloat:1.0",
+                description="Left stick, towards the hand.",
+            ),
+            PortProfile(
+                name="StickRX",
+                python_name="StickRX",
+                kind="outport",
+                type="RTC::TimedFloat",
+                repository_id="IDL:RTC/TimedFloat:1.0",
+                description="Right stick, to the right.",
+            ),
+            PortProfile(
+                name="StickRY",
+                python_name="StickRY",
+                kind="outport",
+                type="RTC::TimedFloat",
+                repository_id="IDL:RTC/TimedFloat:1.0",
+                description="Right stick, towards the hand.",
+            ),
+            PortProfile(
+                name="StickLXd",
+                python_name="StickLXd",
+                kind="outport",
+                type="RTC::TimedDouble",
+                repository_id="IDL:RTC/TimedDouble:1.0",
+                description="Left stick, to the right.",
+            ),
+            PortProfile(
+                name="StickLYd",
+                python_name="StickLYd",
+                kind="outport",
+                type="RTC::TimedDouble",
+                repository_id="IDL:RTC/TimedDouble:1.0",
+                description="Left stick, towards the hand.",
+            ),
+            PortProfile(
+                name="StickRXd",
+                python_name="StickRXd",
+                kind="outport",
+                type="RTC::TimedDouble",
+                repository_id="IDL:RTC/TimedDouble:1.0",
+                description="Right stick, to the right.",
+            ),
+            PortProfile(
+                name="StickRYd",
+                python_name="StickRYd",
+                kind="outport",
+                type="RTC::TimedDouble",
+                repository_id="IDL:RTC/TimedDouble:1.0",
+                description="Right stick, towards the hand.",
+            ),
+            PortProfile(
+                name="Velocity",
+                python_name="Velocity",
+                kind="outport",
+                type="RTC::TimedVelocity",
+                repository_id="IDL:RTC/TimedVelocity:1.0",
+                unit="m/s, rad/s",
+                description="Velocity of the first phase of the common interfaces.",
+            ),
+            PortProfile(
+                name="VelocityIIS",
+                python_name="VelocityIIS",
+                kind="outport",
+                type="IIS::TimedVelocity",
+                repository_id="IDL:IIS/TimedVelocity:1.0",
+                unit="m/s, rad/s",
+                description="Velocity of the second phase.",
+            ),
+            PortProfile(
+                name="Velocity2DIIS",
+                python_name="Velocity2DIIS",
+                kind="outport",
+                type="IIS::TimedVelocity2D",
+                repository_id="IDL:IIS/TimedVelocity2D:1.0",
+                unit="m/s, rad/s",
+                description="Velocity of the third phase; sent only while the game pad is there.",
+            ),
+        ),
+        configuration=(
+            ParameterProfile(
+                name="Klx",
+                python_name="Klx",
+                type="float",
+                default="1.0",
+                unit="m/s",
+                description="Sideways speed for the full left stick.",
+            ),
+            ParameterProfile(
+                name="Kly",
+                python_name="Kly",
+                type="float",
+                default="1.0",
+                unit="m/s",
+                description="Speed for the full left stick.",
+            ),
+            ParameterProfile(
+                name="Krx",
+                python_name="Krx",
+                type="float",
+                default="1.0",
+                unit="rad/s",
+                description="Angular speed for the full right stick.",
+            ),
+            ParameterProfile(
+                name="Kry",
+                python_name="Kry",
+                type="float",
+                default="1.0",
+                description="Not used: the right stick forward has no meaning for a base.",
+            ),
+            ParameterProfile(
+                name="str_port",
+                python_name="str_port",
+                type="string",
+                default="/dev/input/js0",
+                description="The device; its last digits tell which one.",
+            ),
+            ParameterProfile(
+                name="script",
+                python_name="script",
+                type="string",
+                default="",
+                widget="text",
+                description="What the hand does, in place of a device; empty for the device.",
+            ),
+        ),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.config = self.add_configuration(GamePadConfiguration())
+        self.Button = self.add_out_port("Button", rtc.TimedULong)
+        """The buttons, one bit for each."""
+        self.StickLX = self.add_out_port("StickLX", rtc.TimedFloat)
+        """Left stick, to the right."""
+        self.StickLY = self.add_out_port("StickLY", rtc.TimedFloat)
+        """Left stick, towards the hand."""
+        self.StickRX = self.add_out_port("StickRX", rtc.TimedFloat)
+        """Right stick, to the right."""
+        self.StickRY = self.add_out_port("StickRY", rtc.TimedFloat)
+        """Right stick, towards the hand."""
+        self.StickLXd = self.add_out_port("StickLXd", rtc.TimedDouble)
+        """Left stick, to the right."""
+        self.StickLYd = self.add_out_port("StickLYd", rtc.TimedDouble)
+        """Left stick, towards the hand."""
+        self.StickRXd = self.add_out_port("StickRXd", rtc.TimedDouble)
+        """Right stick, to the right."""
+        self.StickRYd = self.add_out_port("StickRYd", rtc.TimedDouble)
+        """Right stick, towards the hand."""
+        self.Velocity = self.add_out_port("Velocity", rtc.TimedVelocity)
+        """Velocity of the first phase of the common interfaces [m/s, rad/s]."""
+        self.VelocityIIS = self.add_out_port("VelocityIIS", iis.TimedVelocity)
+        """Velocity of the second phase [m/s, rad/s]."""
+        self.Velocity2DIIS = self.add_out_port("Velocity2DIIS", iis.TimedVelocity2D)
+        """Velocity of the third phase; sent only while the game pad is there [m/s, rad/s]."""

@@ -2,6 +2,146 @@
 # Owned by rtgen: edits are overwritten by the next run.
 """LocalizeCenter: Weighted mean of odometry and ceiling"""
 
-from .localize_center_base import LocalizeCenterBase, LocalizeCenterConfiguration
+from __future__ import annotations
 
-__all__ = ["LocalizeCenterBase", "LocalizeCenterConfiguration"]
+from dataclasses import dataclass
+from typing import ClassVar
+
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+
+from ... import iis
+
+
+@dataclass(slots=True)
+class LocalizeCenterConfiguration:
+    """Configuration of LocalizeCenter."""
+
+    startX: float = 3.24
+    """Start pose: x [m]."""
+    startY: float = 7.7
+    """Start pose: y [m]."""
+    startTheta: float = -1.57
+    """Start pose: heading [rad]."""
+    cycle: int = 20
+    """Executions after which the pose of odometry is repeated when the ceiling tells nothing."""
+    PositionTimeout: float = 0.5
+    """Poses of odometry older than this are dropped. Without any for so long the ceiling corrects [s]
+    nothing, the last pose is repeated, and it is reported. 0: any age. Not in the source.
+    """
+    CeilingTimeout: float = 5.0
+    """Poses of the ceiling older than this are dropped; without any for so long it is reported, and [s]
+    odometry goes on alone. 0: any age. Not in the source.
+    """
+
+
+class LocalizeCenterBase(Component):
+    """Localises the base: the weighted mean of odometry and ceiling, 19 to 1.
+
+    The ceiling's pose is compared with that of odometry at the time of its picture. Without
+    ceiling data the pose of odometry is repeated now and then. The first 20 executions send the
+    start pose, which odometry takes over.
+    """
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        type_name="LocalizeCenter",
+        kind="DataFlowComponent",
+        category="Navigation",
+        vendor="rtgen",
+        version="1.0.0",
+        description="Weighted mean of odometry and ceiling",
+        rate=100.0,
+        max_instances=1,
+        activity="PERIODIC",
+        execution="PeriodicExecutionContext",
+        ports=(
+            PortProfile(
+                name="dp_odmIn",
+                python_name="dp_odmIn",
+                kind="inport",
+                type="IIS::TimedPose2D",
+                repository_id="IDL:IIS/TimedPose2D:1.0",
+                unit="m, rad",
+                description="Pose by odometry.",
+            ),
+            PortProfile(
+                name="dp_ceilIn",
+                python_name="dp_ceilIn",
+                kind="inport",
+                type="IIS::TimedPose2D",
+                repository_id="IDL:IIS/TimedPose2D:1.0",
+                unit="m, rad",
+                description="Pose by the ceiling.",
+            ),
+            PortProfile(
+                name="dp_out0",
+                python_name="dp_out0",
+                kind="outport",
+                type="IIS::TimedPose2D",
+                repository_id="IDL:IIS/TimedPose2D:1.0",
+                unit="m, rad",
+                description="The pose, for odometry to take over.",
+            ),
+        ),
+        configuration=(
+            ParameterProfile(
+                name="startX",
+                python_name="startX",
+                type="double",
+                default="3.24",
+                unit="m",
+                description="Start pose: x.",
+            ),
+            ParameterProfile(
+                name="startY",
+                python_name="startY",
+                type="double",
+                default="7.7",
+                unit="m",
+                description="Start pose: y.",
+            ),
+            ParameterProfile(
+                name="startTheta",
+                python_name="startTheta",
+                type="double",
+                default="-1.57",
+                unit="rad",
+                description="Start pose: heading.",
+            ),
+            ParameterProfile(
+                name="cycle",
+                python_name="cycle",
+                type="long",
+                default="20",
+                minimum=1,
+                description="Executions after which the pose of odometry is repeated when the ceiling tells nothing.",
+            ),
+            ParameterProfile(
+                name="PositionTimeout",
+                python_name="PositionTimeout",
+                type="double",
+                default="0.5",
+                minimum=0.0,
+                unit="s",
+                description="Poses of odometry older than this are dropped. Without any for so long the ceiling corrects",
+            ),
+            ParameterProfile(
+                name="CeilingTimeout",
+                python_name="CeilingTimeout",
+                type="double",
+                default="5.0",
+                minimum=0.0,
+                unit="s",
+                description="Poses of the ceiling older than this are dropped; without any for so long it is reported, and",
+            ),
+        ),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.config = self.add_configuration(LocalizeCenterConfiguration())
+        self.dp_odmIn = self.add_in_port("dp_odmIn", iis.TimedPose2D)
+        """Pose by odometry [m, rad]."""
+        self.dp_ceilIn = self.add_in_port("dp_ceilIn", iis.TimedPose2D)
+        """Pose by the ceiling [m, rad]."""
+        self.dp_out0 = self.add_out_port("dp_out0", iis.TimedPose2D)
+        """The pose, for odometry to take over [m, rad]."""

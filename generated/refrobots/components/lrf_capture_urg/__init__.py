@@ -2,6 +2,156 @@
 # Owned by rtgen: edits are overwritten by the next run.
 """LRFCapture_URG: Range finder URG, simulated"""
 
-from .lrf_capture_urg_base import LRFCapture_URGBase, LRFCapture_URGConfiguration
+from __future__ import annotations
 
-__all__ = ["LRFCapture_URGBase", "LRFCapture_URGConfiguration"]
+from dataclasses import dataclass
+from typing import ClassVar
+
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+
+from ... import iis, rtc
+
+
+@dataclass(slots=True)
+class LRFCapture_URGConfiguration:
+    """Configuration of LRFCapture_URG."""
+
+    room: str = "room"
+    """The room, read on activation: lines `w X1 Y1 X2 Y2` for walls, `c X Y RADIUS` for
+    posts [m].
+    """
+    offset_x: float = 0.2
+    """How far ahead of the centre of the drive axle the range finder is [m]."""
+    angle: float = 2.0943951023931953
+    """What the range finder sees to either side [rad]."""
+    resolution: float = 0.006135923151542565
+    """Angle between two rays [rad]."""
+    min_range: float = 0.02
+    """The smallest range that is measured [m]."""
+    max_range: float = 4.0
+    """The greatest range that is measured [m]."""
+    noise: float = 0.005
+    """Standard deviation of a range [m]."""
+    seed: int = 1
+    """Where chance begins."""
+
+
+class LRFCapture_URGBase(Component):
+    """Scans a room with the range finder URG: 240 degrees, up to 4 m, ten times a second.
+
+    Of the source's component only the name survived; its ports are ours. The room is a plan of
+    walls and posts, in which rays are cast from where the base truly is. Noise is random, but
+    the same in each run. A range of 0 tells that nothing was hit.
+    """
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        type_name="LRFCapture_URG",
+        kind="DataFlowComponent",
+        category="Simulation",
+        vendor="rtgen",
+        version="1.0.0",
+        description="Range finder URG, simulated",
+        rate=10.0,
+        max_instances=1,
+        activity="PERIODIC",
+        execution="PeriodicExecutionContext",
+        ports=(
+            PortProfile(
+                name="pose",
+                python_name="pose",
+                kind="inport",
+                type="IIS::TimedPose2D",
+                repository_id="IDL:IIS/TimedPose2D:1.0",
+                unit="m, rad",
+                description="Where the base truly is.",
+            ),
+            PortProfile(
+                name="range",
+                python_name="range",
+                kind="outport",
+                type="RTC::RangeData",
+                repository_id="IDL:RTC/RangeData:1.0",
+                unit="m",
+                description="The scan, with the time of the pose, and where on the base it was taken.",
+            ),
+        ),
+        configuration=(
+            ParameterProfile(
+                name="room",
+                python_name="room",
+                type="string",
+                default="room",
+                description="The room, read on activation: lines `w X1 Y1 X2 Y2` for walls, `c X Y RADIUS` for",
+            ),
+            ParameterProfile(
+                name="offset_x",
+                python_name="offset_x",
+                type="double",
+                default="0.2",
+                unit="m",
+                description="How far ahead of the centre of the drive axle the range finder is.",
+            ),
+            ParameterProfile(
+                name="angle",
+                python_name="angle",
+                type="double",
+                default="2.0943951023931953",
+                minimum=0.0,
+                maximum=3.14,
+                unit="rad",
+                description="What the range finder sees to either side.",
+            ),
+            ParameterProfile(
+                name="resolution",
+                python_name="resolution",
+                type="double",
+                default="0.006135923151542565",
+                minimum=0.001,
+                maximum=1.0,
+                unit="rad",
+                description="Angle between two rays.",
+            ),
+            ParameterProfile(
+                name="min_range",
+                python_name="min_range",
+                type="double",
+                default="0.02",
+                minimum=0.0,
+                unit="m",
+                description="The smallest range that is measured.",
+            ),
+            ParameterProfile(
+                name="max_range",
+                python_name="max_range",
+                type="double",
+                default="4.0",
+                unit="m",
+                constraint="x>0.0",
+                description="The greatest range that is measured.",
+            ),
+            ParameterProfile(
+                name="noise",
+                python_name="noise",
+                type="double",
+                default="0.005",
+                minimum=0.0,
+                unit="m",
+                description="Standard deviation of a range.",
+            ),
+            ParameterProfile(
+                name="seed",
+                python_name="seed",
+                type="long",
+                default="1",
+                description="Where chance begins.",
+            ),
+        ),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.config = self.add_configuration(LRFCapture_URGConfiguration())
+        self.pose = self.add_in_port("pose", iis.TimedPose2D)
+        """Where the base truly is [m, rad]."""
+        self.range = self.add_out_port("range", rtc.RangeData)
+        """The scan, with the time of the pose, and where on the base it was taken [m]."""

@@ -2,6 +2,165 @@
 # Owned by rtgen: edits are overwritten by the next run.
 """MotorControl: Motor control of a simulated base"""
 
-from .motor_control_base import MotorControlBase, MotorControlConfiguration
+from __future__ import annotations
 
-__all__ = ["MotorControlBase", "MotorControlConfiguration"]
+from dataclasses import dataclass
+from typing import ClassVar
+
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+
+from ... import RefHard, iis, rtc
+
+
+@dataclass(slots=True)
+class MotorControlConfiguration:
+    """Configuration of MotorControl."""
+
+    WheelTread: float = 0.441
+    """Distance between the wheels, for turning velocities into wheel speeds [m]."""
+    WheelRadiusLeft: float = 0.1
+    """Radius of the left wheel, for turning velocities into wheel speeds [m]."""
+    WheelRadiusRight: float = 0.1
+    """Radius of the right wheel, for turning velocities into wheel speeds [m]."""
+    CommandTimeout: float = 0.5
+    """The base comes to rest when no velocity has come for so long; 0 never [s]."""
+
+
+class MotorControlBase(Component):
+    """Takes the place of RefHardRh3 for a base that is simulated elsewhere (RefHw).
+
+    Of the source's component only the name survived; ports and parameters are those of RefHardRh3,
+    as far as they concern motor control.
+    """
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        type_name="MotorControl",
+        kind="DataFlowComponent",
+        category="Simulation",
+        vendor="rtgen",
+        version="1.0.0",
+        description="Motor control of a simulated base",
+        rate=1000.0,
+        max_instances=1,
+        activity="PERIODIC",
+        execution="PeriodicExecutionContext",
+        ports=(
+            PortProfile(
+                name="InTargetVelocity",
+                python_name="InTargetVelocity",
+                kind="inport",
+                type="IIS::TimedVelocity2D",
+                repository_id="IDL:IIS/TimedVelocity2D:1.0",
+                unit="m/s, rad/s",
+                description="Velocity for the base.",
+            ),
+            PortProfile(
+                name="InWheelAngle",
+                python_name="InWheelAngle",
+                kind="inport",
+                type="RTC::TimedDoubleSeq",
+                repository_id="IDL:RTC/TimedDoubleSeq:1.0",
+                unit="rad",
+                description="Angles of the wheels, from the base.",
+            ),
+            PortProfile(
+                name="WheelSpeed",
+                python_name="WheelSpeed",
+                kind="outport",
+                type="RTC::TimedDoubleSeq",
+                repository_id="IDL:RTC/TimedDoubleSeq:1.0",
+                unit="rad/s",
+                description="Speeds for the left and the right wheel.",
+            ),
+            PortProfile(
+                name="OutWheelAngle",
+                python_name="OutWheelAngle",
+                kind="outport",
+                type="RTC::TimedDoubleSeq",
+                repository_id="IDL:RTC/TimedDoubleSeq:1.0",
+                unit="rad",
+                description="Absolute rotation angles of the left and the right wheel.",
+            ),
+            PortProfile(
+                name="InventGUIRefHard",
+                python_name="InventGUIRefHard",
+                kind="provider",
+                type="RefHard",
+                repository_id="IDL:RefHard:1.0",
+                port="InventGUIRefHard",
+                instance="RefHard",
+                description="Starts and stops travelling, from a user interface.",
+            ),
+            PortProfile(
+                name="BumpRefHard",
+                python_name="BumpRefHard",
+                kind="provider",
+                type="RefHard",
+                repository_id="IDL:RefHard:1.0",
+                port="BumpRefHard",
+                instance="RefHard",
+                description="Stops travelling, from a bumper.",
+            ),
+        ),
+        configuration=(
+            ParameterProfile(
+                name="WheelTread",
+                python_name="WheelTread",
+                type="double",
+                default="0.441",
+                unit="m",
+                constraint="x>0.0",
+                description="Distance between the wheels, for turning velocities into wheel speeds.",
+            ),
+            ParameterProfile(
+                name="WheelRadiusLeft",
+                python_name="WheelRadiusLeft",
+                type="double",
+                default="0.1",
+                unit="m",
+                constraint="x>0.0",
+                description="Radius of the left wheel, for turning velocities into wheel speeds.",
+            ),
+            ParameterProfile(
+                name="WheelRadiusRight",
+                python_name="WheelRadiusRight",
+                type="double",
+                default="0.1",
+                unit="m",
+                constraint="x>0.0",
+                description="Radius of the right wheel, for turning velocities into wheel speeds.",
+            ),
+            ParameterProfile(
+                name="CommandTimeout",
+                python_name="CommandTimeout",
+                type="double",
+                default="0.5",
+                minimum=0.0,
+                unit="s",
+                description="The base comes to rest when no velocity has come for so long; 0 never.",
+            ),
+        ),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.config = self.add_configuration(MotorControlConfiguration())
+        self.InTargetVelocity = self.add_in_port(
+            "InTargetVelocity",
+            iis.TimedVelocity2D,
+        )
+        """Velocity for the base [m/s, rad/s]."""
+        self.InWheelAngle = self.add_in_port("InWheelAngle", rtc.TimedDoubleSeq)
+        """Angles of the wheels, from the base [rad]."""
+        self.WheelSpeed = self.add_out_port("WheelSpeed", rtc.TimedDoubleSeq)
+        """Speeds for the left and the right wheel [rad/s]."""
+        self.OutWheelAngle = self.add_out_port("OutWheelAngle", rtc.TimedDoubleSeq)
+        """Absolute rotation angles of the left and the right wheel [rad]."""
+        self.InventGUIRefHard = self.add_provider(
+            "InventGUIRefHard",
+            "RefHard",
+            RefHard,
+        )
+        """Starts and stops travelling, from a user interface."""
+        self.BumpRefHard = self.add_provider("BumpRefHard", "RefHard", RefHard)
+        """Stops travelling, from a bumper."""

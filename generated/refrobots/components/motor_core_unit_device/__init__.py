@@ -2,9 +2,202 @@
 # Owned by rtgen: edits are overwritten by the next run.
 """MotorCoreUnitDevice: Device Motor core unit"""
 
-from .motor_core_unit_device_base import (
-    MotorCoreUnitDeviceBase,
-    MotorCoreUnitDeviceConfiguration,
-)
+from __future__ import annotations
 
-__all__ = ["MotorCoreUnitDeviceBase", "MotorCoreUnitDeviceConfiguration"]
+from dataclasses import dataclass
+from typing import ClassVar
+
+from rtgen.runtime import ComponentProfile, ParameterProfile, PortProfile
+
+from ... import motorcoreunit
+from ...canopen.motor_core_unit.device import MotorCoreUnitSlave
+
+
+@dataclass(slots=True)
+class MotorCoreUnitDeviceConfiguration:
+    """Configuration of MotorCoreUnitDevice."""
+
+    interface: str = "virtual"
+    """The kind of bus: an interface of python-can. In simulated time the bus is simulated."""
+    channel: str = "can0"
+    """The channel of the interface."""
+    bitrate: int = 0
+    """Bit rate, 0 for the interface's own [bit/s]."""
+    options: str = ""
+    """Further arguments of the interface: "host=127.0.0.1,port=29536"."""
+    node_id: int = 1
+    """The node-id, 255: the one that LSS assigns."""
+    network: str = "pdo_linking"
+    """The network: the name of its bus file; empty for none."""
+    merged_stop: bool = False
+    """Whether a stop command means what figure 111 of RTC-CANopen says."""
+    parameter_file: str = ""
+    """The file of stored parameters (1010h), name.json below the working folder; empty for none."""
+
+
+class MotorCoreUnitDeviceBase(MotorCoreUnitSlave):
+    """A device on a CANopen bus: Motor core unit.
+
+    InPorts have what it receives, and what is written to OutPorts is transmitted.
+    """
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        type_name="MotorCoreUnitDevice",
+        kind="DataFlowComponent",
+        category="CANopen",
+        vendor="rtgen",
+        version="1.0.0",
+        description="Device Motor core unit",
+        rate=100.0,
+        max_instances=0,
+        activity="PERIODIC",
+        execution="PeriodicExecutionContext",
+        ports=(
+            PortProfile(
+                name="tpdo1",
+                python_name="tpdo1",
+                kind="outport",
+                type="MotorCoreUnit::Tpdo1",
+                repository_id="IDL:MotorCoreUnit/Tpdo1:1.0",
+                description="TPDO 1: Statusword, Modes_of_operation_display.",
+            ),
+            PortProfile(
+                name="tpdo2",
+                python_name="tpdo2",
+                kind="outport",
+                type="MotorCoreUnit::Tpdo2",
+                repository_id="IDL:MotorCoreUnit/Tpdo2:1.0",
+                description="TPDO 2: Position_actual_value, Velocity_actual_value.",
+            ),
+            PortProfile(
+                name="tpdo3",
+                python_name="tpdo3",
+                kind="outport",
+                type="MotorCoreUnit::Tpdo3",
+                repository_id="IDL:MotorCoreUnit/Tpdo3:1.0",
+                description="TPDO 3: Torque_actual_value, Current_actual_value.",
+            ),
+            PortProfile(
+                name="tpdo4",
+                python_name="tpdo4",
+                kind="outport",
+                type="MotorCoreUnit::Tpdo4",
+                repository_id="IDL:MotorCoreUnit/Tpdo4:1.0",
+                description="TPDO 4: Gear_encoder_angle, Motor_temperature.",
+            ),
+            PortProfile(
+                name="rpdo1",
+                python_name="rpdo1",
+                kind="inport",
+                type="MotorCoreUnit::Rpdo1",
+                repository_id="IDL:MotorCoreUnit/Rpdo1:1.0",
+                description="RPDO 1: Controlword, Modes_of_operation.",
+            ),
+            PortProfile(
+                name="rpdo2",
+                python_name="rpdo2",
+                kind="inport",
+                type="MotorCoreUnit::Rpdo2",
+                repository_id="IDL:MotorCoreUnit/Rpdo2:1.0",
+                description="RPDO 2: Target_position.",
+            ),
+            PortProfile(
+                name="rpdo3",
+                python_name="rpdo3",
+                kind="inport",
+                type="MotorCoreUnit::Rpdo3",
+                repository_id="IDL:MotorCoreUnit/Rpdo3:1.0",
+                description="RPDO 3: Target_velocity.",
+            ),
+            PortProfile(
+                name="rpdo4",
+                python_name="rpdo4",
+                kind="inport",
+                type="MotorCoreUnit::Rpdo4",
+                repository_id="IDL:MotorCoreUnit/Rpdo4:1.0",
+                description="RPDO 4: Target_torque.",
+            ),
+        ),
+        configuration=(
+            ParameterProfile(
+                name="interface",
+                python_name="interface",
+                type="string",
+                default="virtual",
+                description="The kind of bus: an interface of python-can. In simulated time the bus is simulated.",
+            ),
+            ParameterProfile(
+                name="channel",
+                python_name="channel",
+                type="string",
+                default="can0",
+                description="The channel of the interface.",
+            ),
+            ParameterProfile(
+                name="bitrate",
+                python_name="bitrate",
+                type="long",
+                default="0",
+                minimum=0,
+                unit="bit/s",
+                description="Bit rate, 0 for the interface's own.",
+            ),
+            ParameterProfile(
+                name="options",
+                python_name="options",
+                type="string",
+                default="",
+                description='Further arguments of the interface: "host=127.0.0.1,port=29536".',
+            ),
+            ParameterProfile(
+                name="node_id",
+                python_name="node_id",
+                type="long",
+                default="1",
+                minimum=1,
+                maximum=255,
+                description="The node-id, 255: the one that LSS assigns.",
+            ),
+            ParameterProfile(
+                name="network",
+                python_name="network",
+                type="string",
+                default="pdo_linking",
+                description="The network: the name of its bus file; empty for none.",
+            ),
+            ParameterProfile(
+                name="merged_stop",
+                python_name="merged_stop",
+                type="boolean",
+                default="0",
+                description="Whether a stop command means what figure 111 of RTC-CANopen says.",
+            ),
+            ParameterProfile(
+                name="parameter_file",
+                python_name="parameter_file",
+                type="string",
+                default="",
+                description="The file of stored parameters (1010h), name.json below the working folder; empty for none.",
+            ),
+        ),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.config = self.add_configuration(MotorCoreUnitDeviceConfiguration())
+        self.tpdo1 = self.add_out_port("tpdo1", motorcoreunit.Tpdo1)
+        """TPDO 1: Statusword, Modes_of_operation_display."""
+        self.tpdo2 = self.add_out_port("tpdo2", motorcoreunit.Tpdo2)
+        """TPDO 2: Position_actual_value, Velocity_actual_value."""
+        self.tpdo3 = self.add_out_port("tpdo3", motorcoreunit.Tpdo3)
+        """TPDO 3: Torque_actual_value, Current_actual_value."""
+        self.tpdo4 = self.add_out_port("tpdo4", motorcoreunit.Tpdo4)
+        """TPDO 4: Gear_encoder_angle, Motor_temperature."""
+        self.rpdo1 = self.add_in_port("rpdo1", motorcoreunit.Rpdo1)
+        """RPDO 1: Controlword, Modes_of_operation."""
+        self.rpdo2 = self.add_in_port("rpdo2", motorcoreunit.Rpdo2)
+        """RPDO 2: Target_position."""
+        self.rpdo3 = self.add_in_port("rpdo3", motorcoreunit.Rpdo3)
+        """RPDO 3: Target_velocity."""
+        self.rpdo4 = self.add_in_port("rpdo4", motorcoreunit.Rpdo4)
+        """RPDO 4: Target_torque."""

@@ -2,6 +2,175 @@
 # Owned by rtgen: edits are overwritten by the next run.
 """Navigation: Gives out the waypoints of a path one by one"""
 
-from .navigation_base import NavigationBase, NavigationConfiguration
+from __future__ import annotations
 
-__all__ = ["NavigationBase", "NavigationConfiguration"]
+from dataclasses import dataclass
+from typing import ClassVar
+
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+
+from ... import iis
+
+
+@dataclass(slots=True)
+class NavigationConfiguration:
+    """Configuration of Navigation."""
+
+    judge_radius: float = 0.5
+    """How far before a waypoint the base slows down to a crawl [m]."""
+    max_vel: float = 0.3
+    """Greatest speed of the base on a straight [m/s]."""
+    GoalTolerance: float = 0.03
+    """FINISH is given no farther from the goal than this; a base that has missed it, or is led to [m]
+    a goal that the last straight does not end at, is turned and driven there, ten times at
+    most: then the travel ends in ERROR. Not in the source.
+    """
+    SettleTime: float = 0.0
+    """The base has to stand at the goal for so long before FINISH, for a localisation that lags [s].
+    Not in the source.
+    """
+    PositionTimeout: float = 0.5
+    """Without a position younger than this the base is stopped, until there is one; 0 never. Not [s]
+    in the source.
+    """
+    MaxJump: float = 0.3
+    """A position this far from the one before, on the way, is no motion: its source was [m]
+    restarted, and the travel ends in ERROR; 0 never. Not in the source.
+    """
+    ProgressTimeout: float = 20.0
+    """A base that gets no nearer to its waypoint for so long is reported; 0 never. Not in the [s]
+    source.
+    """
+
+
+class NavigationBase(Component):
+    """Adds travel mode and speed to the waypoints of a path, and gives them out singly."""
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        type_name="Navigation",
+        kind="DataFlowComponent",
+        category="Navigation",
+        vendor="rtgen",
+        version="1.1.0",
+        description="Gives out the waypoints of a path one by one",
+        rate=50.0,
+        max_instances=1,
+        activity="PERIODIC",
+        execution="PeriodicExecutionContext",
+        ports=(
+            PortProfile(
+                name="position",
+                python_name="position",
+                kind="inport",
+                type="IIS::TimedPose2D",
+                repository_id="IDL:IIS/TimedPose2D:1.0",
+                unit="m, rad",
+                description="Where the base is.",
+            ),
+            PortProfile(
+                name="min_path",
+                python_name="min_path",
+                kind="inport",
+                type="IIS::TimedPath2DSeq",
+                repository_id="IDL:IIS/TimedPath2DSeq:1.0",
+                unit="m, rad",
+                description="The path to run. A new one takes the place of the old one, an empty one stops",
+            ),
+            PortProfile(
+                name="path",
+                python_name="path",
+                kind="outport",
+                type="IIS::Path",
+                repository_id="IDL:IIS/Path:1.0",
+                unit="m, rad",
+                description="The waypoint to travel to, and how.",
+            ),
+            PortProfile(
+                name="status",
+                python_name="status",
+                kind="outport",
+                type="IIS::TimedState",
+                repository_id="IDL:IIS/TimedState:1.0",
+                description="State of the travel, at every execution.",
+            ),
+        ),
+        configuration=(
+            ParameterProfile(
+                name="judge_radius",
+                python_name="judge_radius",
+                type="double",
+                default="0.5",
+                minimum=0.0,
+                unit="m",
+                description="How far before a waypoint the base slows down to a crawl.",
+            ),
+            ParameterProfile(
+                name="max_vel",
+                python_name="max_vel",
+                type="double",
+                default="0.3",
+                minimum=0.0,
+                unit="m/s",
+                description="Greatest speed of the base on a straight.",
+            ),
+            ParameterProfile(
+                name="GoalTolerance",
+                python_name="GoalTolerance",
+                type="double",
+                default="0.03",
+                unit="m",
+                constraint="x>0.0",
+                description="FINISH is given no farther from the goal than this; a base that has missed it, or is led to",
+            ),
+            ParameterProfile(
+                name="SettleTime",
+                python_name="SettleTime",
+                type="double",
+                default="0.0",
+                minimum=0.0,
+                unit="s",
+                description="The base has to stand at the goal for so long before FINISH, for a localisation that lags.",
+            ),
+            ParameterProfile(
+                name="PositionTimeout",
+                python_name="PositionTimeout",
+                type="double",
+                default="0.5",
+                minimum=0.0,
+                unit="s",
+                description="Without a position younger than this the base is stopped, until there is one; 0 never. Not",
+            ),
+            ParameterProfile(
+                name="MaxJump",
+                python_name="MaxJump",
+                type="double",
+                default="0.3",
+                minimum=0.0,
+                unit="m",
+                description="A position this far from the one before, on the way, is no motion: its source was",
+            ),
+            ParameterProfile(
+                name="ProgressTimeout",
+                python_name="ProgressTimeout",
+                type="double",
+                default="20.0",
+                minimum=0.0,
+                unit="s",
+                description="A base that gets no nearer to its waypoint for so long is reported; 0 never. Not in the",
+            ),
+        ),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.config = self.add_configuration(NavigationConfiguration())
+        self.position = self.add_in_port("position", iis.TimedPose2D)
+        """Where the base is [m, rad]."""
+        self.min_path = self.add_in_port("min_path", iis.TimedPath2DSeq)
+        """The path to run. A new one takes the place of the old one, an empty one stops [m, rad]
+        the base.
+        """
+        self.path = self.add_out_port("path", iis.Path)
+        """The waypoint to travel to, and how [m, rad]."""
+        self.status = self.add_out_port("status", iis.TimedState)
+        """State of the travel, at every execution."""

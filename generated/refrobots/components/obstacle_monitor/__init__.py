@@ -2,6 +2,124 @@
 # Owned by rtgen: edits are overwritten by the next run.
 """ObstacleMonitor: Shows obstacles"""
 
-from .obstacle_monitor_base import ObstacleMonitorBase, ObstacleMonitorConfiguration
+from __future__ import annotations
 
-__all__ = ["ObstacleMonitorBase", "ObstacleMonitorConfiguration"]
+from dataclasses import dataclass
+from typing import ClassVar
+
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+
+from ... import iis, rtc
+
+
+@dataclass(slots=True)
+class ObstacleMonitorConfiguration:
+    """Configuration of ObstacleMonitor."""
+
+    picture: str = ""
+    """The picture to be written (.svg, .png or .pdf); empty for none."""
+    scans: int = 1000
+    """Points of so many scans are kept for the picture."""
+    PositionTimeout: float = 0.5
+    """Without a position younger than this nothing is drawn; 0: any age [s]."""
+    ObstaclesTimeout: float = 0.5
+    """Scans older than this are dropped; without any for so long it is reported. 0: any age [s]."""
+
+
+class ObstacleMonitorBase(Component):
+    """Tells how near the nearest obstacle is, and draws what was seen on the way.
+
+    Of the source's component only the name survived; its ports are ours. The picture is written
+    when it is deactivated.
+    """
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        type_name="ObstacleMonitor",
+        kind="DataFlowComponent",
+        category="Navigation",
+        vendor="rtgen",
+        version="1.0.0",
+        description="Shows obstacles",
+        rate=10.0,
+        max_instances=1,
+        activity="PERIODIC",
+        execution="PeriodicExecutionContext",
+        ports=(
+            PortProfile(
+                name="obstacles",
+                python_name="obstacles",
+                kind="inport",
+                type="IIS::TimedPoint2DSeq",
+                repository_id="IDL:IIS/TimedPoint2DSeq:1.0",
+                unit="m",
+                description="The points of the newest scan.",
+            ),
+            PortProfile(
+                name="position",
+                python_name="position",
+                kind="inport",
+                type="IIS::TimedPose2D",
+                repository_id="IDL:IIS/TimedPose2D:1.0",
+                unit="m, rad",
+                description="Where the base is, to draw points where they stand; without it they are drawn round",
+            ),
+            PortProfile(
+                name="nearest",
+                python_name="nearest",
+                kind="outport",
+                type="RTC::TimedDouble",
+                repository_id="IDL:RTC/TimedDouble:1.0",
+                unit="m",
+                description="Distance of the nearest point, from the centre of the base.",
+            ),
+        ),
+        configuration=(
+            ParameterProfile(
+                name="picture",
+                python_name="picture",
+                type="string",
+                default="",
+                widget="text",
+                description="The picture to be written (.svg, .png or .pdf); empty for none.",
+            ),
+            ParameterProfile(
+                name="scans",
+                python_name="scans",
+                type="long",
+                default="1000",
+                minimum=1,
+                maximum=100000,
+                description="Points of so many scans are kept for the picture.",
+            ),
+            ParameterProfile(
+                name="PositionTimeout",
+                python_name="PositionTimeout",
+                type="double",
+                default="0.5",
+                minimum=0.0,
+                unit="s",
+                description="Without a position younger than this nothing is drawn; 0: any age.",
+            ),
+            ParameterProfile(
+                name="ObstaclesTimeout",
+                python_name="ObstaclesTimeout",
+                type="double",
+                default="0.5",
+                minimum=0.0,
+                unit="s",
+                description="Scans older than this are dropped; without any for so long it is reported. 0: any age.",
+            ),
+        ),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.config = self.add_configuration(ObstacleMonitorConfiguration())
+        self.obstacles = self.add_in_port("obstacles", iis.TimedPoint2DSeq)
+        """The points of the newest scan [m]."""
+        self.position = self.add_in_port("position", iis.TimedPose2D)
+        """Where the base is, to draw points where they stand; without it they are drawn round [m, rad]
+        the base.
+        """
+        self.nearest = self.add_out_port("nearest", rtc.TimedDouble)
+        """Distance of the nearest point, from the centre of the base [m]."""

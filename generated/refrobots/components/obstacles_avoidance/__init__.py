@@ -2,9 +2,159 @@
 # Owned by rtgen: edits are overwritten by the next run.
 """ObstaclesAvoidance: Changes the velocity to pass obstacles"""
 
-from .obstacles_avoidance_base import (
-    ObstaclesAvoidanceBase,
-    ObstaclesAvoidanceConfiguration,
-)
+from __future__ import annotations
 
-__all__ = ["ObstaclesAvoidanceBase", "ObstaclesAvoidanceConfiguration"]
+from dataclasses import dataclass
+from typing import ClassVar
+
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+
+from ... import iis
+
+
+@dataclass(slots=True)
+class ObstaclesAvoidanceConfiguration:
+    """Configuration of ObstaclesAvoidance."""
+
+    radiusOfBodyArea: float = 0.45
+    """Radius of a circle round the whole body [m]."""
+    clearance: float = 0.2
+    """Room that is kept between body and obstacles [m]."""
+    horizon: float = 1.5
+    """How far ahead obstacles count [m]."""
+    min_radius: float = 0.5
+    """The narrowest arc that is tried [m]."""
+    deceleration: float = 0.2
+    """Deceleration by which the base is brought to a stop in front of an obstacle [m/s^2]."""
+    max_w: float = 0.6
+    """Greatest angular speed that is asked for [rad/s]."""
+    ObstaclesTimeout: float = 0.5
+    """Points older than this do not count any more, and the base stops; 0 never [s]."""
+
+
+class ObstaclesAvoidanceBase(Component):
+    """Changes the velocity asked for so that the base passes obstacles.
+
+    The base is taken as a circle that goes along arcs. If the arc asked for is free, the velocity
+    is passed on. Else the base takes the nearest arc that is free for longer, slower the less of
+    it is free, down to a stop. Turning on the spot is always free: where no arc gets on, the base
+    turns to where it sees a way, and reports if there is none. Of the source's component only
+    the name survived; ports and method are ours.
+    """
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        type_name="ObstaclesAvoidance",
+        kind="DataFlowComponent",
+        category="Navigation",
+        vendor="rtgen",
+        version="1.0.0",
+        description="Changes the velocity to pass obstacles",
+        rate=100.0,
+        max_instances=1,
+        activity="PERIODIC",
+        execution="PeriodicExecutionContext",
+        ports=(
+            PortProfile(
+                name="obstacles",
+                python_name="obstacles",
+                kind="inport",
+                type="IIS::TimedPoint2DSeq",
+                repository_id="IDL:IIS/TimedPoint2DSeq:1.0",
+                unit="m",
+                description="The points of the newest scan.",
+            ),
+            PortProfile(
+                name="velocity_in",
+                python_name="velocity_in",
+                kind="inport",
+                type="IIS::TimedVelocity2D",
+                repository_id="IDL:IIS/TimedVelocity2D:1.0",
+                unit="m/s, rad/s",
+                description="The velocity asked for.",
+            ),
+            PortProfile(
+                name="velocity_out",
+                python_name="velocity_out",
+                kind="outport",
+                type="IIS::TimedVelocity2D",
+                repository_id="IDL:IIS/TimedVelocity2D:1.0",
+                unit="m/s, rad/s",
+                description="The velocity to be driven.",
+            ),
+        ),
+        configuration=(
+            ParameterProfile(
+                name="radiusOfBodyArea",
+                python_name="radiusOfBodyArea",
+                type="double",
+                default="0.45",
+                unit="m",
+                constraint="x>0.0",
+                description="Radius of a circle round the whole body.",
+            ),
+            ParameterProfile(
+                name="clearance",
+                python_name="clearance",
+                type="double",
+                default="0.2",
+                minimum=0.0,
+                unit="m",
+                description="Room that is kept between body and obstacles.",
+            ),
+            ParameterProfile(
+                name="horizon",
+                python_name="horizon",
+                type="double",
+                default="1.5",
+                unit="m",
+                constraint="x>0.0",
+                description="How far ahead obstacles count.",
+            ),
+            ParameterProfile(
+                name="min_radius",
+                python_name="min_radius",
+                type="double",
+                default="0.5",
+                unit="m",
+                constraint="x>0.0",
+                description="The narrowest arc that is tried.",
+            ),
+            ParameterProfile(
+                name="deceleration",
+                python_name="deceleration",
+                type="double",
+                default="0.2",
+                unit="m/s^2",
+                constraint="x>0.0",
+                description="Deceleration by which the base is brought to a stop in front of an obstacle.",
+            ),
+            ParameterProfile(
+                name="max_w",
+                python_name="max_w",
+                type="double",
+                default="0.6",
+                unit="rad/s",
+                constraint="x>0.0",
+                description="Greatest angular speed that is asked for.",
+            ),
+            ParameterProfile(
+                name="ObstaclesTimeout",
+                python_name="ObstaclesTimeout",
+                type="double",
+                default="0.5",
+                minimum=0.0,
+                unit="s",
+                description="Points older than this do not count any more, and the base stops; 0 never.",
+            ),
+        ),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.config = self.add_configuration(ObstaclesAvoidanceConfiguration())
+        self.obstacles = self.add_in_port("obstacles", iis.TimedPoint2DSeq)
+        """The points of the newest scan [m]."""
+        self.velocity_in = self.add_in_port("velocity_in", iis.TimedVelocity2D)
+        """The velocity asked for [m/s, rad/s]."""
+        self.velocity_out = self.add_out_port("velocity_out", iis.TimedVelocity2D)
+        """The velocity to be driven [m/s, rad/s]."""

@@ -2,6 +2,172 @@
 # Owned by rtgen: edits are overwritten by the next run.
 """OdometryRh2: Pose from wheel angles, corrected from outside"""
 
-from .odometry_rh2_base import OdometryRh2Base, OdometryRh2Configuration
+from __future__ import annotations
 
-__all__ = ["OdometryRh2Base", "OdometryRh2Configuration"]
+from dataclasses import dataclass
+from typing import ClassVar
+
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+
+from ... import iis, rtc
+
+
+@dataclass(slots=True)
+class OdometryRh2Configuration:
+    """Configuration of OdometryRh2."""
+
+    leftWheelID: int = 0
+    """Index of the left drive wheel in the wheel angles."""
+    rightWheelID: int = 1
+    """Index of the right drive wheel in the wheel angles."""
+    radiusOfLeftWheel: float = 0.1
+    """Radius of the left wheel; tunes the accuracy of translation [m]."""
+    radiusOfRightWheel: float = 0.1
+    """Radius of the right wheel; tunes the accuracy of translation [m]."""
+    lengthOfAxle: float = 0.441
+    """Distance between the drive wheels; tunes the accuracy of rotation [m]."""
+    radiusOfBodyArea: float = 0.45
+    """Radius of a circle round the whole body, for a safety area; not used here [m]."""
+    WheelAngleTimeout: float = 0.5
+    """Wheel angles older than this are dropped, and without any for so long it is reported; no [s]
+    pose is sent then. 0: any age. Not in the source.
+    """
+    LocalizationTimeout: float = 2.0
+    """A pose by other sensors older than this is dropped; without any for so long it is reported, [s]
+    and the pose goes on by the wheels alone. 0: any age. Not in the source.
+    """
+
+
+class OdometryRh2Base(Component):
+    """Estimates the pose of the centre of the drive axle from the angles of the wheels, and takes
+    over every pose that a localisation by other sensors sends.
+
+    It has no parameters for the initial pose: the localisation sends that.
+    """
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        type_name="OdometryRh2",
+        kind="DataFlowComponent",
+        category="Navigation",
+        vendor="rtgen",
+        version="1.0.0",
+        description="Pose from wheel angles, corrected from outside",
+        rate=100.0,
+        max_instances=1,
+        activity="PERIODIC",
+        execution="PeriodicExecutionContext",
+        ports=(
+            PortProfile(
+                name="CurrentWheelAngle",
+                python_name="CurrentWheelAngle",
+                kind="inport",
+                type="RTC::TimedDoubleSeq",
+                repository_id="IDL:RTC/TimedDoubleSeq:1.0",
+                unit="rad",
+                description="Rotation angles of the wheels, absolute.",
+            ),
+            PortProfile(
+                name="LocalizedPosition",
+                python_name="LocalizedPosition",
+                kind="inport",
+                type="IIS::TimedPose2D",
+                repository_id="IDL:IIS/TimedPose2D:1.0",
+                unit="m, rad",
+                description="Pose by other sensors; takes the place of the pose so far.",
+            ),
+            PortProfile(
+                name="OdometryPosition",
+                python_name="OdometryPosition",
+                kind="outport",
+                type="IIS::TimedPose2D",
+                repository_id="IDL:IIS/TimedPose2D:1.0",
+                unit="m, rad",
+                description="Pose by odometry, with the time of the wheel angles.",
+            ),
+        ),
+        configuration=(
+            ParameterProfile(
+                name="leftWheelID",
+                python_name="leftWheelID",
+                type="long",
+                default="0",
+                minimum=0,
+                description="Index of the left drive wheel in the wheel angles.",
+            ),
+            ParameterProfile(
+                name="rightWheelID",
+                python_name="rightWheelID",
+                type="long",
+                default="1",
+                minimum=0,
+                description="Index of the right drive wheel in the wheel angles.",
+            ),
+            ParameterProfile(
+                name="radiusOfLeftWheel",
+                python_name="radiusOfLeftWheel",
+                type="double",
+                default="0.1",
+                unit="m",
+                constraint="x>0.0",
+                description="Radius of the left wheel; tunes the accuracy of translation.",
+            ),
+            ParameterProfile(
+                name="radiusOfRightWheel",
+                python_name="radiusOfRightWheel",
+                type="double",
+                default="0.1",
+                unit="m",
+                constraint="x>0.0",
+                description="Radius of the right wheel; tunes the accuracy of translation.",
+            ),
+            ParameterProfile(
+                name="lengthOfAxle",
+                python_name="lengthOfAxle",
+                type="double",
+                default="0.441",
+                unit="m",
+                constraint="x>0.0",
+                description="Distance between the drive wheels; tunes the accuracy of rotation.",
+            ),
+            ParameterProfile(
+                name="radiusOfBodyArea",
+                python_name="radiusOfBodyArea",
+                type="double",
+                default="0.45",
+                minimum=0.0,
+                unit="m",
+                description="Radius of a circle round the whole body, for a safety area; not used here.",
+            ),
+            ParameterProfile(
+                name="WheelAngleTimeout",
+                python_name="WheelAngleTimeout",
+                type="double",
+                default="0.5",
+                minimum=0.0,
+                unit="s",
+                description="Wheel angles older than this are dropped, and without any for so long it is reported; no",
+            ),
+            ParameterProfile(
+                name="LocalizationTimeout",
+                python_name="LocalizationTimeout",
+                type="double",
+                default="2.0",
+                minimum=0.0,
+                unit="s",
+                description="A pose by other sensors older than this is dropped; without any for so long it is reported,",
+            ),
+        ),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.config = self.add_configuration(OdometryRh2Configuration())
+        self.CurrentWheelAngle = self.add_in_port(
+            "CurrentWheelAngle",
+            rtc.TimedDoubleSeq,
+        )
+        """Rotation angles of the wheels, absolute [rad]."""
+        self.LocalizedPosition = self.add_in_port("LocalizedPosition", iis.TimedPose2D)
+        """Pose by other sensors; takes the place of the pose so far [m, rad]."""
+        self.OdometryPosition = self.add_out_port("OdometryPosition", iis.TimedPose2D)
+        """Pose by odometry, with the time of the wheel angles [m, rad]."""

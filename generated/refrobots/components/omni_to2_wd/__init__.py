@@ -2,6 +2,138 @@
 # Owned by rtgen: edits are overwritten by the next run.
 """OmniTo2WD: Plans turn, straight, turn"""
 
-from .omni_to2_wd_base import OmniTo2WDBase, OmniTo2WDConfiguration
+from __future__ import annotations
 
-__all__ = ["OmniTo2WDBase", "OmniTo2WDConfiguration"]
+from dataclasses import dataclass
+from typing import ClassVar
+
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+
+from ... import iis
+
+
+@dataclass(slots=True)
+class OmniTo2WDConfiguration:
+    """Configuration of OmniTo2WD."""
+
+    PositionTimeout: float = 0.5
+    """A path is planned from no position older than this; the goal waits for one. 0: any age. Not [s]
+    in the source.
+    """
+    StatusTimeout: float = 1.0
+    """Without a state of the travel for so long the navigation does not have the path: it is [s]
+    planned and sent again; 0 never. Not in the source.
+    """
+    ArrivalRadius: float = 0.1
+    """A FINISH farther from the goal than this is not passed on: the path is planned and sent [m]
+    again. Not in the source.
+    """
+
+
+class OmniTo2WDBase(Component):
+    """Plans a path that a base with two driven wheels can run: turn, straight, turn.
+
+    Waypoints are collected until the last one (102) has come; between them the path is
+    turn and straight, after the last one it turns to the heading asked for.
+    """
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        type_name="OmniTo2WD",
+        kind="DataFlowComponent",
+        category="Navigation",
+        vendor="rtgen",
+        version="1.1.0",
+        description="Plans turn, straight, turn",
+        rate=50.0,
+        max_instances=1,
+        activity="PERIODIC",
+        execution="PeriodicExecutionContext",
+        ports=(
+            PortProfile(
+                name="current_position",
+                python_name="current_position",
+                kind="inport",
+                type="IIS::TimedPose2D",
+                repository_id="IDL:IIS/TimedPose2D:1.0",
+                unit="m, rad",
+                description="Where the base is.",
+            ),
+            PortProfile(
+                name="goal",
+                python_name="goal",
+                kind="inport",
+                type="IIS::TimedPose2D",
+                repository_id="IDL:IIS/TimedPose2D:1.0",
+                unit="m, rad",
+                description="The goal, or one waypoint of a path.",
+            ),
+            PortProfile(
+                name="status",
+                python_name="status_in",
+                kind="inport",
+                type="IIS::TimedState",
+                repository_id="IDL:IIS/TimedState:1.0",
+                description="State of the travel, from the navigation.",
+            ),
+            PortProfile(
+                name="min_path",
+                python_name="min_path",
+                kind="outport",
+                type="IIS::TimedPath2DSeq",
+                repository_id="IDL:IIS/TimedPath2DSeq:1.0",
+                unit="m, rad",
+                description="The planned path; its first pose is where the base is.",
+            ),
+            PortProfile(
+                name="status",
+                python_name="status_out",
+                kind="outport",
+                type="IIS::TimedState",
+                repository_id="IDL:IIS/TimedState:1.0",
+                description="FINISH, once for each path that was run to its end.",
+            ),
+        ),
+        configuration=(
+            ParameterProfile(
+                name="PositionTimeout",
+                python_name="PositionTimeout",
+                type="double",
+                default="0.5",
+                minimum=0.0,
+                unit="s",
+                description="A path is planned from no position older than this; the goal waits for one. 0: any age. Not",
+            ),
+            ParameterProfile(
+                name="StatusTimeout",
+                python_name="StatusTimeout",
+                type="double",
+                default="1.0",
+                minimum=0.0,
+                unit="s",
+                description="Without a state of the travel for so long the navigation does not have the path: it is",
+            ),
+            ParameterProfile(
+                name="ArrivalRadius",
+                python_name="ArrivalRadius",
+                type="double",
+                default="0.1",
+                unit="m",
+                constraint="x>0.0",
+                description="A FINISH farther from the goal than this is not passed on: the path is planned and sent",
+            ),
+        ),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.config = self.add_configuration(OmniTo2WDConfiguration())
+        self.current_position = self.add_in_port("current_position", iis.TimedPose2D)
+        """Where the base is [m, rad]."""
+        self.goal = self.add_in_port("goal", iis.TimedPose2D)
+        """The goal, or one waypoint of a path [m, rad]."""
+        self.status_in = self.add_in_port("status", iis.TimedState)
+        """State of the travel, from the navigation."""
+        self.min_path = self.add_out_port("min_path", iis.TimedPath2DSeq)
+        """The planned path; its first pose is where the base is [m, rad]."""
+        self.status_out = self.add_out_port("status", iis.TimedState)
+        """FINISH, once for each path that was run to its end."""

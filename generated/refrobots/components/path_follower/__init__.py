@@ -2,6 +2,209 @@
 # Owned by rtgen: edits are overwritten by the next run.
 """PathFollower: Follows lines and turns on the spot"""
 
-from .path_follower_base import PathFollowerBase, PathFollowerConfiguration
+from __future__ import annotations
 
-__all__ = ["PathFollowerBase", "PathFollowerConfiguration"]
+from dataclasses import dataclass
+from typing import ClassVar
+
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+
+from ... import iis
+
+
+@dataclass(slots=True)
+class PathFollowerConfiguration:
+    """Configuration of PathFollower."""
+
+    control_cycle: float = 0.02
+    """Control period: the time step of the control law [s]."""
+    line_C1: float = 0.01
+    """Line following: slow-down in turns.
+    Without effect, as in the module that the source reuses.
+    """
+    line_Dist: float = 0.05
+    """Line following: greatest distance from the line that the law reckons with [m]."""
+    line_K1: float = 800.0
+    """Line following: gain on the distance from the line."""
+    line_K2: float = 300.0
+    """Line following: gain on the angle to the line."""
+    line_K3: float = 400.0
+    """Line following: gain on the angular velocity."""
+    max_acc_v: float = 0.0003
+    """Greatest change of speed per execution [m/s]."""
+    max_acc_w: float = 0.1
+    """Greatest change of angular speed per execution [rad/s]."""
+    max_v: float = 1.0
+    """Greatest speed [m/s]."""
+    max_w: float = 0.3
+    """Greatest angular speed [rad/s]."""
+    PositionTimeout: float = 0.5
+    """The base stops at once, and goes on when there is a new one, while the position is older [s]
+    than this; 0 never. Not in the source.
+    """
+    TargetTimeout: float = 0.5
+    """The same for the waypoint, which the navigation sends again and again. 0, never, for a [s]
+    navigation that sends each waypoint once. Not in the source.
+    """
+
+
+class PathFollowerBase(Component):
+    """Gives the base its velocity, at every execution, so that it follows the waypoint.
+
+    `max_acc_v` and `max_acc_w` are changes of velocity per execution: their defaults
+    suit an execution rate of 1000 Hz.
+    """
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        type_name="PathFollower",
+        kind="DataFlowComponent",
+        category="Navigation",
+        vendor="rtgen",
+        version="1.1.0",
+        description="Follows lines and turns on the spot",
+        rate=1000.0,
+        max_instances=1,
+        activity="PERIODIC",
+        execution="PeriodicExecutionContext",
+        ports=(
+            PortProfile(
+                name="position",
+                python_name="position",
+                kind="inport",
+                type="IIS::TimedPose2D",
+                repository_id="IDL:IIS/TimedPose2D:1.0",
+                unit="m, rad",
+                description="Where the base is.",
+            ),
+            PortProfile(
+                name="target_path",
+                python_name="target_path",
+                kind="inport",
+                type="IIS::Path",
+                repository_id="IDL:IIS/Path:1.0",
+                unit="m, rad",
+                description="The waypoint to travel to, and how.",
+            ),
+            PortProfile(
+                name="velocity",
+                python_name="velocity",
+                kind="outport",
+                type="IIS::TimedVelocity2D",
+                repository_id="IDL:IIS/TimedVelocity2D:1.0",
+                unit="m/s, rad/s",
+                description="Velocity for the base.",
+            ),
+        ),
+        configuration=(
+            ParameterProfile(
+                name="control_cycle",
+                python_name="control_cycle",
+                type="double",
+                default="0.02",
+                unit="s",
+                constraint="x>0.0",
+                description="Control period: the time step of the control law.",
+            ),
+            ParameterProfile(
+                name="line_C1",
+                python_name="line_C1",
+                type="double",
+                default="0.01",
+                description="Line following: slow-down in turns.",
+            ),
+            ParameterProfile(
+                name="line_Dist",
+                python_name="line_Dist",
+                type="double",
+                default="0.05",
+                minimum=0.0,
+                unit="m",
+                description="Line following: greatest distance from the line that the law reckons with.",
+            ),
+            ParameterProfile(
+                name="line_K1",
+                python_name="line_K1",
+                type="double",
+                default="800.0",
+                description="Line following: gain on the distance from the line.",
+            ),
+            ParameterProfile(
+                name="line_K2",
+                python_name="line_K2",
+                type="double",
+                default="300.0",
+                description="Line following: gain on the angle to the line.",
+            ),
+            ParameterProfile(
+                name="line_K3",
+                python_name="line_K3",
+                type="double",
+                default="400.0",
+                description="Line following: gain on the angular velocity.",
+            ),
+            ParameterProfile(
+                name="max_acc_v",
+                python_name="max_acc_v",
+                type="double",
+                default="0.0003",
+                minimum=0.0,
+                unit="m/s",
+                description="Greatest change of speed per execution.",
+            ),
+            ParameterProfile(
+                name="max_acc_w",
+                python_name="max_acc_w",
+                type="double",
+                default="0.1",
+                minimum=0.0,
+                unit="rad/s",
+                description="Greatest change of angular speed per execution.",
+            ),
+            ParameterProfile(
+                name="max_v",
+                python_name="max_v",
+                type="double",
+                default="1.0",
+                minimum=0.0,
+                unit="m/s",
+                description="Greatest speed.",
+            ),
+            ParameterProfile(
+                name="max_w",
+                python_name="max_w",
+                type="double",
+                default="0.3",
+                minimum=0.0,
+                unit="rad/s",
+                description="Greatest angular speed.",
+            ),
+            ParameterProfile(
+                name="PositionTimeout",
+                python_name="PositionTimeout",
+                type="double",
+                default="0.5",
+                minimum=0.0,
+                unit="s",
+                description="The base stops at once, and goes on when there is a new one, while the position is older",
+            ),
+            ParameterProfile(
+                name="TargetTimeout",
+                python_name="TargetTimeout",
+                type="double",
+                default="0.5",
+                minimum=0.0,
+                unit="s",
+                description="The same for the waypoint, which the navigation sends again and again. 0, never, for a",
+            ),
+        ),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.config = self.add_configuration(PathFollowerConfiguration())
+        self.position = self.add_in_port("position", iis.TimedPose2D)
+        """Where the base is [m, rad]."""
+        self.target_path = self.add_in_port("target_path", iis.Path)
+        """The waypoint to travel to, and how [m, rad]."""
+        self.velocity = self.add_out_port("velocity", iis.TimedVelocity2D)
+        """Velocity for the base [m/s, rad/s]."""

@@ -2,6 +2,180 @@
 # Owned by rtgen: edits are overwritten by the next run.
 """PathTracking: Follows paths"""
 
-from .path_tracking_base import PathTrackingBase, PathTrackingConfiguration
+from __future__ import annotations
 
-__all__ = ["PathTrackingBase", "PathTrackingConfiguration"]
+from dataclasses import dataclass
+from typing import ClassVar
+
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+
+from ... import iis
+
+
+@dataclass(slots=True)
+class PathTrackingConfiguration:
+    """Configuration of PathTracking."""
+
+    max_v: float = 0.3
+    """Greatest speed [m/s]."""
+    max_w: float = 1.0
+    """Greatest angular speed [rad/s]."""
+    lookahead: float = 0.25
+    """How far ahead on the path the robot looks [m]."""
+    near: float = 0.02
+    """The last waypoint is reached this near [m]."""
+    turned: float = 0.02
+    """The last heading is reached this near [rad]."""
+    PositionTimeout: float = 0.5
+    """The robot stops, and goes on when there is a new one, while the position is older than [s]
+    this; 0 never.
+    """
+    MaxJump: float = 0.3
+    """A position this far from the one before, on the way, is no motion: its source was [m]
+    restarted, and the travel ends in ERROR; 0 never.
+    """
+
+
+class PathTrackingBase(Component):
+    """Gives travel commands that keep the robot on the path, and reports each waypoint passed.
+
+    What the interfaces leave open is done so: between two waypoints the path is straight; a
+    robot that is not at the first waypoint is led onto the first leg; a new path is taken up
+    without a stop; `velocity[i]` is for the leg that ends at waypoint i, `velocity[0]` is not
+    used; of a velocity the size of `vx` counts, its sign says forward or backward, `vy` and
+    `va` are ignored, and 0 stands for `max_v`. The heading of the last waypoint alone is
+    turned to. The source names the interfaces, not the ports; those are ours.
+    """
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        type_name="PathTracking",
+        kind="DataFlowComponent",
+        category="Interfaces",
+        vendor="rtgen",
+        version="1.0.0",
+        description="Follows paths",
+        rate=100.0,
+        max_instances=1,
+        activity="PERIODIC",
+        execution="PeriodicExecutionContext",
+        ports=(
+            PortProfile(
+                name="path",
+                python_name="path",
+                kind="inport",
+                type="IIS::TimedPath2DSeq",
+                repository_id="IDL:IIS/TimedPath2DSeq:1.0",
+                unit="m, rad",
+                description="Waypoints in the world frame, the start first. A new list takes the place of the old",
+            ),
+            PortProfile(
+                name="position",
+                python_name="position",
+                kind="inport",
+                type="IIS::TimedPose2D",
+                repository_id="IDL:IIS/TimedPose2D:1.0",
+                unit="m, rad",
+                description="Where the robot is.",
+            ),
+            PortProfile(
+                name="command",
+                python_name="command",
+                kind="outport",
+                type="IIS::TimedVelocity2D",
+                repository_id="IDL:IIS/TimedVelocity2D:1.0",
+                unit="m/s, rad/s",
+                description="Travel command in the frame of the body, with its time, at every execution.",
+            ),
+            PortProfile(
+                name="state",
+                python_name="state",
+                kind="outport",
+                type="IIS::TimedPose2D",
+                repository_id="IDL:IIS/TimedPose2D:1.0",
+                unit="m, rad",
+                description="State of the travel, for each waypoint passed and when the robot has stopped: `id[0]`",
+            ),
+        ),
+        configuration=(
+            ParameterProfile(
+                name="max_v",
+                python_name="max_v",
+                type="double",
+                default="0.3",
+                minimum=0.0,
+                unit="m/s",
+                description="Greatest speed.",
+            ),
+            ParameterProfile(
+                name="max_w",
+                python_name="max_w",
+                type="double",
+                default="1.0",
+                minimum=0.0,
+                unit="rad/s",
+                description="Greatest angular speed.",
+            ),
+            ParameterProfile(
+                name="lookahead",
+                python_name="lookahead",
+                type="double",
+                default="0.25",
+                unit="m",
+                constraint="x>0.0",
+                description="How far ahead on the path the robot looks.",
+            ),
+            ParameterProfile(
+                name="near",
+                python_name="near",
+                type="double",
+                default="0.02",
+                unit="m",
+                constraint="x>0.0",
+                description="The last waypoint is reached this near.",
+            ),
+            ParameterProfile(
+                name="turned",
+                python_name="turned",
+                type="double",
+                default="0.02",
+                unit="rad",
+                constraint="x>0.0",
+                description="The last heading is reached this near.",
+            ),
+            ParameterProfile(
+                name="PositionTimeout",
+                python_name="PositionTimeout",
+                type="double",
+                default="0.5",
+                minimum=0.0,
+                unit="s",
+                description="The robot stops, and goes on when there is a new one, while the position is older than",
+            ),
+            ParameterProfile(
+                name="MaxJump",
+                python_name="MaxJump",
+                type="double",
+                default="0.3",
+                minimum=0.0,
+                unit="m",
+                description="A position this far from the one before, on the way, is no motion: its source was",
+            ),
+        ),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.config = self.add_configuration(PathTrackingConfiguration())
+        self.path = self.add_in_port("path", iis.TimedPath2DSeq)
+        """Waypoints in the world frame, the start first. A new list takes the place of the old [m, rad]
+        one, an empty list means: stop there.
+        """
+        self.position = self.add_in_port("position", iis.TimedPose2D)
+        """Where the robot is [m, rad]."""
+        self.command = self.add_out_port("command", iis.TimedVelocity2D)
+        """Travel command in the frame of the body, with its time, at every execution [m/s, rad/s]."""
+        self.state = self.add_out_port("state", iis.TimedPose2D)
+        """State of the travel, for each waypoint passed and when the robot has stopped: `id[0]` [m, rad]
+        the number of the waypoint reached last, `id[1]` 0 travelling or 1 stopped, `data` the
+        waypoint. The source does not say which members have them.
+        """

@@ -2,6 +2,113 @@
 # Owned by rtgen: edits are overwritten by the next run.
 """PlanningManager: Plans paths, manages the state of the travel"""
 
-from .planning_manager_base import PlanningManagerBase, PlanningManagerConfiguration
+from __future__ import annotations
 
-__all__ = ["PlanningManagerBase", "PlanningManagerConfiguration"]
+from dataclasses import dataclass
+from typing import ClassVar
+
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+
+from ... import iis
+
+
+@dataclass(slots=True)
+class PlanningManagerConfiguration:
+    """Configuration of PlanningManager."""
+
+    speed: float = 0.3
+    """Travel speed asked for; negative to go backward [m/s]."""
+    PositionTimeout: float = 0.5
+    """A path is planned from no position older than this; the target waits for one. 0: any age [s]."""
+
+
+class PlanningManagerBase(Component):
+    """Makes a path of the target and the present position, and watches the travel along it.
+
+    The path is nominal: straight to the target. It is sent once both are known. The source
+    names the interfaces, not the ports; those are ours.
+    """
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        type_name="PlanningManager",
+        kind="DataFlowComponent",
+        category="Interfaces",
+        vendor="rtgen",
+        version="1.0.0",
+        description="Plans paths, manages the state of the travel",
+        rate=50.0,
+        max_instances=1,
+        activity="PERIODIC",
+        execution="PeriodicExecutionContext",
+        ports=(
+            PortProfile(
+                name="targets",
+                python_name="targets",
+                kind="inport",
+                type="IIS::TimedPose2DSeq",
+                repository_id="IDL:IIS/TimedPose2DSeq:1.0",
+                unit="m, rad",
+                description="Targets: only the first one counts; an empty list clears the target, and the robot is",
+            ),
+            PortProfile(
+                name="position",
+                python_name="position",
+                kind="inport",
+                type="IIS::TimedPose2D",
+                repository_id="IDL:IIS/TimedPose2D:1.0",
+                unit="m, rad",
+                description="Where the robot is.",
+            ),
+            PortProfile(
+                name="state",
+                python_name="state",
+                kind="inport",
+                type="IIS::TimedPose2D",
+                repository_id="IDL:IIS/TimedPose2D:1.0",
+                unit="m, rad",
+                description="State of the travel: `id[0]` the number of the waypoint, `id[1]` 1 when stopped.",
+            ),
+            PortProfile(
+                name="path",
+                python_name="path",
+                kind="outport",
+                type="IIS::TimedPath2DSeq",
+                repository_id="IDL:IIS/TimedPath2DSeq:1.0",
+                unit="m, rad",
+                description="The path; its first waypoint is where the robot is. An empty one stops the robot.",
+            ),
+        ),
+        configuration=(
+            ParameterProfile(
+                name="speed",
+                python_name="speed",
+                type="double",
+                default="0.3",
+                unit="m/s",
+                description="Travel speed asked for; negative to go backward.",
+            ),
+            ParameterProfile(
+                name="PositionTimeout",
+                python_name="PositionTimeout",
+                type="double",
+                default="0.5",
+                minimum=0.0,
+                unit="s",
+                description="A path is planned from no position older than this; the target waits for one. 0: any age.",
+            ),
+        ),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.config = self.add_configuration(PlanningManagerConfiguration())
+        self.targets = self.add_in_port("targets", iis.TimedPose2DSeq)
+        """Targets: only the first one counts; an empty list clears the target, and the robot is [m, rad]
+        told to stop at the spot.
+        """
+        self.position = self.add_in_port("position", iis.TimedPose2D)
+        """Where the robot is [m, rad]."""
+        self.state = self.add_in_port("state", iis.TimedPose2D)
+        """State of the travel: `id[0]` the number of the waypoint, `id[1]` 1 when stopped [m, rad]."""
+        self.path = self.add_out_port("path", iis.TimedPath2DSeq)
+        """The path; its first waypoint is where the robot is. An empty one stops the robot [m, rad]."""

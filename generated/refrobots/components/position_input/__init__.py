@@ -2,6 +2,122 @@
 # Owned by rtgen: edits are overwritten by the next run.
 """PositionInput: Sends goals and paths of an operator"""
 
-from .position_input_base import PositionInputBase, PositionInputConfiguration
+from __future__ import annotations
 
-__all__ = ["PositionInputBase", "PositionInputConfiguration"]
+from dataclasses import dataclass
+from typing import ClassVar
+
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+
+from ... import iis
+
+
+@dataclass(slots=True)
+class PositionInputConfiguration:
+    """Configuration of PositionInput."""
+
+    goal_x: float = 3.4
+    """Goal of the input `parameters`: x [m]."""
+    goal_y: float = 7.7
+    """Goal of the input `parameters`: y [m]."""
+    goal_theta: float = -1.57
+    """Goal of the input `parameters`: heading [rad]."""
+    input: str = "console"
+    """Where commands come from; not in the source, which asks on the console."""
+    input_file: str = ""
+    """File of the input `file`, not in the source: `goal X Y TH` or
+    `path X Y TH; X Y TH; ...` on each line.
+    """
+
+
+class PositionInputBase(Component):
+    """Takes goals and paths from an operator and sends them to the planner.
+
+    A goal is one message with an empty `id`; a path is one message for each waypoint,
+    with 100 (first), 101 (between) or 102 (last) in `id[0]`. The next command is sent
+    when the one before has led to FINISH; after the last one the component goes to its
+    error state.
+    """
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        type_name="PositionInput",
+        kind="DataFlowComponent",
+        category="Navigation",
+        vendor="rtgen",
+        version="1.1.0",
+        description="Sends goals and paths of an operator",
+        rate=10.0,
+        max_instances=1,
+        activity="PERIODIC",
+        execution="PeriodicExecutionContext",
+        ports=(
+            PortProfile(
+                name="status",
+                python_name="status",
+                kind="inport",
+                type="IIS::TimedState",
+                repository_id="IDL:IIS/TimedState:1.0",
+                description="State of the travel, from the planner.",
+            ),
+            PortProfile(
+                name=".positon",
+                python_name="positon",
+                kind="outport",
+                type="IIS::TimedPose2D",
+                repository_id="IDL:IIS/TimedPose2D:1.0",
+                unit="m, rad",
+                description="The goal, or one waypoint of a path. The name is spelled as in the source.",
+            ),
+        ),
+        configuration=(
+            ParameterProfile(
+                name="01_x",
+                python_name="goal_x",
+                type="double",
+                default="3.4",
+                unit="m",
+                description="Goal of the input `parameters`: x.",
+            ),
+            ParameterProfile(
+                name="01_y",
+                python_name="goal_y",
+                type="double",
+                default="7.7",
+                unit="m",
+                description="Goal of the input `parameters`: y.",
+            ),
+            ParameterProfile(
+                name="01_th",
+                python_name="goal_theta",
+                type="double",
+                default="-1.57",
+                unit="rad",
+                description="Goal of the input `parameters`: heading.",
+            ),
+            ParameterProfile(
+                name="input",
+                python_name="input",
+                type="string",
+                default="console",
+                constraint="(console,file,parameters)",
+                widget="radio",
+                description="Where commands come from; not in the source, which asks on the console.",
+            ),
+            ParameterProfile(
+                name="input_file",
+                python_name="input_file",
+                type="string",
+                default="",
+                widget="text",
+                description="File of the input `file`, not in the source: `goal X Y TH` or",
+            ),
+        ),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.config = self.add_configuration(PositionInputConfiguration())
+        self.status = self.add_in_port("status", iis.TimedState)
+        """State of the travel, from the planner."""
+        self.positon = self.add_out_port(".positon", iis.TimedPose2D)
+        """The goal, or one waypoint of a path. The name is spelled as in the source [m, rad]."""

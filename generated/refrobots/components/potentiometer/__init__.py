@@ -2,6 +2,88 @@
 # Owned by rtgen: edits are overwritten by the next run.
 """Potentiometer: Potentiometer"""
 
-from .potentiometer_base import PotentiometerBase, PotentiometerConfiguration
+from __future__ import annotations
 
-__all__ = ["PotentiometerBase", "PotentiometerConfiguration"]
+from dataclasses import dataclass
+from typing import ClassVar
+
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+
+from ... import rtc
+
+
+@dataclass(slots=True)
+class PotentiometerConfiguration:
+    """Configuration of Potentiometer."""
+
+    offset: float = 0.0
+    """The voltage about which it is turned [V]."""
+    amplitude: float = 2.5
+    """How far it is turned to each side [V]."""
+    frequency: float = 0.1
+    """How often it is turned to and fro; 0 leaves it where it is [Hz]."""
+
+
+class PotentiometerBase(Component):
+    """Gives the voltage of a potentiometer: still, or turned to and fro like a sine."""
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        type_name="Potentiometer",
+        kind="DataFlowComponent",
+        category="CANopen",
+        vendor="rtgen",
+        version="1.0.0",
+        description="Potentiometer",
+        rate=100.0,
+        max_instances=1,
+        activity="PERIODIC",
+        execution="PeriodicExecutionContext",
+        ports=(
+            PortProfile(
+                name="voltage",
+                python_name="voltage",
+                kind="outport",
+                type="RTC::TimedDouble",
+                repository_id="IDL:RTC/TimedDouble:1.0",
+                unit="V",
+                description="The voltage at the wiper.",
+            ),
+        ),
+        configuration=(
+            ParameterProfile(
+                name="offset",
+                python_name="offset",
+                type="double",
+                default="0.0",
+                minimum=-5.0,
+                maximum=5.0,
+                unit="V",
+                description="The voltage about which it is turned.",
+            ),
+            ParameterProfile(
+                name="amplitude",
+                python_name="amplitude",
+                type="double",
+                default="2.5",
+                minimum=0.0,
+                maximum=5.0,
+                unit="V",
+                description="How far it is turned to each side.",
+            ),
+            ParameterProfile(
+                name="frequency",
+                python_name="frequency",
+                type="double",
+                default="0.1",
+                minimum=0.0,
+                unit="Hz",
+                description="How often it is turned to and fro; 0 leaves it where it is.",
+            ),
+        ),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.config = self.add_configuration(PotentiometerConfiguration())
+        self.voltage = self.add_out_port("voltage", rtc.TimedDouble)
+        """The voltage at the wiper [V]."""

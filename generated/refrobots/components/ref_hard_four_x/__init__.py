@@ -2,6 +2,406 @@
 # Owned by rtgen: edits are overwritten by the next run.
 """RefHardFourX: Mobile base FourX with CANopen drives"""
 
-from .ref_hard_four_x_base import RefHardFourXBase, RefHardFourXConfiguration
+from __future__ import annotations
 
-__all__ = ["RefHardFourXBase", "RefHardFourXConfiguration"]
+from dataclasses import dataclass
+from typing import ClassVar
+
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+
+from ... import RefHard, ftmd, iis, rtc
+
+
+@dataclass(slots=True)
+class RefHardFourXConfiguration:
+    """Configuration of RefHardFourX."""
+
+    Velocity_limit: float = 10.0
+    """Greatest speed of a wheel [rad/s]."""
+    WheelTread: float = 0.441
+    """Distance between the sides, for turning velocities into wheel speeds [m]."""
+    WheelRadiusLeft: float = 0.1
+    """Radius of the left wheels, for turning velocities into wheel speeds [m]."""
+    WheelRadiusRight: float = 0.1
+    """Radius of the right wheels, for turning velocities into wheel speeds [m]."""
+    EncoderConstant_L: float = 1.0
+    """Factor on the angle that the left encoders give."""
+    EncoderConstant_R: float = 1.0
+    """Factor on the angle that the right encoders give."""
+    PlantWheelTread: float = 0.464
+    """True distance between the sides of the simulated base [m]."""
+    PlantWheelRadiusLeft: float = 0.0995
+    """True radius of the left wheels of the simulated base [m]."""
+    PlantWheelRadiusRight: float = 0.0995
+    """True radius of the right wheels of the simulated base [m]."""
+    PlantStart_x: float = 0.0
+    """Where the simulated base stands when it is first activated: x [m]."""
+    PlantStart_y: float = 0.0
+    """Where the simulated base stands when it is first activated: y [m]."""
+    PlantStart_theta: float = 0.0
+    """Where the simulated base stands when it is first activated: heading [rad]."""
+    CommandTimeout: float = 0.5
+    """The base comes to rest when no velocity has come for so long; 0 never [s]."""
+    DriveTimeout: float = 0.05
+    """A drive is lost when no position has come from it for so long [s]."""
+
+
+class RefHardFourXBase(Component):
+    """Takes the place of RefHardRh3 on a base with four driven wheels.
+
+    The wheels of a side are given one speed, and what they turn is averaged. All wheels stop when
+    one drive is lost; they go on when it is back. The pose of the plant follows from the encoders.
+    """
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        type_name="RefHardFourX",
+        kind="DataFlowComponent",
+        category="CANopen",
+        vendor="rtgen",
+        version="1.0.0",
+        description="Mobile base FourX with CANopen drives",
+        rate=100.0,
+        max_instances=1,
+        activity="PERIODIC",
+        execution="PeriodicExecutionContext",
+        ports=(
+            PortProfile(
+                name="InTargetVelocity",
+                python_name="InTargetVelocity",
+                kind="inport",
+                type="IIS::TimedVelocity2D",
+                repository_id="IDL:IIS/TimedVelocity2D:1.0",
+                unit="m/s, rad/s",
+                description="Velocity for the base.",
+            ),
+            PortProfile(
+                name="OutWheelAngle",
+                python_name="OutWheelAngle",
+                kind="outport",
+                type="RTC::TimedDoubleSeq",
+                repository_id="IDL:RTC/TimedDoubleSeq:1.0",
+                unit="rad",
+                description="Absolute rotation angles of the left and the right wheels, by the encoders.",
+            ),
+            PortProfile(
+                name="InventGUIRefHard",
+                python_name="InventGUIRefHard",
+                kind="provider",
+                type="RefHard",
+                repository_id="IDL:RefHard:1.0",
+                port="InventGUIRefHard",
+                instance="RefHard",
+                description="Starts and stops travelling, from a user interface.",
+            ),
+            PortProfile(
+                name="BumpRefHard",
+                python_name="BumpRefHard",
+                kind="provider",
+                type="RefHard",
+                repository_id="IDL:RefHard:1.0",
+                port="BumpRefHard",
+                instance="RefHard",
+                description="Stops travelling, from a bumper.",
+            ),
+            PortProfile(
+                name="front_left_status",
+                python_name="front_left_status",
+                kind="inport",
+                type="Ftmd::Tpdo1",
+                repository_id="IDL:Ftmd/Tpdo1:1.0",
+                description="State of the front left drive.",
+            ),
+            PortProfile(
+                name="front_left_motion",
+                python_name="front_left_motion",
+                kind="inport",
+                type="Ftmd::Tpdo2",
+                repository_id="IDL:Ftmd/Tpdo2:1.0",
+                description="Position and velocity of the front left drive.",
+            ),
+            PortProfile(
+                name="front_left_control",
+                python_name="front_left_control",
+                kind="outport",
+                type="Ftmd::Rpdo1",
+                repository_id="IDL:Ftmd/Rpdo1:1.0",
+                description="Commands for the front left drive.",
+            ),
+            PortProfile(
+                name="front_left_target",
+                python_name="front_left_target",
+                kind="outport",
+                type="Ftmd::Rpdo3",
+                repository_id="IDL:Ftmd/Rpdo3:1.0",
+                description="Velocity for the front left drive.",
+            ),
+            PortProfile(
+                name="front_right_status",
+                python_name="front_right_status",
+                kind="inport",
+                type="Ftmd::Tpdo1",
+                repository_id="IDL:Ftmd/Tpdo1:1.0",
+                description="State of the front right drive.",
+            ),
+            PortProfile(
+                name="front_right_motion",
+                python_name="front_right_motion",
+                kind="inport",
+                type="Ftmd::Tpdo2",
+                repository_id="IDL:Ftmd/Tpdo2:1.0",
+                description="Position and velocity of the front right drive.",
+            ),
+            PortProfile(
+                name="front_right_control",
+                python_name="front_right_control",
+                kind="outport",
+                type="Ftmd::Rpdo1",
+                repository_id="IDL:Ftmd/Rpdo1:1.0",
+                description="Commands for the front right drive.",
+            ),
+            PortProfile(
+                name="front_right_target",
+                python_name="front_right_target",
+                kind="outport",
+                type="Ftmd::Rpdo3",
+                repository_id="IDL:Ftmd/Rpdo3:1.0",
+                description="Velocity for the front right drive.",
+            ),
+            PortProfile(
+                name="rear_left_status",
+                python_name="rear_left_status",
+                kind="inport",
+                type="Ftmd::Tpdo1",
+                repository_id="IDL:Ftmd/Tpdo1:1.0",
+                description="State of the rear left drive.",
+            ),
+            PortProfile(
+                name="rear_left_motion",
+                python_name="rear_left_motion",
+                kind="inport",
+                type="Ftmd::Tpdo2",
+                repository_id="IDL:Ftmd/Tpdo2:1.0",
+                description="Position and velocity of the rear left drive.",
+            ),
+            PortProfile(
+                name="rear_left_control",
+                python_name="rear_left_control",
+                kind="outport",
+                type="Ftmd::Rpdo1",
+                repository_id="IDL:Ftmd/Rpdo1:1.0",
+                description="Commands for the rear left drive.",
+            ),
+            PortProfile(
+                name="rear_left_target",
+                python_name="rear_left_target",
+                kind="outport",
+                type="Ftmd::Rpdo3",
+                repository_id="IDL:Ftmd/Rpdo3:1.0",
+                description="Velocity for the rear left drive.",
+            ),
+            PortProfile(
+                name="rear_right_status",
+                python_name="rear_right_status",
+                kind="inport",
+                type="Ftmd::Tpdo1",
+                repository_id="IDL:Ftmd/Tpdo1:1.0",
+                description="State of the rear right drive.",
+            ),
+            PortProfile(
+                name="rear_right_motion",
+                python_name="rear_right_motion",
+                kind="inport",
+                type="Ftmd::Tpdo2",
+                repository_id="IDL:Ftmd/Tpdo2:1.0",
+                description="Position and velocity of the rear right drive.",
+            ),
+            PortProfile(
+                name="rear_right_control",
+                python_name="rear_right_control",
+                kind="outport",
+                type="Ftmd::Rpdo1",
+                repository_id="IDL:Ftmd/Rpdo1:1.0",
+                description="Commands for the rear right drive.",
+            ),
+            PortProfile(
+                name="rear_right_target",
+                python_name="rear_right_target",
+                kind="outport",
+                type="Ftmd::Rpdo3",
+                repository_id="IDL:Ftmd/Rpdo3:1.0",
+                description="Velocity for the rear right drive.",
+            ),
+        ),
+        configuration=(
+            ParameterProfile(
+                name="Velocity_limit",
+                python_name="Velocity_limit",
+                type="double",
+                default="10.0",
+                minimum=0.0,
+                unit="rad/s",
+                description="Greatest speed of a wheel.",
+            ),
+            ParameterProfile(
+                name="WheelTread",
+                python_name="WheelTread",
+                type="double",
+                default="0.441",
+                unit="m",
+                constraint="x>0.0",
+                description="Distance between the sides, for turning velocities into wheel speeds.",
+            ),
+            ParameterProfile(
+                name="WheelRadiusLeft",
+                python_name="WheelRadiusLeft",
+                type="double",
+                default="0.1",
+                unit="m",
+                constraint="x>0.0",
+                description="Radius of the left wheels, for turning velocities into wheel speeds.",
+            ),
+            ParameterProfile(
+                name="WheelRadiusRight",
+                python_name="WheelRadiusRight",
+                type="double",
+                default="0.1",
+                unit="m",
+                constraint="x>0.0",
+                description="Radius of the right wheels, for turning velocities into wheel speeds.",
+            ),
+            ParameterProfile(
+                name="EncoderConstant_L",
+                python_name="EncoderConstant_L",
+                type="double",
+                default="1.0",
+                description="Factor on the angle that the left encoders give.",
+            ),
+            ParameterProfile(
+                name="EncoderConstant_R",
+                python_name="EncoderConstant_R",
+                type="double",
+                default="1.0",
+                description="Factor on the angle that the right encoders give.",
+            ),
+            ParameterProfile(
+                name="PlantWheelTread",
+                python_name="PlantWheelTread",
+                type="double",
+                default="0.464",
+                unit="m",
+                constraint="x>0.0",
+                description="True distance between the sides of the simulated base.",
+            ),
+            ParameterProfile(
+                name="PlantWheelRadiusLeft",
+                python_name="PlantWheelRadiusLeft",
+                type="double",
+                default="0.0995",
+                unit="m",
+                constraint="x>0.0",
+                description="True radius of the left wheels of the simulated base.",
+            ),
+            ParameterProfile(
+                name="PlantWheelRadiusRight",
+                python_name="PlantWheelRadiusRight",
+                type="double",
+                default="0.0995",
+                unit="m",
+                constraint="x>0.0",
+                description="True radius of the right wheels of the simulated base.",
+            ),
+            ParameterProfile(
+                name="PlantStart_x",
+                python_name="PlantStart_x",
+                type="double",
+                default="0.0",
+                unit="m",
+                description="Where the simulated base stands when it is first activated: x.",
+            ),
+            ParameterProfile(
+                name="PlantStart_y",
+                python_name="PlantStart_y",
+                type="double",
+                default="0.0",
+                unit="m",
+                description="Where the simulated base stands when it is first activated: y.",
+            ),
+            ParameterProfile(
+                name="PlantStart_theta",
+                python_name="PlantStart_theta",
+                type="double",
+                default="0.0",
+                unit="rad",
+                description="Where the simulated base stands when it is first activated: heading.",
+            ),
+            ParameterProfile(
+                name="CommandTimeout",
+                python_name="CommandTimeout",
+                type="double",
+                default="0.5",
+                minimum=0.0,
+                unit="s",
+                description="The base comes to rest when no velocity has come for so long; 0 never.",
+            ),
+            ParameterProfile(
+                name="DriveTimeout",
+                python_name="DriveTimeout",
+                type="double",
+                default="0.05",
+                unit="s",
+                constraint="x>0.0",
+                description="A drive is lost when no position has come from it for so long.",
+            ),
+        ),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.config = self.add_configuration(RefHardFourXConfiguration())
+        self.InTargetVelocity = self.add_in_port(
+            "InTargetVelocity",
+            iis.TimedVelocity2D,
+        )
+        """Velocity for the base [m/s, rad/s]."""
+        self.OutWheelAngle = self.add_out_port("OutWheelAngle", rtc.TimedDoubleSeq)
+        """Absolute rotation angles of the left and the right wheels, by the encoders [rad]."""
+        self.InventGUIRefHard = self.add_provider(
+            "InventGUIRefHard",
+            "RefHard",
+            RefHard,
+        )
+        """Starts and stops travelling, from a user interface."""
+        self.BumpRefHard = self.add_provider("BumpRefHard", "RefHard", RefHard)
+        """Stops travelling, from a bumper."""
+        self.front_left_status = self.add_in_port("front_left_status", ftmd.Tpdo1)
+        """State of the front left drive."""
+        self.front_left_motion = self.add_in_port("front_left_motion", ftmd.Tpdo2)
+        """Position and velocity of the front left drive."""
+        self.front_left_control = self.add_out_port("front_left_control", ftmd.Rpdo1)
+        """Commands for the front left drive."""
+        self.front_left_target = self.add_out_port("front_left_target", ftmd.Rpdo3)
+        """Velocity for the front left drive."""
+        self.front_right_status = self.add_in_port("front_right_status", ftmd.Tpdo1)
+        """State of the front right drive."""
+        self.front_right_motion = self.add_in_port("front_right_motion", ftmd.Tpdo2)
+        """Position and velocity of the front right drive."""
+        self.front_right_control = self.add_out_port("front_right_control", ftmd.Rpdo1)
+        """Commands for the front right drive."""
+        self.front_right_target = self.add_out_port("front_right_target", ftmd.Rpdo3)
+        """Velocity for the front right drive."""
+        self.rear_left_status = self.add_in_port("rear_left_status", ftmd.Tpdo1)
+        """State of the rear left drive."""
+        self.rear_left_motion = self.add_in_port("rear_left_motion", ftmd.Tpdo2)
+        """Position and velocity of the rear left drive."""
+        self.rear_left_control = self.add_out_port("rear_left_control", ftmd.Rpdo1)
+        """Commands for the rear left drive."""
+        self.rear_left_target = self.add_out_port("rear_left_target", ftmd.Rpdo3)
+        """Velocity for the rear left drive."""
+        self.rear_right_status = self.add_in_port("rear_right_status", ftmd.Tpdo1)
+        """State of the rear right drive."""
+        self.rear_right_motion = self.add_in_port("rear_right_motion", ftmd.Tpdo2)
+        """Position and velocity of the rear right drive."""
+        self.rear_right_control = self.add_out_port("rear_right_control", ftmd.Rpdo1)
+        """Commands for the rear right drive."""
+        self.rear_right_target = self.add_out_port("rear_right_target", ftmd.Rpdo3)
+        """Velocity for the rear right drive."""

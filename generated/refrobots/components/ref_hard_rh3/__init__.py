@@ -2,6 +2,367 @@
 # Owned by rtgen: edits are overwritten by the next run.
 """RefHardRh3: Mobile base RH3, simulated"""
 
-from .ref_hard_rh3_base import RefHardRh3Base, RefHardRh3Configuration
+from __future__ import annotations
 
-__all__ = ["RefHardRh3Base", "RefHardRh3Configuration"]
+from dataclasses import dataclass
+from typing import ClassVar
+
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+
+from ... import RefHard, iis, rtc
+
+
+@dataclass(slots=True)
+class RefHardRh3Configuration:
+    """Configuration of RefHardRh3."""
+
+    DeviceFileName: str = "/dev/ttyUSB0"
+    """Device file of the serial link to the motor controllers; not simulated."""
+    gain_P: int = 10
+    """Drive motor, position control: proportional gain; not simulated."""
+    gain_I: int = 0
+    """Drive motor, position control: integral gain; not simulated."""
+    gain_D: int = 0
+    """Drive motor, position control: derivative gain; not simulated."""
+    gain_VP: int = 10
+    """Drive motor, speed control: proportional gain; not simulated."""
+    gain_VI: int = 0
+    """Drive motor, speed control: integral gain; not simulated."""
+    gain_VD: int = 1
+    """Drive motor, speed control: derivative gain; not simulated."""
+    Velocity_limit: float = 10.0
+    """Greatest speed of a wheel [rad/s]."""
+    Acceleration_limit: float = 50.0
+    """Greatest acceleration of a wheel [rad/s^2]."""
+    WheelTread: float = 0.441
+    """Distance between the wheels, for turning velocities into wheel speeds [m]."""
+    WheelRadiusLeft: float = 0.1
+    """Radius of the left wheel, for turning velocities into wheel speeds [m]."""
+    WheelRadiusRight: float = 0.1
+    """Radius of the right wheel, for turning velocities into wheel speeds [m]."""
+    GearRatio: float = 74.91
+    """Turns of the drive motor for one turn of its wheel."""
+    EncoderCount: int = 2000
+    """Counts of the encoder for one turn of the drive motor."""
+    EncoderConstant_L: float = 1.0
+    """Factor on the angle that the left encoder gives."""
+    EncoderConstant_R: float = 1.0
+    """Factor on the angle that the right encoder gives."""
+    PlantWheelTread: float = 0.464
+    """True distance between the wheels of the simulated base [m]."""
+    PlantWheelRadiusLeft: float = 0.0995
+    """True radius of the left wheel of the simulated base [m]."""
+    PlantWheelRadiusRight: float = 0.0995
+    """True radius of the right wheel of the simulated base [m]."""
+    PlantStart_x: float = 0.0
+    """Where the simulated base stands when it is first activated: x [m]."""
+    PlantStart_y: float = 0.0
+    """Where the simulated base stands when it is first activated: y [m]."""
+    PlantStart_theta: float = 0.0
+    """Where the simulated base stands when it is first activated: heading [rad]."""
+    PlantRoom: str = ""
+    """What stands round the simulated base, read on activation as LRFCapture_URG reads its
+    `room`; empty for nothing. A contact stops the base, which is in ERROR then.
+    """
+    PlantRadius: float = 0.45
+    """Radius of the body of the simulated base, for contacts [m]."""
+    CommandTimeout: float = 0.5
+    """The base comes to rest when no velocity has come for so long; 0 never [s]."""
+
+
+class RefHardRh3Base(Component):
+    """Drives the two wheels of the base RH3 and reads their encoders.
+
+    The base is simulated: each wheel takes its target speed within its limits of speed
+    and acceleration, and the pose follows from the plant's own geometry, which need not
+    be the geometry that the commands are computed with. The parameters `Plant...` and
+    `CommandTimeout` and the port `PlantPose` are not in the source.
+    """
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        type_name="RefHardRh3",
+        kind="DataFlowComponent",
+        category="Navigation",
+        vendor="rtgen",
+        version="1.1.0",
+        description="Mobile base RH3, simulated",
+        rate=1000.0,
+        max_instances=1,
+        activity="PERIODIC",
+        execution="PeriodicExecutionContext",
+        ports=(
+            PortProfile(
+                name="InTargetVelocity",
+                python_name="InTargetVelocity",
+                kind="inport",
+                type="IIS::TimedVelocity2D",
+                repository_id="IDL:IIS/TimedVelocity2D:1.0",
+                unit="m/s, rad/s",
+                description="Velocity for the base.",
+            ),
+            PortProfile(
+                name="OutWheelAngle",
+                python_name="OutWheelAngle",
+                kind="outport",
+                type="RTC::TimedDoubleSeq",
+                repository_id="IDL:RTC/TimedDoubleSeq:1.0",
+                unit="rad",
+                description="Absolute rotation angles of the left and the right wheel, by the encoders.",
+            ),
+            PortProfile(
+                name="PlantPose",
+                python_name="PlantPose",
+                kind="outport",
+                type="IIS::TimedPose2D",
+                repository_id="IDL:IIS/TimedPose2D:1.0",
+                unit="m, rad",
+                description="Where the simulated base truly is: for simulated sensors, which have no other way to know.",
+            ),
+            PortProfile(
+                name="InventGUIRefHard",
+                python_name="InventGUIRefHard",
+                kind="provider",
+                type="RefHard",
+                repository_id="IDL:RefHard:1.0",
+                port="InventGUIRefHard",
+                instance="RefHard",
+                description="Starts and stops travelling, from a user interface.",
+            ),
+            PortProfile(
+                name="BumpRefHard",
+                python_name="BumpRefHard",
+                kind="provider",
+                type="RefHard",
+                repository_id="IDL:RefHard:1.0",
+                port="BumpRefHard",
+                instance="RefHard",
+                description="Stops travelling, from a bumper.",
+            ),
+        ),
+        configuration=(
+            ParameterProfile(
+                name="DeviceFileName",
+                python_name="DeviceFileName",
+                type="string",
+                default="/dev/ttyUSB0",
+                description="Device file of the serial link to the motor controllers; not simulated.",
+            ),
+            ParameterProfile(
+                name="gain_P",
+                python_name="gain_P",
+                type="long",
+                default="10",
+                description="Drive motor, position control: proportional gain; not simulated.",
+            ),
+            ParameterProfile(
+                name="gain_I",
+                python_name="gain_I",
+                type="long",
+                default="0",
+                description="Drive motor, position control: integral gain; not simulated.",
+            ),
+            ParameterProfile(
+                name="gain_D",
+                python_name="gain_D",
+                type="long",
+                default="0",
+                description="Drive motor, position control: derivative gain; not simulated.",
+            ),
+            ParameterProfile(
+                name="gain_VP",
+                python_name="gain_VP",
+                type="long",
+                default="10",
+                description="Drive motor, speed control: proportional gain; not simulated.",
+            ),
+            ParameterProfile(
+                name="gain_VI",
+                python_name="gain_VI",
+                type="long",
+                default="0",
+                description="Drive motor, speed control: integral gain; not simulated.",
+            ),
+            ParameterProfile(
+                name="gain_VD",
+                python_name="gain_VD",
+                type="long",
+                default="1",
+                description="Drive motor, speed control: derivative gain; not simulated.",
+            ),
+            ParameterProfile(
+                name="Velocity_limit",
+                python_name="Velocity_limit",
+                type="double",
+                default="10.0",
+                minimum=0.0,
+                unit="rad/s",
+                description="Greatest speed of a wheel.",
+            ),
+            ParameterProfile(
+                name="Acceleration_limit",
+                python_name="Acceleration_limit",
+                type="double",
+                default="50.0",
+                minimum=0.0,
+                unit="rad/s^2",
+                description="Greatest acceleration of a wheel.",
+            ),
+            ParameterProfile(
+                name="WheelTread",
+                python_name="WheelTread",
+                type="double",
+                default="0.441",
+                unit="m",
+                constraint="x>0.0",
+                description="Distance between the wheels, for turning velocities into wheel speeds.",
+            ),
+            ParameterProfile(
+                name="WheelRadiusLeft",
+                python_name="WheelRadiusLeft",
+                type="double",
+                default="0.1",
+                unit="m",
+                constraint="x>0.0",
+                description="Radius of the left wheel, for turning velocities into wheel speeds.",
+            ),
+            ParameterProfile(
+                name="WheelRadiusRight",
+                python_name="WheelRadiusRight",
+                type="double",
+                default="0.1",
+                unit="m",
+                constraint="x>0.0",
+                description="Radius of the right wheel, for turning velocities into wheel speeds.",
+            ),
+            ParameterProfile(
+                name="GearRatio",
+                python_name="GearRatio",
+                type="double",
+                default="74.91",
+                constraint="x>0.0",
+                description="Turns of the drive motor for one turn of its wheel.",
+            ),
+            ParameterProfile(
+                name="EncoderCount",
+                python_name="EncoderCount",
+                type="long",
+                default="2000",
+                minimum=1,
+                description="Counts of the encoder for one turn of the drive motor.",
+            ),
+            ParameterProfile(
+                name="EncoderConstant_L",
+                python_name="EncoderConstant_L",
+                type="double",
+                default="1.0",
+                description="Factor on the angle that the left encoder gives.",
+            ),
+            ParameterProfile(
+                name="EncoderConstant_R",
+                python_name="EncoderConstant_R",
+                type="double",
+                default="1.0",
+                description="Factor on the angle that the right encoder gives.",
+            ),
+            ParameterProfile(
+                name="PlantWheelTread",
+                python_name="PlantWheelTread",
+                type="double",
+                default="0.464",
+                unit="m",
+                constraint="x>0.0",
+                description="True distance between the wheels of the simulated base.",
+            ),
+            ParameterProfile(
+                name="PlantWheelRadiusLeft",
+                python_name="PlantWheelRadiusLeft",
+                type="double",
+                default="0.0995",
+                unit="m",
+                constraint="x>0.0",
+                description="True radius of the left wheel of the simulated base.",
+            ),
+            ParameterProfile(
+                name="PlantWheelRadiusRight",
+                python_name="PlantWheelRadiusRight",
+                type="double",
+                default="0.0995",
+                unit="m",
+                constraint="x>0.0",
+                description="True radius of the right wheel of the simulated base.",
+            ),
+            ParameterProfile(
+                name="PlantStart_x",
+                python_name="PlantStart_x",
+                type="double",
+                default="0.0",
+                unit="m",
+                description="Where the simulated base stands when it is first activated: x.",
+            ),
+            ParameterProfile(
+                name="PlantStart_y",
+                python_name="PlantStart_y",
+                type="double",
+                default="0.0",
+                unit="m",
+                description="Where the simulated base stands when it is first activated: y.",
+            ),
+            ParameterProfile(
+                name="PlantStart_theta",
+                python_name="PlantStart_theta",
+                type="double",
+                default="0.0",
+                unit="rad",
+                description="Where the simulated base stands when it is first activated: heading.",
+            ),
+            ParameterProfile(
+                name="PlantRoom",
+                python_name="PlantRoom",
+                type="string",
+                default="",
+                widget="text",
+                description="What stands round the simulated base, read on activation as LRFCapture_URG reads its",
+            ),
+            ParameterProfile(
+                name="PlantRadius",
+                python_name="PlantRadius",
+                type="double",
+                default="0.45",
+                unit="m",
+                constraint="x>0.0",
+                description="Radius of the body of the simulated base, for contacts.",
+            ),
+            ParameterProfile(
+                name="CommandTimeout",
+                python_name="CommandTimeout",
+                type="double",
+                default="0.5",
+                minimum=0.0,
+                unit="s",
+                description="The base comes to rest when no velocity has come for so long; 0 never.",
+            ),
+        ),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.config = self.add_configuration(RefHardRh3Configuration())
+        self.InTargetVelocity = self.add_in_port(
+            "InTargetVelocity",
+            iis.TimedVelocity2D,
+        )
+        """Velocity for the base [m/s, rad/s]."""
+        self.OutWheelAngle = self.add_out_port("OutWheelAngle", rtc.TimedDoubleSeq)
+        """Absolute rotation angles of the left and the right wheel, by the encoders [rad]."""
+        self.PlantPose = self.add_out_port("PlantPose", iis.TimedPose2D)
+        """Where the simulated base truly is: for simulated sensors, which have no other way to know [m, rad].
+        Sent while it is connected.
+        """
+        self.InventGUIRefHard = self.add_provider(
+            "InventGUIRefHard",
+            "RefHard",
+            RefHard,
+        )
+        """Starts and stops travelling, from a user interface."""
+        self.BumpRefHard = self.add_provider("BumpRefHard", "RefHard", RefHard)
+        """Stops travelling, from a bumper."""

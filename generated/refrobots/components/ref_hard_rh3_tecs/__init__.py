@@ -2,6 +2,203 @@
 # Owned by rtgen: edits are overwritten by the next run.
 """RefHardRh3Tecs: Mobile base RH3 with a TECS motor board"""
 
-from .ref_hard_rh3_tecs_base import RefHardRh3TecsBase, RefHardRh3TecsConfiguration
+from __future__ import annotations
 
-__all__ = ["RefHardRh3TecsBase", "RefHardRh3TecsConfiguration"]
+from dataclasses import dataclass
+from typing import ClassVar
+
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+
+from ... import RefHard, iis, rtc
+
+
+@dataclass(slots=True)
+class RefHardRh3TecsConfiguration:
+    """Configuration of RefHardRh3Tecs."""
+
+    Velocity_limit: float = 10.0
+    """Greatest speed of a wheel [rad/s]."""
+    Acceleration_limit: float = 50.0
+    """Greatest acceleration of a wheel [rad/s^2]."""
+    WheelTread: float = 0.441
+    """Distance between the wheels, for turning velocities into wheel speeds [m]."""
+    WheelRadiusLeft: float = 0.1
+    """Radius of the left wheel, for turning velocities into wheel speeds [m]."""
+    WheelRadiusRight: float = 0.1
+    """Radius of the right wheel, for turning velocities into wheel speeds [m]."""
+    GearRatio: float = 74.91
+    """Turns of the drive motor for one turn of its wheel."""
+    EncoderCount: int = 2000
+    """Counts of the encoder for one turn of the drive motor."""
+    EncoderConstant_L: float = 1.0
+    """Factor on the angle that the left encoder gives."""
+    EncoderConstant_R: float = 1.0
+    """Factor on the angle that the right encoder gives."""
+    CommandTimeout: float = 0.5
+    """The base comes to rest when no velocity has come for so long; 0 never [s]."""
+
+
+class RefHardRh3TecsBase(Component):
+    """Takes the place of RefHardRh3 where the wheels hang on a TECS motor board.
+
+    The board is reached through a further port, of the signature in board.cdl; the behaviour
+    takes it from the component that rtgen makes of that file.
+    """
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        type_name="RefHardRh3Tecs",
+        kind="DataFlowComponent",
+        category="TECS",
+        vendor="rtgen",
+        version="1.0.0",
+        description="Mobile base RH3 with a TECS motor board",
+        rate=100.0,
+        max_instances=1,
+        activity="PERIODIC",
+        execution="PeriodicExecutionContext",
+        ports=(
+            PortProfile(
+                name="InTargetVelocity",
+                python_name="InTargetVelocity",
+                kind="inport",
+                type="IIS::TimedVelocity2D",
+                repository_id="IDL:IIS/TimedVelocity2D:1.0",
+                unit="m/s, rad/s",
+                description="Velocity for the base.",
+            ),
+            PortProfile(
+                name="OutWheelAngle",
+                python_name="OutWheelAngle",
+                kind="outport",
+                type="RTC::TimedDoubleSeq",
+                repository_id="IDL:RTC/TimedDoubleSeq:1.0",
+                unit="rad",
+                description="Absolute rotation angles of the left and the right wheel, by the encoders.",
+            ),
+            PortProfile(
+                name="InventGUIRefHard",
+                python_name="InventGUIRefHard",
+                kind="provider",
+                type="RefHard",
+                repository_id="IDL:RefHard:1.0",
+                port="InventGUIRefHard",
+                instance="RefHard",
+                description="Starts and stops travelling, from a user interface.",
+            ),
+            PortProfile(
+                name="BumpRefHard",
+                python_name="BumpRefHard",
+                kind="provider",
+                type="RefHard",
+                repository_id="IDL:RefHard:1.0",
+                port="BumpRefHard",
+                instance="RefHard",
+                description="Stops travelling, from a bumper.",
+            ),
+        ),
+        configuration=(
+            ParameterProfile(
+                name="Velocity_limit",
+                python_name="Velocity_limit",
+                type="double",
+                default="10.0",
+                minimum=0.0,
+                unit="rad/s",
+                description="Greatest speed of a wheel.",
+            ),
+            ParameterProfile(
+                name="Acceleration_limit",
+                python_name="Acceleration_limit",
+                type="double",
+                default="50.0",
+                minimum=0.0,
+                unit="rad/s^2",
+                description="Greatest acceleration of a wheel.",
+            ),
+            ParameterProfile(
+                name="WheelTread",
+                python_name="WheelTread",
+                type="double",
+                default="0.441",
+                unit="m",
+                constraint="x>0.0",
+                description="Distance between the wheels, for turning velocities into wheel speeds.",
+            ),
+            ParameterProfile(
+                name="WheelRadiusLeft",
+                python_name="WheelRadiusLeft",
+                type="double",
+                default="0.1",
+                unit="m",
+                constraint="x>0.0",
+                description="Radius of the left wheel, for turning velocities into wheel speeds.",
+            ),
+            ParameterProfile(
+                name="WheelRadiusRight",
+                python_name="WheelRadiusRight",
+                type="double",
+                default="0.1",
+                unit="m",
+                constraint="x>0.0",
+                description="Radius of the right wheel, for turning velocities into wheel speeds.",
+            ),
+            ParameterProfile(
+                name="GearRatio",
+                python_name="GearRatio",
+                type="double",
+                default="74.91",
+                constraint="x>0.0",
+                description="Turns of the drive motor for one turn of its wheel.",
+            ),
+            ParameterProfile(
+                name="EncoderCount",
+                python_name="EncoderCount",
+                type="long",
+                default="2000",
+                minimum=1,
+                description="Counts of the encoder for one turn of the drive motor.",
+            ),
+            ParameterProfile(
+                name="EncoderConstant_L",
+                python_name="EncoderConstant_L",
+                type="double",
+                default="1.0",
+                description="Factor on the angle that the left encoder gives.",
+            ),
+            ParameterProfile(
+                name="EncoderConstant_R",
+                python_name="EncoderConstant_R",
+                type="double",
+                default="1.0",
+                description="Factor on the angle that the right encoder gives.",
+            ),
+            ParameterProfile(
+                name="CommandTimeout",
+                python_name="CommandTimeout",
+                type="double",
+                default="0.5",
+                minimum=0.0,
+                unit="s",
+                description="The base comes to rest when no velocity has come for so long; 0 never.",
+            ),
+        ),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.config = self.add_configuration(RefHardRh3TecsConfiguration())
+        self.InTargetVelocity = self.add_in_port(
+            "InTargetVelocity",
+            iis.TimedVelocity2D,
+        )
+        """Velocity for the base [m/s, rad/s]."""
+        self.OutWheelAngle = self.add_out_port("OutWheelAngle", rtc.TimedDoubleSeq)
+        """Absolute rotation angles of the left and the right wheel, by the encoders [rad]."""
+        self.InventGUIRefHard = self.add_provider(
+            "InventGUIRefHard",
+            "RefHard",
+            RefHard,
+        )
+        """Starts and stops travelling, from a user interface."""
+        self.BumpRefHard = self.add_provider("BumpRefHard", "RefHard", RefHard)
+        """Stops travelling, from a bumper."""

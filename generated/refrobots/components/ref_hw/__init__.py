@@ -2,6 +2,208 @@
 # Owned by rtgen: edits are overwritten by the next run.
 """RefHw: The base of the simulator"""
 
-from .ref_hw_base import RefHwBase, RefHwConfiguration
+from __future__ import annotations
 
-__all__ = ["RefHwBase", "RefHwConfiguration"]
+from dataclasses import dataclass
+from typing import ClassVar
+
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+
+from ... import iis, rtc
+
+
+@dataclass(slots=True)
+class RefHwConfiguration:
+    """Configuration of RefHw."""
+
+    Velocity_limit: float = 10.0
+    """Greatest speed of a wheel [rad/s]."""
+    Acceleration_limit: float = 50.0
+    """Greatest acceleration of a wheel [rad/s^2]."""
+    EncoderCount: int = 149820
+    """Counts of the encoder for one turn of its wheel."""
+    PlantWheelTread: float = 0.464
+    """Distance between the wheels [m]."""
+    PlantWheelRadiusLeft: float = 0.0995
+    """Radius of the left wheel [m]."""
+    PlantWheelRadiusRight: float = 0.0995
+    """Radius of the right wheel [m]."""
+    PlantStart_x: float = 0.0
+    """Where the base stands when it is first activated: x [m]."""
+    PlantStart_y: float = 0.0
+    """Where the base stands when it is first activated: y [m]."""
+    PlantStart_theta: float = 0.0
+    """Where the base stands when it is first activated: heading [rad]."""
+    PlantRoom: str = ""
+    """What stands round the simulated base, read on activation as LRFCapture_URG reads its
+    `room`; empty for nothing. A contact stops the base, which is in ERROR then.
+    """
+    PlantRadius: float = 0.45
+    """Radius of the body of the simulated base, for contacts [m]."""
+    CommandTimeout: float = 0.5
+    """The wheels come to rest when no speeds have come for so long; 0 never [s]."""
+
+
+class RefHwBase(Component):
+    """The simulated base: its wheels take the speeds that they are given, within their limits.
+
+    In the source OpenHRP simulates it; here it is the plant that RefHardRh3 has, too. Of its ports
+    nothing survived; they are ours.
+    """
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        type_name="RefHw",
+        kind="DataFlowComponent",
+        category="Simulation",
+        vendor="rtgen",
+        version="1.0.0",
+        description="The base of the simulator",
+        rate=1000.0,
+        max_instances=1,
+        activity="PERIODIC",
+        execution="PeriodicExecutionContext",
+        ports=(
+            PortProfile(
+                name="WheelSpeed",
+                python_name="WheelSpeed",
+                kind="inport",
+                type="RTC::TimedDoubleSeq",
+                repository_id="IDL:RTC/TimedDoubleSeq:1.0",
+                unit="rad/s",
+                description="Speeds for the left and the right wheel.",
+            ),
+            PortProfile(
+                name="WheelAngle",
+                python_name="WheelAngle",
+                kind="outport",
+                type="RTC::TimedDoubleSeq",
+                repository_id="IDL:RTC/TimedDoubleSeq:1.0",
+                unit="rad",
+                description="Angles of the left and the right wheel, by the encoders.",
+            ),
+            PortProfile(
+                name="pose",
+                python_name="pose",
+                kind="outport",
+                type="IIS::TimedPose2D",
+                repository_id="IDL:IIS/TimedPose2D:1.0",
+                unit="m, rad",
+                description="Where the base truly is: for simulated sensors, which have no other way to know.",
+            ),
+        ),
+        configuration=(
+            ParameterProfile(
+                name="Velocity_limit",
+                python_name="Velocity_limit",
+                type="double",
+                default="10.0",
+                minimum=0.0,
+                unit="rad/s",
+                description="Greatest speed of a wheel.",
+            ),
+            ParameterProfile(
+                name="Acceleration_limit",
+                python_name="Acceleration_limit",
+                type="double",
+                default="50.0",
+                minimum=0.0,
+                unit="rad/s^2",
+                description="Greatest acceleration of a wheel.",
+            ),
+            ParameterProfile(
+                name="EncoderCount",
+                python_name="EncoderCount",
+                type="long",
+                default="149820",
+                minimum=1,
+                description="Counts of the encoder for one turn of its wheel.",
+            ),
+            ParameterProfile(
+                name="PlantWheelTread",
+                python_name="PlantWheelTread",
+                type="double",
+                default="0.464",
+                unit="m",
+                constraint="x>0.0",
+                description="Distance between the wheels.",
+            ),
+            ParameterProfile(
+                name="PlantWheelRadiusLeft",
+                python_name="PlantWheelRadiusLeft",
+                type="double",
+                default="0.0995",
+                unit="m",
+                constraint="x>0.0",
+                description="Radius of the left wheel.",
+            ),
+            ParameterProfile(
+                name="PlantWheelRadiusRight",
+                python_name="PlantWheelRadiusRight",
+                type="double",
+                default="0.0995",
+                unit="m",
+                constraint="x>0.0",
+                description="Radius of the right wheel.",
+            ),
+            ParameterProfile(
+                name="PlantStart_x",
+                python_name="PlantStart_x",
+                type="double",
+                default="0.0",
+                unit="m",
+                description="Where the base stands when it is first activated: x.",
+            ),
+            ParameterProfile(
+                name="PlantStart_y",
+                python_name="PlantStart_y",
+                type="double",
+                default="0.0",
+                unit="m",
+                description="Where the base stands when it is first activated: y.",
+            ),
+            ParameterProfile(
+                name="PlantStart_theta",
+                python_name="PlantStart_theta",
+                type="double",
+                default="0.0",
+                unit="rad",
+                description="Where the base stands when it is first activated: heading.",
+            ),
+            ParameterProfile(
+                name="PlantRoom",
+                python_name="PlantRoom",
+                type="string",
+                default="",
+                widget="text",
+                description="What stands round the simulated base, read on activation as LRFCapture_URG reads its",
+            ),
+            ParameterProfile(
+                name="PlantRadius",
+                python_name="PlantRadius",
+                type="double",
+                default="0.45",
+                unit="m",
+                constraint="x>0.0",
+                description="Radius of the body of the simulated base, for contacts.",
+            ),
+            ParameterProfile(
+                name="CommandTimeout",
+                python_name="CommandTimeout",
+                type="double",
+                default="0.5",
+                minimum=0.0,
+                unit="s",
+                description="The wheels come to rest when no speeds have come for so long; 0 never.",
+            ),
+        ),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.config = self.add_configuration(RefHwConfiguration())
+        self.WheelSpeed = self.add_in_port("WheelSpeed", rtc.TimedDoubleSeq)
+        """Speeds for the left and the right wheel [rad/s]."""
+        self.WheelAngle = self.add_out_port("WheelAngle", rtc.TimedDoubleSeq)
+        """Angles of the left and the right wheel, by the encoders [rad]."""
+        self.pose = self.add_out_port("pose", iis.TimedPose2D)
+        """Where the base truly is: for simulated sensors, which have no other way to know [m, rad]."""

@@ -2,6 +2,69 @@
 # Owned by rtgen: edits are overwritten by the next run.
 """SwitchInputRTC: Chooses between game pad and navigation"""
 
-from .switch_input_rtc_base import SwitchInputRTCBase
+from __future__ import annotations
 
-__all__ = ["SwitchInputRTCBase"]
+from typing import ClassVar
+
+from rtgen.runtime import Component, ComponentProfile, PortProfile
+
+from ... import iis
+
+
+class SwitchInputRTCBase(Component):
+    """Chooses between the velocity of a game pad and that of the navigation.
+
+    What the game pad sends is always passed on; what the navigation sends only if more than half
+    a second has gone since the game pad sent something. Without input nothing is sent.
+    """
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        type_name="SwitchInputRTC",
+        kind="DataFlowComponent",
+        category="Navigation",
+        vendor="rtgen",
+        version="1.0.0",
+        description="Chooses between game pad and navigation",
+        rate=20.0,
+        max_instances=1,
+        activity="PERIODIC",
+        execution="PeriodicExecutionContext",
+        ports=(
+            PortProfile(
+                name="inVelJoy",
+                python_name="inVelJoy",
+                kind="inport",
+                type="IIS::TimedVelocity2D",
+                repository_id="IDL:IIS/TimedVelocity2D:1.0",
+                unit="m/s, rad/s",
+                description="Velocity by hand.",
+            ),
+            PortProfile(
+                name="inVelAuto",
+                python_name="inVelAuto",
+                kind="inport",
+                type="IIS::TimedVelocity2D",
+                repository_id="IDL:IIS/TimedVelocity2D:1.0",
+                unit="m/s, rad/s",
+                description="Velocity of the navigation.",
+            ),
+            PortProfile(
+                name="outVel",
+                python_name="outVel",
+                kind="outport",
+                type="IIS::TimedVelocity2D",
+                repository_id="IDL:IIS/TimedVelocity2D:1.0",
+                unit="m/s, rad/s",
+                description="The velocity to be driven.",
+            ),
+        ),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.inVelJoy = self.add_in_port("inVelJoy", iis.TimedVelocity2D)
+        """Velocity by hand [m/s, rad/s]."""
+        self.inVelAuto = self.add_in_port("inVelAuto", iis.TimedVelocity2D)
+        """Velocity of the navigation [m/s, rad/s]."""
+        self.outVel = self.add_out_port("outVel", iis.TimedVelocity2D)
+        """The velocity to be driven [m/s, rad/s]."""

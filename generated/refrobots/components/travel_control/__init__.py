@@ -2,6 +2,125 @@
 # Owned by rtgen: edits are overwritten by the next run.
 """TravelControl: Drives a robot, third phase"""
 
-from .travel_control_base import TravelControlBase, TravelControlConfiguration
+from __future__ import annotations
 
-__all__ = ["TravelControlBase", "TravelControlConfiguration"]
+from dataclasses import dataclass
+from typing import ClassVar
+
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+
+from ... import iis
+
+
+@dataclass(slots=True)
+class TravelControlConfiguration:
+    """Configuration of TravelControl."""
+
+    robot: str = "RefHard"
+    """Which robot it is."""
+    CommandTimeout: float = 0.5
+    """The robot comes to rest when no travel command has come for so long, or when the newest [s]
+    one is older; 0 never.
+    """
+    start_x: float = 0.0
+    """Where the robot stands when it is first activated: x [m]."""
+    start_y: float = 0.0
+    """Where the robot stands when it is first activated: y [m]."""
+    start_theta: float = 0.0
+    """Where the robot stands when it is first activated: heading [rad]."""
+
+
+class TravelControlBase(Component):
+    """Drives a robot by travel commands and tells how it moves.
+
+    The robot is simulated, one of the four of the experiments. Commands without a time stamp
+    are refused, since delay matters. The source names the interfaces, not the ports; those are
+    ours.
+    """
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        type_name="TravelControl",
+        kind="DataFlowComponent",
+        category="Interfaces",
+        vendor="rtgen",
+        version="1.0.0",
+        description="Drives a robot, third phase",
+        rate=100.0,
+        max_instances=1,
+        activity="PERIODIC",
+        execution="PeriodicExecutionContext",
+        ports=(
+            PortProfile(
+                name="command",
+                python_name="command",
+                kind="inport",
+                type="IIS::TimedVelocity2D",
+                repository_id="IDL:IIS/TimedVelocity2D:1.0",
+                unit="m/s, rad/s",
+                description="Travel command in the frame of the body, with its time; one at least every 10 ms or so.",
+            ),
+            PortProfile(
+                name="information",
+                python_name="information",
+                kind="outport",
+                type="IIS::TimedVelocity2D",
+                repository_id="IDL:IIS/TimedVelocity2D:1.0",
+                unit="m/s, rad/s",
+                description="Travel information: the present velocity by the encoders, with its time, at every",
+            ),
+        ),
+        configuration=(
+            ParameterProfile(
+                name="robot",
+                python_name="robot",
+                type="string",
+                default="RefHard",
+                constraint="(RefHard,SegwayRmp,BlackShip,OmniWheel)",
+                widget="radio",
+                description="Which robot it is.",
+            ),
+            ParameterProfile(
+                name="CommandTimeout",
+                python_name="CommandTimeout",
+                type="double",
+                default="0.5",
+                minimum=0.0,
+                unit="s",
+                description="The robot comes to rest when no travel command has come for so long, or when the newest",
+            ),
+            ParameterProfile(
+                name="start_x",
+                python_name="start_x",
+                type="double",
+                default="0.0",
+                unit="m",
+                description="Where the robot stands when it is first activated: x.",
+            ),
+            ParameterProfile(
+                name="start_y",
+                python_name="start_y",
+                type="double",
+                default="0.0",
+                unit="m",
+                description="Where the robot stands when it is first activated: y.",
+            ),
+            ParameterProfile(
+                name="start_theta",
+                python_name="start_theta",
+                type="double",
+                default="0.0",
+                unit="rad",
+                description="Where the robot stands when it is first activated: heading.",
+            ),
+        ),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.config = self.add_configuration(TravelControlConfiguration())
+        self.command = self.add_in_port("command", iis.TimedVelocity2D)
+        """Travel command in the frame of the body, with its time; one at least every 10 ms or so [m/s, rad/s]."""
+        self.information = self.add_out_port("information", iis.TimedVelocity2D)
+        """Travel information: the present velocity by the encoders, with its time, at every [m/s, rad/s]
+        execution.
+        """

@@ -2,6 +2,110 @@
 # Owned by rtgen: edits are overwritten by the next run.
 """TravelOdometry: Position from travel information"""
 
-from .travel_odometry_base import TravelOdometryBase, TravelOdometryConfiguration
+from __future__ import annotations
 
-__all__ = ["TravelOdometryBase", "TravelOdometryConfiguration"]
+from dataclasses import dataclass
+from typing import ClassVar
+
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+
+from ... import iis
+
+
+@dataclass(slots=True)
+class TravelOdometryConfiguration:
+    """Configuration of TravelOdometry."""
+
+    start_x: float = 0.0
+    """Pose on activation: x [m]."""
+    start_y: float = 0.0
+    """Pose on activation: y [m]."""
+    start_theta: float = 0.0
+    """Pose on activation: heading [rad]."""
+    InformationTimeout: float = 0.5
+    """After a gap this long in the information the robot may be anywhere: ERROR; 0 never [s]."""
+
+
+class TravelOdometryBase(Component):
+    """Estimates the position of a robot from its travel information.
+
+    The source names the interfaces, not the ports; those are ours.
+    """
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        type_name="TravelOdometry",
+        kind="DataFlowComponent",
+        category="Interfaces",
+        vendor="rtgen",
+        version="1.0.0",
+        description="Position from travel information",
+        rate=100.0,
+        max_instances=1,
+        activity="PERIODIC",
+        execution="PeriodicExecutionContext",
+        ports=(
+            PortProfile(
+                name="information",
+                python_name="information",
+                kind="inport",
+                type="IIS::TimedVelocity2D",
+                repository_id="IDL:IIS/TimedVelocity2D:1.0",
+                unit="m/s, rad/s",
+                description="How the robot moves, in the frame of its body. Each sample holds since the one before.",
+            ),
+            PortProfile(
+                name="position",
+                python_name="position",
+                kind="outport",
+                type="IIS::TimedPose2D",
+                repository_id="IDL:IIS/TimedPose2D:1.0",
+                unit="m, rad",
+                description="Self-position in the world frame, the heading within 0..2 pi, with the time of the",
+            ),
+        ),
+        configuration=(
+            ParameterProfile(
+                name="start_x",
+                python_name="start_x",
+                type="double",
+                default="0.0",
+                unit="m",
+                description="Pose on activation: x.",
+            ),
+            ParameterProfile(
+                name="start_y",
+                python_name="start_y",
+                type="double",
+                default="0.0",
+                unit="m",
+                description="Pose on activation: y.",
+            ),
+            ParameterProfile(
+                name="start_theta",
+                python_name="start_theta",
+                type="double",
+                default="0.0",
+                unit="rad",
+                description="Pose on activation: heading.",
+            ),
+            ParameterProfile(
+                name="InformationTimeout",
+                python_name="InformationTimeout",
+                type="double",
+                default="0.5",
+                minimum=0.0,
+                unit="s",
+                description="After a gap this long in the information the robot may be anywhere: ERROR; 0 never.",
+            ),
+        ),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.config = self.add_configuration(TravelOdometryConfiguration())
+        self.information = self.add_in_port("information", iis.TimedVelocity2D)
+        """How the robot moves, in the frame of its body. Each sample holds since the one before [m/s, rad/s]."""
+        self.position = self.add_out_port("position", iis.TimedPose2D)
+        """Self-position in the world frame, the heading within 0..2 pi, with the time of the [m, rad]
+        information.
+        """

@@ -2,6 +2,108 @@
 # Owned by rtgen: edits are overwritten by the next run.
 """UcodeReader: Reader of infra-red markers"""
 
-from .ucode_reader_base import UcodeReaderBase, UcodeReaderConfiguration
+from __future__ import annotations
 
-__all__ = ["UcodeReaderBase", "UcodeReaderConfiguration"]
+from dataclasses import dataclass
+from typing import ClassVar
+
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+
+from ... import iis, ucode
+
+
+@dataclass(slots=True)
+class UcodeReaderConfiguration:
+    """Configuration of UcodeReader."""
+
+    markers: str = ""
+    """The markers: `CODE X Y` [m], the code in hexadecimal digits, separated by semicolons."""
+    walls: str = ""
+    """What hides markers: walls `X1 Y1 X2 Y2` [m], separated by semicolons."""
+    reach: float = 2.0
+    """How far a marker is read [m]."""
+    angle: float = 1.0
+    """How far from straight ahead a marker is read [rad]."""
+
+
+class UcodeReaderBase(Component):
+    """Reads the ucodes of infra-red markers (Fig 123); reader and markers are simulated.
+
+    A marker is read when it is near enough, within the angle of the reader, and not behind a wall.
+    Ports are ours.
+    """
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        type_name="UcodeReader",
+        kind="DataFlowComponent",
+        category="Embedded",
+        vendor="rtgen",
+        version="1.0.0",
+        description="Reader of infra-red markers",
+        rate=5.0,
+        max_instances=1,
+        activity="PERIODIC",
+        execution="PeriodicExecutionContext",
+        ports=(
+            PortProfile(
+                name="pose",
+                python_name="pose",
+                kind="inport",
+                type="IIS::TimedPose2D",
+                repository_id="IDL:IIS/TimedPose2D:1.0",
+                unit="m, rad",
+                description="Where the reader truly is.",
+            ),
+            PortProfile(
+                name="sightings",
+                python_name="sightings",
+                kind="outport",
+                type="Ucode::TimedSightings",
+                repository_id="IDL:Ucode/TimedSightings:1.0",
+                description="The markers in view, the nearest first; sent while there is one.",
+            ),
+        ),
+        configuration=(
+            ParameterProfile(
+                name="markers",
+                python_name="markers",
+                type="string",
+                default="",
+                description="The markers: `CODE X Y` [m], the code in hexadecimal digits, separated by semicolons.",
+            ),
+            ParameterProfile(
+                name="walls",
+                python_name="walls",
+                type="string",
+                default="",
+                description="What hides markers: walls `X1 Y1 X2 Y2` [m], separated by semicolons.",
+            ),
+            ParameterProfile(
+                name="reach",
+                python_name="reach",
+                type="double",
+                default="2.0",
+                unit="m",
+                constraint="x>0.0",
+                description="How far a marker is read.",
+            ),
+            ParameterProfile(
+                name="angle",
+                python_name="angle",
+                type="double",
+                default="1.0",
+                minimum=0.0,
+                maximum=3.1416,
+                unit="rad",
+                description="How far from straight ahead a marker is read.",
+            ),
+        ),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.config = self.add_configuration(UcodeReaderConfiguration())
+        self.pose = self.add_in_port("pose", iis.TimedPose2D)
+        """Where the reader truly is [m, rad]."""
+        self.sightings = self.add_out_port("sightings", ucode.TimedSightings)
+        """The markers in view, the nearest first; sent while there is one."""

@@ -2,6 +2,99 @@
 # Owned by rtgen: edits are overwritten by the next run.
 """UcodeSettlement: Records of ucodes, with a cache"""
 
-from .ucode_settlement_base import UcodeSettlementBase, UcodeSettlementConfiguration
+from __future__ import annotations
 
-__all__ = ["UcodeSettlementBase", "UcodeSettlementConfiguration"]
+from dataclasses import dataclass
+from typing import ClassVar
+
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+
+from ... import ucode
+
+
+@dataclass(slots=True)
+class UcodeSettlementConfiguration:
+    """Configuration of UcodeSettlement."""
+
+    records: str = ""
+    """The records of the server: `CODE RECORD`, the code in hexadecimal digits, separated by
+    semicolons.
+    """
+    cache: int = 4
+    """How many records are kept at hand; the one that was not needed for longest goes first."""
+    delay: int = 3
+    """Executions until the server answers."""
+
+
+class UcodeSettlementBase(Component):
+    """Settles ucodes: finds what is on record for the nearest marker (Fig 123).
+
+    The records of a ucode server are simulated; asking it takes several executions, but what was
+    asked for lately is at hand in a cache. Ports are ours.
+    """
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        type_name="UcodeSettlement",
+        kind="DataFlowComponent",
+        category="Embedded",
+        vendor="rtgen",
+        version="1.0.0",
+        description="Records of ucodes, with a cache",
+        rate=20.0,
+        max_instances=1,
+        activity="PERIODIC",
+        execution="PeriodicExecutionContext",
+        ports=(
+            PortProfile(
+                name="sightings",
+                python_name="sightings",
+                kind="inport",
+                type="Ucode::TimedSightings",
+                repository_id="IDL:Ucode/TimedSightings:1.0",
+                description="The markers in view.",
+            ),
+            PortProfile(
+                name="record",
+                python_name="record",
+                kind="outport",
+                type="Ucode::TimedRecord",
+                repository_id="IDL:Ucode/TimedRecord:1.0",
+                description="The record of the nearest marker, for each reading.",
+            ),
+        ),
+        configuration=(
+            ParameterProfile(
+                name="records",
+                python_name="records",
+                type="string",
+                default="",
+                description="The records of the server: `CODE RECORD`, the code in hexadecimal digits, separated by",
+            ),
+            ParameterProfile(
+                name="cache",
+                python_name="cache",
+                type="long",
+                default="4",
+                minimum=1,
+                maximum=64,
+                description="How many records are kept at hand; the one that was not needed for longest goes first.",
+            ),
+            ParameterProfile(
+                name="delay",
+                python_name="delay",
+                type="long",
+                default="3",
+                minimum=0,
+                maximum=1000,
+                description="Executions until the server answers.",
+            ),
+        ),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.config = self.add_configuration(UcodeSettlementConfiguration())
+        self.sightings = self.add_in_port("sightings", ucode.TimedSightings)
+        """The markers in view."""
+        self.record = self.add_out_port("record", ucode.TimedRecord)
+        """The record of the nearest marker, for each reading."""

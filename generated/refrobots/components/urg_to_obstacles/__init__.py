@@ -2,6 +2,78 @@
 # Owned by rtgen: edits are overwritten by the next run.
 """Urg_to_Obstacles: Points of a scan"""
 
-from .urg_to_obstacles_base import Urg_to_ObstaclesBase, Urg_to_ObstaclesConfiguration
+from __future__ import annotations
 
-__all__ = ["Urg_to_ObstaclesBase", "Urg_to_ObstaclesConfiguration"]
+from dataclasses import dataclass
+from typing import ClassVar
+
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+
+from ... import iis, rtc
+
+
+@dataclass(slots=True)
+class Urg_to_ObstaclesConfiguration:
+    """Configuration of Urg_to_Obstacles."""
+
+    spacing: float = 0.02
+    """Points nearer to the one before than this are left out [m]."""
+
+
+class Urg_to_ObstaclesBase(Component):
+    """Makes points of a scan, in the frame of the base: where something stands.
+
+    Of the source's component only the name survived; its ports are ours.
+    """
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        type_name="Urg_to_Obstacles",
+        kind="DataFlowComponent",
+        category="Navigation",
+        vendor="rtgen",
+        version="1.0.0",
+        description="Points of a scan",
+        rate=50.0,
+        max_instances=1,
+        activity="PERIODIC",
+        execution="PeriodicExecutionContext",
+        ports=(
+            PortProfile(
+                name="range",
+                python_name="range",
+                kind="inport",
+                type="RTC::RangeData",
+                repository_id="IDL:RTC/RangeData:1.0",
+                unit="m",
+                description="The scan.",
+            ),
+            PortProfile(
+                name="obstacles",
+                python_name="obstacles",
+                kind="outport",
+                type="IIS::TimedPoint2DSeq",
+                repository_id="IDL:IIS/TimedPoint2DSeq:1.0",
+                unit="m",
+                description="The points, with the time of the scan.",
+            ),
+        ),
+        configuration=(
+            ParameterProfile(
+                name="spacing",
+                python_name="spacing",
+                type="double",
+                default="0.02",
+                minimum=0.0,
+                unit="m",
+                description="Points nearer to the one before than this are left out.",
+            ),
+        ),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.config = self.add_configuration(Urg_to_ObstaclesConfiguration())
+        self.range = self.add_in_port("range", rtc.RangeData)
+        """The scan [m]."""
+        self.obstacles = self.add_out_port("obstacles", iis.TimedPoint2DSeq)
+        """The points, with the time of the scan [m]."""

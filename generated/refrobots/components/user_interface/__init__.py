@@ -2,6 +2,70 @@
 # Owned by rtgen: edits are overwritten by the next run.
 """UserInterface: Sends target lists"""
 
-from .user_interface_base import UserInterfaceBase, UserInterfaceConfiguration
+from __future__ import annotations
 
-__all__ = ["UserInterfaceBase", "UserInterfaceConfiguration"]
+from dataclasses import dataclass
+from typing import ClassVar
+
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+
+from ... import iis
+
+
+@dataclass(slots=True)
+class UserInterfaceConfiguration:
+    """Configuration of UserInterface."""
+
+    script: str = ""
+    """File with lines `AT X Y THETA; X Y THETA; ...` or `AT clear`, in order of AT, the
+    seconds since activation; relative to the system file.
+    """
+
+
+class UserInterfaceBase(Component):
+    """Sends target lists; what the operator wants is simulated by a script.
+
+    The source names the interface, not the ports of this component; those are ours.
+    """
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        type_name="UserInterface",
+        kind="DataFlowComponent",
+        category="Interfaces",
+        vendor="rtgen",
+        version="1.0.0",
+        description="Sends target lists",
+        rate=10.0,
+        max_instances=1,
+        activity="PERIODIC",
+        execution="PeriodicExecutionContext",
+        ports=(
+            PortProfile(
+                name="targets",
+                python_name="targets",
+                kind="outport",
+                type="IIS::TimedPose2DSeq",
+                repository_id="IDL:IIS/TimedPose2DSeq:1.0",
+                unit="m, rad",
+                description="Targets in the world frame. Only the first one counts, a new list takes the place of",
+            ),
+        ),
+        configuration=(
+            ParameterProfile(
+                name="script",
+                python_name="script",
+                type="string",
+                default="",
+                widget="text",
+                description="File with lines `AT X Y THETA; X Y THETA; ...` or `AT clear`, in order of AT, the",
+            ),
+        ),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.config = self.add_configuration(UserInterfaceConfiguration())
+        self.targets = self.add_out_port("targets", iis.TimedPose2DSeq)
+        """Targets in the world frame. Only the first one counts, a new list takes the place of [m, rad]
+        the old one, an empty list clears the target.
+        """

@@ -2,6 +2,52 @@
 # Owned by rtgen: edits are overwritten by the next run.
 """VelocityAdapter: Makes IIS::TimedVelocity2D of RTC::TimedVelocity"""
 
-from .velocity_adapter_base import VelocityAdapterBase
+from __future__ import annotations
 
-__all__ = ["VelocityAdapterBase"]
+from typing import ClassVar
+
+from rtgen.runtime import Component, ComponentProfile, PortProfile
+
+from ... import iis, rtc
+
+
+class VelocityAdapterBase(Component):
+    """Makes IIS::TimedVelocity2D of RTC::TimedVelocity."""
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        type_name="VelocityAdapter",
+        kind="DataFlowComponent",
+        category="Adapters",
+        vendor="rtgen",
+        version="1.0.0",
+        description="Makes IIS::TimedVelocity2D of RTC::TimedVelocity",
+        rate=100.0,
+        max_instances=0,
+        activity="PERIODIC",
+        execution="PeriodicExecutionContext",
+        ports=(
+            PortProfile(
+                name="input",
+                python_name="input",
+                kind="inport",
+                type="RTC::TimedVelocity",
+                repository_id="IDL:RTC/TimedVelocity:1.0",
+                description="What comes.",
+            ),
+            PortProfile(
+                name="output",
+                python_name="output",
+                kind="outport",
+                type="IIS::TimedVelocity2D",
+                repository_id="IDL:IIS/TimedVelocity2D:1.0",
+                description="What goes.",
+            ),
+        ),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.input = self.add_in_port("input", rtc.TimedVelocity)
+        """What comes."""
+        self.output = self.add_out_port("output", iis.TimedVelocity2D)
+        """What goes."""

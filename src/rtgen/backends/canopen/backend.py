@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 from rtgen.backends import Artifact, Emission, Options
-from rtgen.backends.canopen.codecs_module import codecs_text
 from rtgen.backends.canopen.device_module import device_text
 from rtgen.backends.canopen.eds_text import eds_text
 from rtgen.backends.canopen.idl_file import idl_of
@@ -67,9 +66,8 @@ class _Devices:
 
         idl = "".join(f"// {line}\n" for line in lines)
         yield file(file_name(ports), f"{idl}\n{idl_of(ports)}")
-        yield file("__init__.py", f'{comment}"""{module}."""\n')
-        yield file("objects.py", objects_text(module, ports.kind, ports.names, comment))
-        yield file("codecs.py", codecs_text(ports, comment))
+        objects = objects_text(module, ports.kind, ports.names, comment)
+        yield file("__init__.py", objects)
         yield file("proxy.py", self._component(proxy_text, ports, "Proxy", comment))
         yield file("device.py", self._component(device_text, ports, "Device", comment))
         name = f"{module}Proxy.eds"

@@ -41,7 +41,7 @@ _TAKEN = frozenset(
         *("value", "values"),
     }
 )
-STANDARD = ("collections.abc", "dataclasses", "typing")
+STANDARD = ("collections.abc", "dataclasses", "struct", "typing")
 """Modules of the standard library from which names are imported."""
 
 
@@ -141,8 +141,19 @@ class ComponentModule:
 
     # Text.
 
-    def text(self, header: str, title: str, body: str, relative: list[str]) -> str:
-        """The module: `relative` are further import statements, in order."""
+    def text(
+        self,
+        header: str,
+        title: str,
+        body: str,
+        relative: list[str],
+        *,
+        starts_small: bool = False,
+    ) -> str:
+        """The module: `relative` are further import statements, in order.
+
+        `starts_small`: the body begins with statements, not with a class.
+        """
         if "_pdo." in body:
             self.use("rtgen.runtime.canopen", "pdo as _pdo")
         modules: dict[str, set[str]] = {}
@@ -158,7 +169,12 @@ class ComponentModule:
         blocks = ["from __future__ import annotations"]
         blocks += ["\n".join(block) for block in (standard, runtime, own) if block]
         return fit_text(
-            header + docstring(title, 0) + "\n" + "\n\n".join(blocks) + "\n\n\n" + body
+            header
+            + docstring(title, 0)
+            + "\n"
+            + "\n\n".join(blocks)
+            + ("\n\n" if starts_small else "\n\n\n")
+            + body
         )
 
 

@@ -81,7 +81,7 @@ class _DeviceModule(ComponentModule):
             body += self._incoming(sample)
         for _, _, function in outgoing:
             body += function
-        relative = [f"from .objects import DESCRIPTION, {self._objects}"]
+        relative = [f"from . import DESCRIPTION, {self._objects}"]
         title = f"The device of `{self.ports.device.key}` as a component."
         return self.text(header, title, "\n".join(body) + "\n", relative)
 

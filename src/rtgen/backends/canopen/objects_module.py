@@ -1,4 +1,4 @@
-"""The module `objects` of a device: the typed table of its objects, and its description."""
+"""The package of a device: the typed table of its objects, and its description."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""PDO codecs: two functions for each PDO, from its layout.
+"""PDO codecs: a function for each PDO and direction, from its layout.
 
 Fields keep their names as parameters. All other names of a function start with an underscore,
 which no field does, so a field called `error` or `Struct` hides nothing.
@@ -35,28 +35,28 @@ class PdoCodec:
     layout: PdoLayout
 
 
-def module_text(codecs: Sequence[PdoCodec]) -> str:
-    """The body of a module with the codecs of these PDOs."""
+IMPORTS = (
+    ("struct", "Struct as _Struct"),
+    ("struct", "error as _error"),
+    ("rtgen.runtime.canopen", "pdo as _pdo"),
+)
+"""The names that the codecs use: the module and what is imported from it."""
+
+
+def codecs_text(decoded: Sequence[PdoCodec], encoded: Sequence[PdoCodec]) -> str:
+    """Functions for what is received and what is sent, behind the imports of a module."""
     parts: list[str] = []
-    for codec in codecs:
-        parts += ["", "", *_decode(codec), "", "", *_encode(codec)]
-    body = "\n".join(parts) + "\n"
-    head = [
-        "from __future__ import annotations",
-        "",
-        "from struct import Struct as _Struct",
-        "from struct import error as _error",
-        "",
-        "from rtgen.runtime.canopen import pdo as _pdo",
-        "",
-        *(f"_{name} = {name}" for name in _BUILT_IN if f"_{name}" in body),
-        "",
-    ]
+    for codec in decoded:
+        parts += ["", "", *_decode(codec)]
+    for codec in encoded:
+        parts += ["", "", *_encode(codec)]
+    body = "\n".join(parts)
+    aliases = [f"_{name} = {name}" for name in _BUILT_IN if f"_{name}" in body]
     structs = [
         fit(f'_{codec.name.upper()} = _Struct("{codec.layout.format}")')
-        for codec in codecs
+        for codec in dict.fromkeys((*decoded, *encoded))
     ]
-    return "\n".join([*head, *structs]) + "\n" + body
+    return "\n".join([*aliases, *([""] if aliases else []), *structs, body])
 
 
 def _decode(codec: PdoCodec) -> Iterator[str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from rtgen.backends import Options
 from rtgen.backends.canopen.component_module import ComponentModule
@@ -14,11 +14,11 @@ from rtgen.backends.canopen.objects_module import (
     class_name,
     is_remapped,
 )
-from rtgen.backends.canopen.service_module import SERVANT
+from rtgen.backends.canopen.pdo_codec import IMPORTS, PdoCodec, codecs_text
 from rtgen.backends.quoting.python import docstring, number_literal, string_literal
 from rtgen.layouts.can_startup import configuration
 from rtgen.lowering.canopen.components import SERVICE_PORT
-from rtgen.lowering.canopen.kinds import OBJECT_ACCESS, service_of
+from rtgen.lowering.canopen.kinds import service_of
 from rtgen.model import Component, Interface, Model, PortKind
 from rtgen.model.canopen import NodeRelative, PdoDirection
 from rtgen.typemap.canopen_ports import DevicePorts, ObjectPort, PdoSample, Quantity
@@ -28,6 +28,13 @@ from rtgen.typemap.python_names import module_name
 
 _HOOKS = "rtgen.runtime.canopen.hooks"
 _SAMPLES = "rtgen.runtime.canopen.port_samples"
+_SERVICE_TYPES = {
+    "aborted": "SdoAbort",
+    "gone": "BusGone",
+    "typed_value": "ObjectValue",
+    "kind": "ValueKind",
+}
+"""The attributes of a servant, and the types of the module CANopen that they have."""
 _ZEROS = {
     "bool": "False",
     "char": '"\\0"',
@@ -64,7 +71,8 @@ class _ProxyModule(ComponentModule):
         name = component.name[-1]
         codecs = {f"{c}_{s.name}" for c in ("decode", "encode") for s in ports.samples}
         self._objects = class_name(ports.module)
-        own = {name, f"{name}Base", SERVANT, f"_{OBJECT_ACCESS}", self._objects}
+        self._servant_name = f"_{service_of(ports.kind)[-1]}"
+        own = {name, f"{name}Base", self._servant_name, "SdoService", self._objects}
         taken = {*own, "over_sdo", *codecs}
         super().__init__(model, names, component, ports, options, taken)
         self._name = name
@@ -75,7 +83,6 @@ class _ProxyModule(ComponentModule):
             self._changes["pdos"] = REMAPPED
         if configuration(ports.kind):
             self._changes["configuration"] = CONFIGURATION
-        self._codecs: list[str] = []
 
     def proxy(self, header: str, networks: str) -> str:
         """The whole module."""
@@ -94,18 +101,24 @@ class _ProxyModule(ComponentModule):
             body += self._receive(sample)
         for sample in self._sent:
             body += self._send(sample)
-        if self.ports.operations:
-            body += self._servant()
+        body += self._servant()
         tables = ["DESCRIPTION", self._objects, *self._changes.values()]
         relative = [
             f"from ...components.{module_name(self._name)} import {self._name}Base",
-            f"from .objects import {', '.join(sorted(tables))}",
-            f"from ..service import {SERVANT}",
+            f"from . import {', '.join(sorted(tables))}",
         ]
-        if self._codecs:
-            relative.append(f"from .codecs import {', '.join(sorted(self._codecs))}")
-        title = f"The proxy of `{self.ports.device.key}`."
-        return self.text(header, title, "\n".join(body) + "\n", relative)
+        title = f"The proxy of `{self.ports.device.key}`, with the codecs of its PDOs."
+        codecs = self._codecs()
+        text = "\n".join([*codecs, *body]) + "\n"
+        return self.text(header, title, text, relative, starts_small=bool(codecs))
+
+    def _codecs(self) -> list[str]:
+        """The functions from octets to values for TPDOs, from values to octets for RPDOs."""
+        if not self.ports.samples:
+            return []
+        for module, name in IMPORTS:
+            self.use(module, name)
+        return [codecs_text(_codecs(self._received), _codecs(self._sent)), "", ""]
 
     # The class.
 
@@ -118,13 +131,12 @@ class _ProxyModule(ComponentModule):
 
     def _constructor(self) -> Iterator[str]:
         self.use("rtgen.runtime.canopen.objects", "over_sdo")
-        servant = f"_{OBJECT_ACCESS}" if self.ports.operations else SERVANT
         yield ""
         yield "    def __init__(self, instance_name: str | None = None) -> None:"
         yield "        super().__init__(instance_name)"
         yield f"        self.objects = over_sdo({self._objects}, self)"
         yield '        """The objects of the device by their names, read and written by SDO."""'
-        yield f"        self.{self._service_port()}.set_servant({servant}(self))"
+        yield f"        self.{self._service_port()}.set_servant({self._servant_name}(self))"
         if not self.ports.per_object:
             return
         for port in self._in_ports():
@@ -194,7 +206,6 @@ class _ProxyModule(ComponentModule):
 
     def _receive(self, sample: PdoSample) -> Iterator[str]:
         decode = f"decode_{sample.name}"
-        self._codecs.append(decode)
         yield ""
         yield f"    def _receive_{sample.name}(self, data: bytes, now: int) -> None:"
         if not self.ports.per_object and all(map(is_plain, sample.fields)):
@@ -219,7 +230,6 @@ class _ProxyModule(ComponentModule):
 
     def _send(self, sample: PdoSample) -> Iterator[str]:
         encode = f"encode_{sample.name}"
-        self._codecs.append(encode)
         self.use("collections.abc", "Iterator")
         yield ""
         yield f"    def _send_{sample.name}(self) -> Iterator[bytes]:"
@@ -241,14 +251,19 @@ class _ProxyModule(ComponentModule):
     # The SDO service.
 
     def _servant(self) -> Iterator[str]:
-        """The servant with the operations that the bus file lists."""
+        """The servant, with the operations that the bus file lists."""
         service = self.model.find(service_of(self.ports.kind))
         assert isinstance(service, Interface)
         names = self.names.operations(service)
+        self.use("rtgen.runtime.canopen.master.sdo_service", "SdoService")
+        interface = self.types.type_name(service.name)
         yield ""
         yield ""
-        yield f"class _{OBJECT_ACCESS}({SERVANT}, {self.types.type_name(service.name)}):"
-        yield '    """Objects of the device, by SDO."""'
+        yield f"class {self._servant_name}(SdoService, {interface}):"
+        yield '    """The objects of the device, by SDO."""'
+        yield ""
+        for attribute, name in _SERVICE_TYPES.items():
+            yield f"    {attribute} = {self.types.type_name(('CANopen', name))}"
         for quantity in self.ports.operations:
             access = quantity.variable.access
             if access.readable:
@@ -262,7 +277,7 @@ class _ProxyModule(ComponentModule):
         variable = quantity.variable
         place = number(variable.index, variable.subindex)
         factor = () if quantity.factor is None else (number_literal(quantity.factor),)
-        read = call("self._access.get", place, *factor)
+        read = call("self._get", place, *factor)
         yield f"    def {method}(self) -> {self._annotation(quantity)}:"
         if self.is_time(quantity):
             yield f"        return {self.of_object(quantity, read)}"
@@ -277,7 +292,7 @@ class _ProxyModule(ComponentModule):
         value = to_object(quantity, "value") if self.is_time(quantity) else "value"
         annotation = self._annotation(quantity)
         yield f"    def {method}(self, value: {annotation}) -> None:"
-        yield f"        {call('self._access.set', place, value, *factor)}"
+        yield f"        {call('self._set', place, value, *factor)}"
 
     def _annotation(self, quantity: Quantity) -> str:
         if quantity.factor is not None:
@@ -285,3 +300,10 @@ class _ProxyModule(ComponentModule):
         if self.is_time(quantity):
             return self.time
         return python_type(quantity.variable.data_type)
+
+
+def _codecs(samples: Iterable[PdoSample]) -> list[PdoCodec]:
+    return [
+        PdoCodec(s.name, f"{s.pdo.direction.upper()} {s.pdo.number}", s.layout)
+        for s in samples
+    ]

@@ -6,13 +6,13 @@ from collections.abc import Iterator
 
 from rtgen.backends import Artifact, Options
 from rtgen.backends.canopen.manager_module import manager_text
-from rtgen.backends.canopen.service_module import service_text
 from rtgen.backends.python_text import header, header_comment
 from rtgen.model import Model
 from rtgen.resources import idl_file
 from rtgen.typemap.idl_python_names import PythonNames
 
 _SHARED = ("BasicDataType.idl", "Canopen.idl")
+"""The IDL files of rtgen that those of devices include."""
 
 
 def shared_files(
@@ -20,6 +20,17 @@ def shared_files(
 ) -> Iterator[Artifact]:
     """The files. `networks` is the package of the networks, empty if there is none."""
     folder = f"{options.folder}/canopen"
+    if options.target == "openrtm":
+        yield from _shared_idl(model, options, folder)
+    if networks:
+        origin = tuple(bus.key for bus in model.buses)
+        comment = header_comment(options.version, origin)
+        text = manager_text(model, names, options, comment, networks)
+        yield Artifact(f"{folder}/manager.py", text, origin)
+
+
+def _shared_idl(model: Model, options: Options, folder: str) -> Iterator[Artifact]:
+    """Copies for omniidl, which reads the IDL of devices without rtgen."""
     files = {file.name: file for file in model.files}
     for name in _SHARED:
         file = files.get(name)
@@ -29,12 +40,3 @@ def shared_files(
         head = "".join(f"// {line}\n" for line in lines)
         text = idl_file(name).read_text(encoding="utf-8")
         yield Artifact(f"{folder}/{name}", f"{head}\n{text}", (file.key,))
-    key = files[_SHARED[1]].key
-    comment = header_comment(options.version, [key])
-    text = service_text(model, names, options, comment)
-    yield Artifact(f"{folder}/service.py", text, (key,))
-    if networks:
-        origin = tuple(bus.key for bus in model.buses)
-        comment = header_comment(options.version, origin)
-        text = manager_text(model, names, options, comment, networks)
-        yield Artifact(f"{folder}/manager.py", text, origin)

@@ -6,19 +6,16 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from rtgen.backends import Artifact, Emission, Options, Owner
-from rtgen.backends.components.base_module import base_module, class_names
+from rtgen.backends.components.base_module import base_module
 from rtgen.backends.components.checks import check, check_modules, components_of
-from rtgen.backends.components.imports import import_from
 from rtgen.backends.components.locations import (
     components_folder,
     factory,
-    heading,
     package_folder,
     source_of,
 )
 from rtgen.backends.components.skeleton import skeleton_module
-from rtgen.backends.python_text import fit_text, header_comment
-from rtgen.backends.quoting.python import docstring, string_literal
+from rtgen.backends.python_text import header_comment
 from rtgen.backends.rendering import render
 from rtgen.diagnostics import has_errors
 from rtgen.model import Component, Model, SourceFile
@@ -76,32 +73,13 @@ def _common(
 def _of_component(
     model: Model, names: PythonNames, component: Component, options: Options
 ) -> Iterator[Artifact]:
-    source = source_of(model, component)
-    origin = (source.key,)
-    folder = package_folder(options, component)
-    module = module_name(component.name[-1])
-    yield Artifact(
-        f"{folder}/__init__.py", _package(component, source, options), origin
-    )
+    origin = (source_of(model, component).key,)
     base = base_module(model, names, component, options)
-    yield Artifact(f"{folder}/{module}_base.py", base, origin)
+    yield Artifact(f"{package_folder(options, component)}/__init__.py", base, origin)
     if not component.factory:
         skeleton = skeleton_module(model, names, component, options)
+        module = module_name(component.name[-1])
         yield Artifact(f"{module}.py", skeleton, origin, Owner.USER)
-
-
-def _package(component: Component, source: SourceFile, options: Options) -> str:
-    module = f".{module_name(component.name[-1])}_base"
-    base, configuration = class_names(component)
-    exported = [base, configuration] if component.configuration else [base]
-    text = render(
-        "components/package.py.j2",
-        header=_header(options, [source]),
-        docstring=docstring(heading(component), 0),
-        exported=import_from(module, exported),
-        names=[string_literal(name) for name in sorted(exported)],
-    )
-    return fit_text(text)
 
 
 def _header(options: Options, sources: Sequence[SourceFile]) -> str:

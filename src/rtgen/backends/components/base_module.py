@@ -1,4 +1,4 @@
-"""Prints `<component>_base.py`: configuration class, profile and base class."""
+"""Prints the package of a component: configuration class, profile and base class."""
 
 from __future__ import annotations
 

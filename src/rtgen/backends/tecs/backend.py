@@ -104,8 +104,9 @@ class _Writer:
             yield self._artifact(f"{join.instance}.conf", text)
         plugin = tecsgen_plugin(package, packages, self.options.version)
         yield self._artifact("RTCPlugin.rb", plugin)
-        for name, text in build_scripts(package, self.options).items():
-            yield self._artifact(name, text)
+        if self.options.corba:
+            for name, text in build_scripts(package, self.options).items():
+                yield self._artifact(name, text)
 
     def skeletons(self) -> Iterator[Artifact]:
         """The clients for the user to complete."""

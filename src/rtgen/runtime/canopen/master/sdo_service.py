@@ -1,10 +1,10 @@
-"""Generic part of the SDO service of a generated proxy."""
+"""The SDO service of generated proxies."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, ClassVar
 
 from rtgen.facts.canopen import UNSIGNED_KINDS
 from rtgen.runtime.canopen.description import ObjectValue
@@ -28,40 +28,42 @@ def value_kind(value: ObjectValue, *, unsigned: bool) -> int:
     return 5
 
 
-class SdoAccess:
-    """Reads and writes objects for the generated servant, and reports errors as its IDL does.
+class SdoService:
+    """Base of generated servants of CANopen::ObjectDictionary, and of interfaces derived from it.
 
-    `aborted` and `gone` construct the exceptions CANopen::SdoAbort and CANopen::BusGone. With a
-    factor, values are physical: factor * value.
+    The subclass gives the classes of its IDL: the exceptions CANopen::SdoAbort and
+    CANopen::BusGone, the union CANopen::ObjectValue and the enum CANopen::ValueKind.
     """
 
-    def __init__(
-        self,
-        proxy: ProxyHooks,
-        aborted: Callable[[int, str], Exception],
-        gone: Callable[[str], Exception],
-    ) -> None:
-        self._proxy = proxy
-        self._aborted = aborted
-        self._gone = gone
+    aborted: ClassVar[type[Any]]
+    gone: ClassVar[type[Any]]
+    typed_value: ClassVar[type[Any]]
+    kind: ClassVar[type[Any]]
 
-    def get(self, index: int, subindex: int, factor: float | None = None) -> Any:
-        """The value of an object."""
+    def __init__(self, proxy: ProxyHooks) -> None:
+        self._proxy = proxy
+
+    def get(self, index: int, subindex: int) -> Any:
+        """The value of an object, with its kind."""
+        value: ObjectValue = self._get(index, subindex)
+        described = self._proxy.description.by_number.get((index, subindex))
+        unsigned = described is not None and described.kind in UNSIGNED_KINDS
+        return self.typed_value(self.kind(value_kind(value, unsigned=unsigned)), value)
+
+    def set(self, index: int, subindex: int, value: Any) -> None:
+        """Sets the value of an object."""
+        self._set(index, subindex, value.value)
+
+    def _get(self, index: int, subindex: int, factor: float | None = None) -> Any:
+        """The value of an object; with a factor the physical one: factor * value."""
         with self._idl_exceptions():
             value: Any = self._proxy.read_object(index, subindex)
         return value if factor is None else value * factor
 
-    def typed(self, index: int, subindex: int) -> tuple[int, ObjectValue]:
-        """The value of an object, behind its CANopen::ValueKind."""
-        value: ObjectValue = self.get(index, subindex)
-        described = self._proxy.description.by_number.get((index, subindex))
-        unsigned = described is not None and described.kind in UNSIGNED_KINDS
-        return value_kind(value, unsigned=unsigned), value
-
-    def set(
+    def _set(
         self, index: int, subindex: int, value: Any, factor: float | None = None
     ) -> None:
-        """Sets the value of an object."""
+        """Sets the value of an object; with a factor from the physical one."""
         with self._idl_exceptions():
             if factor is not None:
                 described = self._proxy.description.by_number[index, subindex]
@@ -87,9 +89,9 @@ class SdoAccess:
         try:
             yield
         except sdo.SdoAbort as error:
-            raise self._aborted(error.code, str(error)) from error
+            raise self.aborted(error.code, str(error)) from error
         except LinkError as error:
-            raise self._gone(str(error)) from error
+            raise self.gone(str(error)) from error
         except ValueError as error:
             code = getattr(error, "code", sdo.VALUE_INVALID)
-            raise self._aborted(code, str(error)) from error
+            raise self.aborted(code, str(error)) from error

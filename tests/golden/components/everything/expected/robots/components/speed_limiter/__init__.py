@@ -2,6 +2,184 @@
 # Owned by rtgen: edits are overwritten by the next run.
 """SpeedLimiter: Limits a "speed" """
 
-from .speed_limiter_base import SpeedLimiterBase, SpeedLimiterConfiguration
+from __future__ import annotations
 
-__all__ = ["SpeedLimiterBase", "SpeedLimiterConfiguration"]
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+
+from ... import Alive, lab
+
+
+@dataclass(slots=True)
+class SpeedLimiterConfiguration:
+    """Configuration of SpeedLimiter."""
+
+    max_speed: float = 0.5
+    """Upper bound [m/s]."""
+    mode: lab.Mode = lab.Mode.DROP
+    gains: list[float] = field(default_factory=lambda: [0.5, 1.0])
+    input: str = "console"
+    from_: int = 3
+    list_: float = 0.0
+    quiet: bool = False
+
+
+class SpeedLimiterBase(Component):
+    """Limits a commanded speed.
+
+    What is above the limit is clipped or dropped: "as configured", <always>.
+    """
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        type_name="SpeedLimiter",
+        kind="DataFlowComponent",
+        category="Motion & more",
+        vendor="Lab",
+        version="1.2.0",
+        description='Limits a "speed"',
+        rate=50.0,
+        max_instances=0,
+        activity="PERIODIC",
+        execution="PeriodicExecutionContext",
+        ports=(
+            PortProfile(
+                name=".wanted",
+                python_name="wanted",
+                kind="inport",
+                type="Lab::TimedSpeed",
+                repository_id="IDL:Lab/TimedSpeed:1.0",
+                unit="m/s",
+                description="What is wanted.",
+            ),
+            PortProfile(
+                name="status",
+                python_name="status_in",
+                kind="inport",
+                type="Lab::Reading",
+                repository_id="IDL:Lab/Reading:1.0",
+                description="State in and state out have one outside name.",
+            ),
+            PortProfile(
+                name="status",
+                python_name="status_out",
+                kind="outport",
+                type="Lab::Reading",
+                repository_id="IDL:Lab/Reading:1.0",
+            ),
+            PortProfile(
+                name="the_limited_speed_under_a_name_that_is_so_long_that_no_line_can_hold_it_all",
+                python_name="the_limited_speed_under_a_name_that_is_so_long_that_no_line_can_hold_it_all",
+                kind="outport",
+                type="Lab::TimedSpeed",
+                repository_id="IDL:Lab/TimedSpeed:1.0",
+            ),
+            PortProfile(
+                name="left_brake",
+                python_name="left_brake",
+                kind="provider",
+                type="Lab::Brake",
+                repository_id="IDL:Lab/Brake:1.0",
+                port="Safety",
+                instance="left",
+            ),
+            PortProfile(
+                name="right_brake",
+                python_name="right_brake",
+                kind="provider",
+                type="Lab::Brake",
+                repository_id="IDL:Lab/Brake:1.0",
+                port="Safety",
+                instance="right",
+            ),
+            PortProfile(
+                name="watch",
+                python_name="watch",
+                kind="consumer",
+                type="Alive",
+                repository_id="IDL:Alive:1.0",
+                port="Safety",
+                instance="Alive",
+            ),
+            PortProfile(
+                name="config",
+                python_name="config_",
+                kind="consumer",
+                type="Alive",
+                repository_id="IDL:Alive:1.0",
+                port="config",
+                instance="Alive",
+            ),
+        ),
+        configuration=(
+            ParameterProfile(
+                name="01_max",
+                python_name="max_speed",
+                type="double",
+                default="0.5",
+                unit="m/s",
+                constraint="0.0<x<=2.0",
+                widget="slider.0.05",
+                description="Upper bound.",
+            ),
+            ParameterProfile(
+                name="mode",
+                python_name="mode",
+                type="Lab::Mode",
+                default="DROP",
+                widget="radio",
+            ),
+            ParameterProfile(
+                name="gains",
+                python_name="gains",
+                type="sequence<double>",
+                default="0.5, 1.0",
+            ),
+            ParameterProfile(
+                name="input",
+                python_name="input",
+                type="string",
+                default="console",
+                constraint="(console,file)",
+                widget="radio",
+            ),
+            ParameterProfile(
+                name="from",
+                python_name="from_",
+                type="long",
+                default="3",
+                minimum=1,
+                maximum=10,
+                widget="spin",
+            ),
+            ParameterProfile(
+                name="list",
+                python_name="list_",
+                type="float",
+                default="0.0",
+                minimum=0.0,
+                maximum=1.0,
+            ),
+            ParameterProfile(
+                name="quiet",
+                python_name="quiet",
+                type="boolean",
+                default="0",
+            ),
+        ),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.config = self.add_configuration(SpeedLimiterConfiguration())
+        self.wanted = self.add_in_port(".wanted", lab.TimedSpeed)
+        """What is wanted [m/s]."""
+        self.status_in = self.add_in_port("status", lab.Reading)
+        """State in and state out have one outside name."""
+        self.status_out = self.add_out_port("status", lab.Reading)
+        self.the_limited_speed_under_a_name_that_is_so_long_that_no_line_can_hold_it_all = self.add_out_port("the_limited_speed_under_a_name_that_is_so_long_that_no_line_can_hold_it_all", lab.TimedSpeed)  # fmt: skip
+        self.left_brake = self.add_provider("Safety", "left", lab.Brake)
+        self.right_brake = self.add_provider("Safety", "right", lab.Brake)
+        self.watch = self.add_consumer("Safety", "Alive", Alive)
+        self.config_ = self.add_consumer("config", "Alive", Alive)

@@ -2,6 +2,60 @@
 # Owned by rtgen: edits are overwritten by the next run.
 """Sensor: What all sensors have."""
 
-from .sensor_base import SensorBase, SensorConfiguration
+from __future__ import annotations
 
-__all__ = ["SensorBase", "SensorConfiguration"]
+from dataclasses import dataclass
+from typing import ClassVar
+
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+
+from ... import lab
+
+
+@dataclass(slots=True)
+class SensorConfiguration:
+    """Configuration of Sensor."""
+
+    period: float = 0.1
+    """Time between two readings [s]."""
+
+
+class SensorBase(Component):
+    """What all sensors have."""
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        type_name="Sensor",
+        kind="DataFlowComponent",
+        category="Sensor",
+        vendor="Lab",
+        version="1.0.0",
+        description="What all sensors have.",
+        rate=1000.0,
+        max_instances=1,
+        activity="PERIODIC",
+        execution="PeriodicExecutionContext",
+        ports=(
+            PortProfile(
+                name="value",
+                python_name="value",
+                kind="outport",
+                type="Lab::TimedLong",
+                repository_id="IDL:Lab/TimedLong:1.0",
+            ),
+        ),
+        configuration=(
+            ParameterProfile(
+                name="period",
+                python_name="period",
+                type="double",
+                default="0.1",
+                unit="s",
+                description="Time between two readings.",
+            ),
+        ),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.config = self.add_configuration(SensorConfiguration())
+        self.value = self.add_out_port("value", lab.TimedLong)

@@ -2,6 +2,75 @@
 # Owned by rtgen: edits are overwritten by the next run.
 """Sonar: A sensor with a reset."""
 
-from .sonar_base import SonarBase, SonarConfiguration
+from __future__ import annotations
 
-__all__ = ["SonarBase", "SonarConfiguration"]
+from dataclasses import dataclass
+from typing import ClassVar
+
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+
+from ... import lab
+
+
+@dataclass(slots=True)
+class SonarConfiguration:
+    """Configuration of Sonar."""
+
+    period: float = 0.1
+    """Time between two readings [s]."""
+    echoes: int = 3
+
+
+class SonarBase(Component):
+    """A sensor with a reset."""
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        type_name="Sonar",
+        kind="DataFlowComponent",
+        category="Sensor",
+        vendor="Lab",
+        version="1.0.0",
+        description="A sensor with a reset.",
+        rate=10.0,
+        max_instances=1,
+        activity="PERIODIC",
+        execution="PeriodicExecutionContext",
+        ports=(
+            PortProfile(
+                name="value",
+                python_name="value",
+                kind="outport",
+                type="Lab::TimedLong",
+                repository_id="IDL:Lab/TimedLong:1.0",
+            ),
+            PortProfile(
+                name="reset",
+                python_name="reset",
+                kind="inport",
+                type="Lab::TimedLong",
+                repository_id="IDL:Lab/TimedLong:1.0",
+            ),
+        ),
+        configuration=(
+            ParameterProfile(
+                name="period",
+                python_name="period",
+                type="double",
+                default="0.1",
+                unit="s",
+                description="Time between two readings.",
+            ),
+            ParameterProfile(
+                name="echoes",
+                python_name="echoes",
+                type="long",
+                default="3",
+            ),
+        ),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.config = self.add_configuration(SonarConfiguration())
+        self.value = self.add_out_port("value", lab.TimedLong)
+        self.reset = self.add_in_port("reset", lab.TimedLong)

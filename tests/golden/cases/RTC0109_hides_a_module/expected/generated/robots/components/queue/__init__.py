@@ -2,6 +2,25 @@
 # Owned by rtgen: edits are overwritten by the next run.
 """Queue: Holds what waits."""
 
-from .queue_base import QueueBase
+from __future__ import annotations
 
-__all__ = ["QueueBase"]
+from typing import ClassVar
+
+from rtgen.runtime import Component, ComponentProfile
+
+
+class QueueBase(Component):
+    """Holds what waits."""
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        type_name="Queue",
+        kind="DataFlowComponent",
+        category="",
+        vendor="",
+        version="1.0.0",
+        description="Holds what waits.",
+        rate=1000.0,
+        max_instances=1,
+        activity="PERIODIC",
+        execution="PeriodicExecutionContext",
+    )

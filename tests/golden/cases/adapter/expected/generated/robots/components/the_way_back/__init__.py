@@ -2,6 +2,52 @@
 # Owned by rtgen: edits are overwritten by the next run.
 """TheWayBack: Makes Plain of Rich"""
 
-from .the_way_back_base import TheWayBackBase
+from __future__ import annotations
 
-__all__ = ["TheWayBackBase"]
+from typing import ClassVar
+
+from rtgen.runtime import Component, ComponentProfile, PortProfile
+
+from ... import Plain, Rich
+
+
+class TheWayBackBase(Component):
+    """Makes Plain of Rich."""
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        type_name="TheWayBack",
+        kind="DataFlowComponent",
+        category="Adapters",
+        vendor="rtgen",
+        version="1.0.0",
+        description="Makes Plain of Rich",
+        rate=100.0,
+        max_instances=0,
+        activity="PERIODIC",
+        execution="PeriodicExecutionContext",
+        ports=(
+            PortProfile(
+                name="input",
+                python_name="input",
+                kind="inport",
+                type="Rich",
+                repository_id="IDL:Rich:1.0",
+                description="What comes.",
+            ),
+            PortProfile(
+                name="output",
+                python_name="output",
+                kind="outport",
+                type="Plain",
+                repository_id="IDL:Plain:1.0",
+                description="What goes.",
+            ),
+        ),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.input = self.add_in_port("input", Rich)
+        """What comes."""
+        self.output = self.add_out_port("output", Plain)
+        """What goes."""

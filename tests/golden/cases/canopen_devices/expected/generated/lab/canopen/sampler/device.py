@@ -12,7 +12,7 @@ from rtgen.runtime.canopen.hooks import Getter, Incoming, Outgoing, Setter
 from rtgen.runtime.canopen.node.device import CanopenDevice
 
 from ... import rtc, sampler
-from .objects import DESCRIPTION, SamplerObjects
+from . import DESCRIPTION, SamplerObjects
 
 
 class SamplerSlave(CanopenDevice):

@@ -12,7 +12,7 @@ from rtgen.runtime.canopen.hooks import Getter, Incoming, Outgoing, Setter
 from rtgen.runtime.canopen.node.device import CanopenDevice
 
 from ... import rtc, samplerpieces
-from .objects import DESCRIPTION, SamplerPiecesObjects
+from . import DESCRIPTION, SamplerPiecesObjects
 
 
 class SamplerPiecesSlave(CanopenDevice):

@@ -2,6 +2,50 @@
 # Owned by rtgen: edits are overwritten by the next run.
 """The component GateComponent."""
 
-from .gate_component_base import GateComponentBase
+from __future__ import annotations
 
-__all__ = ["GateComponentBase"]
+from typing import ClassVar
+
+from rtgen.runtime import Component, ComponentProfile, PortProfile
+
+from ... import Gate, GatePos
+
+
+class GateComponentBase(Component):
+    """The component GateComponent."""
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        type_name="GateComponent",
+        kind="DataFlowComponent",
+        category="Test",
+        vendor="Lab",
+        version="1.0.0",
+        description="",
+        rate=10.0,
+        max_instances=1,
+        activity="EVENTDRIVEN",
+        execution="PeriodicExecutionContext",
+        ports=(
+            PortProfile(
+                name="Pos",
+                python_name="pos",
+                kind="outport",
+                type="GatePos",
+                repository_id="IDL:GatePos:1.0",
+            ),
+            PortProfile(
+                name="gate",
+                python_name="gate",
+                kind="provider",
+                type="Gate",
+                repository_id="IDL:Gate:1.0",
+                port="services",
+                instance="gate",
+            ),
+        ),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.pos = self.add_out_port("Pos", GatePos)
+        self.gate = self.add_provider("services", "gate", Gate)

@@ -2,6 +2,79 @@
 # Owned by rtgen: edits are overwritten by the next run.
 """Driver: Drives"""
 
-from .driver_base import DriverBase, DriverConfiguration
+from __future__ import annotations
 
-__all__ = ["DriverBase", "DriverConfiguration"]
+from dataclasses import dataclass
+from typing import ClassVar
+
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+
+from ... import drive
+
+
+@dataclass(slots=True)
+class DriverConfiguration:
+    """Configuration of Driver."""
+
+    max_v: float = 0.5
+    """How fast at most [m/s]."""
+
+
+class DriverBase(Component):
+    """Drives where it is told to."""
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        type_name="Driver",
+        kind="DataFlowComponent",
+        category="Navigation",
+        vendor="",
+        version="1.0.0",
+        description="Drives",
+        rate=100.0,
+        max_instances=1,
+        activity="PERIODIC",
+        execution="PeriodicExecutionContext",
+        ports=(
+            PortProfile(
+                name="target",
+                python_name="target",
+                kind="inport",
+                type="Drive::Velocity",
+                repository_id="IDL:Drive/Velocity:1.0",
+            ),
+            PortProfile(
+                name="target_out",
+                python_name="target_out",
+                kind="outport",
+                type="Drive::Velocity",
+                repository_id="IDL:Drive/Velocity:1.0",
+            ),
+            PortProfile(
+                name="safety",
+                python_name="safety",
+                kind="provider",
+                type="Drive::Safety",
+                repository_id="IDL:Drive/Safety:1.0",
+                port="safety",
+                instance="Safety",
+            ),
+        ),
+        configuration=(
+            ParameterProfile(
+                name="max_v",
+                python_name="max_v",
+                type="double",
+                default="0.5",
+                minimum=0.0,
+                unit="m/s",
+                description="How fast at most.",
+            ),
+        ),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.config = self.add_configuration(DriverConfiguration())
+        self.target = self.add_in_port("target", drive.Velocity)
+        self.target_out = self.add_out_port("target_out", drive.Velocity)
+        self.safety = self.add_provider("safety", "Safety", drive.Safety)
