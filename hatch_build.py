@@ -1,4 +1,4 @@
-"""Makes the tables of the grammars before rtgen is packed or installed in place."""
+"""Makes the tables of the grammars, and adds the reference pipeline, when rtgen is packed."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from typing import Any
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 
-class TablesHook(BuildHookInterface):  # type: ignore[type-arg]
+class WheelHook(BuildHookInterface):  # type: ignore[type-arg]
     """Runs for the wheel only; the sources hold grammars, not tables."""
 
     PLUGIN_NAME = "custom"
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
-        """Write the tables beside the grammars."""
+        """Write the tables beside the grammars; an installed wheel also has RH3_FILES."""
         if self.target_name == "wheel":
             root = Path(self.root)
             sys.path.insert(0, str(root / "src"))
@@ -23,3 +23,9 @@ class TablesHook(BuildHookInterface):  # type: ignore[type-arg]
 
             for grammar in sorted((root / "grammars").glob("*.lark")):
                 write(grammar)
+            if version != "editable":
+                from rtgen.resources import RH3_FILES, RH3_FOLDER
+
+                build_data["force_include"] |= {
+                    str(root / name): f"rtgen/{RH3_FOLDER}/{name}" for name in RH3_FILES
+                }

@@ -17,6 +17,30 @@ IDL_FILES = (*OPENRTM_IDL, "Canopen.idl", "CanopenManager.idl")
 
 _IDL = (_PACKAGE / "idl", _PACKAGE.parents[1] / "specs" / "idl")
 
+_NAVIGATION = ("Navigation", "Odometry", "OmniTo2WD", "PathFollower", "PositionInput")
+_BEHAVIOURS = """
+    __init__ base_control commands console geometry kinematics limiter line_following map_text
+    messages navigation newest odometry omni_to2_wd path_follower planner planning plant
+    pose_history position_input rays recent ref_hard_rh3 room simulated_ref_hard
+    """
+RH3_FILES = (
+    *("specs/idl/RefHardRh3Pro.idl", "specs/idl/intellirobot.idl"),
+    *(f"specs/navigation/{name}.idl" for name in (*_NAVIGATION, "RefHardRh3")),
+    *("specs/navigation/ref_hard.inc", "specs/navigation/rh3_path.txt"),
+    *("specs/navigation/rh3_goal.xml", "specs/navigation/rh3_path.xml"),
+    *(f"src/refnav/{name}.py" for name in _BEHAVIOURS.split()),
+)
+"""The files of the reference pipeline, which `rtgen new project --from rh3` copies."""
+
+RH3_FOLDER = "examples/rh3"
+"""Where the package has these files."""
+
+
+def rh3_source(name: str) -> str:
+    """The text of one of RH3_FILES; FileNotFoundError."""
+    folders = (_PACKAGE / RH3_FOLDER, _PACKAGE.parents[1])
+    return _found(name, folders).read_text("utf-8")
+
 
 def grammar_file(name: str) -> Path:
     """The path of a grammar (`idl.lark`); FileNotFoundError if there is none."""

@@ -16,9 +16,10 @@ from pathlib import Path
 import pytest
 
 from rtgen.diagnostics.explain import rules
+from rtgen.resources import RH3_FILES, RH3_FOLDER
 
 ROOT = Path(__file__).parents[2]
-BUILT_FROM = ("src", "grammars", "specs/idl", "runtime")
+BUILT_FROM = ("src", "grammars", "specs/idl", "specs/navigation", "runtime")
 FILES = ("pyproject.toml", "hatch_build.py", "README.md", "LICENSE")
 NAME = re.compile(r"[\w-]+")
 
@@ -102,6 +103,17 @@ def test_the_wheel_is_rtgen_alone(whole: Path) -> None:
         assert f"rtgen/{name}" in found
     pages = {Path(name).stem for name in found if name.endswith(".md")}
     assert pages >= set(rules())
+
+
+def test_the_wheel_has_the_reference_pipeline_as_data(whole: Path) -> None:
+    found = contents(whole)
+    data = {name: found[f"rtgen/{RH3_FOLDER}/{name}"] for name in RH3_FILES}
+    assert data == {name: (ROOT / name).read_bytes() for name in RH3_FILES}
+    folder = {name for name in found if name.startswith(f"rtgen/{RH3_FOLDER}/")}
+    assert len(folder) == len(data)
+    with zipfile.ZipFile(whole) as archive:
+        packed = sum(archive.getinfo(name).compress_size for name in folder)
+    assert packed < 64 * 1024
 
 
 def test_the_runtime_is_a_part_of_the_wheel(whole: Path, runtime: Path) -> None:

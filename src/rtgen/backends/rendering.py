@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 from markupsafe import Markup
 
-from rtgen.backends.quoting import properties, python, scripts, xml
+from rtgen.backends.quoting import names, properties, python, scripts, xml
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -37,6 +37,7 @@ class Language:
         return self.code(separator.join(map(self.quote, values)))
 
 
+_NAMES = Language(names.quote_name, names.Names)
 _XML = Language(xml.quote_xml, Markup, {"comment": xml.xml_comment})
 LANGUAGES: Mapping[str, Language] = {
     ".py": Language(
@@ -68,6 +69,7 @@ LANGUAGES: Mapping[str, Language] = {
     ),
     ".xml": _XML,
     ".svg": _XML,
+    **dict.fromkeys((".cdl", ".eds", ".h", ".idl", ".md", ".toml"), _NAMES),
 }
 """The output languages by the suffix of their files."""
 

@@ -12,6 +12,7 @@ from rtgen.cli.groups import LazyGroup
 from rtgen.facts.version import __version__
 
 COMMANDS = {
+    "new": "Start a project, or add a component, device, board or system to one.",
     "generate": "Make the files that the definitions ask for.",
     "check": "Compare the tree with what generate would make.",
     "lint": "Look for what is better done otherwise.",

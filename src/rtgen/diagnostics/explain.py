@@ -27,6 +27,7 @@ MODULES = (
     "rtgen.frontends.rts_profile",
     "rtgen.lint.rules",
     "rtgen.project.rules",
+    "rtgen.scaffold.rules",
     "rtgen.lowering.adapter_rules",
     "rtgen.lowering.canopen.rules",
     "rtgen.systems.checks",

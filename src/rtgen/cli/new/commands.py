@@ -1,0 +1,182 @@
+"""The commands of `rtgen new`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from rtgen.cli.common import BAD_INPUT, OK, Console, with_console
+from rtgen.project import Project, load, shown
+
+if TYPE_CHECKING:  # loaded by the commands that need it
+    from rtgen.model import Model
+    from rtgen.scaffold.names import Names
+    from rtgen.scaffold.starters import File, Place
+
+
+@click.command()
+@click.argument("name", metavar="NAME")
+@click.option(
+    "--from",
+    "source",
+    type=click.Choice(["rh3"]),
+    help="Copy the reference pipeline instead: RH3 drives to a goal.",
+)
+@with_console
+def project(console: Console, name: str, source: str | None) -> int:
+    """Make the folder NAME with a component, a system of two, and their tests.
+
+    \b
+    Example:
+      rtgen new project my-robot
+      rtgen new project rh3 --from rh3
+    """
+    from rtgen.scaffold import starters, writing
+    from rtgen.scaffold.names import names
+
+    forms = names(name)
+    target = Path(name)
+    with writing.new_folder(target) as folder:
+        if source == "rh3":
+            writing.write(starters.reference(folder))
+        else:
+            writing.write(starters.project(forms, folder))
+            made = load(folder)
+            place = starters.place_of(made)
+            model = _model(made)
+            twice = [starters.FIRST] * 2
+            writing.write(starters.system(forms, place, model, twice))
+        _generate(console, load(folder))
+    console.say(f"{shown(target)}: made; see {shown(target / 'README.md')}")
+    return OK
+
+
+@click.command()
+@click.argument("name", metavar="NAME")
+@with_console
+def component(console: Console, name: str) -> int:
+    """Add a component: its definition, behaviour and test.
+
+    \b
+    Example:
+      rtgen new component Arm
+    """
+    from rtgen.scaffold import starters
+
+    return _add(console, name, starters.component)
+
+
+@click.command()
+@click.argument("name", metavar="NAME")
+@with_console
+def device(console: Console, name: str) -> int:
+    """Add a CANopen device: its EDS, a bus with it, behaviour and test.
+
+    \b
+    Example:
+      rtgen new device Drive
+    """
+    from rtgen.scaffold import starters
+
+    return _add(console, name, starters.device)
+
+
+@click.command()
+@click.argument("name", metavar="NAME")
+@with_console
+def board(console: Console, name: str) -> int:
+    """Add a TECS board: CDL with a signature and a join, and a test over TCP.
+
+    \b
+    Example:
+      rtgen new board Lamp
+    """
+    from rtgen.scaffold import starters
+
+    return _add(console, name, starters.board)
+
+
+@click.command()
+@click.argument("name", metavar="NAME")
+@click.argument("components", nargs=-1, metavar="[COMPONENT]...")
+@with_console
+def system(console: Console, name: str, components: tuple[str, ...]) -> int:
+    """Add a system of components of the project, and a test that runs it.
+
+    COMPONENT can stand several times; without any, there is one of each that needs neither a bus
+    nor a board. Data flows in this order: an InPort is connected to the nearest OutPort of its
+    type before it, a consumer to the nearest provider of its interface.
+
+    \b
+    Example:
+      rtgen new system bench Arm Arm
+    """
+    from rtgen.scaffold import starters
+
+    return _add(
+        console,
+        name,
+        lambda forms, place: starters.system(forms, place, _model(load()), components),
+    )
+
+
+@click.command()
+@click.argument("name", metavar="NAME")
+@with_console
+def backend(console: Console, name: str) -> int:
+    """Make the folder NAME with a back end: a package that extends rtgen once installed.
+
+    \b
+    Example:
+      rtgen new backend struct-list
+    """
+    from rtgen.scaffold import starters, writing
+    from rtgen.scaffold.names import names
+
+    forms = names(name)
+    target = Path(name)
+    with writing.new_folder(target) as folder:
+        writing.write(starters.backend(forms, folder))
+    console.say(f"{shown(target)}: made; see {shown(target / 'README.md')}")
+    return OK
+
+
+def _add(
+    console: Console, name: str, files_of: Callable[[Names, Place], Sequence[File]]
+) -> int:
+    from rtgen.scaffold import starters, writing
+    from rtgen.scaffold.names import names
+
+    forms = names(name)
+    files = files_of(forms, starters.place_of(load()))
+    with writing.added(files):
+        _generate(console, load())
+    console.say(f"made: {', '.join(shown(file.path) for file in files)}")
+    return OK
+
+
+def _model(project: Project) -> Model:
+    """The components of the project. Raises InputError if its definitions have errors."""
+    from rtgen import compiler
+    from rtgen.diagnostics import InputError, has_errors
+
+    result = compiler.read(project, lowered=True)
+    if has_errors(result.diagnostics):
+        raise InputError(result.diagnostics)
+    return result.model
+
+
+def _generate(console: Console, project: Project) -> None:
+    """Generate what belongs to the new files. Raises ReportedError if there are errors."""
+    from rtgen.cli.cached import build
+    from rtgen.cli.common import ReportedError
+    from rtgen.project import output
+
+    run = build(project, None)
+    console.findings(run.diagnostics, run.sources)
+    if run.failed:
+        raise ReportedError(BAD_INPUT)
+    output.write(project, run.artifacts, run.inputs)

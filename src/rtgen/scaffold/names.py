@@ -1,0 +1,59 @@
+"""The names that a starter is made with."""
+
+from __future__ import annotations
+
+import builtins
+import keyword
+import re
+import sys
+from dataclasses import dataclass
+
+from rtgen.diagnostics import InputError
+from rtgen.scaffold.rules import UNUSABLE_NAME
+from rtgen.typemap.idl_keywords import escaped
+from rtgen.typemap.python_names import module_name
+
+LONGEST = 64
+_FORM = re.compile(r"[A-Za-z][A-Za-z0-9]*([_-][A-Za-z0-9]+)*")
+_TAKEN = frozenset({"canopen", "components", "generated", "rtc", "rtgen", "tecs"})
+
+
+@dataclass(frozen=True, slots=True)
+class Names:
+    """A name as given, as a class (`LeftDrive`) and as a module (`left_drive`)."""
+
+    given: str
+    type: str
+    module: str
+
+
+def names(given: str) -> Names:
+    """The forms of a name. Raises InputError for one that a language could not have."""
+    fault = _fault(given)
+    if fault is not None:
+        hint = "use ASCII letters, digits, '_' and '-', beginning with a letter"
+        raise InputError([UNUSABLE_NAME.at(None, f"{given!r} {fault}", hint=hint)])
+    return _forms(given)
+
+
+def _forms(given: str) -> Names:
+    words = re.split("[_-]", given)
+    type_ = "".join(word[:1].upper() + word[1:] for word in words)
+    return Names(given, type_, module_name("_".join(words)))
+
+
+def _fault(given: str) -> str | None:
+    if len(given) > LONGEST:
+        return f"is longer than {LONGEST} characters"
+    if not _FORM.fullmatch(given):
+        return "is no name that files, IDL and Python can have"
+    made = _forms(given)
+    if keyword.iskeyword(made.module.rstrip("_")) or hasattr(builtins, made.type):
+        return "is a word of Python"
+    if escaped(made.type) != made.type or escaped(given) != given:
+        return "is a word of IDL"
+    if made.module in sys.stdlib_module_names:
+        return "is a module of Python, which it would hide"
+    if made.module in _TAKEN:
+        return "is a package that rtgen has or makes"
+    return None

@@ -1,0 +1,228 @@
+"""The files of each starter, as paths and texts."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from rtgen.backends.rendering import render
+from rtgen.backends.rts_profile import system_text
+from rtgen.diagnostics import InputError
+from rtgen.model import Model
+from rtgen.project import FILE_NAME, Project
+from rtgen.resources import RH3_FILES, rh3_source
+from rtgen.scaffold.names import Names, names
+from rtgen.scaffold.rules import NO_PROJECT
+from rtgen.scaffold.systems import system_of
+
+VENDOR = "example"
+"""The vendor of what is made, for the user to replace."""
+
+FIRST = "Scaler"
+"""The component of a new project."""
+
+
+@dataclass(frozen=True, slots=True)
+class File:
+    """A file to make: path and text."""
+
+    path: Path
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Where the parts of a project stand: its packages, and the folders of its files."""
+
+    package: str
+    behaviours: str
+    definitions: Path
+    skeletons: Path
+    root: Path
+
+    @property
+    def values(self) -> Mapping[str, str]:
+        """What templates insert for the project."""
+        return {
+            "package": self.package,
+            "behaviours": self.behaviours,
+            "vendor": VENDOR,
+        }
+
+    def behaviour_module(self, module: str) -> str:
+        """The dotted name of a behaviour's module."""
+        return f"{self.behaviours}.{module}" if self.behaviours else module
+
+
+def place_of(project: Project) -> Place:
+    """Where new parts of a project go: the first folder among its sources, and `skeletons`.
+
+    Raises InputError without a project, or without such a folder.
+    """
+    if project.file is None:
+        message = f"there is no {FILE_NAME} here, or in a folder above"
+        hint = "rtgen new project NAME makes one"
+        raise InputError([NO_PROJECT.at(None, message, hint=hint)])
+    from rtgen.project import file as project_file
+
+    settings = project_file.read(project.file, FILE_NAME)
+    folders = (project.root / p for p in settings.texts("sources", "paths"))
+    definitions = next((f for f in folders if f.is_dir()), None)
+    if definitions is None:
+        message = "[sources] paths names no folder for new definitions"
+        hint = 'add one: paths = ["definitions"]'
+        raise InputError([NO_PROJECT.at(None, message, hint=hint)])
+    return Place(
+        package=project.package,
+        behaviours=project.skeleton_package,
+        definitions=definitions,
+        skeletons=project.skeletons,
+        root=project.root,
+    )
+
+
+def component(name: Names, place: Place) -> list[File]:
+    """A component with a data port each way and a parameter, its behaviour and a test."""
+    return _files(
+        "component",
+        {
+            place.definitions / f"{name.module}.idl": "definition.idl",
+            place.skeletons / f"{name.module}.py": "behaviour.py",
+            _test(place, name): "test.py",
+        },
+        **place.values,
+        name=name.type,
+        module=name.module,
+        behaviour_module=place.behaviour_module(name.module),
+    )
+
+
+def device(name: Names, place: Place) -> list[File]:
+    """A CANopen device with a PDO each way, a bus with it, its behaviour and a test."""
+    return _files(
+        "device",
+        {
+            place.definitions / f"{name.module}.eds": "device.eds",
+            place.definitions / f"{name.module}_bus.toml": "bus.toml",
+            place.skeletons / f"{name.module}_device.py": "behaviour.py",
+            _test(place, name): "test.py",
+        },
+        **place.values,
+        name=name.type,
+        module=name.module,
+        scope=name.type.lower(),
+        behaviour_module=place.behaviour_module(f"{name.module}_device"),
+    )
+
+
+def board(name: Names, place: Place) -> list[File]:
+    """A TECS board with a signature, a join that leads to it, and a test over TCP."""
+    return _files(
+        "board",
+        {
+            place.definitions / f"{name.module}.cdl": "board.cdl",
+            place.definitions / f"{name.module}_types.h": "types.h",
+            _test(place, name): "test.py",
+        },
+        **place.values,
+        name=name.type,
+        module=name.module,
+        macro=name.module.upper(),
+        target=f"{name.type}Target",
+    )
+
+
+def system(
+    name: Names, place: Place, model: Model, components: Sequence[str]
+) -> list[File]:
+    """A system of components of the project, connected by their types, and a test."""
+    made = system_of(name.module, model, components)
+    folder = place.root / "systems"
+    test = _files(
+        "system",
+        {_test(place, name): "test.py"},
+        name=name.module,
+        depth=1,
+        instances=[c.instance for c in made.components],
+    )
+    return [File(folder / f"{name.module}.xml", system_text(made)), *test]
+
+
+def project(name: Names, root: Path) -> list[File]:
+    """A project with a component, as it stands before its system is made."""
+    behaviours = f"{name.module}_behaviours"
+    place = Place(
+        package=name.module,
+        behaviours=behaviours,
+        definitions=root / "definitions",
+        skeletons=root / "src" / behaviours,
+        root=root,
+    )
+    files = _files(
+        "project",
+        {
+            root / FILE_NAME: "rtgen.toml",
+            root / "pyproject.toml": "pyproject.toml",
+            root / "README.md": "README.md",
+            root / ".gitignore": "gitignore.txt",
+        },
+        **place.values,
+        name=name.given,
+    )
+    return [*files, *component(names(FIRST), place)]
+
+
+def reference(root: Path) -> list[File]:
+    """The reference pipeline as a project: the mobile base RH3 drives to a goal."""
+    values = {"name": "rh3", "package": "refrobots", "behaviours": "refnav"}
+    made = _files(
+        "project",
+        {
+            root / "pyproject.toml": "pyproject.toml",
+            root / ".gitignore": "gitignore.txt",
+        },
+        **values,
+    )
+    made += _files(
+        "reference",
+        {
+            root / FILE_NAME: "rtgen.toml",
+            root / "README.md": "README.md",
+            root / "tests" / "test_rh3.py": "test.py",
+        },
+        **values,
+    )
+    copied = [File(root / name, rh3_source(name)) for name in RH3_FILES]
+    return [*made, *copied]
+
+
+def backend(name: Names, root: Path) -> list[File]:
+    """A package with a back end, its test, and a project to try it with."""
+    package = root / "src" / name.module
+    return _files(
+        "backend",
+        {
+            root / "pyproject.toml": "pyproject.toml",
+            root / "README.md": "README.md",
+            package / "__init__.py": "package.py",
+            package / "backend.py": "backend.py",
+            root / "tests" / "test_backend.py": "test.py",
+            root / "example" / FILE_NAME: "rtgen.toml",
+            root / "example" / "parts.idl": "parts.idl",
+        },
+        name=name.given,
+        package=name.module,
+    )
+
+
+def _test(place: Place, name: Names) -> Path:
+    return place.root / "tests" / f"test_{name.module}.py"
+
+
+def _files(kind: str, templates: Mapping[Path, str], **values: object) -> list[File]:
+    return [
+        File(Path(os.path.normpath(path)), render(f"new/{kind}/{t}.j2", **values))
+        for path, t in templates.items()
+    ]

@@ -1,0 +1,122 @@
+"""A system of given components, whose ports are connected by their types."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from difflib import get_close_matches
+
+from rtgen.diagnostics import InputError, Span
+from rtgen.model import (
+    Activation,
+    Component,
+    Connection,
+    Model,
+    Port,
+    PortKind,
+    PortReference,
+    System,
+    SystemComponent,
+)
+from rtgen.scaffold.rules import NO_COMPONENT
+
+_NOWHERE = Span("", 1, 1, 1, 1)
+_Placed = tuple[str, Component]
+
+
+def system_of(name: str, model: Model, wanted: Sequence[str]) -> System:
+    """A system of an instance for each name in `wanted`.
+
+    Without any: of each component whose behaviour needs nothing outside it, neither bus nor board.
+
+    Data flows in this order: an InPort is connected to the nearest OutPort of its type before it.
+    A consumer is connected to the nearest provider of its interface. Raises InputError for a name
+    that is no component of the model.
+    """
+    known = {d.name[-1]: d for d in model.declarations if isinstance(d, Component)}
+    if not wanted:
+        wanted = [n for n, c in known.items() if not (c.runtime_base or c.factory)]
+    if not wanted:
+        hint = "rtgen new component NAME makes one"
+        raise InputError([NO_COMPONENT.at(None, "there are no components", hint=hint)])
+    for each in wanted:
+        if each not in known:
+            close = get_close_matches(each, known, n=1)
+            hint = f"did you mean {close[0]}?" if close else f"there are: {[*known]}"
+            message = f"no definition has a component {each}"
+            raise InputError([NO_COMPONENT.at(None, message, hint=hint)])
+    numbers: Counter[str] = Counter()
+    placed: list[_Placed] = []
+    for each in wanted:
+        placed.append((f"{each}{numbers[each]}", known[each]))
+        numbers[each] += 1
+    return System(
+        name=name,
+        id=f"RTSystem:rtgen:{name}:1.0.0",
+        file="",
+        abstract=f"The system {name}",
+        components=tuple(
+            SystemComponent(
+                instance=instance,
+                type=component.name[-1],
+                id=component.profile_id,
+                path_uri=f"localhost/{instance}.rtc",
+                span=_NOWHERE,
+                rate=component.rate,
+            )
+            for instance, component in placed
+        ),
+        connections=tuple(_connections(model, placed)),
+        activation=tuple(
+            Activation(instance=instance, sequence=number)
+            for number, (instance, _) in enumerate(placed, 1)
+        ),
+    )
+
+
+def _connections(model: Model, placed: Sequence[_Placed]) -> Iterator[Connection]:
+    for number, (instance, component) in enumerate(placed):
+        before, behind = placed[:number][::-1], placed[number + 1 :]
+        for port in component.ports:
+            if port.kind is PortKind.INPORT:
+                source = _first(model, before, PortKind.OUTPORT, port)
+                if source is not None:
+                    yield _connection(source, (instance, port), service=False)
+            elif port.kind is PortKind.CONSUMER:
+                provider = _first(model, [*before, *behind], PortKind.PROVIDER, port)
+                if provider is not None:
+                    yield _connection((instance, port), provider, service=True)
+
+
+def _first(
+    model: Model, others: Sequence[_Placed], kind: PortKind, port: Port
+) -> tuple[str, Port] | None:
+    """The first port of a kind and of the type of `port`, with its instance."""
+    wanted = model.unalias(port.type)
+    return next(
+        (
+            (instance, other)
+            for instance, component in others
+            for other in component.ports
+            if other.kind is kind and model.unalias(other.type) == wanted
+        ),
+        None,
+    )
+
+
+def _connection(
+    source: tuple[str, Port], target: tuple[str, Port], *, service: bool
+) -> Connection:
+    ends = [
+        PortReference(instance=instance, port=port.port if service else port.name)
+        for instance, port in (source, target)
+    ]
+    data_type = () if service else (("dataport.data_type", f"IDL:{source[1].type}"),)
+    return Connection(
+        name="_".join(map(str, ends)),
+        source=ends[0],
+        target=ends[1],
+        service=service,
+        span=_NOWHERE,
+        properties=data_type,
+    )
