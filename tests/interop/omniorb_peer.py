@@ -13,6 +13,7 @@ import pickle
 import subprocess
 import sys
 import traceback
+from array import array
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import reduce
@@ -254,6 +255,8 @@ class Converter:
                 return self.type_code(value)
             case FixedDescriptor(digits, scale):
                 return self.omniorb.fixed(digits, scale, f"{value:f}")
+            case SequenceDescriptor() | ArrayDescriptor() if isinstance(value, array):
+                return value.tolist()
             case SequenceDescriptor(AliasDescriptor()) | ArrayDescriptor(
                 AliasDescriptor(), (_,)
             ) if not isinstance(value, list):

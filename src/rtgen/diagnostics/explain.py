@@ -29,6 +29,7 @@ MODULES = (
     "rtgen.project.rules",
     "rtgen.scaffold.rules",
     "rtgen.lowering.adapter_rules",
+    "rtgen.lowering.numeric_rules",
     "rtgen.lowering.canopen.rules",
     "rtgen.systems.checks",
     "rtgen.systems.rules",

@@ -8,6 +8,7 @@ from typing import Any
 import msgspec
 
 from rtgen.diagnostics import Span
+from rtgen.facts.numeric import Numeric
 
 
 class AdapterEntry(msgspec.Struct, frozen=True, kw_only=True):
@@ -23,10 +24,13 @@ class AdapterEntry(msgspec.Struct, frozen=True, kw_only=True):
 class Settings(msgspec.Struct, frozen=True, kw_only=True):
     """The settings of all lowerings.
 
-    `definitions` are the displayed paths of the IDL files that the user named. `plugins` has the
-    table `[plugin.NAME]` of rtgen.toml for each name.
+    `definitions` are the displayed paths of the IDL files that the user named. `numeric` is the
+    form of numeric sequences and arrays in Python, `extensibility` that of structs without an
+    annotation. `plugins` has the table `[plugin.NAME]` of rtgen.toml for each name.
     """
 
     adapters: tuple[AdapterEntry, ...] = ()
     definitions: frozenset[str] = frozenset()
+    numeric: Numeric = "list"
+    extensibility: str = "final"
     plugins: Mapping[str, Mapping[str, Any]] = msgspec.field(default_factory=dict)

@@ -84,6 +84,7 @@ LOWERINGS: Final = (
         definitions=True,
     ),
     Lowering("rtgen.lowering.tecs.boards", lambda model, _: bool(model.tecs)),
+    Lowering("rtgen.lowering.numeric", lambda *_: True),
 )
 """The lowerings of rtgen, in order. Those of plug-ins follow them."""
 

@@ -10,6 +10,7 @@ from typing import TypeAlias
 
 import msgspec
 
+from rtgen.facts.numeric import Numeric
 from rtgen.facts.primitives import Primitive
 
 ScopedName: TypeAlias = tuple[str, ...]
@@ -37,10 +38,11 @@ class StringType(msgspec.Struct, frozen=True):
 
 
 class SequenceType(msgspec.Struct, frozen=True):
-    """`sequence<T>` or `sequence<T,bound>`."""
+    """`sequence<T>` or `sequence<T,bound>`; `numeric` is its form in Python."""
 
     element: Type
     bound: int | None = None
+    numeric: Numeric = "list"
 
     def __str__(self) -> str:
         bound = "" if self.bound is None else f",{self.bound}"
@@ -52,6 +54,7 @@ class ArrayType(msgspec.Struct, frozen=True):
 
     element: Type
     dimensions: tuple[int, ...]
+    numeric: Numeric = "list"
 
     def __str__(self) -> str:
         return str(self.element) + "".join(f"[{n}]" for n in self.dimensions)

@@ -81,6 +81,7 @@ class Cache:
                 project.small,
                 project.representation,
                 project.extensibility,
+                project.numeric,
                 project.tecs_corba,
                 project.components,
                 project.skeleton_path,

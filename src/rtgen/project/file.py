@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from rtgen.diagnostics import Diagnostic, InputError, Span, ToolError
+from rtgen.facts.numeric import FORMS
 from rtgen.project.rules import FILE_UNREADABLE, PATH_MISSING, UNKNOWN_KEY, WRONG_TYPE
 from rtgen.toml_text import TomlError, parse
 
@@ -118,6 +119,7 @@ SCHEMA: dict[str, dict[str, Check] | Check] = {
         "representation": _one_of("cdr", "xcdr2"),
         "extensibility": _one_of("final", "appendable", "mutable"),
     },
+    "python": {"numeric": _one_of(*FORMS)},
     "tecs": {"corba": _flag},
     "small": {"sequence": _room, "string": _room, "buffer": _room},
     "components": _factory,

@@ -7,13 +7,14 @@ import os
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import msgspec
 from msgspec.structs import replace
 
 from rtgen.backends import Options
 from rtgen.diagnostics import Diagnostic, InputError, Span
+from rtgen.facts.numeric import Numeric
 from rtgen.facts.version import __version__
 from rtgen.lowering.settings import AdapterEntry, Settings
 from rtgen.project.kinds import (
@@ -78,6 +79,7 @@ class Project(msgspec.Struct, frozen=True, kw_only=True):
     small: tuple[int, int, int] = (1024, 128, 2)
     representation: str = "cdr"
     extensibility: str = "final"
+    numeric: Numeric = "list"
     components: tuple[tuple[str, str], ...] = ()
     adapters: tuple[AdapterEntry, ...] = ()
     lint: tuple[tuple[str, str, Span], ...] = ()
@@ -108,6 +110,8 @@ class Project(msgspec.Struct, frozen=True, kw_only=True):
         return Settings(
             adapters=self.adapters,
             definitions=frozenset(path.as_posix() for path in idl),
+            numeric=self.numeric,
+            extensibility=self.extensibility,
             plugins=self.plugins,
         )
 
@@ -205,6 +209,7 @@ def load(start: Path | None = None) -> Project:
         ),
         representation=settings.text("output", "representation", "cdr"),
         extensibility=settings.text("output", "extensibility", "final"),
+        numeric=cast("Numeric", settings.text("python", "numeric", "list")),
         components=tuple(sorted(settings.table("components").items())),
         adapters=tuple(
             AdapterEntry(

@@ -17,6 +17,7 @@ import msgspec
 from msgspec import field as field
 
 from rtgen.runtime.marshalling.descriptors import register
+from rtgen.runtime.marshalling.equality import holds_numpy, same, same_members
 from rtgen.runtime.marshalling.errors import FAILURES
 from rtgen.runtime.marshalling.errors import Buffer as Buffer
 from rtgen.runtime.marshalling.errors import CdrError as CdrError
@@ -220,6 +221,8 @@ class Aggregated(_Xcdr, msgspec.Struct, gc=False):
 
     def __init_subclass__(cls) -> None:
         _register(cls)
+        if holds_numpy(getattr(cls, "_descriptor_", None)):
+            cls.__eq__ = same_members  # type: ignore[method-assign]
 
     if TYPE_CHECKING:
 
@@ -292,6 +295,8 @@ class UserException(Exception):
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, type(self)) or not isinstance(self, type(other)):
             return NotImplemented
+        if holds_numpy(self._descriptor_):
+            return all(map(same, self._values(), other._values()))
         return self._values() == other._values()
 
     def __hash__(self) -> int:

@@ -34,6 +34,16 @@ from rtgen.runtime.marshalling.descriptors import (
     ValueDescriptor,
     register,
 )
+from rtgen.runtime.marshalling.numeric import Numeric
+from rtgen.runtime.marshalling.numeric import doubles as doubles
+from rtgen.runtime.marshalling.numeric import floats as floats
+from rtgen.runtime.marshalling.numeric import int8s as int8s
+from rtgen.runtime.marshalling.numeric import long_longs as long_longs
+from rtgen.runtime.marshalling.numeric import longs as longs
+from rtgen.runtime.marshalling.numeric import shorts as shorts
+from rtgen.runtime.marshalling.numeric import unsigned_long_longs as unsigned_long_longs
+from rtgen.runtime.marshalling.numeric import unsigned_longs as unsigned_longs
+from rtgen.runtime.marshalling.numeric import unsigned_shorts as unsigned_shorts
 
 SHORT: Final = PrimitiveDescriptor(Primitive.SHORT)
 UNSIGNED_SHORT: Final = PrimitiveDescriptor(Primitive.UNSIGNED_SHORT)
@@ -95,14 +105,36 @@ def fixed(digits: int, scale: int) -> FixedDescriptor:
     return FixedDescriptor(digits, scale)
 
 
-def sequence(element: Described, bound: int | None = None) -> SequenceDescriptor:
-    """`sequence<element>` or `sequence<element,bound>`."""
-    return SequenceDescriptor(_descriptor(element), bound)
+def sequence(
+    element: Described, bound: int | None = None, *, numeric: Numeric = "list"
+) -> SequenceDescriptor:
+    """`sequence<element>` or `sequence<element,bound>`, with its form in Python."""
+    return SequenceDescriptor(_descriptor(element), bound, numeric)
 
 
-def array(element: Described, *dimensions: int) -> ArrayDescriptor:
-    """An array; dimensions outermost first."""
-    return ArrayDescriptor(_descriptor(element), dimensions)
+def array(
+    element: Described, *dimensions: int, numeric: Numeric = "list"
+) -> ArrayDescriptor:
+    """An array, with its form in Python; dimensions outermost first."""
+    return ArrayDescriptor(_descriptor(element), dimensions, numeric)
+
+
+def dtype(class_: Any) -> Any:
+    """The numpy dtype of a generated struct of numbers, padding of its layout included.
+
+    Raises TypeError for a struct with other members, ImportError without numpy.
+    """
+    from rtgen.runtime.marshalling.structured import dtype_of
+
+    return dtype_of(class_)
+
+
+def zeros(type_: Any, *shape: int) -> Any:
+    """The numpy array of zeros of a scalar type of numpy, or of a generated struct of numbers."""
+    import numpy
+
+    described = hasattr(type_, "_descriptor_")
+    return numpy.zeros(shape, dtype(type_) if described else type_)
 
 
 def map_(key: Described, value: Described, bound: int | None = None) -> MapDescriptor:

@@ -11,6 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TypeAlias
 
+from rtgen.facts.primitives import NUMBERS
 from rtgen.model import (
     ArrayType,
     Bitfield,
@@ -108,6 +109,19 @@ _SIGNED = frozenset(
 STR_ELEMENTS = (Primitive.CHAR,)
 """Elements whose sequences and one-dimensional arrays are `str`."""
 
+_FACTORIES = {
+    Primitive.SHORT: "shorts",
+    Primitive.UNSIGNED_SHORT: "unsigned_shorts",
+    Primitive.LONG: "longs",
+    Primitive.UNSIGNED_LONG: "unsigned_longs",
+    Primitive.LONG_LONG: "long_longs",
+    Primitive.UNSIGNED_LONG_LONG: "unsigned_long_longs",
+    Primitive.INT8: "int8s",
+    Primitive.FLOAT: "floats",
+    Primitive.DOUBLE: "doubles",
+}
+"""What makes arrays of these numbers, in `rtgen.runtime.idl`."""
+
 NameOf: TypeAlias = Callable[[ScopedName], str]
 """Returns how a declared type is written at the place of the text."""
 
@@ -140,6 +154,12 @@ class PythonMapping:
                 return self._spell("", "str")
             case FixedType():
                 return self._spell("decimal", "Decimal")
+            case SequenceType(numeric="array") | ArrayType(numeric="array"):
+                inner = self.annotation(type_.element)
+                return f"{self._spell('collections.abc', 'MutableSequence')}[{inner}]"
+            case SequenceType(numeric="numpy") | ArrayType(numeric="numpy"):
+                item = f"{self._spell('numpy', 'numpy')}.{self._item_type(type_)}"
+                return f"{self._spell('numpy.typing', 'NDArray')}[{item}]"
             case SequenceType(element) | ArrayType(element):
                 depth = len(type_.dimensions) if isinstance(type_, ArrayType) else 1
                 text = self._text_type(type_)
@@ -167,6 +187,12 @@ class PythonMapping:
                 return '""'
             case FixedType():
                 return f'{self._spell("decimal", "Decimal")}("0")'
+            case SequenceType(numeric="array"):
+                return f"{self._numbers(type_)}()"
+            case SequenceType(numeric="numpy"):
+                return self._numpy_default(type_, (0,))
+            case ArrayType(numeric="numpy", dimensions=dimensions):
+                return self._numpy_default(type_, dimensions)
             case SequenceType():
                 return {None: "[]", "bytes": 'b""', "str": '""'}[self._text_type(type_)]
             case MapType():
@@ -202,7 +228,9 @@ class PythonMapping:
         """A callable that makes the initial value of a mutable type."""
         plain = self._model.unalias(type_)
         match plain:
-            case SequenceType():
+            case SequenceType(numeric="array"):
+                return self._numbers(plain)
+            case SequenceType(numeric="list"):
                 return self._spell("", "list")
             case MapType():
                 return self._spell("", "dict")
@@ -267,7 +295,39 @@ class PythonMapping:
             expression = f"[{self.default(type_.element)} for _ in range({last})]"
         for size in reversed(outer):
             expression = f"[{expression} for _ in range({size})]"
+        if type_.numeric == "array":
+            return f"{self._numbers(type_)}({expression})"
         return expression
+
+    def _numbers(self, type_: SequenceType | ArrayType) -> str:
+        """What makes the array of the numbers of a list."""
+        kind = self._kind(type_)
+        assert kind is not None
+        return f"{self._spell('rtgen.runtime', 'idl')}.{_FACTORIES[kind]}"
+
+    def _numpy_default(
+        self, type_: SequenceType | ArrayType, shape: tuple[int, ...]
+    ) -> str:
+        """The expression of a numpy array of zeros."""
+        if self._kind(type_) is None:
+            element = self.annotation(self._model.unalias(type_.element))
+        else:
+            element = f"{self._spell('numpy', 'numpy')}.{self._item_type(type_)}"
+        sizes = ", ".join(map(str, shape))
+        return f"{self._spell('rtgen.runtime', 'idl')}.zeros({element}, {sizes})"
+
+    def _item_type(self, type_: SequenceType | ArrayType) -> str:
+        """The scalar type of numpy, that of structured arrays for structs."""
+        kind = self._kind(type_)
+        if kind is None:
+            return "void"
+        scalar = NUMBERS[kind]
+        name = "float" if kind in (Primitive.FLOAT, Primitive.DOUBLE) else "int"
+        return f"{'u' * scalar.code.isupper()}{name}{8 * scalar.size}"
+
+    def _kind(self, type_: SequenceType | ArrayType) -> Primitive | None:
+        element = self._model.unalias(type_.element)
+        return element.kind if isinstance(element, PrimitiveType) else None
 
 
 def is_boolean(model: Model, field: Bitfield) -> bool:

@@ -13,17 +13,25 @@ from typing import Any
 from rtgen.backends import Options
 from rtgen.backends.types import BACKEND
 from rtgen.diagnostics import has_errors
+from rtgen.facts.numeric import Numeric
 from rtgen.frontends.idl import load
+from rtgen.lowering.numeric import lower
+from rtgen.lowering.settings import Settings
 
 _numbers = itertools.count()
 
 
-def emit(folder: Path, paths: Sequence[Path]) -> ModuleType:
-    """The package that the back end makes of the files, imported from below `folder`."""
+def emit(folder: Path, paths: Sequence[Path], numeric: Numeric = "array") -> ModuleType:
+    """The package that the back end makes of the files, imported from below `folder`.
+
+    `numeric` is the form of numbers, as `[python] numeric` sets it.
+    """
     result = load(paths, root=paths[0].parent)
     assert not has_errors(result.diagnostics), result.diagnostics
+    lowered = lower(result.model, Settings(numeric=numeric))
+    assert not lowered.diagnostics
     package = f"emitted_{next(_numbers)}"
-    emission = BACKEND.emit(result.model, Options(package, "skeletons", "0.0.0"))
+    emission = BACKEND.emit(lowered.model, Options(package, "skeletons", "0.0.0"))
     assert not emission.diagnostics
     for artifact in emission.artifacts:
         path = folder / artifact.path
@@ -43,11 +51,11 @@ def emit(folder: Path, paths: Sequence[Path]) -> ModuleType:
     return module
 
 
-def emit_text(folder: Path, text: str) -> ModuleType:
+def emit_text(folder: Path, text: str, numeric: Numeric = "array") -> ModuleType:
     """The same for one IDL text."""
     path = folder / "case.idl"
     path.write_text(text, encoding="utf-8")
-    return emit(folder, [path])
+    return emit(folder, [path], numeric)
 
 
 def classes(package: ModuleType) -> Iterator[type[Any]]:

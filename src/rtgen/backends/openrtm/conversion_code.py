@@ -11,10 +11,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Protocol
 
+from msgspec.structs import replace
+
 from rtgen.backends.openrtm.classic import Classic
 from rtgen.backends.openrtm.wire_names import WireNames, mangled
 from rtgen.backends.openrtm.wire_scope import WireScope
 from rtgen.backends.quoting.python import number_literal, string_literal
+from rtgen.facts.primitives import NUMBERS
 from rtgen.model import (
     ArrayType,
     Case,
@@ -181,7 +184,7 @@ class ConversionCode:
     def _kept_element(self, plain: Type) -> Struct | None:
         """The struct of a list's items, if their wire objects are kept."""
         match plain:
-            case SequenceType(element) | ArrayType(element, (_,)):
+            case SequenceType(element, numeric="list") | ArrayType(element, (_,)):
                 return self._struct(self._model.unalias(element))
         return None
 
@@ -360,6 +363,8 @@ class ConversionCode:
         depth: int,
         convert: _Convert,
     ) -> str:
+        if type_.numeric != "list":
+            return self._numbers(type_, expression, depth, convert)
         element = _element(type_)
         if self._names.mapping.is_text(type_):
             if convert == self._outgoing:
@@ -371,6 +376,30 @@ class ConversionCode:
         item = "item" if depth == 1 else f"item_{depth}"
         made = convert(element, item, depth + 1)
         return f"[{made} for {item} in {expression}]"
+
+    def _numbers(
+        self,
+        type_: SequenceType | ArrayType,
+        expression: str,
+        depth: int,
+        convert: _Convert,
+    ) -> str:
+        """Numbers in another form than a list, which is omniORB's."""
+        element = self._model.unalias(type_.element)
+        outgoing = convert == self._outgoing
+        if isinstance(element, PrimitiveType):
+            if outgoing:
+                return f"{self._py.helper('listed')}({expression})"
+            code = string_literal(NUMBERS[element.kind].code)
+            return f"{self._py.helper(f'to_{type_.numeric}')}({expression}, {code})"
+        assert isinstance(element, NamedType)
+        struct = self._py.type(element.name)
+        listed = replace(type_, numeric="list")
+        if outgoing:
+            structs = f"{self._py.helper('structs_of')}({expression}, {struct})"
+            return self._items(listed, structs, depth, convert)
+        items = self._items(listed, expression, depth, convert)
+        return f"{self._py.helper('to_records')}({items}, {struct})"
 
     def _octets(self, plain: Type) -> str:
         if isinstance(plain, PrimitiveType):
@@ -400,6 +429,8 @@ class ConversionCode:
         if self._is_immutable(plain):
             return True
         if isinstance(plain, SequenceType | ArrayType):
+            if plain.numeric != "list":
+                return False
             texts = self._names.mapping.is_text(plain)
             return not texts and self._is_same(self._model.unalias(_element(plain)))
         return False

@@ -75,9 +75,11 @@ class Descriptions:
                 return f"{idl}.fixed({digits}, {scale})"
             case SequenceType(element, bound):
                 bounded = "" if bound is None else f", {bound}"
+                bounded += _form(type_)
                 return f"{idl}.sequence({self.of(element)}{bounded})"
             case ArrayType(element, dimensions):
                 sizes = ", ".join(map(str, dimensions))
+                sizes += _form(type_)
                 return f"{idl}.array({self.of(element)}, {sizes})"
             case MapType(key, value, bound):
                 bounded = "" if bound is None else f", {bound}"
@@ -254,6 +256,10 @@ class Descriptions:
 
     def _head(self, declaration: Declaration) -> str:
         return f"{string_literal(declaration.repository_id)}, {string_literal(declaration.scoped)}"
+
+
+def _form(type_: SequenceType | ArrayType) -> str:
+    return "" if type_.numeric == "list" else f', numeric="{type_.numeric}"'
 
 
 def attribute_text(attribute: Attribute) -> str:

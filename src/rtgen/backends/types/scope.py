@@ -94,20 +94,26 @@ class Scope:
         return self._imports[key]
 
     def import_lines(self) -> list[list[str]]:
-        """The import statements: standard library, runtime, own package."""
+        """The import statements: standard library, numpy, runtime, own package."""
         modules: dict[str, list[str]] = {}
         for (module, name), local in sorted(self._imports.items()):
             modules.setdefault(module, []).append(
                 name if name == local else f"{name} as {local}"
             )
-        blocks: list[list[str]] = [[], [], []]
+        blocks: list[list[str]] = [[], [], [], []]
         for module, items in modules.items():
-            rank = (
-                2 if module.startswith(".") else 1 if module.startswith("rtgen.") else 0
-            )
             ordered = sorted(items, key=_import_order)
-            blocks[rank].append(f"from {module} import {', '.join(ordered)}")
+            statement = f"from {module} import {', '.join(ordered)}"
+            if items[0].partition(" ")[0] == module:
+                statement = f"import {items[0]}"
+            blocks[_rank(module)].append(statement)
         return [block for block in blocks if block]
+
+
+def _rank(module: str) -> int:
+    """The block of a module: standard library, numpy, runtime, own package."""
+    own = 3 if module.startswith(".") else 2 if module.startswith("rtgen.") else 0
+    return 1 if module.startswith("numpy") else own
 
 
 def _import_order(name: str) -> tuple[int, str]:

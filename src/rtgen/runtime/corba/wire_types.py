@@ -35,6 +35,7 @@ from rtgen.runtime.marshalling.descriptors import (
     class_of,
     plain,
 )
+from rtgen.runtime.marshalling.forms import formed, listed
 from rtgen.runtime.marshalling.octets import (
     fixed_octets,
     wide_character,
@@ -166,12 +167,12 @@ class WireTypes:
             case SequenceDescriptor(element, bound):
                 inner = self.of(element)
                 made = tcInternal.tv_sequence, inner.descriptor, bound or 0
-                return WireType(made, *_items(element, inner))
+                return WireType(made, *_formed(descriptor, _items(element, inner)))
             case ArrayDescriptor(element, (length, *rest)):
                 rows = ArrayDescriptor(element, tuple(rest)) if rest else element
                 inner = self.of(rows)
                 made = tcInternal.tv_array, inner.descriptor, length
-                return WireType(made, *_items(rows, inner))
+                return WireType(made, *_formed(descriptor, _items(rows, inner)))
             case EnumDescriptor():
                 return _enum(descriptor)
             case StructDescriptor(opaque=False):
@@ -425,8 +426,10 @@ def _is_converted(descriptor: Descriptor, seen: set[int]) -> bool:
             return False
         case EnumDescriptor(members=members):
             return any(i != number for i, (_, number) in enumerate(members))
-        case SequenceDescriptor(element) | ArrayDescriptor(element):
-            return _is_converted(element, seen)
+        case SequenceDescriptor(element, numeric=numeric) | ArrayDescriptor(
+            element, numeric=numeric
+        ):
+            return numeric != "list" or _is_converted(element, seen)
         case StructDescriptor(members=parts) | UnionDescriptor(branches=parts) as whole:
             if id(whole) in seen:
                 return False
@@ -445,6 +448,20 @@ def _items(
     if plain(element) == _CHAR:
         return _latin_octets, _latin_text
     return _each(wire.outgoing), _each(wire.incoming)
+
+
+def _formed(
+    descriptor: SequenceDescriptor | ArrayDescriptor,
+    items: tuple[Convert | None, Convert | None],
+) -> tuple[Convert | None, Convert | None]:
+    """The conversions, from numbers in any form and to the form of the descriptor."""
+    if descriptor.numeric == "list":
+        return items
+    outgoing, incoming = items
+    return (
+        lambda value: _through(outgoing, listed(descriptor, value)),
+        lambda wire: formed(descriptor, _through(incoming, wire)),
+    )
 
 
 def _each(convert: Convert | None) -> Convert | None:

@@ -12,6 +12,7 @@ from rtgen.runtime.marshalling.nodes import (
     Records,
     Repeat,
 )
+from rtgen.runtime.marshalling.numeric import copied
 from rtgen.runtime.marshalling.references import References
 from rtgen.runtime.marshalling.text import Body, Locals
 
@@ -27,6 +28,8 @@ class Copier:
     def copy(self, node: Node, value: str, path: Path = ()) -> str:
         """An expression for a deep copy; immutable values are shared."""
         match node:
+            case AtomSequence() | AtomArray() | Records() if node.form != "list":
+                return f"{self._refer.function(copied)}({value})"
             case AtomSequence():
                 return f"list({value})"
             case AtomArray(dimensions=dimensions):

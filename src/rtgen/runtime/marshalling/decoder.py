@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from rtgen.runtime.marshalling.bulk import Arrays, Sequences, Structured
 from rtgen.runtime.marshalling.conversions import Conversions, each
 from rtgen.runtime.marshalling.headers import Lengths, next_member, next_parameter
 from rtgen.runtime.marshalling.layout import (
@@ -293,7 +294,7 @@ class Decoder:
                 made = "cls" if outermost else self._refer.made(type_)
                 inner = [self.value(n, (*path, m)) for m, n in members]
                 return f"{made}({', '.join(inner)})"
-            case Records():
+            case Records(form="list"):
                 return self._records(node, path)
             case MemberList(type=type_):
                 made = "cls" if outermost else self._refer.made(type_)
@@ -304,6 +305,8 @@ class Decoder:
         match node:
             case Atom():
                 return convert.unpacked(node, raw)
+            case AtomArray() if node.form != "list":
+                return f"{self._made(node, path)}({raw})"
             case AtomArray(atom=atom, dimensions=dimensions):
                 items = each(convert.unpacked, atom, raw) or raw
                 if len(dimensions) == 1:
@@ -317,16 +320,39 @@ class Decoder:
                 return convert.unpacked_text(text, raw, bound)
         return raw
 
+    def _made(self, node: AtomArray, path: Path) -> str:
+        """The function that makes an array of octets."""
+        made = self._locals.name(path, "made_")
+        self.body.choose(made, made, Arrays(node), "made")
+        return made
+
     def _run(self, run: Run, prefix: Path) -> None:
         readers = []
-        for _ in run.sections:
-            self._readers += 1
-            readers.append(f"read_{self._readers}")
+        for section in run.sections:
+            if not section.bulk:
+                self._readers += 1
+                readers.append(f"read_{self._readers}")
         targets = ", ".join(readers) if len(readers) > 1 else f"({readers[0]},)"
         number = self._layouts.variable("readers", run)
         self.body.choose(targets, number, self._layouts.of(run), "read")
-        for section, reader in zip(run.sections, readers, strict=True):
-            self._section(section, reader, prefix)
+        remaining = iter(readers)
+        for section in run.sections:
+            if section.bulk and section.counted is not None:
+                self._bulk(section.counted, prefix)
+            else:
+                self._section(section, next(remaining), prefix)
+
+    def _bulk(self, field: Field, prefix: Path) -> None:
+        """The items of a sequence, read in one piece."""
+        node = field.node
+        assert isinstance(node, AtomSequence | Records)
+        path = (*prefix, *field.path)
+        layout = Sequences(node) if isinstance(node, AtomSequence) else Structured(node)
+        take = self._locals.name(path, "take_")
+        self.body.choose(take, take, layout, "take")
+        name, count = self._locals.name(path), self._locals.name(path, "n_")
+        self.body.add(f"{name}, offset = {take}(data, {self._place()}, {count})")
+        self._offset = None
 
     def _section(self, section: Section, reader: str, prefix: Path) -> None:
         targets = self._targets(section.entries, prefix)
@@ -417,6 +443,7 @@ class Decoder:
         records = self._layouts.variable("records", node)
         self.body.choose(records, records, self._layouts.of(node), "records")
         inner = _Record(self._refer)
+        inner.body = self.body
         targets = inner.targets(node.fields)
         value = inner.value(node.element, ())
         return f"[{value} for {targets} in {records}({self._locals.name(path)})]"
@@ -448,5 +475,10 @@ class _Record(Decoder):
 
     def targets(self, fields: tuple[Field, ...]) -> str:
         """The variables of an element."""
-        entries = (Entry(f, star=isinstance(f.node, AtomArray)) for f in fields)
+        entries = (Entry(f, star=_is_star(f.node)) for f in fields)
         return self._targets(tuple(entries), ())
+
+
+def _is_star(node: Node) -> bool:
+    """Whether `struct` unpacks several values of a field."""
+    return isinstance(node, AtomArray) and node.form == "list"

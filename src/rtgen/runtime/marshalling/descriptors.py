@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar, Final, Protocol, Self, TypeAlias, TypeVar
 
 from rtgen.runtime.marshalling.errors import Buffer
+from rtgen.runtime.marshalling.numeric import Numeric
 
 NEXT: Final = -1
 """The member id that follows that of the member before."""
@@ -61,10 +62,11 @@ class FixedDescriptor(Description):
 
 @dataclass(frozen=True, slots=True)
 class SequenceDescriptor(Description):
-    """`sequence<element>` or `sequence<element,bound>`."""
+    """`sequence<element>` or `sequence<element,bound>`; `numeric` is its form in Python."""
 
     element: Descriptor
     bound: int | None = None
+    numeric: Numeric = field(default="list", compare=False)
 
     def __str__(self) -> str:
         bound = "" if self.bound is None else f",{self.bound}"
@@ -73,10 +75,11 @@ class SequenceDescriptor(Description):
 
 @dataclass(frozen=True, slots=True)
 class ArrayDescriptor(Description):
-    """An array; dimensions outermost first."""
+    """An array; dimensions outermost first; `numeric` is its form in Python."""
 
     element: Descriptor
     dimensions: tuple[int, ...]
+    numeric: Numeric = field(default="list", compare=False)
 
     def __str__(self) -> str:
         return str(self.element) + "".join(f"[{n}]" for n in self.dimensions)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from rtgen.runtime.marshalling.bulk import Arrays, Sequences, Structured
 from rtgen.runtime.marshalling.conversions import Conversions, each
 from rtgen.runtime.marshalling.headers import (
     LONG_MUST_UNDERSTAND,
@@ -56,6 +57,7 @@ class Encoder:
         self._layouts = Layouts()
         self._locals = Locals(references.namespace)
         self._bound: dict[Path, str] = {}
+        self._keys: dict[Path, str] = {}
         self.body = Body(references.namespace)
 
     def whole(self, run: Run, base: str) -> list[str]:
@@ -230,7 +232,7 @@ class Encoder:
         self.body.end()
 
     def _arguments(self, run: Run, prefix: Path) -> tuple[list[str], list[str]]:
-        """The arguments of `pack` for a run, and the counts among them."""
+        """The arguments of `pack` for a run, and what selects its shape: the counts among them."""
         arguments: list[str] = []
         counts: list[str] = []
         for field in run.fields:
@@ -241,7 +243,7 @@ class Encoder:
             if value is not None:
                 arguments.append(value)
             if count is not None and value is not None:
-                counts.append(count)
+                counts.append(self._keys.get(path, count))
         return arguments, counts
 
     def _field(self, node: Node, path: Path) -> tuple[str | None, str | None]:
@@ -252,6 +254,8 @@ class Encoder:
                 return None, convert.packed(node, self._value(path))
             case Header(number):
                 return None, str(number)
+            case AtomArray() if node.form != "list":
+                return None, f"{self._octets(node, path)}({self._value(path)})"
             case AtomArray(atom=atom, dimensions=(length,)):
                 items = self._items(path)
                 self._require(f"len({items}) != {length}")
@@ -267,6 +271,8 @@ class Encoder:
             case AtomSequence(atom=atom, bound=bound):
                 items = self._items(path)
                 count = self._count(path, f"len({items})", bound)
+                if node.form != "list":
+                    return count, self._bulk(node, path, items, count)
                 return count, f"*{each(convert.packed, atom, items) or items}"
             case TextSequence():
                 return self._text(node, path)
@@ -283,6 +289,24 @@ class Encoder:
                 return self._count(path, f"len({items})", bound), None
         raise TypeError(node)
 
+    def _bulk(self, node: AtomSequence, path: Path, items: str, count: str) -> str:
+        """The items of a list, or their octets; `_keys` gets the key of the shape."""
+        put = self._locals.name(path, "put_")
+        self.body.choose(put, put, Sequences(node), "put")
+        key = self._keys[path] = self._locals.name(path, "key_")
+        packed = self._locals.name(path, "packed_")
+        self.body.add(f"{key}, {packed} = {count}, {items}")
+        self.body.block(f"if {items}.__class__ is not list:")
+        self.body.add(f"{key}, {packed} = {put}({items})")
+        self.body.end()
+        return f"*{packed}"
+
+    def _octets(self, node: AtomArray, path: Path) -> str:
+        """The function that gives the octets of an array."""
+        octets = self._locals.name(path, "octets_")
+        self.body.choose(octets, octets, Arrays(node), "octets")
+        return octets
+
     def _text(self, node: TextSequence, path: Path) -> tuple[str, str]:
         octets = self.convert.packed_text(node.text, self._value(path))
         if not octets.isidentifier():
@@ -295,19 +319,33 @@ class Encoder:
     def _records(self, node: Records, path: Path, items: str) -> str:
         pack = self._layouts.variable("pack", node)
         self.body.choose(pack, pack, self._layouts.of(node), "pack")
-        arguments = [self._record_value(f) for f in node.fields]
+        arguments = [self._record_value(f, path) for f in node.fields]
         octets = self._locals.name(path, "octets_")
         packed = f"{pack}({', '.join(arguments)})"
-        self.body.add(f'{octets} = b"".join([{packed} for item in {items}])')
+        joined = f'{octets} = b"".join([{packed} for item in {items}])'
+        if node.form == "list":
+            self.body.add(joined)
+            return octets
+        put = self._locals.name(path, "put_")
+        self.body.choose(put, put, Structured(node), "octets")
+        self.body.block(f"if {items}.__class__ is list:")
+        self.body.add(joined)
+        self.body.end()
+        self.body.block("else:")
+        self.body.add(f"{octets} = {put}({items})")
+        self.body.end()
         return octets
 
-    def _record_value(self, field: Field) -> str:
+    def _record_value(self, field: Field, path: Path) -> str:
         value = ".".join(("item", *field.path))
         node = field.node
         convert = self.convert
         match node:
             case Atom():
                 return convert.packed(node, value)
+            case AtomArray() if node.form != "list":
+                inner = (*path, "[]", *field.path)
+                return f"{self._octets(node, inner)}({value})"
             case AtomArray(atom=atom, dimensions=(length,)):
                 items = f"{self._refer.function(exact)}({value}, {length})"
                 return f"*{each(convert.packed, atom, items) or items}"

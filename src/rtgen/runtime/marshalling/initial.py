@@ -17,6 +17,7 @@ from rtgen.runtime.marshalling.descriptors import (
     UnionDescriptor,
     plain,
 )
+from rtgen.runtime.marshalling.forms import formed
 from rtgen.runtime.marshalling.octets import nested
 
 
@@ -35,15 +36,18 @@ def initial_value(descriptor: Descriptor) -> Any:
         case StringDescriptor():
             return ""
         case SequenceDescriptor(element=element):
-            return _text(element, 0)
+            empty = _text(element, 0)
+            return formed(descriptor, empty) if empty == [] else empty
         case ArrayDescriptor(element=element, dimensions=(length,)):
-            empty = _text(element, length)
-            return empty or [initial_value(element) for _ in range(length)]
+            return _text(element, length) or formed(
+                descriptor, [initial_value(element) for _ in range(length)]
+            )
         case ArrayDescriptor(element=element, dimensions=dimensions):
             total = 1
             for length in dimensions:
                 total *= length
-            return nested([initial_value(element) for _ in range(total)], dimensions)
+            items = [initial_value(element) for _ in range(total)]
+            return formed(descriptor, nested(items, dimensions))
         case MapDescriptor():
             return {}
         case EnumDescriptor(members=members):

@@ -55,7 +55,8 @@ class Section:
 
     `text` is in the runtime's notation: `=` and a format with settled padding; or tokens such as
     `I`, `3d`, `*i` (as many as the count says), `*48s/8` (48 octets each, aligned to 8), with
-    `@4` before them where the offset modulo 8 is known to be 4. `size` is that of a settled one.
+    `@4` before them where the offset modulo 8 is known to be 4; `!` in front if no `struct` call
+    reads them (`bulk`). `size` is that of a settled one.
     """
 
     text: str
@@ -64,6 +65,7 @@ class Section:
     settled: bool
     known: bool
     size: int
+    bulk: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -245,9 +247,12 @@ def _token(node: Placed | Repeat) -> tuple[str, int, int]:
             return _aligned(node), size, align
         case Header():
             return "I", 4, 4
-        case AtomArray(atom=atom, dimensions=dimensions):
+        case AtomArray(atom=atom, dimensions=dimensions, form="list"):
             number = prod(dimensions)
             return f"{number}{_aligned(atom)}", number * atom.size, atom.align
+        case AtomArray(atom=atom, dimensions=dimensions):
+            size = prod(dimensions) * atom.size
+            return f"{size}s/{atom.align}", size, atom.align
         case TextArray(length=length):
             return f"{length}s", length, 1
         case Records(length=int(length), size=size, align=align):
@@ -325,7 +330,7 @@ class _Arrangement:
         node = field.node
         section = self._sections[-1]
         if not has_count(node):
-            star = isinstance(node, AtomArray)
+            star = isinstance(node, AtomArray) and node.form == "list"
             if star and any(entry.star for entry in section.entries):
                 section = _Section(self._position)
                 self._sections.append(section)
@@ -345,6 +350,8 @@ class _Arrangement:
         section.most = align
         section.entries.append(Entry(field, star=isinstance(node, AtomSequence)))
         self._position = self._position.after_items(size, align)
+        if is_bulk(node):
+            self._sections.append(_Section(self._position))
 
 
 class _Section:
@@ -375,18 +382,26 @@ class _Section:
         known = self.start.modulus % self.most == 0
         settled = run_known and known and self.counted is None
         text = " ".join(self.tokens)
+        bulk = self.counted is not None and is_bulk(self.counted.node)
         if settled:
             text = f"={self._format}"
         elif known:
             text = f"@{self.start.remainder} {text}"
+        if bulk:
+            text = f"!{text}"
         return Section(
-            text, tuple(self.entries), self.counted, settled, known, self._size
+            text, tuple(self.entries), self.counted, settled, known, self._size, bulk
         )
 
 
 def pad(octets: int) -> str:
     """Padding in a `struct` format."""
     return "x" * octets if octets < 3 else f"{octets}x"
+
+
+def is_bulk(node: Node) -> bool:
+    """Whether the items of a sequence are read in one piece, by a function of `bulk`."""
+    return isinstance(node, AtomSequence | Records) and node.form != "list"
 
 
 def has_count(node: Placed | Repeat) -> bool:

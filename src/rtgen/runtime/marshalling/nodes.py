@@ -7,6 +7,8 @@ from enum import Enum, auto
 from math import prod
 from typing import Any, TypeAlias
 
+from rtgen.runtime.marshalling.numeric import Numeric
+
 
 class Form(Enum):
     """The Python representation of an atom."""
@@ -56,10 +58,14 @@ COUNT = Atom("I", 4, 4)
 
 @dataclass(frozen=True, slots=True)
 class AtomArray:
-    """An array of atoms that `struct` can repeat; dimensions outermost first."""
+    """An array of atoms that `struct` can repeat; dimensions outermost first.
+
+    In another `form` than a list it is one value for `struct`, of octets.
+    """
 
     atom: Atom
     dimensions: tuple[int, ...]
+    form: Numeric = "list"
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,6 +82,7 @@ class AtomSequence:
 
     atom: Atom
     bound: int | None
+    form: Numeric = "list"
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,6 +122,7 @@ class Records:
     align: int
     bound: int | None = None
     length: int | None = None
+    form: Numeric = "list"
 
 
 @dataclass(frozen=True, slots=True)

@@ -45,6 +45,7 @@ from rtgen.runtime.marshalling.descriptors import (
 )
 from rtgen.runtime.marshalling.direct import compiled_class
 from rtgen.runtime.marshalling.errors import LOCATED, Buffer, Fault, located
+from rtgen.runtime.marshalling.forms import formed
 from rtgen.runtime.marshalling.octet_reader import OctetReader
 from rtgen.runtime.marshalling.octets import (
     ObjectReference,
@@ -116,11 +117,11 @@ class Reader(OctetReader):
             case FlagsDescriptor() | BitsetDescriptor():
                 return self._bits(descriptor)
             case SequenceDescriptor(element, bound):
-                return self._sequence(element, bound)
+                return formed(descriptor, self._sequence(element, bound))
             case ArrayDescriptor(element, dimensions):
                 if not self._sizes.of(element):
                     self._data.work -= prod(dimensions)
-                return self._array(element, dimensions)
+                return formed(descriptor, self._array(element, dimensions))
             case MapDescriptor(key, item, bound):
                 return self._map(key, item, bound)
             case StructDescriptor() | UnionDescriptor():

@@ -3,7 +3,8 @@
 A run is given as sections of tokens. `I`, `3d`, `*i` stand for `struct` codes: one, three, as many
 as the next count says; `*48s/8` for 48 octets each, aligned to 8. `@4` in front says that the
 section begins at an offset of 4 modulo 8; `=` that padding is settled and the rest is a `struct`
-format.
+format; `!` that the section is not read by `struct`. A negative count stands for as many items that
+are packed as octets.
 """
 
 from __future__ import annotations
@@ -88,8 +89,9 @@ class Layout:
     def __init__(self, *sections: str) -> None:
         self.pack_little: Mapping[Any, Callable[..., bytes]] = _Shapes("<", *sections)
         self.pack_big: Mapping[Any, Callable[..., bytes]] = _Shapes(">", *sections)
-        self.read_little = tuple(_reader("<", s) for s in sections)
-        self.read_big = tuple(_reader(">", s) for s in sections)
+        self.read_little, self.read_big = _readers("<", sections), _readers(
+            ">", sections
+        )
 
 
 class PhasedLayout:
@@ -105,8 +107,14 @@ class PhasedLayout:
         little, big = _PhasedShapes("<", *sections), _PhasedShapes(">", *sections)
         self.pack_little: Mapping[Any, Callable[..., bytes]] = little
         self.pack_big: Mapping[Any, Callable[..., bytes]] = big
-        self.read_little = tuple(_reader("<", s) for s in sections)
-        self.read_big = tuple(_reader(">", s) for s in sections)
+        self.read_little, self.read_big = _readers("<", sections), _readers(
+            ">", sections
+        )
+
+
+def _readers(order: str, sections: Iterable[str]) -> tuple[Any, ...]:
+    """The readers of the sections that `struct` reads."""
+    return tuple(_reader(order, s) for s in sections if s[0] != "!")
 
 
 def _reader(order: str, section: str) -> Any:
@@ -173,6 +181,9 @@ def _arranged(sections: Iterable[str], phase: int, counts: Iterator[int]) -> str
             number = int(digits or 1) * (next(counts) if star else 1)
             size = _SIZES.get(code, 8)
             padding = -offset % int(align or size) if number or not star else 0
+            if number < 0:
+                number *= -size
+                code, size = "s", 1
             texts.append(f"{padding}x{number}{code}")
             offset += padding + number * size
     return "".join(texts)

@@ -57,6 +57,7 @@ from rtgen.runtime.marshalling.nodes import (
     TextSequence,
     minimum_size,
 )
+from rtgen.runtime.marshalling.numeric import Numeric
 
 _FORMS: dict[str, Form] = {
     Primitive.BOOLEAN: Form.BOOLEAN,
@@ -166,8 +167,9 @@ class _Trees:
             case StringDescriptor(wide, bound):
                 kind = Text.UNITS if self._version else Text.WIDE_STRING
                 return TextSequence(kind if wide else Text.STRING, bound)
-            case SequenceDescriptor(element, bound):
-                return self._delimited(self._sequence(element, bound), element)
+            case SequenceDescriptor(element, bound, numeric):
+                node = self._sequence(element, bound, numeric)
+                return self._delimited(node, element)
             case ArrayDescriptor():
                 return self._delimited(self._array(descriptor), _innermost(descriptor))
             case MapDescriptor(key, value, bound):
@@ -252,11 +254,16 @@ class _Trees:
             return node
         return Delimited(node)
 
-    def _sequence(self, element: Descriptor, bound: int | None) -> Node:
+    def _sequence(
+        self, element: Descriptor, bound: int | None, numeric: Numeric
+    ) -> Node:
         text = _text(element)
         if text is not None:
             return TextSequence(text, bound)
-        return self._repeated(self.of(element), bound, None)
+        node = self._repeated(self.of(element), bound, None)
+        if isinstance(node, AtomSequence | Records):
+            node = replace(node, form=numeric)
+        return node
 
     def _array(self, array: ArrayDescriptor) -> Node:
         element = array.element
@@ -270,7 +277,7 @@ class _Trees:
             rows = isinstance(target, ArrayDescriptor)
             inner = self._array(target) if rows else self.of(element)
             if isinstance(inner, Atom) and len(inner.code) == 1:
-                return AtomArray(inner, outer)
+                return AtomArray(inner, outer, array.numeric)
         for length in reversed(outer):
             inner = self._repeated(inner, None, length)
         return inner

@@ -44,6 +44,7 @@ from rtgen.runtime.marshalling.descriptors import (
 )
 from rtgen.runtime.marshalling.direct import compiled_class
 from rtgen.runtime.marshalling.errors import LOCATED, Fault, located
+from rtgen.runtime.marshalling.forms import listed
 from rtgen.runtime.marshalling.octets import (
     ObjectReference,
     fixed_octets,
@@ -120,9 +121,9 @@ class Writer:
             case BitsetDescriptor(bound=bound):
                 self._number(bits_code(bound), _bits(descriptor, value))
             case SequenceDescriptor(element, bound):
-                self._sequence(element, bound, value)
+                self._sequence(element, bound, listed(descriptor, value))
             case ArrayDescriptor(element, dimensions):
-                self._array(element, dimensions, value)
+                self._array(element, dimensions, listed(descriptor, value))
             case MapDescriptor(key, item, bound):
                 self._map(key, item, bound, value)
             case StructDescriptor() | UnionDescriptor():

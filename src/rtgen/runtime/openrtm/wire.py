@@ -9,7 +9,7 @@ from __future__ import annotations
 import copyreg
 from collections.abc import Callable, Mapping, Sequence
 from decimal import Decimal
-from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar, cast
 
 import omniORB
 from omniORB import CORBA, tcInternal
@@ -21,6 +21,7 @@ from rtgen.runtime.marshalling.descriptors import (
     PrimitiveDescriptor,
     StringDescriptor,
 )
+from rtgen.runtime.marshalling.numeric import NumericArray
 from rtgen.runtime.marshalling.reader import Reader
 from rtgen.runtime.marshalling.writer import Output, Writer
 from rtgen.runtime.openrtm.stubs import StubsMissingError
@@ -75,6 +76,40 @@ def refill(
         wires += [to(value) for value in values[count:]]
     for wire, value in zip(wires, values):  # noqa: B905  (its cost is what counts here)
         fill(wire, value)
+
+
+def listed(numbers: Any) -> list[Any]:
+    """The list of numbers in any form."""
+    tolist = getattr(numbers, "tolist", None)
+    return list(numbers) if tolist is None else cast("list[Any]", tolist())
+
+
+def to_array(numbers: list[Any], code: str) -> NumericArray[Any]:
+    """The array of a list of numbers, by the type code of those."""
+    return NumericArray(code, numbers)
+
+
+def to_numpy(numbers: list[Any], code: str) -> Any:
+    """The numpy array of a list of numbers, or of lists."""
+    import numpy
+
+    return numpy.array(numbers, code)
+
+
+def structs_of(records: Any, class_: type[_T]) -> list[_T]:
+    """The structs of a structured array of numpy; a list of structs is one already."""
+    if isinstance(records, list):
+        return records
+    from rtgen.runtime.marshalling.structured import values_of
+
+    return values_of(records, cast("Any", class_)._descriptor_)
+
+
+def to_records(structs: list[Any], class_: Any) -> Any:
+    """The structured array of structs."""
+    from rtgen.runtime.marshalling.structured import records_of
+
+    return records_of(structs, class_._descriptor_)
 
 
 def to_fixed(value: Decimal, digits: int, scale: int) -> Any:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 import math
+from array import array
 from collections.abc import Callable
 from decimal import Decimal
 from enum import Enum
@@ -30,6 +31,7 @@ from rtgen.runtime.marshalling.descriptors import (
     StructDescriptor,
     ValueDescriptor,
 )
+from rtgen.runtime.marshalling.numeric import NumericArray
 from rtgen.runtime.values import AnyValue, Box, Value
 
 Printer = Callable[[Any], str]
@@ -53,7 +55,9 @@ def _octets(value: bytes) -> str:
     return repr([*value])
 
 
-def _numbers(values: list[Any]) -> str:
+def _numbers(values: Any) -> str:
+    if type(values) is not list:
+        values = values.tolist()
     for value in values:
         kind = type(value)
         if kind is not int and (kind is not float or value - value != 0.0):
@@ -79,6 +83,7 @@ class _Compiler:
             "octets": _octets,
             "numbers": _numbers,
             "empty": "[]",
+            "listed": (list, NumericArray),
             "truth": ("false", "true"),
         }
 
@@ -144,10 +149,12 @@ class _Compiler:
             case SequenceDescriptor(PrimitiveDescriptor(element)) if (
                 element in _FLOATS or element in INTEGERS
             ):
-                kind, shown = "list", f"numbers({name}) if {name} else empty"
+                shown = f"numbers({name}) if {name} else empty"
+                self._checks.append(f"type({name}) in listed")
             case _:
                 return False
-        self._checks.append(f"type({name}) is {kind}")
+        if kind:
+            self._checks.append(f"type({name}) is {kind}")
         self._end_text()
         self._parts.append(f"{{{shown}}}")
         return True
@@ -178,10 +185,15 @@ def _plain(value: Any, around: tuple[int, ...]) -> Any:
             return [[_plain(k, around), _plain(v, around)] for k, v in pairs]
         case bytes():
             return list(value)
+        case array():
+            return _plain(value.tolist(), around)
         case Decimal() | Description():
             return str(value)
         case AnyValue():
             return _plain(value.value, around)
+    dtype = getattr(value, "dtype", None)
+    if dtype is not None:
+        return _rows(value.tolist(), dtype)
     if id(value) in around:
         return str(value.described())
     named = _members(getattr(value, "_descriptor_", None))
@@ -190,6 +202,16 @@ def _plain(value: Any, around: tuple[int, ...]) -> Any:
         return {n: _plain(getattr(value, a), inside) for n, a in named.items()}
     names = getattr(type(value), "__match_args__", ("discriminator", "value"))
     return {name: _plain(getattr(value, name), inside) for name in names}
+
+
+def _rows(rows: Any, dtype: Any) -> Any:
+    """The items of a numpy array; those of a structured one by their names."""
+    if dtype.names is None:
+        return _plain(rows, ())
+    if isinstance(rows, list):
+        return [_rows(row, dtype) for row in rows]
+    fields = zip(dtype.names, rows, strict=True)
+    return {name: _rows(item, dtype[name].base) for name, item in fields}
 
 
 def _enumerator(value: Any) -> str:

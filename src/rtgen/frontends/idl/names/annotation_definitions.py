@@ -7,6 +7,7 @@ from types import MappingProxyType
 
 import msgspec
 
+from rtgen.facts.numeric import FORMS
 from rtgen.frontends.idl.names.scopes import Kind
 from rtgen.model import Primitive, PrimitiveType, StringType, Type
 
@@ -134,6 +135,13 @@ DEFINITIONS: Mapping[str, Definition] = MappingProxyType(
             target=TEXT,
             condition=TEXT,
             type=TEXT,
+        ),
+        # rtgen: the form of numbers in Python
+        "numeric": _define(
+            "member case typedef",
+            required="value",
+            words=" ".join(FORMS).upper(),
+            value=WORD,
         ),
         "widget": _define("configuration", required="value", value=TEXT),
         "constraint": _define("configuration", required="value", value=TEXT),

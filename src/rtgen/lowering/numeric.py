@@ -1,0 +1,194 @@
+"""Settles the form of each numeric sequence and array in Python: `[python] numeric`, `@numeric`.
+
+The result stands in the types of members, branches and typedefs. Types in other places, those of
+parameters, are lists, unless they are named.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import prod
+from typing import Any, Final, TypeVar, cast
+
+from msgspec.structs import replace
+
+from rtgen.diagnostics import Diagnostic
+from rtgen.facts.numeric import LONGEST_LIST, Numeric
+from rtgen.facts.primitives import NUMBERS, OCTET_TYPES
+from rtgen.lowering.numeric_rules import NO_NUMBERS
+from rtgen.lowering.settings import Settings
+from rtgen.lowering.stage import Lowered
+from rtgen.model import (
+    ArrayType,
+    Case,
+    Declaration,
+    ExceptionDecl,
+    Extensibility,
+    MapType,
+    Member,
+    Model,
+    NamedType,
+    PrimitiveType,
+    SequenceType,
+    Struct,
+    Type,
+    Typedef,
+    Union,
+    ValueBox,
+    Valuetype,
+)
+
+_E = TypeVar("_E", bound=Member | Case | Typedef | ValueBox)
+
+_ENTRIES: Final = {
+    Struct: "members",
+    ExceptionDecl: "members",
+    Union: "cases",
+    Valuetype: "state",
+}
+
+
+def lower(model: Model, settings: Settings) -> Lowered:
+    """The model with the form of each sequence and array, and diagnostics of `@numeric`."""
+    forms = _Forms(model, settings)
+    declarations = tuple(map(forms.declaration, model.declarations))
+    if any(a is not b for a, b in zip(declarations, model.declarations, strict=True)):
+        model = replace(model, declarations=declarations)
+    return Lowered(model, tuple(forms.findings))
+
+
+class _Forms:
+    def __init__(self, model: Model, settings: Settings) -> None:
+        self._model = model
+        self._default = settings.numeric
+        self._final = settings.extensibility == Extensibility.FINAL
+        self.findings: list[Diagnostic] = []
+
+    def declaration(self, declaration: Declaration) -> Declaration:
+        """The declaration with the forms of its members; itself where all are lists."""
+        if isinstance(declaration, Typedef | ValueBox):
+            return self._entry(declaration)
+        attribute = _ENTRIES.get(type(declaration))
+        if attribute is None:
+            return declaration
+        before = getattr(declaration, attribute)
+        entries = tuple(map(self._entry, before))
+        if all(a is b for a, b in zip(entries, before, strict=True)):
+            return declaration
+        return replace(declaration, **cast("Any", {attribute: entries}))
+
+    def _entry(self, entry: _E) -> _E:
+        """A member, a branch, a typedef or a boxed value."""
+        wanted: Numeric | None = None
+        type_ = entry.type
+        annotation = entry.annotation("numeric")
+        if annotation is not None:
+            wanted = cast("Numeric", str(annotation.get()).lower())
+            type_ = self._model.unalias(type_)
+            if not self._can_be(type_, wanted):
+                message = f"`{entry.type}` cannot be {wanted} in Python"
+                hint = "@numeric belongs to sequences and arrays of numbers"
+                self.findings.append(NO_NUMBERS.at(entry.span, message, hint=hint))
+                return entry
+        formed = self._formed(type_, wanted)
+        return entry if formed is entry.type else replace(entry, type=formed)
+
+    def _formed(self, type_: Type, wanted: Numeric | None) -> Type:
+        """The type with its form, which is `wanted` if that is given."""
+        match type_:
+            case MapType(value=value):
+                inner = self._formed(value, None)
+                return type_ if inner is value else replace(type_, value=inner)
+            case SequenceType(element) | ArrayType(element):
+                form = wanted or self._usual(type_)
+                inner = self._formed(element, None)
+                if inner is element and form == "list":
+                    return type_
+                return replace(type_, element=inner, numeric=form)
+        return type_
+
+    def _usual(self, type_: SequenceType | ArrayType) -> Numeric:
+        """The form of the project, where the type can have it and gains by it."""
+        if not self._can_be(type_, self._default):
+            return "list"
+        if self._default == "array":
+            bound = type_.bound if isinstance(type_, SequenceType) else _count(type_)
+            if bound is not None and bound <= LONGEST_LIST:
+                return "list"
+        return self._default
+
+    def _can_be(self, type_: Type, form: Numeric) -> bool:
+        """Whether values of the type can have the form."""
+        if not isinstance(type_, SequenceType | ArrayType):
+            return False
+        element = self._model.unalias(type_.element)
+        if _is_number(element):
+            flat = isinstance(type_, SequenceType) or len(type_.dimensions) == 1
+            return flat or form != "array"
+        if form != "numpy" or not isinstance(type_, SequenceType):
+            return form == "list"
+        return isinstance(element, NamedType) and self._is_record(element)
+
+    def _is_record(self, type_: Type) -> bool:
+        """Whether values are structs of numbers that follow each other without a gap."""
+        scalars = list(self._scalars(type_, 0))
+        if not scalars or None in scalars:
+            return False
+        offset = 0
+        aligns = []
+        for size, align, count in cast("list[tuple[int, int, int]]", scalars):
+            offset += -offset % align + size * count
+            aligns.append(align)
+        return aligns[0] == max(aligns) and offset % max(aligns) == 0
+
+    def _scalars(
+        self, type_: Type, depth: int
+    ) -> Iterator[tuple[int, int, int] | None]:
+        """Size, alignment and number of the numbers in order; None for anything else."""
+        type_ = self._model.unalias(type_)
+        match type_:
+            case PrimitiveType(kind) if kind in NUMBERS:
+                yield NUMBERS[kind].size, NUMBERS[kind].align, 1
+                return
+            case ArrayType(element):
+                inner = self._model.unalias(element)
+                if isinstance(inner, PrimitiveType) and inner.kind in NUMBERS:
+                    scalar = NUMBERS[inner.kind]
+                    yield scalar.size, scalar.align, _count(type_)
+                    return
+            case NamedType(name):
+                struct = self._model.find(name)
+                if isinstance(struct, Struct) and depth < _DEEPEST:
+                    members = self._members(struct)
+                    if not self._is_final(struct) or any(m.optional for m in members):
+                        yield None
+                    for member in members:
+                        yield from self._scalars(member.type, depth + 1)
+                    return
+        yield None
+
+    def _members(self, struct: Struct) -> tuple[Member, ...]:
+        inherited: tuple[Member, ...] = ()
+        if struct.base is not None:
+            base = self._model.find(struct.base)
+            assert isinstance(base, Struct)
+            inherited = self._members(base)
+        return inherited + struct.members
+
+    def _is_final(self, struct: Struct) -> bool:
+        written = any(a.name in ("final", "extensibility") for a in struct.annotations)
+        return struct.extensibility is Extensibility.FINAL and (self._final or written)
+
+
+_DEEPEST: Final = 32
+"""Structs in structs; deeper ones are not looked into."""
+
+
+def _is_number(type_: Type) -> bool:
+    if not isinstance(type_, PrimitiveType):
+        return False
+    return type_.kind in NUMBERS and type_.kind not in OCTET_TYPES
+
+
+def _count(type_: ArrayType) -> int:
+    return prod(type_.dimensions)

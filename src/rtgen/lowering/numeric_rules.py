@@ -1,0 +1,9 @@
+"""The rule of the forms of numbers in Python, `@numeric` (code NUM...)."""
+
+from __future__ import annotations
+
+from rtgen.diagnostics import Rule, Severity
+
+NO_NUMBERS = Rule("NUM0001", "@numeric where there are no numbers", Severity.ERROR)
+
+RULES: tuple[Rule, ...] = (NO_NUMBERS,)

@@ -1,0 +1,162 @@
+"""Numbers in one piece: what compiled codecs call for them, in each byte order."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, TypeAlias
+
+from rtgen.runtime.marshalling.errors import Buffer
+from rtgen.runtime.marshalling.nodes import Atom, AtomArray, AtomSequence, Records
+from rtgen.runtime.marshalling.numeric import (
+    NumericArray,
+    Order,
+    array_of,
+    buffer_of,
+    is_swapped,
+    octets_of,
+    packed,
+)
+from rtgen.runtime.marshalling.octets import exact, flat
+
+_Put: TypeAlias = Callable[[Any], tuple[int, Any]]
+_Take: TypeAlias = Callable[[Buffer, int, int], tuple[Any, int]]
+
+_SLICED = 1024
+"""Up to so many octets, a slice of `bytes` is a faster source than a view."""
+
+
+class Sequences:
+    """The functions of a numeric sequence.
+
+    `put_*` gives the key by which a table of shapes packs the items (a number of octets as the
+    negative number of items), and what is packed. `take_*` gives the value of so many items
+    behind an offset, and the offset behind them. Both raise ValueError.
+    """
+
+    __slots__ = ("put_big", "put_little", "take_big", "take_little")
+
+    def __init__(self, node: AtomSequence) -> None:
+        atom = node.atom
+        taker = _array_taker if node.form == "array" else _numpy_taker
+        self.put_little, self.put_big = _putter(atom, "<"), _putter(atom, ">")
+        self.take_little, self.take_big = taker(atom, "<"), taker(atom, ">")
+
+
+class Arrays:
+    """The functions of a numeric array: to octets of a settled number, and back."""
+
+    __slots__ = ("made_big", "made_little", "octets_big", "octets_little")
+
+    def __init__(self, node: AtomArray) -> None:
+        self.octets_little, self.octets_big = _array_octets(node, "<"), _array_octets(
+            node, ">"
+        )
+        self.made_little, self.made_big = _array_maker(node, "<"), _array_maker(
+            node, ">"
+        )
+
+
+class Structured:
+    """The functions of a sequence of records that is a structured array of numpy."""
+
+    __slots__ = ("octets_big", "octets_little", "take_big", "take_little")
+
+    def __init__(self, node: Records) -> None:
+        from rtgen.runtime.marshalling.structured import octets, taker
+
+        self.octets_little, self.octets_big = octets(node, "<"), octets(node, ">")
+        self.take_little, self.take_big = taker(node, "<"), taker(node, ">")
+
+
+def _putter(atom: Atom, order: Order) -> _Put:
+    code, size = atom.code, atom.size
+
+    def put(items: Any) -> tuple[int, Any]:
+        view = buffer_of(items, code, size)
+        if view is None or not len(view):
+            return len(items), items
+        return -len(view), (octets_of(view, code, order),)
+
+    return put
+
+
+def _array_taker(atom: Atom, order: Order) -> _Take:
+    code, size, padding = atom.code, atom.size, atom.align - 1
+    swapped = is_swapped(order)
+
+    def take(data: Buffer, offset: int, count: int) -> tuple[Any, int]:
+        if not count:
+            return NumericArray(code), offset
+        start = offset + (-offset & padding)
+        end = start + count * size
+        if end > len(data):
+            raise ValueError("a length beyond the end")
+        if end - start <= _SLICED and type(data) is bytes:
+            made = NumericArray(code, data[start:end])
+        else:
+            made = NumericArray(code)
+            made.frombytes(memoryview(data)[start:end])
+        if swapped:
+            made.byteswap()
+        return made, end
+
+    return take
+
+
+def _numpy_taker(atom: Atom, order: Order) -> _Take:
+    import numpy
+
+    code, size, padding = atom.code, atom.size, atom.align - 1
+    here = numpy.dtype(code)
+    there = here.newbyteorder(order)
+
+    def take(data: Buffer, offset: int, count: int) -> tuple[Any, int]:
+        if not count:
+            return numpy.empty(0, here), offset
+        start = offset + (-offset & padding)
+        end = start + count * size
+        if end > len(data):
+            raise ValueError("a length beyond the end")
+        if there == here:
+            owned = bytearray(memoryview(data)[start:end])
+            return numpy.frombuffer(owned, here), end
+        return numpy.frombuffer(data, there, count, start).astype(here), end
+
+    return take
+
+
+def _array_octets(node: AtomArray, order: Order) -> Callable[[Any], bytes]:
+    code, size = node.atom.code, node.atom.size
+    if len(node.dimensions) > 1:
+        return _nested_octets(node, order)
+    (length,) = node.dimensions
+    return lambda items: packed(exact(items, length), code, size, order)
+
+
+def _nested_octets(node: AtomArray, order: Order) -> Callable[[Any], bytes]:
+    code, size = node.atom.code, node.atom.size
+
+    def octets(items: Any) -> bytes:
+        shape = getattr(items, "shape", None)
+        if shape is None:
+            items = flat(items, node.dimensions)
+        elif shape != node.dimensions:
+            raise ValueError(f"the shape {shape} instead of {node.dimensions}")
+        else:
+            items = items.reshape(-1)
+        return packed(items, code, size, order)
+
+    return octets
+
+
+def _array_maker(node: AtomArray, order: Order) -> Callable[[bytes], Any]:
+    code = node.atom.code
+    if node.form == "array":
+        return lambda octets: array_of(octets, code, order)
+    import numpy
+
+    here = numpy.dtype(code)
+    there = here.newbyteorder(order)
+    return lambda octets: (
+        numpy.frombuffer(octets, there).astype(here).reshape(node.dimensions)
+    )

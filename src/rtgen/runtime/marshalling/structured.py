@@ -1,0 +1,172 @@
+"""Sequences of structs of numbers as structured arrays of numpy."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy
+
+from rtgen.runtime.marshalling.descriptors import Descriptor, StructDescriptor, plain
+from rtgen.runtime.marshalling.errors import Buffer
+from rtgen.runtime.marshalling.formats import CLASSIC
+from rtgen.runtime.marshalling.nodes import (
+    Atom,
+    AtomArray,
+    Group,
+    Node,
+    Records,
+    TextArray,
+    minimum_size,
+)
+from rtgen.runtime.marshalling.numeric import Order
+from rtgen.runtime.marshalling.trees import tree_of
+
+_NATIVE: Order = "<" if sys.byteorder == "little" else ">"
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    _Records: TypeAlias = NDArray[numpy.void]
+
+
+def dtype_of(class_: Any) -> numpy.dtype[Any]:
+    """The dtype of a generated struct of numbers: its layout in CDR, padding included.
+
+    The fields have the names of the definition.
+
+    Raises TypeError for a struct with other members.
+    """
+    descriptor: Descriptor = getattr(class_, "_descriptor_", class_)
+    return _dtype(tree_of(descriptor, CLASSIC), 0, _NATIVE)[0]
+
+
+def _dtype(node: Node, start: int, order: Order) -> tuple[numpy.dtype[Any], int]:
+    """The dtype of a value that begins at or behind `start`, and its first offset."""
+    match node:
+        case Atom(code=code, align=align):
+            return numpy.dtype(code).newbyteorder(order), start + -start % align
+        case AtomArray(atom=atom, dimensions=dimensions):
+            item, first = _dtype(atom, start, order)
+            return numpy.dtype((item, dimensions)), first
+        case TextArray(length=length):
+            return numpy.dtype(("u1", (length,))), start
+        case Group(type=described, members=members) if members:
+            names = {m.attribute: m.name for m in described.members}
+            formats, offsets = [], []
+            end = start
+            for _, inner in members:
+                format_, first = _dtype(inner, end, order)
+                formats.append(format_)
+                offsets.append(first)
+                end = first + format_.itemsize
+            begin = offsets[0]
+            described = {
+                "names": [names[attribute] for attribute, _ in members],
+                "formats": formats,
+                "offsets": [offset - begin for offset in offsets],
+                "itemsize": end - begin,
+            }
+            return numpy.dtype(described), begin  # type: ignore[call-overload]
+    raise TypeError(f"{node} has no dtype")
+
+
+def octets(node: Records, order: Order) -> Callable[[_Records], bytes]:
+    """The function that gives the octets of the records. It raises ValueError."""
+    there = _dtype(node.element, 0, order)[0]
+    value = _value_dtype(node)
+
+    def packed(records: _Records) -> bytes:
+        check(records, value)
+        if records.dtype == there and minimum_size(node.element) == there.itemsize:
+            return records.tobytes()
+        made = numpy.zeros(len(records), there)
+        _assign(made, records)
+        return made.tobytes()
+
+    return packed
+
+
+def taker(
+    node: Records, order: Order
+) -> Callable[[Buffer, int, int], tuple[_Records, int]]:
+    """The function that gives so many records behind an offset, and the offset behind them."""
+    there = _dtype(node.element, 0, order)[0]
+    here = _value_dtype(node)
+    padding = node.align - 1
+
+    def take(data: Buffer, offset: int, count: int) -> tuple[_Records, int]:
+        if not count:
+            return numpy.empty(0, here), offset
+        start = offset + (-offset & padding)
+        end = start + count * node.size
+        if end > len(data):
+            raise ValueError("a length beyond the end")
+        if there == here:
+            owned = bytearray(memoryview(data)[start:end])
+            return numpy.frombuffer(owned, here), end
+        return numpy.frombuffer(data, there, count, start).astype(here), end
+
+    return take
+
+
+def check(records: Any, wanted: numpy.dtype[Any]) -> None:
+    """Raises ValueError unless the records are one after the other, with these fields."""
+    dtype = getattr(records, "dtype", None)
+    if dtype is None:
+        raise ValueError(f"an array of records is needed, not {type(records).__name__}")
+    if records.ndim != 1:
+        raise ValueError(f"1 dimension is needed, not {records.ndim}")
+    if not _alike(dtype, wanted):
+        raise ValueError(f"records of {wanted} are needed, not of {dtype}")
+
+
+def _alike(one: numpy.dtype[Any], other: numpy.dtype[Any]) -> bool:
+    """Whether both have the same fields, in any layout and byte order."""
+    if one.names != other.names or one.shape != other.shape:
+        return False
+    if one.names is None or other.names is None:
+        return one.base.kind == other.base.kind and one.itemsize == other.itemsize
+    return all(_alike(one[name], other[name]) for name in one.names)
+
+
+def _assign(made: Any, found: Any) -> None:
+    """Fills the fields alone, so that padding stays zero."""
+    if made.dtype.names is None:
+        made[...] = found
+        return
+    for name in made.dtype.names:
+        _assign(made[name], found[name])
+
+
+def _value_dtype(node: Records) -> numpy.dtype[Any]:
+    """The dtype in Python, which is the same for every format."""
+    element = node.element
+    assert isinstance(element, Group)
+    return dtype_of(element.type)
+
+
+def records_of(items: list[Any], struct: Descriptor) -> _Records:
+    """The structured array of a list of structs."""
+    return numpy.array([_row(item, struct) for item in items], dtype_of(struct))
+
+
+def _row(value: Any, descriptor: Descriptor) -> Any:
+    described = plain(descriptor)
+    if not isinstance(described, StructDescriptor):
+        return list(value) if isinstance(value, bytes) else value
+    return tuple(_row(getattr(value, m.attribute), m.type) for m in described.members)
+
+
+def values_of(records: _Records, struct: Descriptor) -> list[Any]:
+    """The structs of a structured array."""
+    return [_value(row, struct) for row in records.tolist()]
+
+
+def _value(row: Any, descriptor: Descriptor) -> Any:
+    described = plain(descriptor)
+    if not isinstance(described, StructDescriptor):
+        return row
+    members = zip(row, described.members, strict=True)
+    return described.class_(*(_value(part, m.type) for part, m in members))

@@ -1,0 +1,391 @@
+"""Numbers as lists, arrays and numpy arrays: the same octets, equal values, faults with places."""
+
+from __future__ import annotations
+
+import copy
+import json
+import pickle
+from array import array
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import emitted
+import msgspec
+import numpy
+import pytest
+
+from rtgen.cli import run
+from rtgen.facts.numeric import FORMS, Numeric
+from rtgen.frontends.idl import load
+from rtgen.lowering.numeric import lower
+from rtgen.lowering.settings import Settings
+from rtgen.runtime import idl
+from rtgen.runtime.cdr import CdrError
+from rtgen.runtime.marshalling.numeric import NumericArray
+from rtgen.runtime.system.json_printers import json_printer
+from rtgen.runtime.values import AnyValue
+
+IDL = """
+module n {
+    typedef sequence<double> Doubles;
+    struct Point { double x; float y; float class; octet rgb[8]; };
+    struct Wide { Point a; double m[2]; };
+    struct Gap { double x; short last; };
+    struct Everything {
+        octet shift;
+        sequence<double> scan;
+        sequence<short> image;
+        sequence<unsigned long long, 100> counters;
+        sequence<long, 4> few;
+        Doubles named;
+        float matrix[2][3];
+        float row[20];
+        long triple[3];
+        sequence<Point> cloud;
+        sequence<Wide> wides;
+        sequence<Gap> gaps;
+        sequence<Doubles> rows;
+        string end;
+    };
+    union Choice switch (long) { case 1: sequence<float> numbers; case 2: sequence<Point> points; };
+    exception Failed { sequence<long long> codes; };
+    struct Held { Everything inner; any thing; };
+};
+"""
+WAYS = ("cdr", "xcdr1", "xcdr2")
+
+
+@pytest.fixture(scope="module")
+def packages(tmp_path_factory: pytest.TempPathFactory) -> dict[Numeric, Any]:
+    """The types with numbers in each form."""
+    return {
+        form: emitted.emit_text(tmp_path_factory.mktemp(form), IDL, form).n
+        for form in FORMS
+    }
+
+
+@pytest.fixture(scope="module")
+def arrays(packages: dict[Numeric, Any]) -> Any:
+    return packages["array"]
+
+
+@pytest.fixture(scope="module")
+def numpies(packages: dict[Numeric, Any]) -> Any:
+    return packages["numpy"]
+
+
+def filled(n: ModuleType, count: int) -> Any:
+    """A value with that many numbers in each sequence, all of them lists."""
+    points = [n.Point(i / 7, i / 4, -i, bytes([i % 256] * 8)) for i in range(count)]
+    return n.Everything(
+        shift=3,
+        scan=[i / 3 for i in range(count)],
+        image=[i - 5 for i in range(count)],
+        counters=[(1 << 64) - 1 - i for i in range(min(count, 100))],
+        few=[-1, 0, 1][:count],
+        named=[-0.0] * count,
+        matrix=[[0.5, 1.5, 2.5], [3.5, 4.5, 5.5]],
+        row=[i / 2 for i in range(20)],
+        triple=[-1, 2, 3],
+        cloud=points,
+        wides=[n.Wide(point, [1.0, point.x]) for point in points],
+        gaps=[n.Gap(1.0, i % 9) for i in range(count)],
+        rows=[[float(i)] * (i % 3) for i in range(min(count, 9))],
+        end="é" * (count % 5),
+    )
+
+
+def test_types_settle_the_form(packages: dict[Numeric, Any]) -> None:
+    lists, arrays, numpies = (packages[form].Everything() for form in FORMS)
+    assert all(type(lists.scan) is list for _ in WAYS)
+    assert (
+        type(arrays.scan) is type(arrays.counters) is type(arrays.row) is NumericArray
+    )
+    assert arrays.scan.typecode == "d"
+    assert arrays.counters.typecode == "Q"
+    assert type(arrays.few) is type(arrays.triple) is type(arrays.matrix) is list
+    assert type(arrays.cloud) is list
+    assert numpies.scan.dtype == numpy.float64
+    assert numpies.matrix.shape == (2, 3)
+    assert numpies.cloud.dtype == idl.dtype(packages["numpy"].Point)
+    assert numpies.cloud.dtype.names == ("x", "y", "class", "rgb")
+    assert type(numpies.gaps) is list
+
+
+@pytest.mark.parametrize("count", [0, 1, 3, 200, 3000])
+@pytest.mark.parametrize("little", [True, False])
+def test_octets_are_those_of_lists(
+    packages: dict[Numeric, Any], count: int, little: bool
+) -> None:
+    wanted = filled(packages["list"], count)
+    for way in WAYS:
+        octets = getattr(wanted, f"to_{way}")(little)
+        for form in FORMS:
+            type_ = packages[form].Everything
+            given = filled(packages[form], count)
+            assert getattr(given, f"to_{way}")(little) == octets
+            made = getattr(type_, f"from_{way}")(octets, little)
+            assert getattr(made, f"to_{way}")(little) == octets
+            shifted = memoryview(b"." + octets)[1:]
+            assert getattr(type_, f"from_{way}")(shifted, little) == made
+            copied = made._snapshot_()
+            assert copied == made
+            assert copied.scan is not made.scan
+            assert getattr(copied, f"to_{way}")(little) == octets
+
+
+def test_arrays_are_equal_to_lists(arrays: Any) -> None:
+    value = filled(arrays, 5)
+    made = arrays.Everything.from_cdr(value.to_cdr())
+    assert made == value
+    assert value == made
+    assert made.scan == value.scan
+    assert value.scan == made.scan
+    assert made.scan == tuple(value.scan)
+    assert made.scan != [*value.scan[:4], 9.0]
+    assert made.scan != value.scan[:4]
+    assert made.scan != "text"
+    made.scan += [1.0]
+    assert made != value
+    with pytest.raises(TypeError, match="unhashable"):
+        hash(made.scan)
+
+
+def test_copies_and_pickles(packages: dict[Numeric, Any]) -> None:
+    for form in FORMS:
+        made = packages[form].Everything.from_cdr(filled(packages[form], 40).to_cdr())
+        for other in (
+            copy.deepcopy(made),
+            pickle.loads(pickle.dumps(made)),
+            made._snapshot_(),
+        ):
+            assert other == made
+            assert type(other.scan) is type(made.scan)
+            other.scan[3] = 77.0
+            assert other != made
+            assert made.scan[3] == 1.0
+        assert copy.copy(made.scan)[3] == 1.0
+        assert "scan=" in repr(made)
+
+
+def test_equality_of_numpy_members(numpies: Any) -> None:
+    one = numpies.Choice.of_points(numpy.zeros(2, idl.dtype(numpies.Point)))
+    other = numpies.Choice.from_cdr(one.to_cdr())
+    assert one == other
+    other.value["x"][1] = 1.0
+    assert one != other
+    assert one != 5
+    assert numpies.Failed(numpy.arange(3)) == numpies.Failed(numpy.arange(3))
+    assert numpies.Failed(numpy.arange(3)) != numpies.Failed(numpy.arange(4))
+
+
+def test_logs_print_each_form_alike(packages: dict[Numeric, Any]) -> None:
+    texts = set()
+    for form in FORMS:
+        type_ = packages[form].Everything
+        made = type_.from_cdr(filled(packages[form], 6).to_cdr())
+        texts.add(json_printer(type_)(made))
+    (text,) = texts
+    assert json.loads(text)["cloud"][2]["class"] == -2.0
+
+
+def test_any_and_dynamic_values(packages: dict[Numeric, Any]) -> None:
+    wanted = None
+    for form in FORMS:
+        n = packages[form]
+        inner = n.Everything.from_cdr(filled(n, 20).to_cdr())
+        held = n.Held(inner, AnyValue(n.DoublesCodec, inner.named))
+        octets = held.to_cdr(False)
+        assert wanted in (None, octets)
+        wanted = octets
+        made = n.Held.from_cdr(octets, False)
+        assert made.inner == inner
+        assert list(made.thing.value) == [0.0] * 20
+        assert copy.deepcopy(made).to_cdr(False) == octets
+        # Of the three types with one repository id, one is found by it.
+        structs = AnyValue(n.Everything, inner).to_cdr()
+        assert AnyValue.from_cdr(structs).to_cdr() == structs
+
+
+@pytest.mark.parametrize(
+    ("scan", "numbers"),
+    [
+        (array("d", [1, 2]), [1, 2]),
+        (numpy.arange(6.0)[::2], [0, 2, 4]),
+        (numpy.arange(3, dtype=">f8"), [0, 1, 2]),
+        (memoryview(array("d", [3])), [3]),
+        ((1.0, 2), [1, 2]),
+        (range(3), [0, 1, 2]),
+        (numpy.zeros(0), []),
+    ],
+)
+@pytest.mark.parametrize("form", ["array", "numpy"])
+def test_encoding_takes_any_fitting_buffer(
+    packages: dict[Numeric, Any], form: Numeric, scan: Any, numbers: list[float]
+) -> None:
+    for little in (True, False):
+        value = packages[form].Everything(scan=scan)
+        for way in WAYS:
+            octets = getattr(value, f"to_{way}")(little)
+            made = getattr(packages[form].Everything, f"from_{way}")(octets, little)
+            assert list(made.scan) == numbers
+
+
+ZEROS = numpy.zeros
+FAULTS: list[tuple[str, Any, str]] = [
+    ("scan", array("f", [1]), ".scan: a buffer of float of 64 bits"),
+    ("scan", ZEROS(3, numpy.int64), ".scan: a buffer of float of 64 bits"),
+    ("scan", ZEROS((3, 3)), ".scan: a buffer of 1 dimension is needed, not of 2"),
+    ("scan", ZEROS((0, 3)), ".scan: a buffer of 1 dimension"),
+    ("scan", numpy.float64(3), ".scan: a buffer of 1 dimension"),
+    ("scan", b"ab", ".scan: a buffer of float"),
+    ("scan", "ab", ".scan: a list is needed, not str"),
+    ("scan", None, ".scan: a list is needed, not NoneType"),
+    ("scan", [1.0, "x"], ".scan[1]: a value of double is needed, not 'x'"),
+    ("scan", (1.0, None), ".scan[1]: a value of double is needed"),
+    ("image", ZEROS(3, numpy.uint16), ".image: a buffer of int of 16 bits"),
+    ("image", [70000], ".image[0]: 70000 is out of the range of short"),
+    (
+        "counters",
+        ZEROS(101, numpy.uint64),
+        ".counters: 101 items, and 100 are the most",
+    ),
+    ("counters", [0] * 101, ".counters: 101 items, and 100 are the most"),
+    ("row", [1.0], ".row: 1 items instead of 20"),
+    ("row", array("d", [0.0] * 20), ".row: a buffer of float of 32 bits"),
+    ("row", array("f", [0.0] * 19), ".row: 19 items instead of 20"),
+    ("rows", [[1.0], [2.0, "x"]], ".rows[1][1]: a value of double is needed"),
+    ("rows", [[1.0], array("i", [1])], ".rows[1]: a buffer of float of 64 bits"),
+]
+OF_NUMPY: list[tuple[str, Any, str]] = [
+    ("matrix", ZEROS((3, 2), "f"), ".matrix: the shape (3, 2) instead of (2, 3)"),
+    ("matrix", ZEROS(6, "f"), ".matrix: the shape (6,) instead of (2, 3)"),
+    ("matrix", ZEROS((2, 3)), ".matrix: a buffer of float of 32 bits"),
+    ("matrix", [[1.0, 2.0, 3.0]], ".matrix: 1 items instead of 2"),
+    ("cloud", ZEROS(3), ".cloud: records of "),
+    ("cloud", ZEROS(3, [("x", "f8")]), ".cloud: records of "),
+    ("cloud", [1], ".cloud[0]: a value of n::Point is needed, not int"),
+    ("cloud", (1,), ".cloud: an array of records is needed, not tuple"),
+]
+
+
+@pytest.mark.parametrize("way", ["cdr", "xcdr2"])
+@pytest.mark.parametrize(("member", "wrong", "message"), FAULTS)
+def test_faults_have_the_path_of_the_member(
+    arrays: Any, way: str, member: str, wrong: Any, message: str
+) -> None:
+    value = filled(arrays, 2)
+    setattr(value, member, wrong)
+    with pytest.raises(CdrError) as caught:
+        getattr(value, f"to_{way}")()
+    assert str(caught.value).startswith("Everything" + message)
+
+
+@pytest.mark.parametrize(("member", "wrong", "message"), FAULTS[:8] + OF_NUMPY)
+def test_faults_of_numpy_members(
+    numpies: Any, member: str, wrong: Any, message: str
+) -> None:
+    value = filled(numpies, 2)
+    setattr(value, member, wrong)
+    with pytest.raises(CdrError) as caught:
+        value.to_cdr()
+    assert str(caught.value).startswith("Everything" + message)
+
+
+@pytest.mark.parametrize("form", ["array", "numpy"])
+def test_octets_that_end_early_are_refused(
+    packages: dict[Numeric, Any], form: Numeric
+) -> None:
+    type_ = packages[form].Everything
+    for way in WAYS:
+        octets = getattr(filled(packages["list"], 3), f"to_{way}")()
+        for end in range(len(octets)):
+            with pytest.raises(CdrError):
+                getattr(type_, f"from_{way}")(octets[:end])
+    huge = b"\0\0\0\0" + b"\xff" * 12
+    with pytest.raises(CdrError, match=r"Everything\.scan: a length of"):
+        type_.from_cdr(huge)
+
+
+def test_padding_of_records_is_zero(tmp_path: Path) -> None:
+    text = (
+        "struct P { double a; octet b; double c; }; struct S { sequence<P> records; };"
+    )
+    package: Any = emitted.emit_text(tmp_path, text, "numpy")
+    dtype = idl.dtype(package.P)
+    assert dtype.itemsize == 24
+    records = numpy.frombuffer(b"\xff" * 48, dtype)
+    octets = package.S(records).to_cdr()
+    assert octets[4 + 4 + 8 + 1 : 4 + 4 + 16] == bytes(7)
+    assert package.S.from_cdr(octets).to_cdr() == octets
+    with pytest.raises(TypeError):
+        idl.dtype(package.S)
+
+
+def test_values_as_data(arrays: Any) -> None:
+    value = arrays.Everything.from_cdr(filled(arrays, 2).to_cdr())
+    data = msgspec.to_builtins(value, builtin_types=(bytes,), enc_hook=list)
+    assert data["scan"] == [0.0, 1 / 3]
+    assert msgspec.convert(data, arrays.Everything) == value
+
+
+PROJECT = """
+[sources]
+paths = ["a.idl"]
+[output]
+package = "p"
+[python]
+numeric = "{}"
+"""
+
+
+def test_the_project_file_chooses(tmp_path: Path, monkeypatch: Any) -> None:
+    monkeypatch.chdir(tmp_path)
+    text = """struct S { sequence<long> a; @numeric("list") sequence<long> b;
+        @numeric(NUMPY) sequence<long> c; };"""
+    (tmp_path / "a.idl").write_text(text, encoding="utf-8")
+    annotations = {
+        "list": "list[int]",
+        "array": "MutableSequence[int]",
+        "numpy": "NDArray[numpy.int32]",
+    }
+    for form, annotation in annotations.items():
+        (tmp_path / "rtgen.toml").write_text(PROJECT.format(form), encoding="utf-8")
+        assert run(["generate"]) == 0
+        made = Path("generated/p/_idl/a.py").read_text(encoding="utf-8")
+        assert f"    a: {annotation} = field(" in made
+        assert "    b: list[int] = field(" in made
+        assert "    c: NDArray[numpy.int32] = field(" in made
+    (tmp_path / "rtgen.toml").write_text(PROJECT.format("tuple"), encoding="utf-8")
+    assert run(["generate"]) == 2
+
+
+@pytest.mark.parametrize(
+    ("member", "code"),
+    [
+        ('@numeric("tuple") sequence<long> a', "IDL0802"),
+        ("@numeric sequence<long> a", "IDL0802"),
+        ('@numeric("array") long a', "NUM0001"),
+        ('@numeric("array") string a', "NUM0001"),
+        ('@numeric("numpy") sequence<boolean> a', "NUM0001"),
+        ('@numeric("numpy") sequence<octet> a', "NUM0001"),
+        ('@numeric("array") double a[2][2]', "NUM0001"),
+        ('@numeric("array") sequence<P> a', "NUM0001"),
+        ('@numeric("numpy") sequence<Q> a', "NUM0001"),
+        ('@numeric("numpy") sequence<P> a', ""),
+        ('@numeric("numpy") double a[2][2]', ""),
+        ('@numeric("array") double a[2]', ""),
+    ],
+)
+def test_what_numeric_belongs_to(tmp_path: Path, member: str, code: str) -> None:
+    file = tmp_path / "a.idl"
+    text = (
+        f"struct P {{ double x; }}; struct Q {{ string s; }}; struct S {{ {member}; }};"
+    )
+    file.write_text(text, encoding="utf-8")
+    result = load([file], root=tmp_path)
+    found = [d.code for d in result.diagnostics]
+    if not found:
+        found = [d.code for d in lower(result.model, Settings()).diagnostics]
+    assert found == ([code] if code else [])
