@@ -2,12 +2,12 @@
 
     python benchmarks/can_hub.py
 
-First the round trip of a frame of eight octets to another process that sends it back, by
-python-can's interface `socketcand` over the hub; beside it a ping-pong of the same texts over
-TCP, and python-can's `virtual` to a thread. Then frames per second from another process: to a
-client that only reads text, to python-can over the hub, to python-can from a server that sends
-it the texts without a hub, and over `virtual`. Medians of interleaved rounds, with ratios. All
-processes are on one processor: what wakes up late is not up to chance.
+First the round trip of a frame of eight octets to another process that sends it back, over the
+hub: by rtgen's client, and by python-can's interface `socketcand`; beside it a ping-pong of the
+same texts over TCP, and python-can's `virtual` to a thread. Then frames per second from another
+process: to a client that only reads text, to python-can over the hub, to python-can from a server
+that sends it the texts without a hub, and over `virtual`. Medians of interleaved rounds, with
+ratios. All processes are on one processor: what wakes up late is not up to chance.
 """
 
 from __future__ import annotations
@@ -24,6 +24,9 @@ from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 
 import can
+
+from rtgen.runtime.canopen.bus.python_can import BusAddress, OpenBus, open_bus
+from rtgen.runtime.canopen.wire.frames import Frame
 
 ROUNDS = 9
 TRIPS = 400
@@ -44,6 +47,12 @@ def connected(port: int, channel: str) -> socket.socket:
     return end
 
 
+def link_of(port: int, channel: str) -> OpenBus:
+    """rtgen's client."""
+    options = (("host", HOST), ("port", port))
+    return open_bus(BusAddress("socketcand", channel, options=options))
+
+
 def bus_of(port: int, channel: str) -> can.BusABC:
     """python-can's client."""
     return can.Bus(
@@ -61,6 +70,16 @@ def echo(port: int) -> None:
     while True:
         if (message := bus.recv(10)) is not None:
             bus.send(message)
+
+
+def echo_frames(port: int) -> None:
+    """Sends every frame back, by rtgen's client."""
+    bus = link_of(port, "frames")
+    print("ready", flush=True)
+    while True:
+        for frame in bus.receive_events(10, 1):
+            assert isinstance(frame, Frame)
+            bus.send(frame)
 
 
 def ping_pong() -> None:
@@ -94,7 +113,7 @@ def serve_texts() -> None:
             end.sendall(CARRIED * int(line))
 
 
-PROGRAMS = {f.__name__: f for f in (echo, ping_pong, flood, serve_texts)}
+PROGRAMS = {f.__name__: f for f in (echo, echo_frames, ping_pong, flood, serve_texts)}
 
 
 @contextmanager
@@ -131,6 +150,15 @@ def over_the_hub(bus: can.BusABC) -> float:
     for _ in range(TRIPS):
         bus.send(message)
         assert bus.recv(10) is not None
+    return (time.perf_counter() - start) / TRIPS
+
+
+def between_links(bus: OpenBus) -> float:
+    frame = Frame(0x123, bytes(range(1, 9)))
+    start = time.perf_counter()
+    for _ in range(TRIPS):
+        bus.send(frame)
+        assert bus.receive_events(10, 1) == [frame]
     return (time.perf_counter() - start) / TRIPS
 
 
@@ -204,6 +232,9 @@ def main() -> None:
         port = int(hub.rpartition(":")[2])
         begun(*own("echo", port))
         trip = stack.enter_context(bus_of(port, "trip"))
+        begun(*own("echo_frames", port))
+        link = link_of(port, "frames")
+        stack.callback(link.close)
         tcp_port, _ = begun(*own("ping_pong"))
         tcp = stack.enter_context(socket.create_connection((HOST, int(tcp_port))))
         tcp.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
@@ -220,6 +251,7 @@ def main() -> None:
 
         trips = median_of(
             {
+                "hub, rtgen": lambda: between_links(link),
                 "hub, python-can": lambda: over_the_hub(trip),
                 "TCP ping-pong": lambda: over_tcp(tcp),
                 "virtual, a thread": lambda: over_the_hub(near),

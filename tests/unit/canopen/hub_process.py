@@ -13,16 +13,23 @@ from rtgen.runtime import RealClock
 from rtgen.runtime.canopen.bus.link import Link
 from rtgen.runtime.canopen.bus.links import open_link
 
+_WITHOUT_UVLOOP = """
+import sys
+sys.modules["uvloop"] = None
+from rtgen.__main__ import main
+main()
+"""
+
 
 class HubProcess:
     """`rtgen can hub` with options, until the end of the `with` statement."""
 
-    def __init__(self, *options: str, port: int = 0) -> None:
+    def __init__(self, *options: str, port: int = 0, uvloop: bool = True) -> None:
+        program = ["-m", "rtgen"] if uvloop else ["-c", _WITHOUT_UVLOOP]
         self._process = subprocess.Popen(
             [
                 sys.executable,
-                "-m",
-                "rtgen",
+                *program,
                 "can",
                 "hub",
                 "--port",

@@ -23,6 +23,7 @@ from stations import Recorder
 
 from rtgen.cli import run
 from rtgen.runtime import RealClock
+from rtgen.runtime.canopen.bus import socketcand_bus
 from rtgen.runtime.canopen.bus.arbitration import transmission_time
 from rtgen.runtime.canopen.bus.hub import (
     Carried,
@@ -34,6 +35,7 @@ from rtgen.runtime.canopen.bus.hub import (
 )
 from rtgen.runtime.canopen.bus.link import Link
 from rtgen.runtime.canopen.bus.links import open_link
+from rtgen.runtime.canopen.bus.python_can import OpenBus, bus_address, open_bus
 from rtgen.runtime.canopen.bus.real_link import RealLink
 from rtgen.runtime.canopen.errors import LinkError
 from rtgen.runtime.canopen.wire.frames import Frame
@@ -46,9 +48,10 @@ def quiet_python_can() -> None:
     logging.getLogger("can").setLevel(logging.CRITICAL)
 
 
-@pytest.fixture(scope="module")
-def hub() -> Iterator[HubProcess]:
-    with HubProcess(*["--slcan-pty"] * 3, "--slcan-channel", "serial") as hub:
+@pytest.fixture(scope="module", params=["uvloop", "asyncio"])
+def hub(request: pytest.FixtureRequest) -> Iterator[HubProcess]:
+    options = (*["--slcan-pty"] * 3, "--slcan-channel", "serial")
+    with HubProcess(*options, uvloop=request.param == "uvloop") as hub:
         yield hub
 
 
@@ -682,3 +685,38 @@ def test_what_cannot_be_served(capfd: pytest.CaptureFixture[str]) -> None:
     words = ["can", "hub", "--port", "0", "--slcan-pty", "--slcan-channel", "no name"]
     assert run(words) == 3
     assert "'no name' is no name of a channel" in capfd.readouterr().err
+
+
+def send_until_full_then_receive(bus: OpenBus, hub_end: socket.socket) -> None:
+    while bus.send(Frame(1, bytes(8))):
+        continue
+    # No part of the last frame was sent. Now the hub ends in the midst of a text.
+    hub_end.sendall(b"< frame 123 1.0")
+    hub_end.shutdown(socket.SHUT_WR)
+    while True:
+        bus.receive_events(0.1, 1)
+
+
+def test_a_client_of_a_hub_that_does_not_read_says_so(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(socketcand_bus, "_PATIENCE", 0.05)
+    with socket.create_server(("127.0.0.1", 0)) as server:
+
+        def answer() -> None:
+            end, _ = server.accept()
+            ends.append(end)
+            end.sendall(b"< hi >")
+            for _ in range(2):
+                end.recv(100)
+                end.sendall(b"< ok >")
+
+        ends: list[socket.socket] = []
+        thread = threading.Thread(target=answer)
+        thread.start()
+        options = f"host=127.0.0.1,port={server.getsockname()[1]}"
+        bus = open_bus(bus_address("socketcand", "can0", 0, options))
+        thread.join()
+        with ends[0], pytest.raises(LinkError, match=r"not read a frame|has closed"):
+            send_until_full_then_receive(bus, ends[0])
+        bus.close()

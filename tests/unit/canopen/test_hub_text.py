@@ -21,6 +21,9 @@ from rtgen.runtime.canopen.bus.hub_text import (
     Malformed,
     error_text,
     frame_text,
+    received_error,
+    received_frame,
+    send_text,
     sent_frame,
     slcan_frame,
     slcan_text,
@@ -80,6 +83,51 @@ def test_what_python_can_sends_is_read_and_what_it_reads_is_written(
     assert (back.arbitration_id, bytes(back.data)) == (frame.can_id, frame.data)
     assert back.is_extended_id == frame.extended
     assert back.timestamp == 1234567890.123456
+
+
+@given(FRAMES, st.integers(0, 10**11))
+def test_a_client_reads_what_the_hub_writes_and_the_hub_what_it_sends(
+    frame: Frame, micros: int
+) -> None:
+    elements = Elements()
+    elements.feed(send_text(frame) + frame_text(frame, 1000 * micros))
+    sent, received = elements.take(), elements.take()
+    assert sent is not None
+    assert received is not None
+    assert sent_frame(sent) == frame
+    assert received_frame(received) == (frame, micros / 1e6)
+
+
+def test_error_frames() -> None:
+    assert received_error("error 00000040 2.000000") == (0x40, 2.0)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "",
+        "frame",
+        "frame 123",
+        "frame 123 x 01",
+        "frame 123 nan 01",
+        "frame 123 -1.0 01",
+        "frame 123 1e300 01",
+        "frame 123 1.0 0",
+        "frame 123 1.0 xx",
+        "frame 123 1.0 010203040506070809",
+        "frame 800 1.0 01",
+        "frame 1234 1.0 01",
+        "fame 123 1.0 01",
+        "error 40",
+        "error 40 x",
+        "error x 1.0",
+        "eror 40 1.0",
+    ],
+)
+def test_what_a_client_refuses(words: str) -> None:
+    for parse in (received_frame, received_error):
+        with pytest.raises(Malformed):
+            parse(words)
 
 
 def test_texts_of_frames() -> None:

@@ -8,7 +8,8 @@ from typing import Protocol
 
 from rtgen.cli.can.live_bus import send
 from rtgen.diagnostics import ToolError
-from rtgen.runtime.canopen.bus.python_can import OpenBus, frame_of
+from rtgen.runtime.canopen.bus.messages import frame_of
+from rtgen.runtime.canopen.bus.python_can import OpenBus
 from rtgen.runtime.canopen.errors import LinkError
 from rtgen.runtime.canopen.wire import sdo
 from rtgen.runtime.canopen.wire.frames import SECOND, Frame

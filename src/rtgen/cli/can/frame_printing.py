@@ -10,7 +10,7 @@ from rtgen.cli.can.decoding import Decoded, Decoder
 from rtgen.cli.can.node_index import NodeIndex
 from rtgen.cli.common import Refusal
 from rtgen.cli.rpc.values import Json
-from rtgen.runtime.canopen.bus.python_can import frame_of
+from rtgen.runtime.canopen.bus.messages import frame_of
 
 if TYPE_CHECKING:
     from can import Message

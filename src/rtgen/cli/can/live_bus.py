@@ -179,13 +179,13 @@ def until_interrupted() -> Iterator[None]:
 
 def can_carry(bus: OpenBus, frame: Frame) -> bool:
     """Whether the interface can send the frame: socketcand's protocol has no remote frames."""
-    return not frame.remote or type(bus.bus).__name__ != "SocketCanDaemonBus"
+    return not frame.remote or bus.carries_remote_frames
 
 
 def send(bus: OpenBus, frame: Frame) -> None:
     """Send a frame, waiting while the interface's queue is full. Raises ToolError if it fails."""
     if not can_carry(bus, frame):
-        raise ToolError("python-can's interface socketcand sends no remote frames")
+        raise ToolError("the protocol of socketcand has no remote frames")
     for _ in range(_ATTEMPTS):
         try:
             if bus.send(frame):

@@ -15,7 +15,7 @@ from rtgen.cli.can.frame_printing import Printer, Wanted
 from rtgen.cli.can.live_bus import can_carry, drained, opened, send, until_interrupted
 from rtgen.cli.can.options import BusAccess, Described, with_bus, with_nodes
 from rtgen.cli.common import OK, Console, FiniteRange, with_console, write_out
-from rtgen.runtime.canopen.bus.python_can import frame_of
+from rtgen.runtime.canopen.bus.messages import frame_of
 
 if TYPE_CHECKING:
     from can import Message

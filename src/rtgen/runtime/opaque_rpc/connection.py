@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import socket
-import struct
-import sys
 from time import monotonic
 
 from rtgen.facts.opaque_rpc import LONGEST_TIMEOUT
 from rtgen.runtime.opaque_rpc.messages import log
+from rtgen.runtime.sockets import limit_times
 
 SMALL_BLOCK = 448
 BLOCK = 65536
@@ -16,11 +15,6 @@ BLOCK = 65536
 
 Small blocks come from Python's own allocator, which is faster.
 """
-TIME_OVER = (BlockingIOError, TimeoutError)
-"""Exceptions raised by a send or receive on time-out."""
-
-_NATIVE_TIMES = sys.platform in ("linux", "darwin")
-"""Whether SO_RCVTIMEO takes a timeval; it spares the poll() that settimeout puts before a call."""
 _QUICKACK: int | None = getattr(socket, "TCP_QUICKACK", None)
 _KEEP_ALIVE = {"TCP_KEEPIDLE": 5, "TCP_KEEPINTVL": 2, "TCP_KEEPCNT": 3}
 
@@ -43,18 +37,6 @@ def _prepare(connection: socket.socket) -> None:
             connection.setsockopt(socket.IPPROTO_TCP, getattr(socket, name), value)
 
 
-def _limit_times(connection: socket.socket, seconds: float) -> None:
-    """Lets each send and receive take no longer than that; they raise `TIME_OVER` then."""
-    if _NATIVE_TIMES:
-        whole, part = divmod(max(int(seconds * 1e6), 1), 1_000_000)
-        value = struct.pack("@ll", whole, part)
-        connection.settimeout(None)
-        connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVTIMEO, value)
-        connection.setsockopt(socket.SOL_SOCKET, socket.SO_SNDTIMEO, value)
-    else:
-        connection.settimeout(max(seconds, 1e-6))
-
-
 class Connection:
     """A socket with the time limit that it is set to."""
 
@@ -71,7 +53,7 @@ class Connection:
         if seconds <= 0:
             raise TimeoutError("time is over")
         if seconds != self.seconds:
-            _limit_times(self.socket, seconds)
+            limit_times(self.socket, seconds)
             self.seconds = seconds
 
     def send_all(self, data: bytes, deadline: float, sent: int = 0) -> None:

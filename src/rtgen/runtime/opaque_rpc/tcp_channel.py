@@ -12,12 +12,12 @@ from rtgen.facts.opaque_rpc import TIMEOUT
 from rtgen.runtime.opaque_rpc.connection import (
     BLOCK,
     SMALL_BLOCK,
-    TIME_OVER,
     Connection,
     checked_timeout,
 )
 from rtgen.runtime.opaque_rpc.errors import E_BOVR, E_OBJ, E_TMOUT, ChannelError
 from rtgen.runtime.opaque_rpc.messages import log
+from rtgen.runtime.sockets import TIME_OVER
 
 _IDLE = 0.05
 """Seconds after the start of a call when a connection is checked before it is used again."""

@@ -15,7 +15,6 @@ from rtgen.runtime.opaque_rpc.channel import Handlers
 from rtgen.runtime.opaque_rpc.connection import (
     BLOCK,
     SMALL_BLOCK,
-    TIME_OVER,
     Connection,
     checked_timeout,
 )
@@ -29,6 +28,7 @@ from rtgen.runtime.opaque_rpc.messages import (
     log,
     serve,
 )
+from rtgen.runtime.sockets import TIME_OVER
 
 _LOOK = 0.2
 """How often [s] a server that waits looks whether it was closed, where nothing wakes it."""

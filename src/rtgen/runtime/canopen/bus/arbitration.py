@@ -38,8 +38,8 @@ class Arbiter(Generic[S]):
         """The number of frames of a sender that wait."""
         return len(self._queues.get(sender, ()))
 
-    def put(self, sender: S, frame: Frame) -> None:
-        """Queue a frame."""
+    def put(self, sender: S, frame: Frame) -> int:
+        """Queue a frame; return the number of frames of the sender that wait."""
         self._added += 1
         self._length += 1
         queue = self._queues.get(sender)
@@ -47,6 +47,7 @@ class Arbiter(Generic[S]):
             queue = self._queues[sender] = deque()
             heappush(self._heads, (priority(frame), self._added, sender))
         queue.append((self._added, frame))
+        return len(queue)
 
     def take(self) -> tuple[S, Frame]:
         """Remove and return the frame that wins arbitration, and its sender.

@@ -12,7 +12,7 @@ from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, cast
 
 from rtgen.runtime.canopen.bus.arbitration import Arbiter, transmission_time
 from rtgen.runtime.canopen.bus.hub_faults import Fault, Faults, times_off
@@ -90,6 +90,7 @@ class Port(ABC):
         """Number of malformed frames received from the client."""
         self._report_event = report_event
         self._limit = settings.queue
+        self._queue_limit = settings.queue
         self._queue: deque[bytes] = deque()
 
     def give(self, carried: Carried) -> None:
@@ -120,9 +121,9 @@ class Port(ABC):
 
     def _append(self, text: bytes) -> None:
         self._queue.append(text)
-        if len(self._queue) > self._limit:
+        if len(self._queue) > self._queue_limit:
             self.flush()
-            if len(self._queue) > self._limit:
+            if len(self._queue) > self._queue_limit:
                 self._queue.clear()
                 self.cut_off("it does not read")
 
@@ -149,7 +150,7 @@ class HubBus:
         self._faults = (
             Faults(settings.faults, settings.seed) if settings.faults else None
         )
-        self._ports: dict[Port, None] = {}
+        self._ports: tuple[Port, ...] = ()
         self._stopped: set[Port] = set()
         """Clients whose queues are full."""
         self._arbiter: Arbiter[Port] = Arbiter()
@@ -162,33 +163,38 @@ class HubBus:
 
     def join(self, port: Port) -> None:
         """Attach a client."""
-        self._ports[port] = None
+        if port not in self._ports:
+            self._ports += (port,)
 
     def leave(self, port: Port) -> None:
         """Detach a client; its queued frames are still sent."""
-        self._ports.pop(port, None)
+        self._ports = tuple(other for other in self._ports if other is not port)
 
     def has_room(self, port: Port) -> bool:
         """Whether the queue has room for a frame of a client; if not, `read_on` is called later."""
-        if self._arbiter.waiting(port) < self._settings.queue:
-            return True
-        self._stopped.add(port)
-        return False
+        return self._noted_room(port, self._arbiter.waiting(port))
 
-    def put(self, port: Port, frame: Frame) -> None:
-        """Queue a frame from a client."""
+    def put(self, port: Port, frame: Frame) -> bool:
+        """Queue a frame from a client; return whether there is room for another, as `has_room`."""
         if self.off:
             self.lost += 1
-            return
+            return True
         if self._settings.bit_rate:
             now = self._instant()
             self._start_frames(now - 1)
             if not self._arbiter:
                 self._waiting_since = now
-        self._arbiter.put(port, frame)
+        waiting = self._arbiter.put(port, frame)
         if self._due is None:
             # Deferred, so that frames sent by others at the same instant compete.
             self._due = self._loop.call_soon(self._run)
+        return self._noted_room(port, waiting)
+
+    def _noted_room(self, port: Port, waiting: int) -> bool:
+        if waiting < self._settings.queue:
+            return True
+        self._stopped.add(port)
+        return False
 
     def turn(self, off: bool) -> None:
         """Enter or leave bus-off."""
@@ -196,7 +202,7 @@ class HubBus:
         if off:
             self.lost += self._arbiter.clear() + len(self._ending)
             self._ending.clear()
-        for port in tuple(self._ports):
+        for port in self._ports:
             port.give_error(_BUS_OFF if off else _RESTARTED)
             port.flush()
 
@@ -215,13 +221,14 @@ class HubBus:
         if self._settings.bit_rate:
             self._end_frames()
         else:
-            while self._arbiter:
+            for _ in range(len(self._arbiter)):
                 self._carry(*self._arbiter.take())
-        for port in tuple(self._ports):
+        for port in self._ports:
             port.flush()
-        stopped, self._stopped = self._stopped, set()
-        for port in stopped:
-            port.read_on()
+        if self._stopped:
+            stopped, self._stopped = self._stopped, set()
+            for port in stopped:
+                port.read_on()
 
     def _start_frames(self, now: int) -> None:
         """Start transmission of frames, each when the one before has ended."""
@@ -260,12 +267,12 @@ class HubBus:
             self.lost += 1
             return
         self._give(sender, frame)
-        for port in tuple(self._ports):
+        for port in self._ports:
             port.flush()
 
     def _give(self, sender: Port, frame: Frame) -> None:
         carried = Carried(frame, time.time_ns())
-        for port in tuple(self._ports):
+        for port in self._ports:
             if port is not sender:
                 port.give(carried)
 
@@ -280,6 +287,7 @@ class SocketcandPort(Port, asyncio.Protocol):
         self._raw = False
         self._held = False
         self._stuck = False
+        self._paused = False
         self._unread = 0
         """Number of unread answers since the client stopped reading."""
         self._ended = False
@@ -288,7 +296,8 @@ class SocketcandPort(Port, asyncio.Protocol):
     # Called by asyncio
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        assert isinstance(transport, asyncio.Transport)
+        # No check by isinstance: transports of uvloop do not derive from asyncio's.
+        transport = cast(asyncio.Transport, transport)
         self._transport = transport
         peer = transport.get_extra_info("peername")
         self.name = f"{peer[0]}:{peer[1]}" if peer else "a client"
@@ -328,17 +337,11 @@ class SocketcandPort(Port, asyncio.Protocol):
 
     def text_of(self, carried: Carried) -> bytes | None:
         # The protocol has no remote frames.
-        return None if carried.frame.remote or not self._raw else carried.text
+        return None if carried.frame.remote else carried.text
 
     def give_error(self, kind: int) -> None:
         if self._raw:
             self._append(error_text(kind, time.time_ns()))
-
-    def _append(self, text: bytes) -> None:
-        if self._held and len(self._queue) < _HELD:
-            self._queue.append(text)
-        else:
-            super()._append(text)
 
     def flush(self) -> None:
         if self._queue and not self._stuck and not self._held and not self._ended:
@@ -358,28 +361,27 @@ class SocketcandPort(Port, asyncio.Protocol):
 
     def read_on(self) -> None:
         assert self._transport is not None
-        while self.bus is None or self.bus.has_room(self):
+        room = self.bus is None or self.bus.has_room(self)
+        while room:
             try:
                 words = self._elements.take()
+                if words is None:
+                    if self._paused:
+                        self._paused = False
+                        self._transport.resume_reading()
+                    return
+                if self.bus is None or not words.startswith("send "):
+                    self._obey(words)
+                else:
+                    room = self.bus.put(self, sent_frame(words))
             except Malformed as error:
                 self._refuse(error)
-                continue
-            if words is None:
-                self._transport.resume_reading()
-                return
-            self._obey(words)
+        self._paused = True
         self._transport.pause_reading()
 
     def _obey(self, words: str) -> None:
         command, _, rest = words.partition(" ")
-        if command == "send" and self.bus is not None:
-            try:
-                frame = sent_frame(words)
-            except Malformed as error:
-                self._refuse(error)
-                return
-            self.bus.put(self, frame)
-        elif command == "open" and self.bus is None:
+        if command == "open" and self.bus is None:
             self.bus = self._hub.bus(rest)
             if self.bus is None:
                 self._answer(b"< error could not open bus >")
@@ -391,6 +393,7 @@ class SocketcandPort(Port, asyncio.Protocol):
             self._answer(b"< ok >")
             if not self._raw:
                 self._raw = self._held = True
+                self._queue_limit = max(self._limit, _HELD)
                 self.bus.join(self)
                 if self.bus.off:
                     self.give_error(_BUS_OFF)
@@ -406,6 +409,7 @@ class SocketcandPort(Port, asyncio.Protocol):
     def _release(self) -> None:
         self._held = False
         self.flush()
+        self._queue_limit = self._limit
 
     def _answer(self, text: bytes) -> None:
         if self._stuck:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from functools import lru_cache
 from typing import Final
 
 from rtgen.runtime.canopen.wire.frames import SECOND, Frame
@@ -10,9 +11,15 @@ from rtgen.runtime.canopen.wire.frames import SECOND, Frame
 _LONGEST: Final = 256
 """Maximum length of an element of socketcand, or of a line of slcan, in octets."""
 
-_SEND: Final = re.compile(
-    r"send (?:([0-9A-Fa-f]{1,3})|([01][0-9A-Fa-f]{7})) ([0-8])((?: [0-9A-Fa-f]{1,2})*)"
-)
+_ELEMENT: Final = re.compile(rb"\s*<([\0-;=?-\x7f]{0,%d})>" % (_LONGEST - 2))
+_IDENTIFIER: Final = re.compile(r"[0-9A-Fa-f]{1,3}|[01][0-9A-Fa-f]{7}")
+_LONG_IDENTIFIER: Final = 8
+_END_OF_TIME: Final = 1e11
+"""Seconds; what is later is no time stamp."""
+_DIGITS: Final = "0123456789ABCDEFabcdef"
+_OCTETS: Final = {
+    high + low: int(high + low, 16) for high in ("", *_DIGITS) for low in _DIGITS
+}
 _SLCAN: Final = re.compile(
     r"(?:([tr])([0-7][0-9A-Fa-f]{2})|([TR])([01][0-9A-Fa-f]{7}))([0-8])((?:[0-9A-Fa-f]{2})*)"
 )
@@ -26,16 +33,18 @@ class Elements:
     """Splits a stream into elements `< ... >`."""
 
     def __init__(self) -> None:
-        self._text = bytearray()
+        self._text = b""
+        self._taken = 0
 
     @property
     def waiting(self) -> int:
         """Octets that were fed but not taken."""
-        return len(self._text)
+        return len(self._text) - self._taken
 
     def feed(self, data: bytes) -> None:
         """Append received octets."""
-        self._text += data
+        self._text = self._text[self._taken :] + data
+        self._taken = 0
 
     def take(self) -> str | None:
         """The content of the next element, None if it is incomplete.
@@ -43,33 +52,32 @@ class Elements:
         Raises Malformed for text outside of elements, and for elements that are too long or not
         ASCII; the offending text is dropped.
         """
+        match = _ELEMENT.match(self._text, self._taken)
+        if match is None:
+            if self.waiting:
+                self._drop_malformed()
+            return None
+        self._taken = match.end()
+        return " ".join(match[1].decode("ascii").split())
+
+    def _drop_malformed(self) -> None:
+        """Raise Malformed, unless the text is the beginning of an element."""
         text = self._text
-        start = text.find(b"<")
-        outside = bytes(text[: len(text) if start < 0 else start])
-        if outside:
-            del text[: len(outside)]
-            if outside.strip():
-                raise Malformed(_shown(outside))
-            if start < 0:
-                return None
-        end = text.find(b">", 0, _LONGEST)
-        if end < 0:
-            if len(text) < _LONGEST:
-                return None
-            inner = text.find(b"<", 1, _LONGEST)
-            lost = bytes(text[: inner if inner > 0 else _LONGEST])
-            del text[: len(lost)]
-            raise Malformed(_shown(lost))
-        element = bytes(text[: end + 1])
-        del text[: end + 1]
+        start = text.find(b"<", self._taken)
+        outside = text[self._taken : len(text) if start < 0 else start]
+        self._taken += len(outside)
+        if outside.strip():
+            raise Malformed(_shown(outside))
+        if start < 0:
+            return
+        limit = start + _LONGEST
         # An unterminated element does not include the next one.
-        last = element.rfind(b"<")
-        if last > 0 or not element.isascii():
-            if element.isascii():
-                text[:0] = element[last:]
-                element = element[:last]
-            raise Malformed(_shown(element))
-        return " ".join(element[1:-1].decode("ascii").split())
+        inner = text.find(b"<", start + 1, limit)
+        end = text.find(b">", start, limit) + 1
+        if not end and len(text) < limit:
+            return
+        self._taken = min(part for part in (inner, end or limit) if part > 0)
+        raise Malformed(_shown(text[start : self._taken]))
 
 
 def sent_frame(words: str) -> Frame:
@@ -78,14 +86,64 @@ def sent_frame(words: str) -> Frame:
     Up to three digits are an 11-bit identifier, eight digits a 29-bit one. Remote frames do not
     exist: python-can's text for them lacks the data.
     """
-    match = _SEND.fullmatch(words)
-    if match is None:
-        raise Malformed(words)
-    short, long, dlc, rest = match.groups()
-    octets = rest.split()
-    if len(octets) != int(dlc):
-        raise Malformed(words)
-    return _frame(words, short or long, bytes(int(o, 16) for o in octets), bool(long))
+    command, *parts = words.split(" ")
+    try:
+        identifier, length, *octets = parts
+        can_id, extended = _identifier(identifier)
+        data = bytes([_OCTETS[octet] for octet in octets])
+        if command == "send" and length == str(len(octets)):
+            return Frame(can_id, data, extended=extended)
+    except (KeyError, ValueError) as error:
+        raise Malformed(words) from error
+    raise Malformed(words)
+
+
+@lru_cache(4096)
+def _identifier(digits: str) -> tuple[int, bool]:
+    """An identifier, and whether it has 29 bits. Raises ValueError."""
+    if _IDENTIFIER.fullmatch(digits) is None:
+        raise ValueError(digits)
+    return int(digits, 16), len(digits) == _LONG_IDENTIFIER
+
+
+def send_text(frame: Frame) -> bytes:
+    """Format `< send ID DLC B0 B1 ... >`."""
+    identifier = f"{frame.can_id:08X}" if frame.extended else f"{frame.can_id:03X}"
+    octets = frame.data.hex(" ").upper()
+    return f"< send {identifier} {len(frame.data)} {octets} >".encode()
+
+
+def received_frame(words: str) -> tuple[Frame, float]:
+    """Parse `frame ID SECONDS.MICROS DATA`: a frame and its time, UTC. Raises Malformed."""
+    parts = words.split(" ")
+    try:
+        kind, identifier, time = parts[:3]
+        can_id, extended = _identifier(identifier)
+        data = bytes.fromhex("".join(parts[3:]))
+        seconds = _seconds(time)
+        if kind == "frame":
+            return Frame(can_id, data, extended=extended), seconds
+    except ValueError as error:
+        raise Malformed(words) from error
+    raise Malformed(words)
+
+
+def received_error(words: str) -> tuple[int, float]:
+    """Parse `error CLASS SECONDS.MICROS`: a class of SocketCAN. Raises Malformed."""
+    try:
+        kind, error_class, time = words.split(" ")
+        if kind == "error":
+            return _identifier(error_class)[0], _seconds(time)
+    except ValueError as error:
+        raise Malformed(words) from error
+    raise Malformed(words)
+
+
+def _seconds(digits: str) -> float:
+    seconds = float(digits)
+    if not 0 <= seconds < _END_OF_TIME:
+        raise ValueError(digits)
+    return seconds
 
 
 def frame_text(frame: Frame, time: int) -> bytes:

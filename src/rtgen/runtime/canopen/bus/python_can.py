@@ -7,25 +7,28 @@ from __future__ import annotations
 
 import logging
 import os
-import select
-import socket
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, TypeAlias
 
+from rtgen.runtime.canopen.bus.messages import frame_of, message_of
 from rtgen.runtime.canopen.errors import LinkError
-from rtgen.runtime.canopen.wire.frames import MAX_DATA, Frame
+from rtgen.runtime.canopen.wire.frames import Frame
 
 if TYPE_CHECKING:
     import can
 
+    from rtgen.runtime.canopen.bus.socketcand_bus import SocketcandBus
+
 Option: TypeAlias = bool | int | float | str
+
+Event: TypeAlias = Frame | bool | None
+"""A frame, bus-off (True), the return from bus-off (False), or a message without effect."""
 
 SOCKETCAND_PORT: Final = 29536
 """Default port of socketcand."""
-_HELLO: Final = b"< hi >"
 _PATIENCE: Final = 2.0
-"""Seconds to wait for a hub's answer, and for an interface to accept a frame."""
+"""Seconds for an interface to accept a frame."""
 _BUS_OFF: Final = 0x40
 _RESTARTED: Final = 0x100
 """Error classes of SocketCAN."""
@@ -105,8 +108,7 @@ class OpenBus:
         self.bus = bus
         self.on_queued = on_queued
         self._address = address
-        self._stream = _stream_of(bus)
-        self._more = False
+        self._hub = _hub_client(bus) if address.hub else None
 
     def receive(self, timeout: float) -> can.Message | None:
         """The next message, None if none arrives within `timeout` s. Raises LinkError."""
@@ -119,24 +121,53 @@ class OpenBus:
 
         found: list[can.Message] = []
         try:
-            message = self._receive(timeout)
+            message = self.bus.recv(timeout)
             while message is not None:
                 found.append(message)
                 if len(found) >= most:
                     break
                 message = self.bus.recv(0)
-                self._more = message is not None
         except (can.CanError, OSError, ValueError, LookupError) as error:
             if not found:
                 raise LinkError(f"{self._address}: {_reason(error)}") from error
         return found
+
+    def receive_events(self, timeout: float, most: int) -> list[Event]:
+        """Like `receive_some`, but returns what matters to a link."""
+        if self._hub is None:
+            return [
+                self._event(message) for message in self.receive_some(timeout, most)
+            ]
+        import can
+
+        found: list[Event] = []
+        try:
+            received = self._hub.receive(timeout)
+            while received is not None:
+                event = received[0]
+                found.append(event if isinstance(event, Frame) else _bus_off(event))
+                if len(found) >= most:
+                    break
+                received = self._hub.receive(0)
+        except (can.CanError, OSError) as error:
+            if not found:
+                raise LinkError(f"{self._address}: {_reason(error)}") from error
+        return found
+
+    def _event(self, message: can.Message) -> Event:
+        if message.is_error_frame:
+            return self.went_off(message)
+        return frame_of(message)
 
     def send(self, frame: Frame) -> bool:
         """Send a frame; False if the interface's queue is full. Raises LinkError."""
         import can
 
         try:
-            self.bus.send(message_of(frame), timeout=_PATIENCE)
+            if self._hub is not None:
+                self._hub.transmit(frame)
+            else:
+                self.bus.send(message_of(frame), timeout=_PATIENCE)
         except (can.CanError, OSError, ValueError) as error:
             if _is_full(error):
                 return False
@@ -146,10 +177,7 @@ class OpenBus:
     def went_off(self, message: can.Message) -> bool | None:
         """Whether an error frame reports bus-off (True) or the return from bus-off (False)."""
         if self._address.interface in _SOCKETCAN_ERRORS:
-            kind = message.arbitration_id
-            if kind & _RESTARTED:
-                return False
-            return True if kind & _BUS_OFF else None
+            return _bus_off(message.arbitration_id)
         return True if self._is_off else None
 
     @property
@@ -173,16 +201,12 @@ class OpenBus:
     def carries_remote_frames(self) -> bool:
         """Whether remote frames are transmitted: socketcand's protocol has none."""
         bus = getattr(self.bus, "shared_bus", self.bus)
-        return ".socketcand." not in type(bus).__module__
+        return "socketcand" not in type(bus).__module__
 
     def interrupt(self) -> None:
         """Interrupt a transmission that blocks another thread."""
-        if self._stream is not None:
-            try:
-                self._stream.shutdown(socket.SHUT_RDWR)
-            except OSError:
-                # The other end has disconnected, so nothing blocks.
-                return
+        if self._hub is not None:
+            self._hub.interrupt()
 
     def close(self) -> None:
         """Close the bus; a disconnected other end is no error."""
@@ -192,24 +216,6 @@ class OpenBus:
             self.bus.shutdown()
         except (can.CanError, OSError):
             logging.getLogger(__name__).debug("%s: closed late", self._address)
-
-    def _receive(self, timeout: float) -> can.Message | None:
-        if self._stream is None:
-            return self.bus.recv(timeout)
-        if self._more:
-            # python-can reads several messages at once and buffers them.
-            message = self.bus.recv(0)
-            if message is not None:
-                return message
-            self._more = False
-        if not select.select([self._stream], [], [], timeout)[0]:
-            return None
-        # python-can's own `recv` spins when the other end has disconnected.
-        if not self._stream.recv(1, socket.MSG_PEEK):
-            raise LinkError("the other end has closed the connection")
-        message = self.bus.recv(0)
-        self._more = message is not None
-        return message
 
 
 def open_bus(address: BusAddress) -> OpenBus:
@@ -235,24 +241,11 @@ def open_bus(address: BusAddress) -> OpenBus:
             f"python-can has no interface {address.interface!r}; "
             f"known: {', '.join(sorted((*BACKENDS, INTERFACE)))}"
         )
-    arguments: dict[str, Option] = dict(address.options)
-    hub = address.hub
-    if hub is not None:
-        _check_hub(address, hub)
-        arguments = {"tcp_tune": True, **arguments, "host": hub[0], "port": hub[1]}
-        # Its log records are about partial messages, which are no errors, and tracebacks.
-        logger = logging.getLogger("can.interfaces.socketcand.socketcand")
-        if logger.level == logging.NOTSET:
-            logger.setLevel(logging.CRITICAL)
-    if address.bitrate:
-        arguments["bitrate"] = address.bitrate
     try:
-        bus = can.Bus(
-            interface=address.interface,
-            channel=address.channel,
-            ignore_config=True,
-            **arguments,  # type: ignore[arg-type]
-        )
+        bus = _opened(address)
+    except ConnectionRefusedError as error:
+        hint = "; is `rtgen can hub` running?" if address.hub else ""
+        raise LinkError(f"{address}: {_reason(error)}{hint}") from error
     except (
         can.CanError, OSError, ValueError, TypeError, NotImplementedError
     ) as error:  # fmt: skip
@@ -260,65 +253,36 @@ def open_bus(address: BusAddress) -> OpenBus:
     return OpenBus(bus, address)
 
 
-def frame_of(message: can.Message) -> Frame | None:
-    """Convert a message to a frame; None if it is no frame of classical CAN."""
-    if message.is_error_frame or message.is_fd or message.dlc > MAX_DATA:
-        return None
-    data = b"" if message.is_remote_frame else bytes(message.data)
-    try:
-        return Frame(
-            message.arbitration_id,
-            data,
-            message.is_remote_frame,
-            message.is_extended_id,
-        )
-    except ValueError:
-        return None
-
-
-def message_of(frame: Frame) -> can.Message:
-    """Convert a frame to a message."""
+def _opened(address: BusAddress) -> can.BusABC:
     import can
 
-    return can.Message(
-        arbitration_id=frame.can_id,
-        data=None if frame.remote else frame.data,
-        is_extended_id=frame.extended,
-        is_remote_frame=frame.remote,
-        is_rx=False,
-        check=False,
+    hub = address.hub
+    if hub is not None:
+        from rtgen.runtime.canopen.bus.socketcand_bus import SocketcandBus
+
+        return SocketcandBus(address.channel, *hub)
+    arguments: dict[str, Option] = dict(address.options)
+    if address.bitrate:
+        arguments["bitrate"] = address.bitrate
+    return can.Bus(
+        interface=address.interface,
+        channel=address.channel,
+        ignore_config=True,
+        **arguments,  # type: ignore[arg-type]
     )
 
 
-def _check_hub(address: BusAddress, hub: tuple[str, int]) -> None:
-    """Check that a hub exists and has the channel: python-can would try for ten seconds."""
-    try:
-        with socket.create_connection(hub, _PATIENCE) as end:
-            end.settimeout(_PATIENCE)
-            answer = end.recv(256)
-            if answer == _HELLO:
-                end.sendall(f"< open {address.channel} >".encode())
-                answer = end.recv(256)
-    except TimeoutError as error:
-        raise LinkError(f"{address}: no answer") from error
-    except OSError as error:
-        hint = "; is `rtgen can hub` running?" if _refused(error) else ""
-        raise LinkError(f"{address}: {_reason(error)}{hint}") from error
-    if answer != b"< ok >":
-        said = answer.decode("ascii", "replace") or "nothing"
-        raise LinkError(f"{address}: the hub says {said!r}")
+def _hub_client(bus: can.BusABC) -> SocketcandBus | None:
+    from rtgen.runtime.canopen.bus.socketcand_bus import SocketcandBus
+
+    return bus if isinstance(bus, SocketcandBus) else None
 
 
-def _refused(error: OSError) -> bool:
-    return isinstance(error, ConnectionRefusedError)
-
-
-def _stream_of(bus: can.BusABC) -> socket.socket | None:
-    """The TCP connection of a bus such as `socketcand`, None if it has none."""
-    for value in vars(bus).values():
-        if isinstance(value, socket.socket) and value.type is socket.SOCK_STREAM:
-            return value
-    return None
+def _bus_off(kind: int) -> bool | None:
+    """Whether a class of error frames reports bus-off (True) or the return from it (False)."""
+    if kind & _RESTARTED:
+        return False
+    return True if kind & _BUS_OFF else None
 
 
 def _is_full(error: Exception) -> bool:

@@ -11,7 +11,7 @@ from queue import SimpleQueue
 from typing import Final
 
 from rtgen.runtime.canopen.bus.link import Station
-from rtgen.runtime.canopen.bus.python_can import BusAddress, OpenBus, frame_of, open_bus
+from rtgen.runtime.canopen.bus.python_can import BusAddress, OpenBus, open_bus
 from rtgen.runtime.canopen.bus.shared_link import AttachedStation, SharedLink
 from rtgen.runtime.canopen.errors import LinkError
 from rtgen.runtime.canopen.wire.frames import SECOND, Frame
@@ -54,7 +54,7 @@ class RealLink(SharedLink):
         self._on_attached = on_attached
         self._may_close = may_close
         self.ignored = 0
-        """Messages that were no frames of classical CAN."""
+        """Messages that were no frames of classical CAN and reported no change of the bus."""
         bus = open_bus(address)
         self._bus: OpenBus | None = bus
         self.carries_remote_frames = bus.carries_remote_frames
@@ -227,23 +227,21 @@ class RealLink(SharedLink):
                 self._open_again(bus, error)
 
     def _receive_from(self, bus: OpenBus) -> None:
-        messages = bus.receive_some(_LOOK, _BATCH)
+        events = bus.receive_events(_LOOK, _BATCH)
         if self._failure is not None:
             raise self._failure
-        if not messages and not self._up and bus.has_returned:
+        if not events and not self._up and bus.has_returned:
             self._turn_all(True)
         frames: list[Frame] = []
-        for message in messages:
-            if message.is_error_frame:
-                self._take(frames)
-                frames.clear()
-                off = bus.went_off(message)
-                if off is not None:
-                    self._turn_all(not off)
-            elif (frame := frame_of(message)) is None:
+        for event in events:
+            if isinstance(event, Frame):
+                frames.append(event)
+            elif event is None:
                 self.ignored += 1
             else:
-                frames.append(frame)
+                self._take(frames)
+                frames.clear()
+                self._turn_all(not event)
         self._take(frames)
 
     def _take(self, frames: list[Frame]) -> None:

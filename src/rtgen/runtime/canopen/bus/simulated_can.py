@@ -19,7 +19,7 @@ from can.broadcastmanager import (
 
 from rtgen.runtime.canopen.bus.link import Link
 from rtgen.runtime.canopen.bus.links import open_link
-from rtgen.runtime.canopen.bus.python_can import frame_of, message_of
+from rtgen.runtime.canopen.bus.messages import frame_of, message_of
 from rtgen.runtime.canopen.errors import LinkError
 from rtgen.runtime.canopen.wire.frames import Frame
 from rtgen.runtime.rtc.component import Component
