@@ -42,7 +42,16 @@ def _imports(name: str) -> set[str]:
 @pytest.mark.parametrize(
     "package",
     [
-        *("backends", "cli", "diagnostics", "facts", "frontends", "layouts", "lint"),
+        *(
+            "backends",
+            "cli",
+            "diagnostics",
+            "diff",
+            "facts",
+            "frontends",
+            "layouts",
+            "lint",
+        ),
         *("lowering", "model", "project", "runtime", "small_runtime", "systems"),
         "typemap",
     ],

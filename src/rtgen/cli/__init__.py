@@ -15,6 +15,7 @@ COMMANDS = {
     "new": "Start a project, or add a component, device, board or system to one.",
     "generate": "Make the files that the definitions ask for.",
     "check": "Compare the tree with what generate would make.",
+    "diff": "Compare two versions of definitions: what changed, what breaks, and whom.",
     "lint": "Look for what is better done otherwise.",
     "inspect": "Show the resolved model of definitions or systems.",
     "run": "Run a system on the embedded runtime.",

@@ -18,6 +18,7 @@ MODULES = (
     "rtgen.backends.small.rules",
     "rtgen.lowering.tecs.rules",
     "rtgen.backends.types.rules",
+    "rtgen.diff.kinds.catalogue",
     "rtgen.frontends.bus.rules",
     "rtgen.frontends.cdl.rules",
     "rtgen.frontends.eds.rules",

@@ -7,6 +7,7 @@ import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from difflib import get_close_matches
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -102,6 +103,26 @@ def _table(value: Any) -> str | None:
     return None if isinstance(value, dict) else "must be a table of a plug-in's options"
 
 
+_BREAKS = ("wire", "source", "stored", "compatible")
+
+
+def _breaks(value: Any) -> str | None:
+    fine = isinstance(value, list) and all(v in _BREAKS for v in value)
+    return None if fine else "must be a list of " + ", ".join(map(repr, _BREAKS))
+
+
+def _allowances(value: Any) -> str | None:
+    """Breaks that are allowed: tables of texts."""
+    fine = isinstance(value, list) and all(
+        isinstance(each, dict)
+        and {"code", "reason"} <= each.keys() <= {"code", "reason", "name", "path"}
+        and all(isinstance(text, str) and text for text in each.values())
+        for each in value
+    )
+    form = 'code = "DIF...", reason = "TEXT", and perhaps name = "PATTERN", path = "PATTERN"'
+    return None if fine else f"must be tables: {form}"
+
+
 SCHEMA: dict[str, dict[str, Check] | Check] = {
     "sources": {
         "paths": _texts,
@@ -124,6 +145,7 @@ SCHEMA: dict[str, dict[str, Check] | Check] = {
     "small": {"sequence": _room, "string": _room, "buffer": _room},
     "components": _factory,
     "adapter": _adapter,
+    "diff": {"use": _breaks, "allow": _allowances},
     "lint": {"ignore": _texts, "select": _texts},
     "plugin": _table,
 }
@@ -196,6 +218,16 @@ class Settings:
                 if not current and found == section:
                     return self._span(number, match.start(1), match[1])
         return self._span(1, 0, "")
+
+    def table_span(self, section: str, key: str, number: int) -> Span:
+        """The place of `[[section.key]]`, by number; of the section if written otherwise."""
+        header = re.compile(rf"\s*\[\[\s*({section}\s*\.\s*{key})\s*\]\]")
+        found = (
+            self._span(line, match.start(1), match[1])
+            for line, text in enumerate(self.source.split("\n"), start=1)
+            if (match := header.match(text))
+        )
+        return next(islice(found, number, None), None) or self.span(section, key)
 
     def _item(self, start: int, item: str) -> Span | None:
         for number, line in enumerate(

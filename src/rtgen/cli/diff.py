@@ -1,0 +1,108 @@
+"""The command `rtgen diff`: compares two versions of definitions by their meaning."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import click
+
+from rtgen.cli.common import NO, OK, Console, Refusal, with_console, write_out
+from rtgen.diff.changes import Break
+from rtgen.diff.reading import Source, at_revision, opened, source_of
+
+_CLASSES = [str(each) for each in Break]
+
+
+@click.command()
+@click.argument("versions", nargs=-1, metavar="[OLD] [NEW]")
+@click.option(
+    "--against",
+    metavar="REVISION",
+    help="OLD is this git revision; then the argument is what to compare of both.",
+)
+@click.option(
+    "--use",
+    metavar="CLASS[,CLASS]...",
+    help="The classes that make the exit code 1: wire, source, stored, compatible; "
+    "default: what rtgen.toml says, else wire,source,stored.",
+)
+@click.option("--json", "json_wanted", is_flag=True, help="Print JSON (rtgen-diff/1).")
+@with_console
+def diff(
+    console: Console,
+    versions: tuple[str, ...],
+    against: str | None,
+    use: str | None,
+    json_wanted: bool,
+) -> int:
+    """Compare two versions of definitions: what changed, what breaks, and whom.
+
+    OLD and NEW are files, folders, or git revisions (main, HEAD~3, v1.2:specs/idl); NEW is the
+    working folder's project by default. Exit code 0: no change of the classes asked for;
+    1: some; 2: errors. Allowed breaks stand in rtgen.toml, each with a reason.
+
+    Example: rtgen diff --against main --use wire,stored
+    """
+    from contextlib import ExitStack
+
+    from rtgen.diff import report
+    from rtgen.diff.allowances import allowed
+    from rtgen.diff.compare import compare
+    from rtgen.diff.settings import settings
+
+    sources = _sources(versions, against)
+    chosen = settings()
+    asked = _asked(use, chosen.use)
+    with ExitStack() as stack:
+        old, new = (stack.enter_context(opened(each)) for each in sources)
+        changes = compare(old, new)
+    reasons, unused = allowed(changes, chosen.allowances)
+    if json_wanted:
+        from rtgen.inspection.indented_json import dumps
+
+        labels = (sources[0].label, sources[1].label)
+        write_out(dumps(report.as_json(labels, changes, reasons)) + "\n")
+        console.findings(unused)
+    else:
+        found = [report.finding(c, asked, reasons.get(c)) for c in changes]
+        console.findings([*found, *unused], {**old.sources, **new.sources})
+        console.say(_summary(report.counts(changes, reasons), len(changes)))
+    broken = any(report.is_asked(c, asked) for c in changes if c not in reasons)
+    return NO if broken else OK
+
+
+def _sources(versions: Sequence[str], against: str | None) -> list[Source]:
+    """The old and the new version."""
+    if against is not None:
+        if len(versions) > 1:
+            raise Refusal("--against takes one argument: what to compare of both")
+        old = source_of(against, revision=True)
+        if not versions:
+            return [old, Source("the working tree")]
+        path = Path(versions[0])
+        return [at_revision(old, path), source_of(versions[0])]
+    if not versions:
+        raise Refusal("name OLD, or --against REVISION")
+    if len(versions) > 2:
+        raise Refusal("two versions are compared, OLD and NEW")
+    found = [source_of(word) for word in versions]
+    return found if len(found) == 2 else [*found, Source("the working tree")]
+
+
+def _asked(use: str | None, default: tuple[Break, ...]) -> tuple[Break, ...]:
+    """The classes that were asked for."""
+    if use is None:
+        return default
+    words = [word.strip().lower() for word in use.split(",")]
+    for word in words:
+        if word not in _CLASSES:
+            raise Refusal(f"--use: {word!r} is none of {', '.join(_CLASSES)}")
+    return tuple(Break(word) for word in words)
+
+
+def _summary(counts: Mapping[str, int], number: int) -> str:
+    if not number:
+        return "no change of meaning"
+    parts = ", ".join(f"{count} {word}" for word, count in counts.items() if count)
+    return f"{number} change{'s' * (number != 1)}: {parts}"

@@ -1,0 +1,33 @@
+"""Compares two versions: all worlds, then whom the changes break."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from rtgen.diff.changes import Change
+from rtgen.diff.components import compare_components
+from rtgen.diff.declarations import compare_declarations
+from rtgen.diff.interfaces import compare_interfaces
+from rtgen.diff.users import users_of, with_users
+from rtgen.diff.versions import Version
+
+
+def compare(old: Version, new: Version) -> list[Change]:
+    """The changes between two versions, by code and subject."""
+    types = compare_declarations(old, new)
+    found = [*types.changes]
+    found += compare_interfaces(old, new, types.names)
+    found += compare_components(old, new, types.names)
+    users = users_of((old, new))
+    return sorted(
+        (_relabelled(each, old, new) for each in with_users(found, users)),
+        key=lambda c: (c.kind.code, c.subject, c.message),
+    )
+
+
+def _relabelled(each: Change, old: Version, new: Version) -> Change:
+    return replace(
+        each,
+        old=None if each.old is None else old.relabel(each.old),
+        new=None if each.new is None else new.relabel(each.new),
+    )

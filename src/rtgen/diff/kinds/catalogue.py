@@ -1,0 +1,27 @@
+"""All kinds of changes, and the rules of the command itself."""
+
+from __future__ import annotations
+
+from rtgen.diagnostics import Rule, Severity
+from rtgen.diff.changes import Kind
+from rtgen.diff.kinds import components, interfaces, types
+
+NO_VERSION = Rule("DIF0001", "no such version", Severity.ERROR)
+GIT_FAILED = Rule("DIF0002", "git cannot read the revision", Severity.ERROR)
+TOO_LARGE = Rule("DIF0003", "revision too large", Severity.ERROR)
+UNUSED_ALLOWANCE = Rule("DIF0004", "allowed break that is not there", Severity.WARNING)
+
+KINDS: tuple[Kind, ...] = (
+    *types.KINDS,
+    *interfaces.KINDS,
+    *components.KINDS,
+)
+"""Every kind of change, by code."""
+
+RULES: tuple[Rule, ...] = (
+    NO_VERSION,
+    GIT_FAILED,
+    TOO_LARGE,
+    UNUSED_ALLOWANCE,
+    *(kind.rule for kind in KINDS),
+)

@@ -1,0 +1,171 @@
+"""Whom changes break: the parts of the project that use what has changed."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+
+from rtgen.diff.changes import Break, Change, User
+from rtgen.diff.versions import Version
+from rtgen.model import (
+    ArrayType,
+    Component,
+    Interface,
+    MapType,
+    Model,
+    NamedType,
+    SequenceType,
+    System,
+    Type,
+    Typedef,
+)
+
+_KINDS = (
+    *("type", "operation", "component", "port", "instance", "connection", "system"),
+    *("celltype", "cell", "join", "node", "link"),
+)
+"""The kinds of users in the order of messages."""
+
+
+@dataclass(slots=True)
+class Users:
+    """Users of types, interfaces, components, signatures and devices, each by its name."""
+
+    direct: dict[str, set[User]] = field(default_factory=lambda: defaultdict(set))
+
+    def of(self, name: str) -> set[User]:
+        """All users of a name, those of its users too."""
+        seen: set[User] = set()
+        waiting = [name]
+        while waiting:
+            for user in self.direct.get(waiting.pop(), ()):
+                if user not in seen:
+                    seen.add(user)
+                    waiting.append(user.name)
+        return seen
+
+
+def users_of(versions: Iterable[Version]) -> Users:
+    """The users in all versions, since what is removed was used in the old one."""
+    users = Users()
+    for version in versions:
+        models = [version.model, *(p.model for p in version.model.packages)]
+        for model in models:
+            _of_interfaces(model, users)
+            _of_components(model, users)
+        for system in version.model.systems:
+            _of_system(system, users)
+        _of_boards(version.model, users)
+        _of_buses(version.model, users)
+    return users
+
+
+def with_users(changes: Iterable[Change], users: Users) -> Iterator[Change]:
+    """The changes with whom they break; compatible ones break nobody."""
+    for each in changes:
+        if each.classes == (Break.COMPATIBLE,):
+            yield replace(each, users=())
+            continue
+        found = set(each.users)
+        for user in each.users:
+            found |= users.of(user.name)
+        for name in _names_of(each):
+            found |= users.of(name)
+        own = {each.subject, each.subject.partition(".")[0]}
+        listed = (u for u in found if u.kind == "type" or u.name not in own)
+        order = sorted(listed, key=lambda u: (_KINDS.index(u.kind), u.name))
+        yield replace(each, users=tuple(order))
+
+
+def _names_of(each: Change) -> Iterator[str]:
+    """The names by which users refer to the subject: itself, and what it is part of."""
+    yield each.subject
+    whole, dot, _ = each.subject.rpartition(".")
+    if dot and not each.kind.code.startswith(("DIF03", "DIF05")):
+        yield whole.partition("(")[0]
+        yield whole.partition(".")[0]
+
+
+def _of_interfaces(model: Model, users: Users) -> None:
+    for interface in model.declarations:
+        if not isinstance(interface, Interface):
+            continue
+        for operation in interface.operations:
+            user = User("operation", f"{interface.scoped}.{operation.name}")
+            for type_ in (operation.returns, *(p.type for p in operation.parameters)):
+                for name in _named(type_, model):
+                    users.direct[name].add(user)
+        for base in interface.bases:
+            users.direct["::".join(base)].add(User("type", interface.scoped))
+
+
+def _of_components(model: Model, users: Users) -> None:
+    for component in model.declarations:
+        if not isinstance(component, Component):
+            continue
+        for port in component.ports:
+            user = User("port", f"{component.scoped}.{port.name}")
+            for name in _named(port.type, model):
+                users.direct[name].add(user)
+
+
+def _named(type_: Type, model: Model) -> Iterator[str]:
+    """The names in a type expression, those behind typedefs too."""
+    match type_:
+        case NamedType(name):
+            yield "::".join(name)
+            try:
+                declaration = model.find(name)
+            except KeyError:
+                return
+            if isinstance(declaration, Typedef):
+                yield from _named(declaration.type, model)
+        case SequenceType(element) | ArrayType(element):
+            yield from _named(element, model)
+        case MapType(key, value):
+            yield from _named(key, model)
+            yield from _named(value, model)
+
+
+def _of_system(system: System, users: Users) -> None:
+    types: Mapping[str, str] = {c.instance: c.type for c in system.components}
+    for instance, component in types.items():
+        users.direct[component].add(User("instance", f"{system.name}:{instance}"))
+        whole = User("system", system.name)
+        users.direct[f"{system.name}:{instance}"].add(whole)
+    for connection in system.connections:
+        name = f"{system.name}:{connection.source}-{connection.target}"
+        for end in (connection.source, connection.target):
+            component = types.get(end.instance, "")
+            users.direct[f"{component}.{end.port}"].add(User("connection", name))
+            users.direct[f"{system.name}:{end.instance}"].add(User("connection", name))
+
+
+def _of_boards(model: Model, users: Users) -> None:
+    from rtgen.model.tecs import Cell, Celltype
+
+    for unit in model.tecs:
+        for declaration in unit.declarations:
+            if isinstance(declaration, Celltype):
+                for port in declaration.ports:
+                    signature = "::".join(port.signature)
+                    users.direct[signature].add(User("celltype", declaration.scoped))
+            elif isinstance(declaration, Cell):
+                celltype = "::".join(declaration.celltype)
+                users.direct[celltype].add(User("cell", declaration.scoped))
+
+
+def _of_buses(model: Model, users: Users) -> None:
+    for bus in model.buses:
+        for node in bus.nodes:
+            user = User("node", f"{bus.name}.{node.name}")
+            described = node.kind.described or node.kind.device
+            users.direct[described.name].add(user)
+            for pdo in node.device.pdos:
+                name = f"{described.name}.{pdo.direction}{pdo.number}"
+                users.direct[name].add(user)
+        for link in bus.links:
+            name = f"{bus.name}.{link.source[0]}.{link.source[1]}-{link.target[0]}.{link.target[1]}"
+            for end in (link.source, link.target):
+                users.direct[f"{bus.name}.{end[0]}"].add(User("link", name))
