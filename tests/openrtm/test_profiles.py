@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import os
 import subprocess
 import sys
 from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+from type_checkers import check_by_mypy
 
 from rtgen.cli import run
 
@@ -32,9 +32,9 @@ class Made:
     module: Path
 
     @property
-    def places(self) -> list[str]:
+    def places(self) -> list[Path]:
         """The folders of the package and of the skeleton."""
-        return [str(self.folder / "generated"), str(self.folder / "src")]
+        return [self.folder / "generated", self.folder / "src"]
 
 
 @pytest.fixture(scope="module")
@@ -63,7 +63,7 @@ def test_embedded_packages(made: list[Made]) -> None:
     code = "import sys, importlib\n"
     code += "for n, p in enumerate(sys.argv[1:]):\n    sys.path.insert(0, p)\n"
     code += "    importlib.import_module(f'robots{n}.components')\n"
-    command = [sys.executable, "-c", code, *(each.places[0] for each in made)]
+    command = [sys.executable, "-c", code, *(str(each.places[0]) for each in made)]
     subprocess.run(command, check=True)
 
 
@@ -90,11 +90,4 @@ def test_types(made: list[Made]) -> None:
         places = [place for each in batch for place in each.places]
         checkable = [each.module for each in batch]
         checkable += [each.folder / "generated" / each.package for each in batch]
-        checked = subprocess.run(
-            [sys.executable, "-m", "mypy", "--strict", *map(str, checkable)],
-            env={**os.environ, "MYPYPATH": os.pathsep.join(places)},
-            capture_output=True,
-            text=True,
-            check=False,
-        )
-        assert checked.returncode == 0, checked.stdout[-2000:]
+        check_by_mypy(checkable, places)
