@@ -6,8 +6,12 @@ from rtgen.runtime.marshalling.nodes import (
     AtomArray,
     AtomSequence,
     Call,
+    Delimited,
     Group,
+    Member,
+    MemberList,
     Node,
+    Optional,
     Path,
     Records,
     Repeat,
@@ -18,10 +22,14 @@ from rtgen.runtime.marshalling.text import Body, Locals
 
 
 class Copier:
-    """Writes the body of `_snapshot_`."""
+    """Writes the body of `_snapshot_`.
 
-    def __init__(self, references: References) -> None:
+    `unset`: members of recursive types may be None, since `@external` ones are until they are set.
+    """
+
+    def __init__(self, references: References, unset: bool = False) -> None:
         self._refer = references
+        self._unset = unset
         self._locals = Locals(references.namespace)
         self.body = Body(references.namespace)
 
@@ -44,7 +52,17 @@ class Copier:
                     if inner == "item"
                     else f"[{inner} for item in {value}]"
                 )
-            case Group(type=type_, members=members):
+            case Delimited(node=inner_node):
+                return self.copy(inner_node, value, path)
+            case Optional(node=inner_node) | Member(node=inner_node, optional=True):
+                made = _Inline(self._refer, self._unset).copy(inner_node, value)
+                tested = self._unset and isinstance(inner_node, Call)
+                return made if made == value or tested else _unless_none(value, made)
+            case Member(node=inner_node):
+                return self.copy(inner_node, value, path)
+            case Group(type=type_, members=members) | MemberList(
+                type=type_, members=members
+            ):
                 if path:
                     variable = self._locals.name(path)
                     self.body.add(f"{variable} = {value}")
@@ -52,12 +70,13 @@ class Copier:
                 copies = [self.copy(n, f"{value}.{m}", (*path, m)) for m, n in members]
                 return f"{self._refer.made(type_)}({', '.join(copies)})"
             case Call():
-                return f"{value}._snapshot_()"
+                made = f"{value}._snapshot_()"
+                return _unless_none(value, made) if self._unset else made
         return value
 
     def _inner(self, node: Node) -> str:
         """The copy of `item`, within a comprehension."""
-        return _Inline(self._refer).copy(node, "item")
+        return _Inline(self._refer, self._unset).copy(node, "item")
 
 
 class _Inline(Copier):
@@ -70,6 +89,10 @@ class _Inline(Copier):
             ]
             return f"{self._refer.made(node.type)}({', '.join(copies)})"
         return super().copy(node, value)
+
+
+def _unless_none(value: str, made: str) -> str:
+    return f"None if {value} is None else {made}"
 
 
 def _copy_nested(value: str, depth: int) -> str:

@@ -17,6 +17,7 @@ from rtgen.runtime.marshalling.descriptors import (
 from rtgen.runtime.marshalling.encoder import Encoder
 from rtgen.runtime.marshalling.errors import FAILURES
 from rtgen.runtime.marshalling.faults import decoding_error, encoding_error
+from rtgen.runtime.marshalling.formats import Format
 from rtgen.runtime.marshalling.layout import (
     ANYWHERE,
     ORIGIN,
@@ -205,12 +206,15 @@ def _evolve(descriptor: Any, refer: References) -> Function:
 def _snapshot(descriptor: Any, refer: References) -> Function:
     """A deep copy; immutable values are shared."""
     head = "def _snapshot_(self):"
-    if is_dynamic(descriptor) or has_headers(descriptor):
+    if is_dynamic(descriptor):
         return head, [f"return {refer.function(deepcopy)}(self)"]
-    copier = Copier(refer)
+    headed = has_headers(descriptor)
+    # Classic CDR has no optional members.
+    format_ = Format(2) if headed else refer.format
+    copier = Copier(refer, unset=headed)
     if isinstance(descriptor, UnionDescriptor):
-        return head, unions.copy(descriptor, copier, refer)
-    expression = copier.copy(_group(descriptor, refer), "self")
+        return head, unions.copy(descriptor, copier, refer, format_)
+    expression = copier.copy(body_of(descriptor, format_), "self")
     return head, [*copier.body.lines, f"return {expression}"]
 
 

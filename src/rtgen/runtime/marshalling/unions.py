@@ -146,8 +146,10 @@ def _no_value(descriptor: UnionDescriptor, decoder: Decoder) -> None:
         decoder.body.end()
 
 
-def copy(descriptor: UnionDescriptor, copier: Copier, refer: References) -> list[str]:
-    """The body of `_snapshot_`."""
+def copy(
+    descriptor: UnionDescriptor, copier: Copier, refer: References, format_: Format
+) -> list[str]:
+    """The body of `_snapshot_`, from the trees of branches in a format."""
     made = refer.made(descriptor)
     body = copier.body
     body.add("inner = self.value")
@@ -155,9 +157,7 @@ def copy(descriptor: UnionDescriptor, copier: Copier, refer: References) -> list
     copied = []
     for head, branch in _choices(descriptor, "selected"):
         body.block(head)
-        copied.append(
-            copier.copy(tree_of(branch.type, refer.format), "inner", ("inner",))
-        )
+        copied.append(copier.copy(tree_of(branch.type, format_), "inner", ("inner",)))
         body.add("pass" if copied[-1] == "inner" else f"inner = {copied[-1]}")
         body.end()
     if all(text == "inner" for text in copied):
