@@ -17,6 +17,7 @@ COMMANDS = {
     "check": "Compare the tree with what generate would make.",
     "diff": "Compare two versions of definitions: what changed, what breaks, and whom.",
     "lint": "Look for what is better done otherwise.",
+    "fmt": "Put definitions in their form: spaces and line ends, never a token.",
     "inspect": "Show the resolved model of definitions or systems.",
     "run": "Run a system on the embedded runtime.",
     "graph": "Draw a system's components and connections as SVG.",

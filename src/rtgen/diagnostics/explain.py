@@ -26,6 +26,7 @@ MODULES = (
     "rtgen.frontends.openrtm_python.rules",
     "rtgen.typemap.profile_rules",
     "rtgen.frontends.rts_profile",
+    "rtgen.formatting.rules",
     "rtgen.lint.rules",
     "rtgen.project.rules",
     "rtgen.scaffold.rules",

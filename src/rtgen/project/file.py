@@ -71,9 +71,16 @@ def _one_of(*known: str) -> Check:
     return check
 
 
-def _room(value: Any) -> str | None:
-    fine = isinstance(value, int) and not isinstance(value, bool) and 0 < value <= 65535
-    return None if fine else "must be a number from 1 to 65535"
+def _number(least: int, greatest: int) -> Check:
+    def check(value: Any) -> str | None:
+        is_number = isinstance(value, int) and not isinstance(value, bool)
+        fine = is_number and least <= value <= greatest
+        return None if fine else f"must be a number from {least} to {greatest}"
+
+    return check
+
+
+_room = _number(1, 65535)
 
 
 def _factory(value: Any) -> str | None:
@@ -146,6 +153,7 @@ SCHEMA: dict[str, dict[str, Check] | Check] = {
     "components": _factory,
     "adapter": _adapter,
     "diff": {"use": _breaks, "allow": _allowances},
+    "fmt": {"line-length": _number(20, 1000), "indent": _number(1, 16)},
     "lint": {"ignore": _texts, "select": _texts},
     "plugin": _table,
 }

@@ -57,7 +57,7 @@ class Project(msgspec.Struct, frozen=True, kw_only=True):
     folders of the environment's TECSPATH, which imports of CDL are looked for in at last;
     `tecs_corba`: whether services of TECS boards can be called over CORBA. `node_id` is the
     node that devices are read for. `systems` are the RtsProfiles among the sources, which are no
-    definitions. `plugins` has the options of plug-ins, `[plugin.NAME]`.
+    definitions. `form` is `[fmt]`; `plugins` has the options of plug-ins, `[plugin.NAME]`.
     """
 
     root: Path
@@ -82,6 +82,7 @@ class Project(msgspec.Struct, frozen=True, kw_only=True):
     numeric: Numeric = "list"
     components: tuple[tuple[str, str], ...] = ()
     adapters: tuple[AdapterEntry, ...] = ()
+    form: Mapping[str, int] = msgspec.field(default_factory=dict)
     lint: tuple[tuple[str, str, Span], ...] = ()
     plugins: Mapping[str, Mapping[str, Any]] = msgspec.field(default_factory=dict)
     node_id: int | None = None
@@ -221,6 +222,7 @@ def load(start: Path | None = None) -> Project:
             )
             for name, table in settings.tables("adapter").items()
         ),
+        form=settings.content.get("fmt", {}),
         lint=tuple(
             (key, code, settings.span("lint", key, code))
             for key in ("ignore", "select")
@@ -295,9 +297,9 @@ def with_arguments(
 
 def _with_files(project: Project, paths: Iterable[Path]) -> Project:
     """The project with the files that are named, or stand below the folders that are."""
-    files = list(_files(paths, skip=project.output))
-    systems = [path for path in files if is_system(path)]
-    sources = [path for path in files if path not in systems]
+    found = list(files(paths, skip=project.output))
+    systems = [path for path in found if is_system(path)]
+    sources = [path for path in found if path not in systems]
     return replace(project, sources=tuple(sources), systems=tuple(systems))
 
 
@@ -361,7 +363,7 @@ def _normal(path: Path) -> Path:
     return Path(os.path.normpath(path))
 
 
-def _files(paths: Iterable[Path], skip: Path) -> Iterator[Path]:
+def files(paths: Iterable[Path], skip: Path) -> Iterator[Path]:
     """The definition files: those named, and those below the folders named, sorted, each once."""
     seen: set[Path] = set()
     for path in paths:

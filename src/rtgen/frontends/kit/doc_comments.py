@@ -93,7 +93,8 @@ class Docs:
         while index < len(self._comments):
             comment = self._comments[index]
             between = self._text[position : comment.start]
-            if between.strip(" \t\r;,") or (not found and "\n" in between):
+            mark = 0 if found else max(map(between.rfind, ";,")) + 1
+            if between[:mark].strip(" \t\r\n;,") or between[mark:].strip(" \t\r;,"):
                 break
             if not found and not comment.text.startswith(("//", *_TRAILING)):
                 break

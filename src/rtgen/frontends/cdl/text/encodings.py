@@ -45,6 +45,15 @@ def decode(data: bytes, encoding: str) -> tuple[str, str | None]:
     return _text(data, encoding), None
 
 
+def codec(data: bytes, encoding: str) -> str:
+    """Python's name of the encoding that `decode` reads a file in."""
+    if data.startswith(codecs.BOM_UTF8):
+        encoding = "utf8"
+    if encoding == "auto" or not _fits(data, encoding):
+        encoding, _ = _detected(data)
+    return _CODECS[encoding]
+
+
 def _fits(data: bytes, encoding: str) -> bool:
     if encoding in _FORMS:
         return _FORMS[encoding].fullmatch(data) is not None

@@ -1,0 +1,143 @@
+"""The command `rtgen fmt`: puts IDL and CDL files in their form."""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import click
+
+from rtgen.cli.common import BAD_INPUT, NO, OK, Console, with_console, write_out
+from rtgen.diagnostics import Diagnostic, InputError
+from rtgen.formatting import Options
+from rtgen.formatting.files import LANGUAGES, format_bytes, language_of
+from rtgen.formatting.rules import OTHER_FILE
+from rtgen.project import Project, load, shown
+from rtgen.project import files as files_below
+from rtgen.project.output import Change
+
+_STANDARD_INPUT = "-"
+_RANGE = re.compile(r"(\d{1,9}):(\d{1,9})")
+
+
+def _lines(
+    context: click.Context, parameter: click.Parameter, value: str | None
+) -> tuple[int, int] | None:
+    if value is None:
+        return None
+    match = _RANGE.fullmatch(value)
+    if match is None or not 1 <= int(match[1]) <= int(match[2]):
+        raise click.BadParameter("write it FIRST:LAST, from 1", context, parameter)
+    return int(match[1]), int(match[2])
+
+
+@click.command(epilog="Example: rtgen fmt --check specs")
+@click.argument("paths", nargs=-1, metavar="[PATH|-]...")
+@click.option("--check", is_flag=True, help="Print the files that are not in form.")
+@click.option("--diff", "as_diff", is_flag=True, help="Print a unified diff instead.")
+@click.option(
+    "--range",
+    "lines",
+    metavar="FIRST:LAST",
+    callback=_lines,
+    help="Change statements in these lines of a single file only.",
+)
+@click.option(
+    "--stdin-filename",
+    metavar="FILE",
+    default="stdin.idl",
+    show_default=True,
+    help="The name that standard input is formatted and reported as.",
+)
+@with_console
+def fmt(
+    console: Console,
+    paths: tuple[str, ...],
+    check: bool,
+    as_diff: bool,
+    lines: tuple[int, int] | None,
+    stdin_filename: str,
+) -> int:
+    """Put IDL and CDL files in their form: indentation, spaces, line ends.
+
+    PATH is a file, a folder with such files below it, or - for standard input; without PATH the
+    sources of rtgen.toml. Comments, preprocessor lines and tokens stay as they are. Exit code 0:
+    done; 1: --check or --diff has found files that are not in form; 2: errors, and nothing is
+    written.
+    """
+    project = load()
+    options = Options(**{k.replace("-", "_"): v for k, v in project.form.items()})
+    if _STANDARD_INPUT in paths:
+        if len(paths) > 1:
+            raise click.UsageError("standard input is formatted alone")
+        inputs = [(Path(stdin_filename), sys.stdin.buffer.read())]
+    else:
+        inputs = [(path, _content(path)) for path in _files(project, paths)]
+    if lines is not None and len(inputs) != 1:
+        raise click.UsageError("--range is for a single file")
+    changes: list[Change] = []
+    found: list[Diagnostic] = []
+    for path, data in inputs:
+        try:
+            new = format_bytes(
+                data, path.as_posix(), options, kcode=project.kcode, lines=lines
+            )
+        except InputError as error:
+            found += error.diagnostics
+            continue
+        if new != data:
+            changes.append(Change(path, data, new))
+        if _STANDARD_INPUT in paths and not (check or as_diff):
+            write_out(new)
+            return OK
+    console.findings(found)
+    if found:
+        return BAD_INPUT
+    if check or as_diff:
+        _print(changes, as_diff)
+        return NO if changes else OK
+    _write(console, changes, len(inputs))
+    return OK
+
+
+def _files(project: Project, paths: tuple[str, ...]) -> Iterator[Path]:
+    """The files to format. Raises InputError for a file that has no form."""
+    if not paths and project.file is None:
+        raise click.UsageError("no rtgen.toml here or in a folder above: name a PATH")
+    named = [Path(path) for path in paths] or project.sources
+    for path in files_below(named, skip=project.output):
+        if path in named and paths:
+            language_of(path.as_posix())
+        if path.suffix.lower() in LANGUAGES:
+            yield path
+
+
+def _content(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        message = f"{path.as_posix()} cannot be read: {error.strerror or error}"
+        raise InputError([OTHER_FILE.at(None, message)]) from error
+
+
+def _print(changes: list[Change], as_diff: bool) -> None:
+    if as_diff:
+        from rtgen.cli.diffs import diff
+
+        write_out(diff(changes))
+    else:
+        write_out("".join(f"{shown(change.path)}\n" for change in changes))
+
+
+def _write(console: Console, changes: list[Change], number: int) -> None:
+    from rtgen.cli.can.common import counted
+    from rtgen.project.rewriting import rewrite
+
+    for change in changes:
+        assert change.new is not None
+        rewrite(change.path, change.new)
+        console.say(f"formatted {shown(change.path)}")
+    kept = number - len(changes)
+    console.say(f"{counted(len(changes), 'file')} formatted, {kept} left as they are")

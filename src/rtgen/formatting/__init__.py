@@ -1,0 +1,136 @@
+"""The form of IDL and CDL texts: indentation, spaces and line ends; never a token or a comment.
+
+`format_text` works on the text before preprocessing, so files that cannot be read whole have a
+form too. The form is that of the examples in OMG IDL 4.2 and of the signatures of TECS.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from rtgen.formatting.layout import Layout, Line
+from rtgen.formatting.tokens import Language, LexicalError, tokens
+from rtgen.formatting.wrapping import Frame
+
+__all__ = [
+    "DEFAULT",
+    "Edit",
+    "Language",
+    "LexicalError",
+    "Options",
+    "changed_text",
+    "edits",
+    "format_text",
+]
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """The form: columns of a line at most, and of a step of indentation."""
+
+    line_length: int = 100
+    indent: int = 4
+
+
+@dataclass(frozen=True, slots=True)
+class Edit:
+    """Replaces [start, end) of a text."""
+
+    start: int
+    end: int
+    text: str
+
+
+DEFAULT = Options()
+
+
+def format_text(text: str, language: Language, options: Options = DEFAULT) -> str:
+    """The text in its form. Raises LexicalError where it is not made of tokens.
+
+    Line ends are `\\n`, in the text and in the result.
+    """
+    return changed_text(text, language, options, None)
+
+
+def changed_text(
+    text: str, language: Language, options: Options, lines: tuple[int, int] | None
+) -> str:
+    """The text with its `edits`. Raises LexicalError."""
+    parts: list[str] = []
+    done = 0
+    for edit in edits(text, language, options, lines):
+        parts += text[done : edit.start], edit.text
+        done = edit.end
+    return "".join([*parts, text[done:]])
+
+
+def edits(
+    text: str,
+    language: Language,
+    options: Options = DEFAULT,
+    lines: tuple[int, int] | None = None,
+) -> list[Edit]:
+    """What `format_text` changes, in order; only statements within `lines`, first to last, from 1.
+
+    Raises LexicalError.
+    """
+    found = tokens(text, language)
+    frame = Frame(options.line_length, options.indent)
+    laid = Layout(text, found, language, frame).run()
+    _align(laid)
+    low, high = (0, len(text) + 1) if lines is None else _offsets(text, lines)
+    changed: list[Edit] = []
+    start, parts = 0, [""]
+    for line in [*laid, None]:
+        token = None if line is None else found[line.token]
+        if token is None or token.breaks:
+            end = len(text)
+            if token is not None and line is not None and line.token:
+                end = text.find("\n", found[line.token - 1].end, token.start) + 1
+            elif token is not None:
+                end = 0
+            new = "".join(parts)
+            if text[start:end] != new and start < high and end > low:
+                changed.append(Edit(start, end, new))
+            start, parts = end, []
+        if line is not None:
+            parts.append(_shown(line))
+    return changed
+
+
+def _offsets(text: str, lines: tuple[int, int]) -> tuple[int, int]:
+    """The offsets of the beginning of the first line and of the end of the last one."""
+    ends = [0, *(match.end() for match in re.finditer("\n", text)), len(text) + 1]
+    first, last = (min(number, len(ends) - 1) for number in lines)
+    return ends[first - 1], ends[last]
+
+
+def _shown(line: Line) -> str:
+    blank = "\n" if line.blank else ""
+    behind = "".join(f" {comment}" for comment in line.behind)
+    return f"{blank}{line.text}{behind}\n"
+
+
+def _align(lines: Sequence[Line]) -> None:
+    """Put comments behind consecutive lines below each other where the source has done so."""
+    run: list[Line] = []
+    for line in [*lines, None]:
+        goes_on = (
+            line is not None
+            and bool(line.behind)
+            and "\n" not in line.text
+            and "\n" not in line.behind[0]
+            and (not run or (not line.blank and line.column == run[0].column))
+        )
+        if goes_on and line is not None:
+            run.append(line)
+            continue
+        if len(run) > 1:
+            width = max(len(each.text) for each in run)
+            for each in run:
+                each.text = each.text.ljust(width)
+        run = []
+        if line is not None and line.behind and "\n" not in line.text:
+            run = [line]

@@ -1,0 +1,89 @@
+"""The form of whole files: their encoding, byte-order mark and line ends are kept."""
+
+from __future__ import annotations
+
+import codecs
+from dataclasses import dataclass
+from pathlib import PurePath
+
+from rtgen.diagnostics import InputError
+from rtgen.formatting import DEFAULT, Options, changed_text
+from rtgen.formatting.rules import NO_TOKENS, OTHER_FILE
+from rtgen.formatting.tokens import Language, LexicalError
+from rtgen.frontends.cdl.text import encodings
+from rtgen.frontends.kit.library import MAX_BYTES
+from rtgen.frontends.kit.lines import LineTable
+
+LANGUAGES = {".idl": Language.IDL, ".cdl": Language.CDL}
+"""Suffix to language, in lower case."""
+
+_BYTES = "latin-1"
+
+
+@dataclass(frozen=True, slots=True)
+class Content:
+    """A file as text, and how the text becomes bytes again."""
+
+    text: str
+    codec: str
+    mark: bytes
+    line_end: str
+
+    def encoded(self, text: str) -> bytes:
+        """Another text as bytes of the same form."""
+        return self.mark + text.replace("\n", self.line_end).encode(self.codec)
+
+
+def language_of(name: str) -> Language:
+    """The language of a file by its name. Raises InputError."""
+    language = LANGUAGES.get(PurePath(name).suffix.lower())
+    if language is None:
+        known = ", ".join(f"*{suffix}" for suffix in LANGUAGES)
+        message = f"{name} has no form that rtgen knows"
+        raise InputError([OTHER_FILE.at(None, message, hint=f"it knows {known}")])
+    return language
+
+
+def content(data: bytes, language: Language, kcode: str = "auto") -> Content:
+    """Decode a file; `kcode` is the encoding of CDL files."""
+    mark = codecs.BOM_UTF8 if data.startswith(codecs.BOM_UTF8) else b""
+    body = data.removeprefix(mark)
+    wanted = "utf-8" if language is Language.IDL else encodings.codec(data, kcode)
+    codec = next((c for c in (wanted, "utf-8") if _is_kept(body, c)), _BYTES)
+    text = body.decode(codec)
+    windows = text.count("\r\n")
+    line_end = "\r\n" if 2 * windows > text.count("\n") else "\n"
+    return Content(text.replace("\r\n", "\n"), codec, mark, line_end)
+
+
+def _is_kept(data: bytes, codec: str) -> bool:
+    """Whether the bytes become text and again the same bytes."""
+    try:
+        return data.decode(codec).encode(codec) == data
+    except UnicodeError:
+        return False
+
+
+def format_bytes(
+    data: bytes,
+    name: str,
+    options: Options = DEFAULT,
+    *,
+    kcode: str = "auto",
+    lines: tuple[int, int] | None = None,
+) -> bytes:
+    """The content of the file `name` in its form; `lines`: only what is within them.
+
+    Raises InputError where the file has no form or is not made of tokens.
+    """
+    language = language_of(name)
+    if len(data) > MAX_BYTES:
+        message = f"{name} is larger than {MAX_BYTES:,} bytes"
+        raise InputError([OTHER_FILE.at(None, message)])
+    read = content(data, language, kcode)
+    try:
+        return read.encoded(changed_text(read.text, language, options, lines))
+    except LexicalError as error:
+        span = LineTable(name, read.text).span(error.start, error.end)
+        found = NO_TOKENS.at(span, error.message, hint=error.hint)
+        raise InputError([found]) from None

@@ -1,0 +1,455 @@
+"""Lays out a text: statements, blocks, comments and preprocessor lines, one after the other."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from rtgen.formatting.spacing import BINARY, LABELS, Spacing
+from rtgen.formatting.tokens import COMMENTS, Kind, Language, Token
+from rtgen.formatting.wrapping import LAST_RESORT, Frame, Piece, moved, wrapped
+
+_LISTS = frozenset(("enum", "bitmask", "enum8", "enum16", "enum32", "enum64"))
+_OPEN_BLOCKS = frozenset(("module", "namespace", "region"))
+"""Blocks that never stand in one line."""
+_HEADS = frozenset(("signature", "celltype", "cell", "composite", "region"))
+"""Words of CDL whose specifiers have a line of their own."""
+_CLAUSES = frozenset(
+    ("raises", "getraises", "setraises", "context", "supports", "manages")
+)
+_BRACKETS = {")": "(", "]": "[", "}": "{"}
+
+
+@dataclass(slots=True)
+class Line:
+    """A line of the result, or some that belong together.
+
+    `token` is the number of its first token. `behind` are comments behind it, `column` that of the
+    first of them in the source.
+    """
+
+    text: str
+    token: int
+    blank: bool = False
+    opens: bool = False
+    behind: list[str] = field(default_factory=list)
+    column: int = 0
+
+
+class _State(NamedTuple):
+    """What a branch of `#if` begins with."""
+
+    blocks: tuple[bool, ...]
+    spacing: Spacing
+    continued: bool
+    labelled: bool
+
+
+class Layout:
+    """Lays out tokens; `lines` is the result."""
+
+    def __init__(
+        self, text: str, found: list[Token], language: Language, frame: Frame
+    ) -> None:
+        self._text = text
+        self._tokens = found
+        self._language = language
+        self._frame = frame
+        self.lines: list[Line] = []
+        self._blocks: tuple[bool, ...] = ()
+        self._pieces: list[Piece] = []
+        self._begin = 0
+        self._words: list[str] = []
+        self._spacing = Spacing(language)
+        self._continued = False
+        self._labelled = False
+        self._branches: list[tuple[_State, _State | None]] = []
+        self._last: Token | None = None
+        self._flat_until = 0
+
+    def run(self) -> list[Line]:
+        """The lines, in order."""
+        index = 0
+        while index < len(self._tokens):
+            token = self._tokens[index]
+            if token.kind in COMMENTS:
+                self._between(token)
+                if not self._pieces:
+                    index = self._comments(index)
+                    continue
+            if token.kind is Kind.END:
+                self._flush()
+            elif token.kind is Kind.DIRECTIVE:
+                self._directive(index, token)
+            elif token.kind is Kind.VERBATIM and token.text[0] == "_":
+                self._flush()
+                self._emit(token.text, index, token)
+            else:
+                self._token(index, token)
+            index = max(index + 1, self._flat_until)
+            self._last = self._tokens[index - 1]
+        return self.lines
+
+    # Lines
+
+    @property
+    def _indent(self) -> int:
+        return self._frame.step * len(self._blocks)
+
+    def _emit(self, text: str, index: int, token: Token) -> Line:
+        """Append a line whose first token is given."""
+        first = not self.lines
+        blank = token.breaks > 1 and not first and not self.lines[-1].opens
+        line = Line(text, index, blank and token.text != "}")
+        self.lines.append(line)
+        return line
+
+    def _flush(self, ends: bool = True) -> None:
+        """Print what the statement has so far; `ends`: it is complete."""
+        pieces = self._pieces
+        if pieces:
+            behind: list[Piece] = []
+            while (
+                len(pieces) > 1
+                and pieces[-1].column is not None
+                and not pieces[-1].must
+            ):
+                behind.insert(0, pieces.pop())
+            indent = self._indent + self._frame.step * self._labelled
+            step = 2 * self._frame.step
+            start = indent + (step if self._continued else 0)
+            text = "\n".join(wrapped(pieces, indent, self._frame, start))
+            line = self._emit(text, self._begin, self._tokens[self._begin])
+            for piece in behind:
+                self._behind(line, piece.text, piece.column or 0)
+            self._pieces = []
+        if ends:
+            self._spacing = Spacing(self._language)
+            self._words = []
+            self._continued = False
+            self._labelled = False
+        elif pieces:
+            self._continued = True
+
+    def _behind(self, line: Line, text: str, column: int) -> None:
+        if not line.behind:
+            line.column = column
+        if "\n" in text:
+            _, _, last = line.text.rpartition("\n")
+            before = [last, *line.behind]
+            text = moved(text, column, sum(len(each) + 1 for each in before))
+        line.behind.append(text)
+
+    def _column(self, token: Token) -> int:
+        return token.start - self._text.rfind("\n", 0, token.start) - 1
+
+    # Comments and preprocessor lines
+
+    def _comments(self, index: int) -> int:
+        """Comments between statements; the number of the token behind them."""
+        token = self._tokens[index]
+        if not token.breaks and self.lines and self._may_follow():
+            self._behind(self.lines[-1], _stripped(token.text), self._column(token))
+            self._last = token
+            return index + 1
+        end = index + 1
+        while (
+            self._tokens[end].kind in COMMENTS
+            and not self._tokens[end].breaks
+            and self._tokens[end - 1].kind is Kind.BLOCK_COMMENT
+        ):
+            end += 1
+        follower = self._tokens[end]
+        alone = (
+            follower.breaks
+            or self._tokens[end - 1].kind is Kind.LINE_COMMENT
+            or follower.kind in (Kind.END, Kind.DIRECTIVE)
+            or follower.text == "}"
+        )
+        if alone:
+            indent = self._indent + self._frame.step * self._labelled
+            pieces = [self._comment_piece(each) for each in self._tokens[index:end]]
+            frame = Frame(1 << 30, self._frame.step)
+            text = "\n".join(wrapped(pieces, indent, frame))
+            self._emit(text, index, token)
+        else:
+            self._begin = index
+            self._pieces = [self._comment_piece(t) for t in self._tokens[index:end]]
+            self._spacing.space(self._tokens[end - 1])
+        self._last = self._tokens[end - 1]
+        return end
+
+    def _may_follow(self) -> bool:
+        last = self._last
+        return last is not None and last.kind is not Kind.DIRECTIVE
+
+    def _comment_piece(self, token: Token) -> Piece:
+        column = self._column(token)
+        return Piece(_stripped(token.text), True, column=column)
+
+    def _directive(self, index: int, token: Token) -> None:
+        word = token.text[1:].lstrip(" \t").split(maxsplit=1)[:1]
+        open_ended = bool(self._pieces) and not self._is_closed()
+        in_list = bool(self._blocks) and self._blocks[-1]
+        if in_list and not self._spacing.brackets:
+            open_ended = False
+        self._flush(ends=not (open_ended or self._continued))
+        self._emit(_stripped(token.text), index, token)
+        match word:
+            case ["if" | "ifdef" | "ifndef"]:
+                self._branches.append((self._state(), None))
+            case ["else" | "elif"] if self._branches:
+                begin, first = self._branches[-1]
+                self._branches[-1] = (begin, first or self._state())
+                self._restore(begin)
+            case ["endif"] if self._branches:
+                _, first = self._branches.pop()
+                if first is not None:
+                    self._restore(first)
+
+    def _state(self) -> _State:
+        spacing = self._spacing.copy()
+        return _State(self._blocks, spacing, self._continued, self._labelled)
+
+    def _restore(self, state: _State) -> None:
+        self._blocks = state.blocks
+        self._spacing = state.spacing.copy()
+        self._continued = state.continued
+        self._labelled = state.labelled
+
+    # Statements
+
+    def _token(self, index: int, token: Token) -> None:
+        text = token.text
+        mark = token.kind is Kind.MARK
+        if mark and text in (";", "}") and not self._in_braces():
+            self._spacing.brackets.clear()
+        inner = bool(self._spacing.brackets)
+        if mark and text == "}" and not inner:
+            self._close(index)
+            return
+        if mark and text == "{" and not inner and not self._is_value():
+            self._open(index)
+            return
+        self._between(token)
+        self._append(index, token)
+        if not mark or self._spacing.brackets:
+            return
+        if text == ";" or (text == "," and self._blocks and self._blocks[-1]):
+            self._flush()
+        elif text == ":" and self._words[:1] and self._words[0] in LABELS:
+            self._label(index)
+
+    def _in_braces(self) -> bool:
+        return any(each.mark == "{" for each in self._spacing.brackets)
+
+    def _is_value(self) -> bool:
+        """Whether a `{` here begins an initialiser."""
+        return self._last is not None and self._last.text == "=" and bool(self._pieces)
+
+    def _is_closed(self) -> bool:
+        """Whether the statement so far is the end of a block, and comments."""
+        for piece in reversed(self._pieces):
+            if piece.column is None:
+                return piece.text == "}" and not self._spacing.brackets
+        return False
+
+    def _between(self, token: Token) -> None:
+        """Ends a line behind annotations or specifiers, and behind a closed block."""
+        if not self._pieces or self._spacing.brackets:
+            return
+        if self._is_closed():
+            if token.breaks and token.text not in (";", ","):
+                self._flush()
+        elif self._is_ahead(token) and (
+            token.breaks
+            or (
+                token.text in _HEADS
+                and self._last is not None
+                and self._last.text == "]"
+            )
+        ):
+            labelled = self._labelled
+            self._flush()
+            self._labelled = labelled
+
+    def _is_ahead(self, token: Token) -> bool:
+        """Whether the statement has had annotations or specifiers only."""
+        if self._words or (token.kind is Kind.MARK and token.text in ("(", ";", ",")):
+            return False
+        return any(p.closes in ("[", "(") or p.text[0] == "@" for p in self._pieces)
+
+    def _append(self, index: int, token: Token, is_block: bool = False) -> None:
+        if not self._pieces:
+            self._begin = index
+            if token.text in LABELS:
+                self._labelled = False
+        last = self._tokens[index - 1] if index else None
+        spacing = self._spacing
+        depth = spacing.depth
+        innermost = spacing.innermost
+        comment = token.kind in COMMENTS
+        piece = Piece(_stripped(token.text) if comment else token.text, False)
+        closes_templates = token.text == ">>" and self._closes_templates(index)
+        piece.space = spacing.space(
+            token, closes_templates=closes_templates, is_block=is_block
+        )
+        if token.kind is Kind.ANNOTATION:
+            piece.text = "@" + token.text[1:].lstrip()
+        if comment:
+            piece.column = self._column(token)
+        if last is not None and self._pieces:
+            piece.must = self._must(last, token, innermost)
+            piece.may = self._may(last, token, depth)
+        if token.kind is Kind.MARK:
+            if spacing.depth > depth:
+                piece.opens = token.text
+            elif token.text in _BRACKETS:
+                piece.closes = _BRACKETS[token.text]
+            elif token.text in (">", ">>") and spacing.depth < depth:
+                piece.closes = "<"
+        if not depth and token.kind is Kind.WORD:
+            self._words.append(token.text)
+        self._pieces.append(piece)
+
+    def _must(self, last: Token, token: Token, innermost: str) -> bool:
+        if last.kind is Kind.LINE_COMMENT:
+            return True
+        if token.breaks and (token.kind in COMMENTS or last.kind in COMMENTS):
+            return True
+        if innermost == "{" and token.breaks:
+            return last.text in ("{", ",") or token.text == "}"
+        if last.text in ("<", "<=", "<<") and self._language is Language.CDL:
+            return self._is_followed_by_greater(token)
+        return False
+
+    def _is_followed_by_greater(self, token: Token) -> bool:
+        """Whether a `<` that is alone in its line would become an angle string."""
+        end = self._text.find(";", token.start)
+        return ">" in self._text[token.start : end if end >= 0 else None]
+
+    def _may(self, last: Token, token: Token, depth: int) -> int | None:
+        if token.kind in COMMENTS or token.text in (")", "]", "}", ",", ";"):
+            return None
+        if last.text == "," and last.kind is Kind.MARK:
+            return depth
+        if token.kind is Kind.WORD and token.text in _CLAUSES and not depth:
+            return 0
+        if last.kind is Kind.MARK:
+            if last.text == ":" and not depth and not self._words:
+                return 0
+            if last.text == "=" and not depth:
+                return 1
+            if last.text == "(":
+                return LAST_RESORT + depth
+            if not depth and last.text in (")", "]") and self._is_ahead(token):
+                return 0
+        if token.kind is Kind.MARK and token.text in BINARY and depth < LAST_RESORT:
+            closes = token.text in ("*", "&") and self._language is Language.CDL
+            return None if closes or self._spacing.innermost == "<" else depth + 1
+        if token.kind is last.kind is Kind.STRING:
+            return depth + 1
+        return None
+
+    def _closes_templates(self, index: int) -> bool:
+        """Whether a `>>` closes two templates, and is no shift in a bound."""
+        brackets = self._spacing.brackets
+        if [each.mark for each in brackets[-2:]] != ["<", "<"]:
+            return False
+        depth = sum(each.mark == "<" for each in brackets)
+        for place in range(index + 1, min(index + 200, len(self._tokens))):
+            token = self._tokens[place]
+            if token.kind is Kind.MARK and token.text in (";", "{", "}"):
+                break
+            if token.kind is Kind.MARK and token.text.startswith(">"):
+                depth -= len(token.text)
+        return depth > 0
+
+    def _label(self, index: int) -> None:
+        """A label of a union's branch, with the branch in its line if it was there."""
+        follower = self._tokens[index + 1]
+        self._words = []
+        if follower.breaks or follower.kind in COMMENTS:
+            self._flush()
+            self._labelled = True
+
+    # Blocks
+
+    def _open(self, index: int) -> None:
+        words = self._words
+        if self._inline(index):
+            return
+        token = self._tokens[index]
+        self._append(index, token, is_block=True)
+        is_list = not _LISTS.isdisjoint(words)
+        self._flush()
+        self.lines[-1].opens = True
+        self._blocks = (*self._blocks, is_list)
+
+    def _inline(self, index: int) -> bool:
+        """Lay out a block in one line, if it is written so, is short and fits."""
+        end = self._end_of_short(index)
+        if end is None:
+            return False
+        pieces, words, begin = self._pieces, self._words, self._begin
+        spacing = self._spacing.copy()
+        self._pieces, self._words = list(pieces), list(words)
+        for place in range(index, end):
+            self._append(place, self._tokens[place], is_block=place == index)
+        texts = [piece.text for piece in self._pieces]
+        length = sum(map(len, texts)) + sum(p.space for p in self._pieces[1:]) + 1
+        fits = self._indent + length <= self._frame.width or end == index + 2
+        if fits and not any(piece.must for piece in self._pieces):
+            for piece in self._pieces:
+                piece.may = None if end > index + 2 else piece.may
+            self._flat_until = end
+            return True
+        self._pieces, self._words, self._begin = pieces, words, begin
+        self._spacing = spacing
+        return False
+
+    def _end_of_short(self, index: int) -> int | None:
+        """The number behind the `}` of a block that may stand in one line."""
+        follower = self._tokens[index + 1]
+        if follower.text == "}" and follower.kind is Kind.MARK:
+            return index + 2
+        if not _OPEN_BLOCKS.isdisjoint(self._words):
+            return None
+        limit = self._tokens[index].start + self._frame.width
+        statements = 0
+        depth = 0
+        for place in range(index + 1, len(self._tokens)):
+            token = self._tokens[place]
+            if token.breaks or token.start > limit or token.kind is Kind.END:
+                return None
+            if token.kind in (*COMMENTS, Kind.DIRECTIVE, Kind.VERBATIM):
+                return None
+            if token.kind is not Kind.MARK:
+                continue
+            if token.text in "([":
+                depth += 1
+            elif token.text in ")]":
+                depth -= 1
+            elif token.text == "{":
+                if not depth and self._tokens[place - 1].text != "=":
+                    return None
+                depth += 1
+            elif token.text == ";" and not depth:
+                statements += 1
+            elif token.text == "}":
+                if not depth:
+                    return place + 1 if statements < 2 else None
+                depth -= 1
+        return None
+
+    def _close(self, index: int) -> None:
+        self._flush()
+        self._blocks = self._blocks[:-1]
+        self._append(index, self._tokens[index])
+        self._pieces[-1].closes = "block"
+
+
+def _stripped(text: str) -> str:
+    """A comment or directive without blanks at its end, where they have no meaning."""
+    bare = text.rstrip(" \t\r\f\v")
+    return text if bare.endswith("\\") else bare

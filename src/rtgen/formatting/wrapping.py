@@ -1,0 +1,180 @@
+"""Breaks a statement into lines: where it has to, and where it is longer than a line."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+LAST_RESORT = 100
+"""Priority of a break directly behind an opening bracket."""
+
+
+@dataclass(slots=True)
+class Piece:
+    """A token with its layout.
+
+    `opens`, `closes`: the bracket that the piece is, or an empty text. `must`: a line ends before
+    the piece. `may`: how bad a break before it is; None where a line may not end. `column` is that
+    of a comment in the source, whose further lines are moved with it.
+    """
+
+    text: str
+    space: bool
+    opens: str = ""
+    closes: str = ""
+    must: bool = False
+    may: int | None = None
+    column: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """Widths of a layout in columns."""
+
+    width: int
+    step: int
+
+
+@dataclass(slots=True)
+class _Open:
+    mark: str
+    column: int | None
+
+
+@dataclass(slots=True)
+class _Point:
+    """A place where the line may end, and the state of the line before it."""
+
+    may: int
+    piece: int
+    parts: int
+    opened: list[_Open]
+
+
+class _Wrapping:
+    def __init__(self, pieces: Sequence[Piece], indent: int, frame: Frame) -> None:
+        self._pieces = pieces
+        self._indent = indent
+        self._frame = frame
+        self._lines: list[str] = []
+        self._open: list[_Open] = []
+        self._points: list[_Point] = []
+        self._parts: list[str] = []
+        self._column = 0
+
+    def lines(self, first: int) -> list[str]:
+        self._start(first)
+        index = 0
+        while index < len(self._pieces):
+            piece = self._pieces[index]
+            fresh = len(self._parts) == 1
+            if not fresh and piece.must:
+                self._end_line(index)
+                fresh = True
+            elif not fresh and not self._fits(piece):
+                self._mark(index, piece)
+                if self._points:
+                    index = self._rewind()
+                    continue
+            elif not fresh:
+                self._mark(index, piece)
+            self._add(piece, fresh)
+            index += 1
+        self._lines.append("".join(self._parts))
+        return self._lines
+
+    def _start(self, column: int) -> None:
+        self._parts = [" " * column]
+        self._column = column
+        self._points = []
+
+    def _fits(self, piece: Piece) -> bool:
+        first, _, _ = piece.text.partition("\n")
+        return self._column + piece.space + len(first) <= self._frame.width
+
+    def _mark(self, index: int, piece: Piece) -> None:
+        if piece.may is not None:
+            opened = [_Open(each.mark, each.column) for each in self._open]
+            point = _Point(piece.may, index, len(self._parts), opened)
+            while self._points and self._points[-1].may >= piece.may:
+                self._points.pop()
+            self._points.append(point)
+
+    def _rewind(self) -> int:
+        """End the line at the best point so far; the piece to go on with."""
+        point = self._points[0]
+        del self._parts[point.parts :]
+        self._open = point.opened
+        self._end_line(point.piece)
+        return point.piece
+
+    def _end_line(self, index: int) -> None:
+        self._lines.append("".join(self._parts))
+        if index and self._pieces[index - 1].opens and self._open:
+            self._open[-1].column = None
+        self._start(self._continuation(self._pieces[index]))
+
+    def _continuation(self, piece: Piece) -> int:
+        step = self._frame.step
+        braces = sum(each.mark == "{" for each in self._open)
+        if braces and self._open[-1].mark == "{":
+            return self._indent + step * (braces - (piece.closes == "{"))
+        column = self._open[-1].column if self._open else None
+        if column is not None and column <= self._frame.width // 2:
+            return column
+        return self._indent + 2 * step
+
+    def _add(self, piece: Piece, fresh: bool) -> None:
+        if piece.space and not fresh:
+            self._parts.append(" ")
+            self._column += 1
+        text = piece.text
+        if piece.column is not None and "\n" in text:
+            text = moved(text, piece.column, self._column)
+        self._parts.append(text)
+        _, newline, last = text.rpartition("\n")
+        self._column = len(last) if newline else self._column + len(last)
+        if piece.opens:
+            self._open.append(_Open(piece.opens, self._column))
+        elif piece.closes:
+            for _ in piece.text if piece.closes == "<" else "}":
+                while self._open and self._open[-1].mark != piece.closes:
+                    self._open.pop()
+                if self._open:
+                    self._open.pop()
+
+
+def wrapped(
+    pieces: Sequence[Piece], indent: int, frame: Frame, first: int | None = None
+) -> list[str]:
+    """The lines of a statement that is indented by `indent`; the first one begins at `first`."""
+    return _Wrapping(pieces, indent, frame).lines(indent if first is None else first)
+
+
+def moved(comment: str, column: int, target: int) -> str:
+    """A comment of several lines whose beginning moves from one column to another.
+
+    The stars of a documentation comment stand below each other; other lines keep their distance,
+    where they can.
+    """
+    if comment.startswith("//"):
+        return comment
+    first, *rest = [line.rstrip(" \t") for line in comment.split("\n")]
+    if all(not line or line.lstrip(" \t").startswith("*") for line in rest):
+        starred = (line.lstrip(" \t") for line in rest)
+        return "\n".join(
+            [
+                first,
+                *(f"{' ' * (target + 1)}{line}" if line else "" for line in starred),
+            ]
+        )
+    distance = target - column
+    if any("\t" in line[: len(line) - len(line.lstrip())] for line in rest):
+        distance = 0
+    if distance < 0 and any(line and line[:-distance].strip() for line in rest):
+        distance = 0
+    if distance < 0:
+        rest = [line[-distance:] for line in rest]
+    else:
+        rest = [f"{' ' * distance}{line}" if line else "" for line in rest]
+    return "\n".join([first, *rest])

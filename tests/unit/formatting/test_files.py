@@ -1,0 +1,146 @@
+"""`rtgen fmt` of files: encodings, line ends, links; standard input; settings."""
+
+import io
+import stat
+import sys
+from pathlib import Path
+
+import pytest
+
+from rtgen.cli import run
+from rtgen.formatting.files import format_bytes
+
+LOOSE = b"struct  S{long a;};\n"
+NEAT = b"struct S { long a; };\n"
+
+
+@pytest.mark.parametrize(
+    ("name", "data", "form"),
+    [
+        ("a.idl", b"\xef\xbb\xbf" + LOOSE, b"\xef\xbb\xbf" + NEAT),
+        ("a.idl", b"//  a\r\nlong  b;\r\n", b"//  a\r\nlong b;\r\n"),
+        ("a.idl", "long  a; // 長さ".encode(), "long a; // 長さ\n".encode()),
+        ("a.idl", b"long  a; // \x83\x5c\nlong b;", b"long a; // \x83\x5c\nlong b;\n"),
+        (
+            "a.idl",
+            "long  a; // ソ\n".encode("cp932"),
+            "long a; // ソ\n".encode("cp932"),
+        ),
+        (
+            "a.cdl",
+            "/* 表 */ const  int A = 1; // ソ\n".encode("cp932"),
+            "/* 表 */ const int A = 1; // ソ\n".encode("cp932"),
+        ),
+        (
+            "a.cdl",
+            "/* 名前 */ const  int A = 1;".encode("euc_jp"),
+            "/* 名前 */ const int A = 1;\n".encode("euc_jp"),
+        ),
+        ("a.idl", b"// \xff\x85\xa0 \nlong  a;", b"// \xff\x85\xa0\nlong a;\n"),
+        ("a.idl", b"", b""),
+    ],
+)
+def test_the_bytes_of_a_file_are_kept(name: str, data: bytes, form: bytes) -> None:
+    assert format_bytes(data, name) == form
+    assert format_bytes(form, name) == form
+
+
+def test_links_and_permissions_stay(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("real").mkdir()
+    real = Path("real/a.idl")
+    real.write_bytes(LOOSE)
+    real.chmod(0o640)
+    link = Path("link.idl")
+    link.symlink_to(real)
+    assert run(["fmt", "-q", "link.idl"]) == 0
+    assert link.is_symlink()
+    assert real.read_bytes() == NEAT
+    assert stat.S_IMODE(real.stat().st_mode) == 0o640
+    assert [*Path("real").iterdir()] == [real]
+
+
+def test_a_file_in_form_is_not_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    file = Path("a.idl")
+    file.write_bytes(NEAT)
+    before = file.stat()
+    assert run(["fmt", "-q", "."]) == 0
+    assert (file.stat().st_ino, file.stat().st_mtime_ns) == (
+        before.st_ino,
+        before.st_mtime_ns,
+    )
+
+
+@pytest.mark.parametrize(
+    ("arguments", "data", "code", "printed"),
+    [
+        (["-"], LOOSE, 0, NEAT),
+        (["-", "--check"], LOOSE, 1, b"stdin.idl\n"),
+        (["-", "--check"], NEAT, 0, b""),
+        (
+            ["-", "--range", "2:2"],
+            b"long  a;\nlong  b;\n",
+            0,
+            b"long  a;\nlong b;\n",
+        ),
+        (
+            ["-", "--stdin-filename", "x.cdl"],
+            b"[active]cell  a b;",
+            0,
+            b"[active]\ncell a b;\n",
+        ),
+        (["-"], b'const string A = "', 2, b""),
+        (["-", "--stdin-filename", "x.txt"], LOOSE, 2, b""),
+        (["-", "a.idl"], LOOSE, 2, b""),
+        (["-", "--range", "2:1"], LOOSE, 2, b""),
+        (["-", "--range", "x"], LOOSE, 2, b""),
+    ],
+)
+def test_standard_input(
+    arguments: list[str],
+    data: bytes,
+    code: int,
+    printed: bytes,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capfdbinary: pytest.CaptureFixture[bytes],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(data)))
+    assert run(["fmt", *arguments]) == code
+    assert capfdbinary.readouterr().out == printed
+
+
+def test_without_paths_and_without_a_project(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert run(["fmt"]) == 2
+    assert "name a PATH" in capsys.readouterr().err
+    assert run(["fmt", "missing.idl"]) == 2
+    assert "error[FMT0002]: missing.idl cannot be read" in capsys.readouterr().err
+
+
+def test_a_folder_that_cannot_be_written(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("a.idl").write_bytes(LOOSE)
+
+    def refused(self: Path, target: Path) -> Path:
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(Path, "replace", refused)
+    assert run(["fmt", "a.idl"]) == 3
+    assert "cannot write a.idl: Permission denied" in capsys.readouterr().err
+    assert [*Path().iterdir()] == [Path("a.idl")]
+    assert Path("a.idl").read_bytes() == LOOSE
