@@ -11,8 +11,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import TypeAlias
+
+import msgspec
 
 from rtgen.backends import Owner
 from rtgen.backends.quoting.code import HashComment
@@ -27,6 +28,7 @@ SKIPPED = "  # fmt: skip"
 _OFF, _ON = "# fmt: off", "# fmt: on"
 _STEP = 4
 _CLOSING = {"(": ")", "[": "]", "{": "}"}
+_OPENING = {closing: opening for opening, closing in _CLOSING.items()}
 _TOKEN = re.compile(
     r"""("(?:[^"\\]|\\.)*"|'(?:[^'\\]|\\.)*'|[()\[\]{}]|, ?| for | = |[^"'()\[\]{},\s]+|\s)"""
 )
@@ -45,23 +47,20 @@ def _split(text: str, separator: str, most: int = -1) -> list[str]:
     return parts
 
 
-@dataclass(frozen=True, slots=True)
-class _Group:
-    """A bracket pair with its content.
+class _Group(msgspec.Struct, frozen=True):
+    """A bracket pair with its content, and its text on one line.
 
-    `comma`: the items are separated by commas, and a trailing one is legal. `lone`: a single item
-    keeps its trailing comma on one line too, as a tuple needs it.
+    `comma`: the items are separated by commas, and a trailing one is legal.
     """
 
     opening: str
     items: tuple[_Part | _Line, ...]
     closing: str
+    flat: str
     comma: bool = True
-    lone: bool = False
 
 
-@dataclass(frozen=True, slots=True)
-class _Line:
+class _Line(msgspec.Struct, frozen=True):
     """A logical line, or an item of a group, made of parts."""
 
     parts: tuple[_Part, ...]
@@ -70,15 +69,9 @@ class _Line:
 _Part: TypeAlias = str | _Group
 
 
-def _one_line(part: _Part | _Line) -> str:
+def _flat(parts: Iterable[_Part]) -> str:
     """The text on one line, however long."""
-    if isinstance(part, str):
-        return part
-    if isinstance(part, _Line):
-        return "".join(_one_line(p) for p in part.parts)
-    inside = (", " if part.comma else " ").join(_one_line(item) for item in part.items)
-    lone = "," if part.lone and len(part.items) == 1 else ""
-    return f"{part.opening}{inside}{lone}{part.closing}"
+    return "".join([part if isinstance(part, str) else part.flat for part in parts])
 
 
 def fit(statement: str, indent: int = 0) -> str:
@@ -132,9 +125,9 @@ def _open_statement(
     if flat.startswith(("def ", "class ", "from ")):
         return _with_result_wrapped(_open(parts, groups[0], indent, ""), indent)
     if sign is not None and ", " in parts[:sign]:
-        targets = _Group("(", _at_commas(parts[:sign]), ")")
+        targets = _Group("(", _at_commas(parts[:sign]), ")", f"({_flat(parts[:sign])})")
         return _open((targets, *parts[sign:]), 0, indent, "")
-    head = indent + sum(len(_one_line(p)) for p in parts[: groups[-1]]) + 1
+    head = indent + len(_flat(parts[: groups[-1]])) + 1
     at_end = groups[-1] == len(parts) - 1 or parts[-1] == ":"
     at_end |= flat.startswith("raise ")
     needs_head = sign is not None or flat.startswith(("return ", "raise "))
@@ -169,13 +162,13 @@ def _open_choice(
 ) -> list[str]:
     """`target = (` a conditional expression `)`, the expression in three lines if need be."""
     margin = " " * (indent + _STEP)
-    text = "".join(_one_line(p) for p in value)
+    text = _flat(value)
     body = [margin + text]
     if len(body[0]) > WIDTH:
         chosen, rest = _split(text, " if ", 1)
         condition, other = _split(rest, " else ", 1)
         body = [margin + chosen, f"{margin}if {condition}", f"{margin}else {other}"]
-    head = "".join(_one_line(p) for p in target)
+    head = _flat(target)
     return [f"{' ' * indent}{head}(", *body, " " * indent + ")"]
 
 
@@ -185,9 +178,11 @@ def _parts(item: _Part | _Line) -> tuple[_Part, ...]:
 
 def _lines(parts: tuple[_Part, ...], indent: int, ending: str) -> list[str]:
     """An item or the end of a statement as lines, `ending` after it."""
-    flat = " " * indent + "".join(_one_line(p) for p in parts) + ending
+    flat = " " * indent + _flat(parts) + ending
+    if len(flat) <= WIDTH:
+        return [flat]
     groups = [i for i, p in enumerate(parts) if isinstance(p, _Group) and p.items]
-    if len(flat) <= WIDTH or not groups:
+    if not groups:
         return [flat]
     return _open(parts, groups[-1], indent, ending)
 
@@ -201,7 +196,7 @@ def _item(parts: tuple[_Part, ...], indent: int, ending: str) -> list[str]:
         or any(isinstance(part, _Group) for part in parts)
     ):
         return lines
-    return _union("".join(_one_line(p) for p in parts), indent, ending)
+    return _union(_flat(parts), indent, ending)
 
 
 def _union(text: str, indent: int, ending: str) -> list[str]:
@@ -228,7 +223,7 @@ def _open(parts: tuple[_Part, ...], index: int, indent: int, ending: str) -> lis
     lines = _lines((*parts[:index], group.opening), indent, "")
     items, comma = group.items, ","
     if not group.comma:
-        body = " ".join(_one_line(item) for item in items)
+        body = " ".join([_flat(_parts(item)) for item in items])
         items = (body,) if indent + _STEP + len(body) <= WIDTH else items
         comma = ""
     for item in items:
@@ -254,7 +249,7 @@ def _parse(text: str) -> tuple[_Part, ...]:
         if token in _CLOSING:
             levels.append([[]])
             clauses.append(False)
-        elif token in _CLOSING.values():
+        elif token in _OPENING:
             group = _group(token, levels.pop(), clauses.pop())
             levels[-1][-1].append(group)
         elif token == " for " and len(levels) > 1:
@@ -268,11 +263,13 @@ def _parse(text: str) -> tuple[_Part, ...]:
 
 
 def _group(closing: str, items: list[list[_Part]], comprehension: bool) -> _Group:
-    opening = next(o for o, c in _CLOSING.items() if c == closing)
-    lone = len(items) == 2 and not items[1]
-    lines = tuple(_Line(tuple(item)) for item in items if item)
+    opening = _OPENING[closing]
+    lines = tuple([_Line(tuple(item)) for item in items if item])
     comma = not comprehension and (opening != "[" or len(lines) != 1)
-    return _Group(opening, lines, closing, comma, lone)
+    inside = (", " if comma else " ").join([_flat(line.parts) for line in lines])
+    # A single item keeps its trailing comma on one line too, as a tuple needs it.
+    lone = "," if len(items) == 2 and not items[1] and len(lines) == 1 else ""
+    return _Group(opening, lines, closing, f"{opening}{inside}{lone}{closing}", comma)
 
 
 def header(

@@ -53,7 +53,6 @@ class CdrTypes:
     def __init__(self, model: Model, representations: Representations) -> None:
         self._model = model
         self._representations = representations
-        self._least: dict[ScopedName, int] = {}
         uses = _uses(model)
         self._recursive = frozenset(in_circles(uses))
         self._places = {d.name: i for i, d in enumerate(model.declarations)}
@@ -62,6 +61,9 @@ class CdrTypes:
         headed = [d.name for d in composites if self._holds_headers(d)]
         self._dynamic = leading_to(uses, dynamic)
         self._headed = leading_to(uses, headed)
+        self._are_dynamic: dict[Type, bool] = {}
+        self._have_headers: dict[Type, bool] = {}
+        self._octets: dict[Type, int] = {}
 
     def is_recursive(self, name: ScopedName) -> bool:
         """Whether values of the struct or union can contain values of the same type."""
@@ -85,14 +87,22 @@ class CdrTypes:
 
     def is_dynamic(self, type_: Type) -> bool:
         """Whether values of the type contain one marshalled by its descriptor."""
-        names = _names(self._model, type_)
-        return not names.isdisjoint(self._dynamic) or any(
-            self._is_dynamic_leaf(t) for t in _leaves(self._model, type_)
-        )
+        found = self._are_dynamic.get(type_)
+        if found is None:
+            found = self._are_dynamic[type_] = any(
+                self._is_dynamic_leaf(leaf)
+                or (isinstance(leaf, NamedType) and leaf.name in self._dynamic)
+                for leaf in _leaves(self._model, type_)
+            )
+        return found
 
     def has_headers(self, type_: Type) -> bool:
         """Whether XCDR1 puts headers before members in the type: optional ones, mutable types'."""
-        return not _names(self._model, type_).isdisjoint(self._headed)
+        found = self._have_headers.get(type_)
+        if found is None:
+            names = _names(self._model, type_)
+            found = self._have_headers[type_] = not names.isdisjoint(self._headed)
+        return found
 
     def _holds_dynamic(self, declaration: Struct | Union) -> bool:
         return any(
@@ -126,6 +136,12 @@ class CdrTypes:
 
     def check(self, type_: Type) -> int:
         """The minimum number of octets of a value. Raises NotMarshalledError."""
+        found = self._octets.get(type_)
+        if found is None:
+            found = self._octets[type_] = self._check(type_)
+        return found
+
+    def _check(self, type_: Type) -> int:
         type_ = self._model.unalias(type_)
         match type_:
             case PrimitiveType(Primitive.OBJECT):
@@ -184,10 +200,7 @@ class CdrTypes:
             case Struct() if name in self._recursive:
                 return 1
             case Struct():
-                if name not in self._least:
-                    types = member_types(declaration)
-                    self._least[name] = sum(self.check(type_) for type_ in types)
-                return self._least[name]
+                return sum(self.check(type_) for type_ in member_types(declaration))
         kind = type(declaration).__name__.lower()
         raise NotMarshalledError(
             f"`{declaration.scoped}` ({kind}) is not marshalled by CDR codecs here"

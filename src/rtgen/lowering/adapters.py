@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
-from difflib import get_close_matches
 from hashlib import sha256
 from typing import Final
 
@@ -154,6 +153,8 @@ class _Maker:
         if name in structs:
             return structs[name]
         known = ["::".join(known) for known in structs]
+        from difflib import get_close_matches
+
         close = get_close_matches(scoped, known, n=1)
         ending = [k for k in known if k.endswith(f"::{scoped}")]
         meant = next(iter(ending or close), None)
@@ -176,6 +177,8 @@ class _Maker:
         members = {member.name: member for member in self._members(struct)}
         name, *rest = path
         if name not in members:
+            from difflib import get_close_matches
+
             close = get_close_matches(name, members, n=1)
             known = f"did you mean {close[0]!r}?" if close else ", ".join(members)
             message = f"{struct.scoped} has no member {name!r}"

@@ -180,6 +180,12 @@ def _files_told(run: Compilation) -> set[str]:
 
 
 def _version(library: str) -> str:
+    spec = find_spec(library)
+    if spec is not None and spec.origin is not None:
+        beside = Path(spec.origin).parents[1].glob(f"{library}-*.dist-info")
+        names = sorted(folder.name for folder in beside)
+        if names:
+            return " ".join(names)
     from importlib import metadata
 
     return metadata.version(library)

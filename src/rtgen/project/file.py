@@ -6,7 +6,6 @@ import keyword
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from difflib import get_close_matches
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -332,5 +331,7 @@ def _check_key(
 
 
 def _did_you_mean(name: str, known: dict[str, Any]) -> str:
+    from difflib import get_close_matches
+
     close = get_close_matches(name, known, n=1)
     return f"did you mean {close[0]!r}?" if close else "known: " + ", ".join(known)

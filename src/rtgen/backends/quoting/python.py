@@ -24,6 +24,9 @@ class Python(Code):
     __slots__ = ()
 
 
+_NOTHING = Python("")
+
+
 def quote(value: object) -> str:
     """Filter of Python templates: accepts code, numbers, names and type expressions.
 
@@ -55,10 +58,12 @@ def docstring(text: str, indent: int, otherwise: str = "") -> Python:
 
     `otherwise` replaces a blank text; without it a blank text gives nothing.
     """
+    if not text:
+        return docstring(otherwise, indent) if otherwise else _NOTHING
     lines = _escaped(text.expandtabs()).split("\n")
     body = "\n".join(line.rstrip() for line in lines).strip()
     if not body:
-        return docstring(otherwise, indent) if otherwise else Python("")
+        return docstring(otherwise, indent) if otherwise else _NOTHING
     if body.startswith('"'):
         body = " " + body
     margin = " " * indent

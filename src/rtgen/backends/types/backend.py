@@ -185,10 +185,11 @@ def _check(
             )
             yield LONG_NAME.at(declaration.span, message)
     for declaration in model.declarations:
+        in_xcdr = _is_in_xcdr(types, representations, declaration)
         for entry in _entries(declaration):
-            fault = _fault(model, types, declaration, entry) or _xcdr_fault(
-                types, representations, declaration, entry
-            )
+            fault = _fault(model, types, declaration, entry)
+            if fault is None and in_xcdr:
+                fault = _xcdr_fault(representations, entry)
             if fault is not None:
                 yield fault
 
@@ -215,17 +216,16 @@ def _fault(
 ) -> Diagnostic | None:
     """The diagnostic at a member; None for a struct whose own member has one."""
     name = entry.name if isinstance(entry.name, str) else entry.name[-1]
-    holder = NamedType(declaration.name)
-    is_aggregate = isinstance(declaration, Struct | Union)
-    optional = types.has_headers(entry.type)
-    optional |= isinstance(entry, Member) and entry.optional
-    dynamic = types.is_dynamic(holder if is_aggregate else entry.type)
-    if optional and (dynamic or isinstance(declaration, Valuetype | ValueBox)):
-        reason = (
-            "optional members and mutable types do not go together with `any`,"
-            " type codes and values"
-        )
-        return NOT_MARSHALLED.at(entry.span, f"`{name}`: {reason}")
+    optional = isinstance(entry, Member) and entry.optional
+    if optional or types.has_headers(entry.type):
+        is_aggregate = isinstance(declaration, Struct | Union)
+        whole = NamedType(declaration.name) if is_aggregate else entry.type
+        if types.is_dynamic(whole) or isinstance(declaration, Valuetype | ValueBox):
+            reason = (
+                "optional members and mutable types do not go together with `any`,"
+                " type codes and values"
+            )
+            return NOT_MARSHALLED.at(entry.span, f"`{name}`: {reason}")
     try:
         types.check(entry.type)
     except NotMarshalledError as failure:
@@ -236,19 +236,21 @@ def _fault(
     return None
 
 
-def _xcdr_fault(
-    types: CdrTypes,
-    representations: Representations,
-    declaration: Declaration,
-    entry: Member | Case | ValueBox,
-) -> Diagnostic | None:
-    """The diagnostic at a member that XCDR cannot represent."""
+def _is_in_xcdr(
+    types: CdrTypes, representations: Representations, declaration: Declaration
+) -> bool:
+    """Whether `to_cdr` of the declaration returns XCDR."""
     if not isinstance(declaration, Struct | Union):
-        return None
+        return False
     holder = NamedType(declaration.name)
     headers = types.has_headers(holder) and not types.is_dynamic(holder)
-    if not (headers or representations.is_xcdr2(declaration)):
-        return None
+    return headers or representations.is_xcdr2(declaration)
+
+
+def _xcdr_fault(
+    representations: Representations, entry: Member | Case | ValueBox
+) -> Diagnostic | None:
+    """The diagnostic at a member that XCDR cannot represent."""
     missing = representations.missing(entry.type)
     if missing is None:
         return None

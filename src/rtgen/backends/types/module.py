@@ -170,14 +170,11 @@ class TypesModule:
         py = self.scope
         names = self._names.members(declaration)
         fields = [
-            Statement(
-                f"{names[m.name]}: {self._field(declaration, m)}", docstring(m.doc, 4)
-            )
+            f"    {names[m.name]}: {self._field(declaration, m)}\n{docstring(m.doc, 4)}"
             for m in declaration.members
         ]
         is_struct = isinstance(declaration, Struct)
-        holds = _Holdings(self._types, declaration)
-        version = self._version(declaration, holds)
+        version = self._version(declaration, _Holdings(self._types, declaration))
         return render(
             "types/struct.py.j2",
             py=py,
@@ -187,7 +184,7 @@ class TypesModule:
             docstring=self._doc(declaration),
             descriptor=self._describe.struct(declaration, version),
             attributes=self._nested(declaration),
-            fields=fields,
+            fields="".join(fields),
         )
 
     def _version(

@@ -35,13 +35,17 @@ class Docs:
         self._text = text
         self._comments = comments
         self._starts = [comment.start for comment in comments]
+        self._known: dict[tuple[int, int], str] = {}
 
     def of(self, start: int, end: int) -> str:
         """The doc of what stands at [start, end), its `;` or `,` included or not."""
         if not self._comments:
             return ""
-        parts = (self._above(start), self._behind(end))
-        return "\n\n".join(part for part in parts if part)
+        found = self._known.get((start, end))
+        if found is None:
+            parts = (self._above(start), self._behind(end))
+            found = self._known[start, end] = "\n\n".join(filter(None, parts))
+        return found
 
     def say_key(self, end: int) -> bool:
         """Whether the comment behind an entry is `//@key`, as DDS had it before annotations."""
@@ -82,6 +86,8 @@ class Docs:
                 gap = self._text[self._comments[index].end : line]
                 if gap.count("\n") > 1:
                     break
+        if not found:
+            return ""
         texts = [_stripped(comment.text) for comment in reversed(found)]
         joined = _tidy("\n".join(texts))
         return "" if _OF_A_FILE.search(joined) else joined
@@ -105,7 +111,7 @@ class Docs:
             found.append(_stripped(comment.text))
             position = comment.end
             index += 1
-        return _tidy("\n".join(found))
+        return _tidy("\n".join(found)) if found else ""
 
 
 def _stripped(text: str) -> str:

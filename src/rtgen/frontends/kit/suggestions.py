@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from difflib import get_close_matches
 
 _MOST_COMPARED = 500
 """Of more candidates those are compared that begin alike and are about as long: it takes time."""
@@ -44,5 +43,7 @@ def nearest(word: str, candidates: Iterable[str]) -> str | None:
         ]
     if len(choices) > _MOST_COMPARED:
         return None
+    from difflib import get_close_matches
+
     found = get_close_matches(word, choices, n=1, cutoff=0.7)
     return found[0] if found else None

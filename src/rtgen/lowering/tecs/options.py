@@ -7,7 +7,6 @@ import math
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, fields
-from difflib import get_close_matches
 from typing import Any
 
 from rtgen.diagnostics import Diagnostic
@@ -213,6 +212,8 @@ def _read(
 def _unknown(option: PluginOption) -> Diagnostic:
     names = [*_FIELDS, *sorted(TECSGEN_OPTIONS)]
     folded = {name.lower(): name for name in names}
+    from difflib import get_close_matches
+
     close = get_close_matches(option.name.lower(), folded, n=1)
     listed = f"the options are {', '.join(_FIELDS)}"
     hint = f"did you mean {folded[close[0]]}?" if close else listed

@@ -9,16 +9,14 @@ from rtgen.frontends.idl.names.annotation_definitions import PLACES
 from rtgen.frontends.idl.names.scopes import Entity
 from rtgen.frontends.idl.syntax import tree
 from rtgen.frontends.idl.text.unit import Unit
-from rtgen.frontends.kit.doc_comments import Docs
 from rtgen.model import Type
 
 
 class CommonFields:
-    """Makes them; the doc comments of a unit are read once."""
+    """Makes them."""
 
     def __init__(self, annotations: Annotations) -> None:
         self._annotations = annotations
-        self._docs: dict[Unit, Docs] = {}
 
     def common(self, entity: Entity, type_: Type | None = None) -> dict[str, Any]:
         """The fields that every declaration has."""
@@ -43,11 +41,8 @@ class CommonFields:
         """The doc comment of an entry."""
         if item is None or item.start == item.end:
             return ""
-        docs = self._docs.get(unit)
-        if docs is None:
-            docs = self._docs[unit] = Docs(unit.text, unit.comments)
-        return docs.of(item.start, item.end)
+        return unit.docs.of(item.start, item.end)
 
     def comment_says_key(self, item: tree.Item, unit: Unit) -> bool:
         """Whether the comment behind an entry marks a key member, as `//@key` does."""
-        return self._docs[unit].say_key(item.end)
+        return unit.docs.say_key(item.end)

@@ -139,6 +139,8 @@ class Source:
 
     def span(self, start: int, end: int) -> Span:
         """The span of [start, end) of `code`."""
+        if not self._splices:
+            return self._lines.span(start, max(start, end))
         if end > start:
             return self.text_span(
                 self.text_offset(start), self.text_offset(end - 1) + 1

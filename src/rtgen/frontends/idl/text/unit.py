@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
+from functools import cached_property
 
 import msgspec
 
 from rtgen.diagnostics import Span
 from rtgen.frontends.idl.text.source import Source
-from rtgen.frontends.kit.doc_comments import Comment
+from rtgen.frontends.kit.doc_comments import Comment, Docs
 
 
 class Piece(msgspec.Struct, frozen=True):
@@ -50,7 +51,7 @@ class Boundary(msgspec.Struct, frozen=True):
     opens: bool
 
 
-class Unit(msgspec.Struct, eq=False):
+class Unit(msgspec.Struct, eq=False, dict=True):
     """Result of preprocessing a file.
 
     `events` (pragmas, inclusions, boundaries of nested files) and `comments` are in order of
@@ -74,6 +75,11 @@ class Unit(msgspec.Struct, eq=False):
     lost: set[str] = msgspec.field(default_factory=set)
     excused: set[int] = msgspec.field(default_factory=set)
 
+    @cached_property
+    def docs(self) -> Docs:
+        """The doc comments of its text."""
+        return Docs(self.text, self.comments)
+
     def piece(self, offset: int) -> tuple[Piece, int]:
         """The piece at an offset, and its start; the last piece for the end of the text."""
         index = max(bisect_right(self.offsets, offset) - 1, 0)
@@ -84,7 +90,8 @@ class Unit(msgspec.Struct, eq=False):
         if not self.pieces:
             return self.source.span(0, 0)
         first, begin = self.piece(start)
-        if end <= start:
+        within = not first.expanded and end - begin <= first.end - first.start
+        if within or end <= start:
             last, until = first, begin
         else:
             last, until = self.piece(end - 1)
