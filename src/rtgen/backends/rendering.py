@@ -19,7 +19,7 @@ from markupsafe import Markup
 from rtgen.backends.quoting import names, properties, python, scripts, xml
 
 if TYPE_CHECKING:
-    from jinja2 import Environment
+    from jinja2 import Environment, Template
 
 _FOLDER = Path(__file__).resolve().parents[1] / "templates"
 
@@ -79,9 +79,14 @@ def render(template: str, **values: object) -> str:
 
     Raises UnquotableError for a text that the language cannot represent at its place.
     """
-    suffix = PurePosixPath(template).suffixes[-2]
-    text = _environment(suffix).get_template(template).render(values)
-    return LANGUAGES[suffix].code(text)
+    found, language = _template(template)
+    return language.code(found.render(values))
+
+
+@cache
+def _template(name: str) -> tuple[Template, Language]:
+    suffix = PurePosixPath(name).suffixes[-2]
+    return _environment(suffix).get_template(name), LANGUAGES[suffix]
 
 
 @cache

@@ -6,6 +6,7 @@ The codecs themselves are compiled by the runtime, from the descriptors of the t
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 from math import prod
 
 from rtgen.facts.primitives import SCALARS
@@ -53,17 +54,61 @@ class CdrTypes:
     def __init__(self, model: Model, representations: Representations) -> None:
         self._model = model
         self._representations = representations
-        uses = _uses(model)
-        self._recursive = frozenset(in_circles(uses))
-        self._places = {d.name: i for i, d in enumerate(model.declarations)}
-        composites = [d for d in model.declarations if isinstance(d, Struct | Union)]
-        dynamic = [d.name for d in composites if self._holds_dynamic(d)]
-        headed = [d.name for d in composites if self._holds_headers(d)]
-        self._dynamic = leading_to(uses, dynamic)
-        self._headed = leading_to(uses, headed)
+        self._leaves: dict[Type, list[Type]] = {}
         self._are_dynamic: dict[Type, bool] = {}
         self._have_headers: dict[Type, bool] = {}
         self._octets: dict[Type, int] = {}
+
+    @cached_property
+    def _composites(self) -> list[Struct | Union]:
+        declarations = self._model.declarations
+        return [d for d in declarations if isinstance(d, Struct | Union)]
+
+    @cached_property
+    def _uses(self) -> dict[ScopedName, set[ScopedName]]:
+        """The named types of members of structs and unions."""
+        return {
+            declaration.name: {
+                leaf.name
+                for type_ in member_types(declaration)
+                for leaf in self._leaves_of(type_)
+                if isinstance(leaf, NamedType)
+            }
+            for declaration in self._composites
+        }
+
+    @cached_property
+    def _recursive(self) -> frozenset[ScopedName]:
+        return frozenset(in_circles(self._uses))
+
+    @cached_property
+    def _places(self) -> dict[ScopedName, int]:
+        return {d.name: i for i, d in enumerate(self._model.declarations)}
+
+    @cached_property
+    def _dynamic(self) -> set[ScopedName]:
+        found = [d.name for d in self._composites if self._holds_dynamic(d)]
+        return leading_to(self._uses, found)
+
+    @cached_property
+    def _headed(self) -> set[ScopedName]:
+        found = [d.name for d in self._composites if self._holds_headers(d)]
+        return leading_to(self._uses, found)
+
+    def _leaves_of(self, type_: Type) -> list[Type]:
+        """The named and basic types that a type consists of."""
+        found = self._leaves.get(type_)
+        if found is None:
+            plain = self._model.unalias(type_)
+            match plain:
+                case SequenceType(element) | ArrayType(element):
+                    found = self._leaves_of(element)
+                case MapType(key, value):
+                    found = self._leaves_of(key) + self._leaves_of(value)
+                case _:
+                    found = [plain]
+            self._leaves[type_] = found
+        return found
 
     def is_recursive(self, name: ScopedName) -> bool:
         """Whether values of the struct or union can contain values of the same type."""
@@ -74,10 +119,11 @@ class CdrTypes:
 
         The type of an `@external` member can be recursive, or defined after the member.
         """
+        if not entry.external:
+            return False
         type_ = self._model.unalias(entry.type)
         return (
-            entry.external
-            and isinstance(type_, NamedType)
+            isinstance(type_, NamedType)
             and isinstance(self._model.find(type_.name), Struct | Union)
             and (
                 type_.name in self._recursive
@@ -92,7 +138,7 @@ class CdrTypes:
             found = self._are_dynamic[type_] = any(
                 self._is_dynamic_leaf(leaf)
                 or (isinstance(leaf, NamedType) and leaf.name in self._dynamic)
-                for leaf in _leaves(self._model, type_)
+                for leaf in self._leaves_of(type_)
             )
         return found
 
@@ -100,15 +146,17 @@ class CdrTypes:
         """Whether XCDR1 puts headers before members in the type: optional ones, mutable types'."""
         found = self._have_headers.get(type_)
         if found is None:
-            names = _names(self._model, type_)
-            found = self._have_headers[type_] = not names.isdisjoint(self._headed)
+            found = self._have_headers[type_] = any(
+                isinstance(leaf, NamedType) and leaf.name in self._headed
+                for leaf in self._leaves_of(type_)
+            )
         return found
 
     def _holds_dynamic(self, declaration: Struct | Union) -> bool:
         return any(
             self._is_dynamic_leaf(leaf)
             for type_ in member_types(declaration)
-            for leaf in _leaves(self._model, type_)
+            for leaf in self._leaves_of(type_)
         )
 
     def _holds_headers(self, declaration: Struct | Union) -> bool:
@@ -253,30 +301,3 @@ def bit_count(model: Model, bitset: Bitset) -> int:
         assert isinstance(base, Bitset)
         count += bit_count(model, base)
     return count
-
-
-def _uses(model: Model) -> dict[ScopedName, set[ScopedName]]:
-    """The named types of members of structs and unions."""
-    return {
-        declaration.name: {
-            name for t in member_types(declaration) for name in _names(model, t)
-        }
-        for declaration in model.declarations
-        if isinstance(declaration, Struct | Union)
-    }
-
-
-def _leaves(model: Model, type_: Type) -> list[Type]:
-    """The named and basic types that a type consists of."""
-    type_ = model.unalias(type_)
-    match type_:
-        case SequenceType(element) | ArrayType(element):
-            return _leaves(model, element)
-        case MapType(key, value):
-            return _leaves(model, key) + _leaves(model, value)
-    return [type_]
-
-
-def _names(model: Model, type_: Type) -> set[ScopedName]:
-    leaves = _leaves(model, type_)
-    return {leaf.name for leaf in leaves if isinstance(leaf, NamedType)}

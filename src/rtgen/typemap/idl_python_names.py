@@ -402,6 +402,8 @@ class PythonNames:
 def distinct(names: Iterable[str], reserved: Collection[str]) -> dict[str, str]:
     """Python names of the members of one scope: unique, and none reserved."""
     wanted = list(names)
+    if all(identifier(name, reserved) == name for name in wanted):
+        return dict(zip(wanted, wanted, strict=True))
     taken = {n for n in wanted if identifier(n, reserved) == n}.union(reserved)
     result: dict[str, str] = {}
     for name in wanted:

@@ -60,6 +60,8 @@ def _owners(model: Model) -> dict[str, str]:
         while (above := includers.get(owner)) is not None:
             owner = above
         owners[file.name] = owner
+    if len(owners) < 2:
+        return owners
     needs = _needs(model, owners)
     places = {name: place for place, name in enumerate(owners)}
     first = {
