@@ -17,17 +17,23 @@ from rtgen.project.compilation import Compilation
 
 
 def read(
-    project: Project, *, lowered: bool = False, also: Sequence[FrontendResult] = ()
+    project: Project,
+    *,
+    lowered: bool = False,
+    also: Sequence[FrontendResult] = (),
+    observer: frontends.Observer | None = None,
 ) -> FrontendResult:
     """The model of the project's definitions, and diagnostics.
 
     `lowered`: after all lowerings, as back ends take it; else after those whose results count as
-    definitions. `also` are results of other readers, for the same model.
+    definitions. `also` are results of other readers, for the same model. `observer` is shown the
+    names of the definitions.
     """
-    others = together([*also, *frontends.read(project.sources, project.reading)])
+    settings = replace(project.reading, observer=observer)
+    others = together([*also, *frontends.read(project.sources, settings)])
     of_idl = frontends.read_idl(
         project.sources,
-        project.reading,
+        settings,
         named=others.idl,
         needed=lowering.needed_idl(others.model, complete=lowered),
         printed=backends.printed_idl(others.model),

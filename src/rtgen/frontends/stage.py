@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any, Final, TypeAlias
+from typing import TYPE_CHECKING, Any, Final, Protocol, TypeAlias
 
 import msgspec
 from msgspec.structs import replace
@@ -14,6 +14,21 @@ from rtgen.frontends import FrontendResult, together
 from rtgen.frontends.kit.library import VirtualFile
 from rtgen.model import Model
 
+if TYPE_CHECKING:
+    from rtgen.frontends.cdl.names.table import Table
+    from rtgen.frontends.cdl.syntax.unit import Unit as CdlUnit
+    from rtgen.frontends.idl.names.tables import Tables
+
+
+class Observer(Protocol):
+    """Is shown what front ends know beside their models: names with their places."""
+
+    def idl(self, tables: Tables) -> None:
+        """The names of a translation unit of IDL."""
+
+    def cdl(self, table: Table, units: Sequence[CdlUnit]) -> None:
+        """The symbols of a unit of CDL, and its files."""
+
 
 class Settings(msgspec.Struct, frozen=True, kw_only=True):
     """The settings of all front ends.
@@ -22,7 +37,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True):
     of `#include` and `import`, `tecs_path` those that are searched for imports of CDL after them;
     `define` are macros. `kcode` is the encoding of CDL files; with `prelude` they know the scalar
     types of TOPPERS kernels. `node_id` is the node that devices are read for. `plugins` has the
-    table `[plugin.NAME]` of rtgen.toml for each name.
+    table `[plugin.NAME]` of rtgen.toml for each name. `observer` is shown the resolved names.
     """
 
     root: Path
@@ -34,6 +49,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True):
     prelude: bool = True
     node_id: int | None = None
     plugins: Mapping[str, Mapping[str, Any]] = msgspec.field(default_factory=dict)
+    observer: Observer | None = None
 
 
 Read: TypeAlias = Callable[[Sequence[Path], Settings], FrontendResult]
@@ -78,6 +94,7 @@ def _boards(paths: Sequence[Path], settings: Settings) -> FrontendResult:
         define=settings.define,
         kcode=settings.kcode,
         prelude=settings.prelude,
+        observe=None if settings.observer is None else settings.observer.cdl,
     )
 
 
@@ -139,6 +156,7 @@ def read_idl(
         define=settings.define,
         ignore_case_clashes=settings.ignore_case_clashes,
         virtual=virtual,
+        observe=None if settings.observer is None else settings.observer.idl,
     )
     shipped = library.dependencies(found.model.files)
     return replace(found, dependencies=(*found.dependencies, *shipped))

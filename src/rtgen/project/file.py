@@ -12,6 +12,7 @@ from typing import Any
 
 from rtgen.diagnostics import Diagnostic, InputError, Span, ToolError
 from rtgen.facts.numeric import FORMS
+from rtgen.frontends.kit.files import read_start
 from rtgen.project.rules import FILE_UNREADABLE, PATH_MISSING, UNKNOWN_KEY, WRONG_TYPE
 from rtgen.toml_text import TomlError, parse
 
@@ -269,7 +270,7 @@ class Settings:
 def read(file: Path, name: str) -> Settings:
     """Parse the settings in the file, shown as `name`. Raises InputError."""
     try:
-        data = file.read_bytes()
+        data = read_start(file)
     except OSError as error:
         raise ToolError(f"cannot read {name}: {error.strerror}") from error
     try:

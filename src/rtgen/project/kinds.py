@@ -8,6 +8,7 @@ from functools import cache
 from pathlib import Path
 
 from rtgen import plugins
+from rtgen.frontends.kit.files import read_start
 
 FILE_NAME = "rtgen.toml"
 
@@ -62,8 +63,7 @@ def _begins_as(path: Path, forms: Mapping[str, re.Pattern[bytes]]) -> bool:
     if form is None:
         return False
     try:
-        with path.open("rb") as stream:
-            head = stream.read(_MOST_OF_PROLOG)
+        head = read_start(path, _MOST_OF_PROLOG)
     except OSError:
         return False
     return form.search(head.replace(b"\0", b"")) is not None
@@ -74,7 +74,6 @@ def is_bus_file(path: Path) -> bool:
     if path.suffix.lower() != ".toml" or path.name == FILE_NAME:
         return False
     try:
-        with path.open("rb") as stream:
-            return _BUS.search(stream.read(_MOST_OF_BUS)) is not None
+        return _BUS.search(read_start(path, _MOST_OF_BUS)) is not None
     except OSError:
         return False

@@ -16,6 +16,7 @@ from rtgen.backends import Options
 from rtgen.diagnostics import Diagnostic, InputError, Span
 from rtgen.facts.numeric import Numeric
 from rtgen.facts.version import __version__
+from rtgen.frontends.kit.files import is_file
 from rtgen.lowering.settings import AdapterEntry, Settings
 from rtgen.project.kinds import (
     FILE_NAME,
@@ -332,7 +333,7 @@ def find(folder: Path) -> Path | None:
     """The nearest rtgen.toml in the absolute folder or above it."""
     for parent in (folder, *folder.parents):
         file = parent / FILE_NAME
-        if file.is_file():
+        if is_file(file):
             return file
     return None
 

@@ -18,6 +18,7 @@ from rtgen.frontends import (
     profile_tree,
     rts_profile,
 )
+from rtgen.frontends.kit.files import read_start
 from rtgen.model import Model, System, SystemComponent
 from rtgen.model.system_links import known_components
 from rtgen.systems.checks import check, check_properties
@@ -144,8 +145,7 @@ def _with_conf(c: SystemComponent, folder: Path, found: Systems) -> SystemCompon
         if path.parent != folder:
             continue
         try:
-            with path.open("rb") as stream:
-                data = stream.read(_MOST_OF_CONF)
+            data = read_start(path, _MOST_OF_CONF)
         except (OSError, ValueError):
             found.dependencies.append(Dependency(path, None))
             continue

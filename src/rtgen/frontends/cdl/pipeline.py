@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 from rtgen.diagnostics import Diagnostic, in_order
@@ -36,19 +36,22 @@ def load(
     define: Mapping[str, str] | None = None,
     kcode: str = "auto",
     prelude: bool = True,
+    observe: Callable[[Table, Sequence[Unit]], None] | None = None,
 ) -> FrontendResult:
     """Read CDL files, each with its imports, into one unit of the model each.
 
     `root` is the project's folder, to which the keys of files are relative; `include` are the
     folders that are searched for imports; `define` gives macros of C headers; `kcode` is the
     encoding (`auto`, `euc`, `sjis`, `utf8`, `none`); with `prelude` the kernel's scalar types are
-    known without an import. All errors of the input are in the diagnostics, sorted;
+    known without an import. `observe` is called with the symbols and the files of each
+    unit. All errors of the input are in the diagnostics, sorted;
     nothing is raised for it. Declarations with an error are not in the model.
     """
     limit = sys.getrecursionlimit()
     sys.setrecursionlimit(max(limit, _FRAMES))
     try:
-        return _Run(paths, root, include, define or {}, kcode, prelude).result()
+        run = _Run(paths, root, include, define or {}, kcode, prelude, observe)
+        return run.result()
     finally:
         sys.setrecursionlimit(limit)
 
@@ -77,6 +80,7 @@ class _Run:
         define: Mapping[str, str],
         kcode: str,
         with_prelude: bool,
+        observe: Callable[[Table, Sequence[Unit]], None] | None = None,
     ) -> None:
         def make(name: str, key: str, path: Path, data: bytes | None) -> Source:
             return Source(name, key, path, data, kcode)
@@ -87,6 +91,7 @@ class _Run:
         self._paths = [Path(path) for path in dict.fromkeys(map(absolute_path, paths))]
         self._define = define
         self._with_prelude = with_prelude
+        self._observe = observe
         self.found = Findings(files.TOO_MANY)
         self._report = self.found.report
         self._files: dict[str, SourceFile] = {}
@@ -137,6 +142,8 @@ class _Run:
         table = Table(self._report, with_prelude=self._with_prelude)
         table.lacking = reader.incomplete
         Analysis(table).run(unit)
+        if self._observe is not None:
+            self._observe(table, reader.units)
         self._note_prelude(table)
         wrong = table.excused or self.found.errors > before
         reader.report_missing(failed=wrong)

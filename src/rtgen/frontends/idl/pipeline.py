@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -53,20 +53,22 @@ def load(
     define: Mapping[str, str] | None = None,
     ignore_case_clashes: bool = False,
     virtual: Mapping[str, VirtualFile | Path] | None = None,
+    observe: Callable[[Tables], None] | None = None,
 ) -> FrontendResult:
     """Read definition files, each as a translation unit, into one model.
 
     `root` is the project's folder, which keys of files are relative to; `include` are the folders
     of `#include`, in order; `define` are macros. With `ignore_case_clashes`, names that only
     differ in case are different names. `virtual` are files by the names that include them if no
-    such file exists; those that are `given` are read before `paths`. All problems of the input
+    such file exists; those that are `given` are read before `paths`. `observe` is called with the
+    resolved names of each translation unit. All problems of the input
     are in the diagnostics, sorted; no exception is raised for them. Declarations with errors, and
     their dependents, are not in the model.
     """
     limit = sys.getrecursionlimit()
     sys.setrecursionlimit(max(limit, _FRAMES))
     try:
-        run = _Run(paths, root, include, ignore_case_clashes, virtual or {})
+        run = _Run(paths, root, include, ignore_case_clashes, virtual or {}, observe)
         return run.result(define or {})
     finally:
         sys.setrecursionlimit(limit)
@@ -80,6 +82,7 @@ class _Run:
         include: Sequence[Path],
         ignore_case_clashes: bool,
         virtual: Mapping[str, VirtualFile | Path],
+        observe: Callable[[Tables], None] | None,
     ) -> None:
         shown = {absolute_path(path): path.as_posix() for path in reversed(paths)}
         self._library = Library(root, include, shown, virtual)
@@ -90,6 +93,7 @@ class _Run:
         ]
         self._paths = [Path(path) for path in dict.fromkeys(map(absolute_path, paths))]
         self._ignore_case_clashes = ignore_case_clashes
+        self._observe = observe
         self._found = Findings(syntax.TOO_MANY_FINDINGS)
         self._preprocessor = Preprocessor(self._library, self._report)
         self._trees: dict[Unit, tuple[Item, ...]] = {}
@@ -159,6 +163,8 @@ class _Run:
         tables = Resolver(
             self._items, self._report, self._declares, self._ignore_case_clashes
         ).run(unit)
+        if self._observe is not None:
+            self._observe(tables)
         types = Types(tables, self._report)
         lowering = Lowering(types, self._report)
         made: dict[ScopedName, Declaration] = {}

@@ -11,6 +11,7 @@ from typing import Generic, Protocol, TypeVar
 import msgspec
 
 from rtgen.frontends import Dependency
+from rtgen.frontends.kit import files
 
 MAX_BYTES = 32 * 1024 * 1024
 """A larger file is not read."""
@@ -104,9 +105,8 @@ class Library(Generic[F]):
         source = None
         digest = None
         file = Path(absolute)
-        if file.is_file():
-            with file.open("rb") as stream:
-                data = stream.read(MAX_BYTES + 1)
+        if files.is_file(file):
+            data = files.read_start(file, MAX_BYTES + 1)
             digest = sha256(data).hexdigest()
             source = self._make(
                 self._displayed(absolute),

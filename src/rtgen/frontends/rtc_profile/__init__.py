@@ -12,6 +12,7 @@ from pathlib import Path
 
 from rtgen.diagnostics import Diagnostic
 from rtgen.frontends import Dependency, FrontendResult, key_of, profile_tree
+from rtgen.frontends.kit.files import is_file
 from rtgen.frontends.rtc_profile.reader import Reader, idl_files
 from rtgen.model import Model, SourceFile
 from rtgen.model.rtc_profile import RtcProfile
@@ -55,7 +56,7 @@ def load(
         for name in idl_files([profile]):
             for folder in folders:
                 candidate = folder / name
-                if candidate.is_file():
+                if is_file(candidate):
                     idl[candidate] = None
                     break
                 dependencies.append(Dependency(candidate, None))

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from rtgen.frontends.idl.text.source import Library, decode
 from rtgen.frontends.idl.text.unit import Unit
+from rtgen.frontends.kit import files
 
 _MOST_FILES = 200
 _MOST_BYTES = 4_000_000
@@ -41,10 +42,9 @@ class Neighbours:
             left = _MOST_BYTES
             for path in sorted(folder.glob("*.idl"))[:_MOST_FILES]:
                 try:
-                    if not path.is_file():
+                    if not files.is_file(path):
                         continue
-                    with path.open("rb") as stream:
-                        data = stream.read(left)
+                    data = files.read_start(path, left)
                 except OSError:
                     continue
                 left -= len(data)

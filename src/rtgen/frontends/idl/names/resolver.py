@@ -105,6 +105,7 @@ class Resolver(TypeNames):
     def _run_unit(self, unit: Unit) -> None:
         saved = getattr(self, "_unit", unit), self._event, self.tables.top.ids
         self._unit, self._event, self.tables.top.ids = unit, 0, ""
+        self.tables.mark(unit)
         self._read.setdefault(unit.source, []).append(unit.text)
         self._reading.append(unit.source)
         items = self._items_of(unit)
@@ -114,6 +115,7 @@ class Resolver(TypeNames):
         self.tables.units.append(unit)
         self._reading.pop()
         self._unit, self._event, self.tables.top.ids = saved
+        self.tables.mark(self._unit)
 
     def _items(self, items: Iterable[tree.Item], scope: Scope, end: int) -> None:
         events = self._unit.events

@@ -38,7 +38,9 @@ class Tables(msgspec.Struct, eq=False):
     `references` has None for names that were reported, and a Primitive for IDL 4's integers;
     `annotations` are those declared by `@annotation`, with their members; `modules` are the
     openings of modules that have annotations; `undefined` has a diagnostic for each interface
-    without a definition, which another file may contain.
+    without a definition, which another file may contain; `marks` says in which unit the
+    names stand that are keys: each mark is a unit, and the number of entities and references
+    before the first ones of it.
     """
 
     top: Scope
@@ -51,3 +53,8 @@ class Tables(msgspec.Struct, eq=False):
     units: list[Unit] = msgspec.field(default_factory=list)
     modules: list[tuple[tree.Item, Unit]] = msgspec.field(default_factory=list)
     undefined: dict[ScopedName, Diagnostic] = msgspec.field(default_factory=dict)
+    marks: list[tuple[Unit, int, int]] = msgspec.field(default_factory=list)
+
+    def mark(self, unit: Unit) -> None:
+        """Note that names of a unit follow."""
+        self.marks.append((unit, len(self.entities), len(self.references)))
