@@ -25,6 +25,7 @@ COMMANDS = {
     "adopt": "Make a definition of a component of OpenRTM-aist-Python.",
     "rpc": "Call functions of TECS devices, or look at the bytes of such calls.",
     "can": "Look at CAN buses, take part in them, or make one.",
+    "lsp": "Serve editors: the language server.",
     "explain": "Tell what a diagnostic means.",
 }
 """Command to its line of help; the module of the same name has a function of the same name."""

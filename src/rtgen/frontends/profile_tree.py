@@ -6,10 +6,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
+from rtgen import files
 from rtgen.diagnostics import Diagnostic, InputError, Rule, Severity
+from rtgen.files import UnreadableError
 from rtgen.frontends import profile_yaml
-from rtgen.frontends.kit import files, located_xml
-from rtgen.frontends.kit.files import UnreadableError
+from rtgen.frontends.kit import located_xml
 from rtgen.frontends.kit.findings import Findings
 from rtgen.frontends.kit.located_xml import Element
 from rtgen.frontends.profile_yaml import YAML_SUFFIXES

@@ -12,7 +12,7 @@ from typing import Any
 
 from rtgen.diagnostics import Diagnostic, InputError, Span, ToolError
 from rtgen.facts.numeric import FORMS
-from rtgen.frontends.kit.files import read_start
+from rtgen.files import read_start
 from rtgen.project.rules import FILE_UNREADABLE, PATH_MISSING, UNKNOWN_KEY, WRONG_TYPE
 from rtgen.toml_text import TomlError, parse
 

@@ -8,7 +8,7 @@ from functools import cache
 from pathlib import Path
 
 from rtgen import plugins
-from rtgen.frontends.kit.files import read_start
+from rtgen.files import read_start
 
 FILE_NAME = "rtgen.toml"
 

@@ -16,7 +16,7 @@ from rtgen.backends import Options
 from rtgen.diagnostics import Diagnostic, InputError, Span
 from rtgen.facts.numeric import Numeric
 from rtgen.facts.version import __version__
-from rtgen.frontends.kit.files import is_file
+from rtgen.files import is_file
 from rtgen.lowering.settings import AdapterEntry, Settings
 from rtgen.project.kinds import (
     FILE_NAME,

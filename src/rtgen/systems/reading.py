@@ -11,6 +11,7 @@ from pathlib import Path
 from msgspec.structs import replace
 
 from rtgen.diagnostics import Diagnostic, has_errors
+from rtgen.files import read_start
 from rtgen.frontends import (
     Dependency,
     FrontendResult,
@@ -18,7 +19,6 @@ from rtgen.frontends import (
     profile_tree,
     rts_profile,
 )
-from rtgen.frontends.kit.files import read_start
 from rtgen.model import Model, System, SystemComponent
 from rtgen.model.system_links import known_components
 from rtgen.systems.checks import check, check_properties

@@ -12,6 +12,7 @@ from typing import Any
 from msgspec.structs import replace
 
 from rtgen.diagnostics import Diagnostic, Related, Rule, Span, in_order
+from rtgen.files import UnreadableError, read_file
 from rtgen.frontends import Dependency, eds, key_of
 from rtgen.frontends.bus import rules
 from rtgen.frontends.bus.checks import check
@@ -19,7 +20,6 @@ from rtgen.frontends.bus.schema import problems
 from rtgen.frontends.bus.values import BadValueError, configured, number_of
 from rtgen.frontends.eds.findings import Findings
 from rtgen.frontends.eds.rules.lexical import MISSING_FILE, UNREADABLE
-from rtgen.frontends.kit.files import UnreadableError, read_file
 from rtgen.frontends.kit.located_toml import Path as Place
 from rtgen.frontends.kit.located_toml import Toml
 from rtgen.model.can_bus import Bus, BusNode, DeviceKind, PdoLink

@@ -10,8 +10,9 @@ from typing import Generic, Protocol, TypeVar
 
 import msgspec
 
+from rtgen import files
+from rtgen.files import absolute_path as absolute_path
 from rtgen.frontends import Dependency
-from rtgen.frontends.kit import files
 
 MAX_BYTES = 32 * 1024 * 1024
 """A larger file is not read."""
@@ -38,11 +39,6 @@ class File(Protocol):
 
 
 F = TypeVar("F", bound=File)
-
-
-def absolute_path(path: Path | str) -> str:
-    """The path from the root, without `..`; links are kept, so a file's includes lie beside it."""
-    return os.path.normpath(Path.cwd() / path)
 
 
 class Library(Generic[F]):

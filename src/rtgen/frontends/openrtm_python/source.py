@@ -12,7 +12,7 @@ from io import BytesIO
 from pathlib import Path
 
 from rtgen.diagnostics import Diagnostic, Span
-from rtgen.frontends.kit.files import UnreadableError, read_file
+from rtgen.files import UnreadableError, read_file
 from rtgen.frontends.openrtm_python import rules
 
 _MAX_BYTES = 4 * 1024 * 1024

@@ -11,8 +11,8 @@ from hashlib import sha256
 from pathlib import Path
 
 from rtgen.diagnostics import Diagnostic
+from rtgen.files import is_file
 from rtgen.frontends import Dependency, FrontendResult, key_of, profile_tree
-from rtgen.frontends.kit.files import is_file
 from rtgen.frontends.rtc_profile.reader import Reader, idl_files
 from rtgen.model import Model, SourceFile
 from rtgen.model.rtc_profile import RtcProfile

@@ -5,9 +5,9 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+from rtgen import files
 from rtgen.frontends.idl.text.source import Library, decode
 from rtgen.frontends.idl.text.unit import Unit
-from rtgen.frontends.kit import files
 
 _MOST_FILES = 200
 _MOST_BYTES = 4_000_000

@@ -213,6 +213,7 @@ class Resolver(TypeNames):
             entity = self._new(scope, node.name, Kind.MODULE, node, listed=False)
             self._inner(entity, "")
         assert entity.inner is not None
+        self.tables.openings[node.name] = node.body
         before = entity.inner.ids, entity.inner.around
         if item.annotations:
             self.tables.modules.append((item, self._unit))

@@ -40,7 +40,7 @@ class Tables(msgspec.Struct, eq=False):
     openings of modules that have annotations; `undefined` has a diagnostic for each interface
     without a definition, which another file may contain; `marks` says in which unit the
     names stand that are keys: each mark is a unit, and the number of entities and references
-    before the first ones of it.
+    before the first ones of it. `openings` are the bodies of modules.
     """
 
     top: Scope
@@ -53,6 +53,7 @@ class Tables(msgspec.Struct, eq=False):
     units: list[Unit] = msgspec.field(default_factory=list)
     modules: list[tuple[tree.Item, Unit]] = msgspec.field(default_factory=list)
     undefined: dict[ScopedName, Diagnostic] = msgspec.field(default_factory=dict)
+    openings: dict[tree.Name, tree.Body] = msgspec.field(default_factory=dict)
     marks: list[tuple[Unit, int, int]] = msgspec.field(default_factory=list)
 
     def mark(self, unit: Unit) -> None:

@@ -15,6 +15,11 @@ class UnreadableError(Exception):
     """A file cannot be read, or is too large; the message says why."""
 
 
+def absolute_path(path: Path | str) -> str:
+    """The path from the root, without `..`; links are kept, so a file's includes lie beside it."""
+    return os.path.normpath(Path.cwd() / path)
+
+
 @contextmanager
 def overlaid(contents: Mapping[str, bytes]) -> Iterator[None]:
     """Within it `contents`, by absolute path, stand for what is on the disk."""
@@ -53,4 +58,4 @@ def read_file(path: Path, limit: int) -> bytes:
 
 def _unsaved(path: Path) -> bytes | None:
     contents = _OVERLAY.get()
-    return contents.get(os.path.abspath(path)) if contents else None
+    return contents.get(absolute_path(path)) if contents else None

@@ -1,0 +1,53 @@
+"""The command `rtgen lsp`: the language server."""
+
+from __future__ import annotations
+
+import logging
+import os
+import sys
+from contextlib import redirect_stdout
+
+import click
+
+from rtgen.cli.common import OK, Console, with_console
+from rtgen.diagnostics import ToolError
+
+
+@click.command()
+@click.option(
+    "--log-level",
+    type=click.Choice(["error", "warning", "info", "debug"]),
+    default="error",
+    show_default=True,
+    help="What is logged, on standard error.",
+)
+@with_console
+def lsp(console: Console, log_level: str) -> int:
+    """Serve editors: findings while typing, hover, definitions, completion, rename, hints.
+
+    The server speaks the Language Server Protocol on standard input and output until its editor
+    ends it. Editors start it themselves; docs/editors.md has the settings of each. It needs the
+    extra `lsp`: pip install "rtgen[lsp]".
+
+    \b
+    Example, for Helix (languages.toml):
+      [language-server.rtgen]
+      command = "rtgen"
+      args = ["lsp"]
+    """
+    logging.basicConfig(level=log_level.upper(), stream=sys.stderr)
+    try:
+        from rtgen.language_server.server import make_server
+    except ModuleNotFoundError as error:
+        if (error.name or "").partition(".")[0] not in ("pygls", "lsprotocol"):
+            raise
+        message = "the language server needs pygls"
+        raise ToolError(message, 'pip install "rtgen[lsp]"') from None
+    # The protocol has streams of its own: a stray print must not get between its messages.
+    with (
+        os.fdopen(os.dup(sys.stdin.fileno()), "rb") as requests,
+        os.fdopen(os.dup(sys.stdout.fileno()), "wb") as answers,
+        redirect_stdout(sys.stderr),
+    ):
+        make_server().start_io(requests, answers)
+    return OK

@@ -1,0 +1,160 @@
+"""The documents that the editor has open: their texts, which may not be saved, and languages."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from pathlib import Path
+
+from lsprotocol.types import (
+    PositionEncodingKind,
+    TextDocumentContentChangeEvent,
+    TextDocumentContentChangePartial,
+)
+from pygls.uris import from_fs_path, to_fs_path
+
+from rtgen.files import absolute_path
+from rtgen.language_server.text import UTF_16, Text
+from rtgen.project import FILE_NAME
+
+MOST_CHARACTERS = 8 * 1024 * 1024
+"""The text of a larger document is not kept; what is on the disk counts."""
+
+
+class Language(StrEnum):
+    """The languages of the server, by the ids that editors give them."""
+
+    IDL = "idl"
+    CDL = "cdl"
+    EDS = "eds"
+    BUS = "toml"
+    PROJECT = "rtgen.toml"
+    PROFILE = "xml"
+
+
+_SUFFIXES = {
+    ".idl": Language.IDL,
+    ".cdl": Language.CDL,
+    ".cde": Language.CDL,
+    ".eds": Language.EDS,
+    ".dcf": Language.EDS,
+    ".toml": Language.BUS,
+    ".xml": Language.PROFILE,
+    ".yaml": Language.PROFILE,
+    ".yml": Language.PROFILE,
+}
+_DECLARED = re.compile(
+    r"""<\?xml[^>]{0,200}?encoding\s*=\s*["']([A-Za-z][\w.-]*)["']"""
+)
+
+
+def language_of(path: str) -> Language | None:
+    """The language of a file by its name."""
+    if Path(path).name == FILE_NAME:
+        return Language.PROJECT
+    return _SUFFIXES.get(Path(path).suffix.lower())
+
+
+def path_of(uri: str) -> str | None:
+    """The absolute path of a document; None for one that is in no file."""
+    if not uri.startswith("file:"):
+        return None
+    path = to_fs_path(uri)
+    return None if path is None else absolute_path(path)
+
+
+def uri_of(path: str) -> str:
+    """The address of a file."""
+    uri: str | None = from_fs_path(path)
+    assert uri is not None, "an absolute path has an address"
+    return uri
+
+
+@dataclass(frozen=True, slots=True)
+class Document:
+    """An open document as of a version."""
+
+    uri: str
+    path: str
+    language: Language
+    version: int
+    text: Text
+
+    @property
+    def data(self) -> bytes:
+        """The text as the bytes that front ends read."""
+        source = self.text.source
+        if self.language is Language.PROFILE:
+            declared = _DECLARED.match(source)
+            if declared is not None:
+                try:
+                    return source.encode(declared[1])
+                except (LookupError, UnicodeError):
+                    pass  # the front end reports what does not fit
+        return source.encode("utf-8", "replace")
+
+
+class Documents:
+    """The open documents by path."""
+
+    def __init__(self) -> None:
+        self.encoding: PositionEncodingKind = UTF_16
+        self._open: dict[str, Document] = {}
+
+    def open(self, uri: str, version: int, source: str) -> Document | None:
+        """Keep a document; None for one of no known language, or too large a one."""
+        path = path_of(uri)
+        language = None if path is None else language_of(path)
+        if path is None or language is None or len(source) > MOST_CHARACTERS:
+            return None
+        document = Document(uri, path, language, version, Text(source))
+        self._open[path] = document
+        return document
+
+    def change(
+        self,
+        uri: str,
+        version: int,
+        changes: Sequence[TextDocumentContentChangeEvent],
+    ) -> Document | None:
+        """Apply edits in order; None if the document is not open."""
+        document = self.of(uri)
+        if document is None:
+            return None
+        text = document.text
+        for change in changes:
+            if isinstance(change, TextDocumentContentChangePartial):
+                text = text.replaced(change.range, change.text, self.encoding)
+            else:
+                text = Text(change.text)
+        if len(text.source) > MOST_CHARACTERS:
+            self.close(uri)
+            return None
+        changed = replace(document, version=version, text=text)
+        self._open[document.path] = changed
+        return changed
+
+    def close(self, uri: str) -> Document | None:
+        """Forget a document, and return it."""
+        path = path_of(uri)
+        return None if path is None else self._open.pop(path, None)
+
+    def of(self, uri: str) -> Document | None:
+        """The document of an address, if it is open."""
+        path = path_of(uri)
+        return None if path is None else self._open.get(path)
+
+    def at(self, path: str) -> Document | None:
+        """The document of a file, if it is open."""
+        return self._open.get(path)
+
+    @property
+    def all(self) -> tuple[Document, ...]:
+        """The open documents."""
+        return tuple(self._open.values())
+
+    def contents(self) -> dict[str, bytes]:
+        """What stands for the files on the disk, by absolute path."""
+        return {document.path: document.data for document in self._open.values()}

@@ -1,0 +1,23 @@
+"""Where a name is defined, in whatever language that is."""
+
+from __future__ import annotations
+
+from lsprotocol.types import Location, Position, Range
+
+from rtgen.language_server.documents import uri_of
+from rtgen.language_server.workspace import View
+
+_START = Range(Position(0, 0), Position(0, 0))
+
+
+def definition(view: View, position: Position) -> list[Location]:
+    """The definitions of the name at a position; a file is defined at its beginning."""
+    found = view.occurrence(position)
+    if found is None:
+        return []
+    key = found[0].key
+    if key.startswith("file "):
+        return [Location(uri_of(key.removeprefix("file ")), _START)]
+    places = [place for place in view.index.places(key) if place.defines]
+    located = (view.workspace.location_of(place) for place in places)
+    return [location for location in located if location is not None]

@@ -1,0 +1,245 @@
+"""The index: definitions and uses of names by file and by key.
+
+A key identifies what is defined, across files and languages: the language, then the name from the
+outermost scope down (`idl RTC::Time::sec`), behind the defining file where names are known there
+alone (`cdl /p/board.cdl#sMotor::set`). `file /p/a.idl` is a file itself.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum
+from pathlib import Path
+
+from rtgen.diagnostics import Span
+from rtgen.files import absolute_path, is_file
+from rtgen.language_server.text import Text
+from rtgen.resources import IDL_FILES, idl_file
+
+
+class Kind(StrEnum):
+    """What a name stands for; the value is the word that hovers show."""
+
+    FILE = "file"
+    MODULE = "module"
+    STRUCT = "struct"
+    UNION = "union"
+    EXCEPTION = "exception"
+    ENUM = "enum"
+    ENUMERATOR = "enumerator"
+    BITS = "bitmask"
+    TYPEDEF = "typedef"
+    CONSTANT = "constant"
+    INTERFACE = "interface"
+    OPERATION = "operation"
+    PARAMETER = "parameter"
+    ATTRIBUTE = "attribute"
+    MEMBER = "member"
+    COMPONENT = "component"
+    PORT = "port"
+    SIGNATURE = "signature"
+    FUNCTION = "function"
+    CELLTYPE = "celltype"
+    CELL = "cell"
+    DEVICE = "device"
+    OBJECT = "object"
+    NODE = "node"
+    INSTANCE = "instance"
+
+
+@dataclass(frozen=True, slots=True)
+class Definition:
+    """A defined name: its place is [start, end), that of all of the definition [first, last)."""
+
+    key: str
+    name: str
+    kind: Kind
+    start: int
+    end: int
+    first: int
+    last: int
+    container: str = ""
+    detail: str = ""
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Occurrence:
+    """A name at [start, end); `defines` if this is its definition."""
+
+    start: int
+    end: int
+    key: str
+    defines: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class FileIndex:
+    """The names of a file, in order of their places in `text`."""
+
+    path: str
+    text: Text
+    definitions: tuple[Definition, ...]
+    occurrences: tuple[Occurrence, ...]
+    _starts: list[int] = field(default_factory=list, repr=False)
+
+    def __post_init__(self) -> None:
+        self._starts.extend(each.start for each in self.occurrences)
+
+    def at(self, offset: int) -> Occurrence | None:
+        """The innermost name at an offset, or that ends there."""
+        found = None
+        index = bisect_right(self._starts, offset)
+        for each in reversed(self.occurrences[max(index - 8, 0) : index]):
+            if each.end >= offset and (
+                found is None or each.end - each.start < found.end - found.start
+            ):
+                found = each
+        return found
+
+    def between(self, start: int, end: int) -> Iterator[Occurrence]:
+        """The names that begin in [start, end)."""
+        index = bisect_right(self._starts, start - 1)
+        for each in self.occurrences[index:]:
+            if each.start >= end:
+                return
+            yield each
+
+    def around(self, offset: int) -> list[Definition]:
+        """The definitions that an offset is inside of, outermost first."""
+        return [d for d in self.definitions if d.first <= offset < d.last]
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """A name in a file."""
+
+    file: FileIndex
+    start: int
+    end: int
+    defines: bool
+
+
+class Index:
+    """The names of a project's files; immutable."""
+
+    def __init__(self, files: Iterable[FileIndex]) -> None:
+        self.files: dict[str, FileIndex] = {file.path: file for file in files}
+        self._definitions: dict[str, list[tuple[FileIndex, Definition]]] = {}
+        self._places: dict[str, list[Place]] = {}
+        self._children: dict[str, list[tuple[FileIndex, Definition]]] = {}
+        for file in self.files.values():
+            for d in file.definitions:
+                self._definitions.setdefault(d.key, []).append((file, d))
+                self._children.setdefault(d.container, []).append((file, d))
+            for o in file.occurrences:
+                place = Place(file, o.start, o.end, o.defines)
+                self._places.setdefault(o.key, []).append(place)
+
+    def definitions(self, key: str) -> list[tuple[FileIndex, Definition]]:
+        """The definitions of a key."""
+        return self._definitions.get(key, [])
+
+    def definition(self, key: str) -> Definition | None:
+        """The first definition of a key."""
+        found = self._definitions.get(key)
+        return found[0][1] if found else None
+
+    def places(self, key: str) -> list[Place]:
+        """All places of a key's name."""
+        return self._places.get(key, [])
+
+    def inside(self, key: str) -> list[Definition]:
+        """What is defined directly inside; the empty key stands for all that is outermost."""
+        return [definition for _, definition in self._children.get(key, [])]
+
+    def all(self) -> Iterator[tuple[FileIndex, Definition]]:
+        """All definitions."""
+        for found in self._definitions.values():
+            yield from found
+
+
+@dataclass(slots=True)
+class _Names:
+    """The names of a file while they are collected."""
+
+    definitions: dict[tuple[Span, str], tuple[str, Kind, Span, str, str]] = field(
+        default_factory=dict
+    )
+    uses: dict[tuple[Span, str], bool] = field(default_factory=dict)
+
+
+class Collector:
+    """Collects names with rtgen's spans, and makes the index of the files."""
+
+    def __init__(self) -> None:
+        self._files: dict[str, _Names] = {}
+
+    def define(
+        self,
+        key: str,
+        name: str,
+        kind: Kind,
+        span: Span,
+        extent: Span | None = None,
+        *,
+        container: str = "",
+        detail: str = "",
+    ) -> None:
+        """Add a definition; `extent` is all of it, by default its name."""
+        names = self._files.setdefault(span.file, _Names())
+        if extent is None or extent.file != span.file:
+            extent = span
+        names.definitions.setdefault(
+            (span, key), (name, kind, extent, container, detail)
+        )
+        names.uses[span, key] = True
+
+    def refer(self, key: str, span: Span) -> None:
+        """Add a use of a name."""
+        names = self._files.setdefault(span.file, _Names())
+        names.uses.setdefault((span, key), False)
+
+    @property
+    def files(self) -> list[str]:
+        """The displayed paths of the files with names."""
+        return list(self._files)
+
+    def indexes(self, texts: Mapping[str, Text]) -> Iterator[FileIndex]:
+        """The indexes of the files with a text; `texts` are by displayed path."""
+        for file, names in self._files.items():
+            path = path_of(file)
+            text = texts.get(file)
+            if text is not None and is_file(
+                Path(path)
+            ):  # others are printed for includes
+                yield _file_index(path, text, names)
+
+
+def _file_index(path: str, text: Text, names: _Names) -> FileIndex:
+    definitions = []
+    for (span, key), (name, kind, extent, container, detail) in sorted(
+        names.definitions.items()
+    ):
+        start, end = text.offsets(span)
+        first, last = text.offsets(extent)
+        definitions.append(
+            Definition(
+                *(key, name, kind, start, end, min(first, start), max(last, end)),
+                *(container, detail),
+            )
+        )
+    occurrences = sorted(
+        Occurrence(*text.offsets(span), key, defines)
+        for (span, key), defines in names.uses.items()
+    )
+    return FileIndex(path, text, tuple(definitions), tuple(occurrences))
+
+
+def path_of(file: str) -> str:
+    """The absolute path of a file by its displayed path."""
+    path = absolute_path(file)
+    if file in IDL_FILES and not Path(path).is_file():
+        return str(idl_file(file))
+    return path

@@ -1,0 +1,356 @@
+"""The server: requests of the protocol to features, analyses in a thread behind the edits."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
+from typing import Any, TypeVar
+
+from lsprotocol import types
+from pygls.exceptions import JsonRpcException
+from pygls.lsp.server import LanguageServer
+from pygls.protocol import LanguageServerProtocol, lsp_method
+
+from rtgen.diagnostics import Diagnostic
+from rtgen.facts.version import __version__
+from rtgen.language_server.analysis import SupersededError
+from rtgen.language_server.documents import Document, uri_of
+from rtgen.language_server.features.code_actions import code_actions
+from rtgen.language_server.features.completion import completion
+from rtgen.language_server.features.definition import definition
+from rtgen.language_server.features.diagnostics import published
+from rtgen.language_server.features.folding import folding
+from rtgen.language_server.features.hover import hover
+from rtgen.language_server.features.inlay_hints import inlay_hints
+from rtgen.language_server.features.references import highlights, references
+from rtgen.language_server.features.rename import RenameError, prepared, renamed
+from rtgen.language_server.features.semantic_tokens import LEGEND, semantic_tokens
+from rtgen.language_server.features.symbols import document_symbols, workspace_symbols
+from rtgen.language_server.workspace import ProjectKey, View, Workspace
+
+DEBOUNCE = 0.15
+"""Seconds without an edit before a project is analysed."""
+
+_WATCHED = ("idl", "inc", "cdl", "cde", "h", "eds", "dcf", "toml", "xml", "yaml", "yml")
+
+T = TypeVar("T")
+
+_log = logging.getLogger(__name__)
+
+
+class _Protocol(LanguageServerProtocol):
+    """The protocol without pygls's own copies of texts, which end lines at other characters."""
+
+    @lsp_method(types.TEXT_DOCUMENT_DID_OPEN)
+    def lsp_text_document__did_open(
+        self, params: types.DidOpenTextDocumentParams
+    ) -> Any:
+        yield self.fm.features[types.TEXT_DOCUMENT_DID_OPEN], (params,), None
+
+    @lsp_method(types.TEXT_DOCUMENT_DID_CHANGE)
+    def lsp_text_document__did_change(
+        self, params: types.DidChangeTextDocumentParams
+    ) -> Any:
+        yield self.fm.features[types.TEXT_DOCUMENT_DID_CHANGE], (params,), None
+
+    @lsp_method(types.TEXT_DOCUMENT_DID_CLOSE)
+    def lsp_text_document__did_close(
+        self, params: types.DidCloseTextDocumentParams
+    ) -> Any:
+        yield self.fm.features[types.TEXT_DOCUMENT_DID_CLOSE], (params,), None
+
+
+class Server(LanguageServer):
+    """The language server of rtgen. `debounce` is in seconds."""
+
+    def __init__(self, debounce: float = DEBOUNCE) -> None:
+        super().__init__(
+            "rtgen",
+            __version__,
+            text_document_sync_kind=types.TextDocumentSyncKind.Incremental,
+            protocol_cls=_Protocol,
+        )
+        self.files = Workspace()
+        self._debounce = debounce
+        self._timers: dict[ProjectKey, asyncio.TimerHandle] = {}
+        self._wanted: dict[ProjectKey, int] = {}
+        self._thread = ThreadPoolExecutor(1, thread_name_prefix="analysis")
+        self._published: dict[ProjectKey, set[str]] = {}
+
+    def report_server_error(self, error: Exception, source: Any) -> None:
+        """Log an error; the client gets it as the answer to its request."""
+        _log.error("%s: %s", type(error).__name__, error)
+
+    # Analyses
+
+    def schedule(self, key: ProjectKey, delay: float | None = None) -> None:
+        """Analyse a project when no edit has come for a while; an analysis under way is dropped."""
+        self._wanted[key] = self._wanted.get(key, 0) + 1
+        timer = self._timers.pop(key, None)
+        if timer is not None:
+            timer.cancel()
+        wait = self._debounce if delay is None else delay
+        loop = asyncio.get_running_loop()
+        self._timers[key] = loop.call_later(wait, self._start, key)
+
+    def _start(self, key: ProjectKey) -> None:
+        number = self._wanted[key]
+        versions = {d.path: d.version for d in self.files.documents.all}
+        loop = asyncio.get_running_loop()
+
+        def is_superseded() -> bool:
+            return self._wanted[key] != number
+
+        def done(future: Future[dict[str, list[Diagnostic]]]) -> None:
+            loop.call_soon_threadsafe(self._analysed, key, number, versions, future)
+
+        self._thread.submit(self.files.analyse, key, is_superseded).add_done_callback(
+            done
+        )
+
+    def _analysed(
+        self,
+        key: ProjectKey,
+        number: int,
+        versions: dict[str, int],
+        future: Future[dict[str, list[Diagnostic]]],
+    ) -> None:
+        error = future.exception()
+        if error is not None:
+            if not isinstance(error, SupersededError):
+                _log.error("analysis: %s: %s", type(error).__name__, error)
+            return
+        if self._wanted[key] != number:
+            return
+        self.publish(key, future.result(), versions)
+
+    def publish(
+        self,
+        key: ProjectKey,
+        findings: dict[str, list[Diagnostic]],
+        versions: dict[str, int],
+    ) -> None:
+        """Publish the findings of a project; files that have none any more are cleared."""
+        before = self._published.get(key, set())
+        for path in sorted({*findings, *before}):
+            document = self.files.documents.at(path)
+            if document is not None and versions.get(path) != document.version:
+                continue
+            found = published(self.files, path, findings.get(path, []))
+            self.text_document_publish_diagnostics(
+                types.PublishDiagnosticsParams(
+                    uri=uri_of(path) if document is None else document.uri,
+                    diagnostics=found,
+                    version=None if document is None else document.version,
+                )
+            )
+        self._published[key] = {path for path, found in findings.items() if found}
+        for refresh in self._refreshes():
+            refresh(None)
+
+    def _refreshes(self) -> list[Callable[[None], Any]]:
+        """Requests that make the client ask for tokens and hints again, where it can."""
+        workspace = self.client_capabilities.workspace
+        found: list[Callable[[None], Any]] = []
+        if workspace is None:
+            return found
+        tokens, hints = workspace.semantic_tokens, workspace.inlay_hint
+        if tokens is not None and tokens.refresh_support:
+            found.append(self.workspace_semantic_tokens_refresh)
+        if hints is not None and hints.refresh_support:
+            found.append(self.workspace_inlay_hint_refresh)
+        return found
+
+    def changed(self, document: Document | None) -> None:
+        """A document was opened or edited."""
+        if document is None:
+            return
+        if document.path.endswith("rtgen.toml"):
+            self.files.forget_projects()
+        self.schedule(self.files.key_of(document.path))
+
+    def view(self, document: types.TextDocumentIdentifier) -> View | None:
+        """What is known of a document that a request names."""
+        return self.files.view(document.uri)
+
+
+def make_server(debounce: float = DEBOUNCE) -> Server:
+    """A server with all features."""
+    server = Server(debounce)
+    _add_documents(server)
+    _add_names(server)
+    _add_outlines(server)
+    return server
+
+
+def _add_documents(server: Server) -> None:
+    """Notifications about documents and files."""
+
+    @server.feature(types.INITIALIZE)
+    def initialize(_: types.InitializeParams) -> None:
+        # As pygls does, which has chosen the encoding by what the client prefers.
+        encoding = types.PositionEncodingKind(server.workspace.position_encoding)
+        server.files.documents.encoding = encoding
+
+    @server.feature(types.INITIALIZED)
+    def initialized(_: types.InitializedParams) -> None:
+        workspace = server.client_capabilities.workspace
+        watched = None if workspace is None else workspace.did_change_watched_files
+        if watched is not None and watched.dynamic_registration:
+            pattern = f"**/*.{{{','.join(_WATCHED)}}}"
+            options = types.DidChangeWatchedFilesRegistrationOptions(
+                watchers=[types.FileSystemWatcher(glob_pattern=pattern)]
+            )
+            registration = types.Registration(
+                id="files",
+                method=types.WORKSPACE_DID_CHANGE_WATCHED_FILES,
+                register_options=options,
+            )
+            server.client_register_capability(
+                types.RegistrationParams(registrations=[registration])
+            )
+
+    @server.feature(types.TEXT_DOCUMENT_DID_OPEN)
+    def opened(params: types.DidOpenTextDocumentParams) -> None:
+        item = params.text_document
+        document = server.files.documents.open(item.uri, item.version, item.text)
+        if document is not None:
+            server.schedule(server.files.key_of(document.path), 0)
+
+    @server.feature(types.TEXT_DOCUMENT_DID_CHANGE)
+    def changed(params: types.DidChangeTextDocumentParams) -> None:
+        document = params.text_document
+        server.changed(
+            server.files.documents.change(
+                document.uri, document.version, params.content_changes
+            )
+        )
+
+    @server.feature(types.TEXT_DOCUMENT_DID_SAVE)
+    def saved(params: types.DidSaveTextDocumentParams) -> None:
+        server.changed(server.files.documents.of(params.text_document.uri))
+
+    @server.feature(types.TEXT_DOCUMENT_DID_CLOSE)
+    def closed(params: types.DidCloseTextDocumentParams) -> None:
+        document = server.files.documents.close(params.text_document.uri)
+        if document is None:
+            return
+        key = server.files.key_of(document.path)
+        if key.file:  # nobody else speaks of it
+            server.text_document_publish_diagnostics(
+                types.PublishDiagnosticsParams(document.uri, [])
+            )
+        else:
+            server.schedule(key)
+
+    @server.feature(types.WORKSPACE_DID_CHANGE_WATCHED_FILES)
+    def watched(_: types.DidChangeWatchedFilesParams) -> None:
+        server.files.forget_projects()
+        for key in server.files.open_projects():
+            server.schedule(key)
+
+    @server.feature(types.WORKSPACE_DID_CHANGE_CONFIGURATION)
+    def configured(_: types.DidChangeConfigurationParams) -> None:
+        """There are no settings: rtgen.toml has them."""
+
+
+def _add_names(server: Server) -> None:
+    """Requests about the name at a position."""
+
+    @server.feature(types.TEXT_DOCUMENT_HOVER)
+    def hovered(params: types.HoverParams) -> types.Hover | None:
+        view = server.view(params.text_document)
+        return None if view is None else hover(view, params.position)
+
+    @server.feature(types.TEXT_DOCUMENT_DEFINITION)
+    def defined(params: types.DefinitionParams) -> list[types.Location]:
+        view = server.view(params.text_document)
+        return [] if view is None else definition(view, params.position)
+
+    @server.feature(types.TEXT_DOCUMENT_REFERENCES)
+    def referred(params: types.ReferenceParams) -> list[types.Location]:
+        view = server.view(params.text_document)
+        if view is None:
+            return []
+        declaration = params.context.include_declaration
+        return references(view, params.position, declaration=declaration)
+
+    @server.feature(types.TEXT_DOCUMENT_DOCUMENT_HIGHLIGHT)
+    def highlighted(
+        params: types.DocumentHighlightParams,
+    ) -> list[types.DocumentHighlight]:
+        view = server.view(params.text_document)
+        return [] if view is None else highlights(view, params.position)
+
+    @server.feature(
+        types.TEXT_DOCUMENT_COMPLETION,
+        types.CompletionOptions(trigger_characters=[":", "@", ".", '"', "<", "/"]),
+    )
+    def completed(params: types.CompletionParams) -> types.CompletionList | None:
+        view = server.view(params.text_document)
+        return None if view is None else completion(view, params.position)
+
+    @server.feature(types.TEXT_DOCUMENT_PREPARE_RENAME)
+    def prepared_rename(
+        params: types.PrepareRenameParams,
+    ) -> types.PrepareRenamePlaceholder | None:
+        view = server.view(params.text_document)
+        return None if view is None else prepared(view, params.position)
+
+    @server.feature(
+        types.TEXT_DOCUMENT_RENAME, types.RenameOptions(prepare_provider=True)
+    )
+    def rename(params: types.RenameParams) -> types.WorkspaceEdit | None:
+        view = server.view(params.text_document)
+        if view is None:
+            return None
+        try:
+            return renamed(view, params.position, params.new_name)
+        except RenameError as error:
+            code = types.LSPErrorCodes.RequestFailed.value
+            raise JsonRpcException(str(error), code) from None
+
+
+def _add_outlines(server: Server) -> None:
+    """Requests about a whole document, or about the projects."""
+
+    @server.feature(types.TEXT_DOCUMENT_DOCUMENT_SYMBOL)
+    def outlined(params: types.DocumentSymbolParams) -> list[types.DocumentSymbol]:
+        view = server.view(params.text_document)
+        return [] if view is None else document_symbols(view)
+
+    @server.feature(types.WORKSPACE_SYMBOL)
+    def searched(params: types.WorkspaceSymbolParams) -> list[types.WorkspaceSymbol]:
+        return workspace_symbols(server.files, params.query)
+
+    @server.feature(types.TEXT_DOCUMENT_SEMANTIC_TOKENS_FULL, LEGEND)
+    def tokens(params: types.SemanticTokensParams) -> types.SemanticTokens:
+        view = server.view(params.text_document)
+        return types.SemanticTokens([]) if view is None else semantic_tokens(view)
+
+    @server.feature(types.TEXT_DOCUMENT_SEMANTIC_TOKENS_RANGE, LEGEND)
+    def some_tokens(params: types.SemanticTokensRangeParams) -> types.SemanticTokens:
+        view = server.view(params.text_document)
+        if view is None:
+            return types.SemanticTokens([])
+        return semantic_tokens(view, params.range)
+
+    @server.feature(types.TEXT_DOCUMENT_FOLDING_RANGE)
+    def folded(params: types.FoldingRangeParams) -> list[types.FoldingRange]:
+        view = server.view(params.text_document)
+        return [] if view is None else folding(view)
+
+    @server.feature(types.TEXT_DOCUMENT_INLAY_HINT)
+    def hinted(params: types.InlayHintParams) -> list[types.InlayHint]:
+        view = server.view(params.text_document)
+        return [] if view is None else inlay_hints(view, params.range)
+
+    @server.feature(
+        types.TEXT_DOCUMENT_CODE_ACTION,
+        types.CodeActionOptions(code_action_kinds=[types.CodeActionKind.QuickFix]),
+    )
+    def acted(params: types.CodeActionParams) -> list[types.CodeAction]:
+        view = server.view(params.text_document)
+        return [] if view is None else code_actions(view, params.context.diagnostics)

@@ -1,0 +1,195 @@
+"""A text of an editor: offsets, rtgen's lines and columns, and the protocol's positions.
+
+rtgen counts characters, and only line feeds end its lines. The protocol (LSP 3.17, "Position")
+counts code units of UTF-8, UTF-16 or UTF-32 as negotiated, and a lone carriage return ends a line.
+"""
+
+from __future__ import annotations
+
+import re
+from bisect import bisect_right
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+from lsprotocol.types import Position, PositionEncodingKind, Range
+
+from rtgen.diagnostics import Span
+
+_LINE_END = re.compile(r"\r\n|\n|\r")
+_LINE_FEED = re.compile("\n")
+
+UTF_8 = PositionEncodingKind.Utf8
+UTF_16 = PositionEncodingKind.Utf16
+UTF_32 = PositionEncodingKind.Utf32
+
+_UNITS: dict[PositionEncodingKind, Callable[[str], int]] = {
+    UTF_8: lambda text: len(text.encode("utf-8", "surrogatepass")),
+    UTF_16: lambda text: len(text.encode("utf-16-le", "surrogatepass")) // 2,
+    UTF_32: len,
+}
+"""The number of code units of a text."""
+
+
+class Text:
+    """A text with its lines; immutable."""
+
+    def __init__(self, source: str) -> None:
+        self.source = source
+
+    @cached_property
+    def _starts(self) -> list[int]:
+        return [0, *(match.end() for match in _LINE_END.finditer(self.source))]
+
+    @cached_property
+    def _rows(self) -> list[int]:
+        if "\r" not in self.source:
+            return self._starts
+        return [0, *(match.end() for match in _LINE_FEED.finditer(self.source))]
+
+    @property
+    def lines(self) -> int:
+        """The number of lines, a last one without an end included."""
+        return len(self._starts)
+
+    def offset(self, position: Position, encoding: PositionEncodingKind) -> int:
+        """The offset of a position; one beyond the end of a line or of the text is that end."""
+        line = max(position.line, 0)
+        if line >= len(self._starts):
+            return len(self.source)
+        start, end = self._line(line)
+        text = self.source[start:end]
+        wanted: int = max(position.character, 0)
+        if encoding == UTF_32 or text.isascii():
+            return start + min(wanted, len(text))
+        units = _UNITS[encoding]
+        passed = 0
+        for index, character in enumerate(text):
+            passed += units(character)
+            if passed > wanted:
+                return start + index
+        return end
+
+    def position(self, offset: int, encoding: PositionEncodingKind) -> Position:
+        """The position of an offset."""
+        line = bisect_right(self._starts, offset) - 1
+        start = self._starts[line]
+        if encoding == UTF_32:
+            return Position(line, offset - start)
+        text = self.source[start:offset]
+        return Position(line, len(text) if text.isascii() else _UNITS[encoding](text))
+
+    def range(self, start: int, end: int, encoding: PositionEncodingKind) -> Range:
+        """The range of [start, end)."""
+        return Range(self.position(start, encoding), self.position(end, encoding))
+
+    @cached_property
+    def whole_lines(self) -> tuple[int, ...]:
+        """The offsets at which lines begin."""
+        return tuple(self._starts)
+
+    def offsets(self, span: Span) -> tuple[int, int]:
+        """The start and the end of a span of rtgen, within the text."""
+        start = self._place(span.line, span.column)
+        return start, max(start, self._place(span.end_line, span.end_column))
+
+    def span(self, file: str, start: int, end: int) -> Span:
+        """The span of [start, end) in a file."""
+        rows = self._rows
+        line, last = bisect_right(rows, start), bisect_right(rows, end)
+        return Span(
+            file, line, start - rows[line - 1] + 1, last, end - rows[last - 1] + 1
+        )
+
+    def replaced(self, range_: Range, new: str, encoding: PositionEncodingKind) -> Text:
+        """The text with a range replaced; a range that ends before it starts is empty."""
+        start = self.offset(range_.start, encoding)
+        end = max(start, self.offset(range_.end, encoding))
+        return Text(self.source[:start] + new + self.source[end:])
+
+    def _line(self, line: int) -> tuple[int, int]:
+        """A line without its end."""
+        start = self._starts[line]
+        last = line + 1 == len(self._starts)
+        end = len(self.source) if last else self._starts[line + 1]
+        return start, start + len(self.source[start:end].rstrip("\r\n"))
+
+    def _place(self, line: int, column: int) -> int:
+        rows = self._rows
+        if line > len(rows):
+            return len(self.source)
+        start = rows[max(line, 1) - 1]
+        end = rows[line] - 1 if 0 < line < len(rows) else len(self.source)
+        return min(start + max(column, 1) - 1, max(end, start))
+
+
+@dataclass(frozen=True, slots=True)
+class Shift:
+    """What became of the places of a text when it was edited: `[start, old)` is now `[start, new)`.
+
+    All edits between two versions count as one, from the first changed character to the last.
+    """
+
+    start: int
+    old: int
+    new: int
+
+    @staticmethod
+    def between(old: str, new: str) -> Shift:
+        """The change that makes `new` of `old`."""
+        if old == new:
+            return Shift(len(old), len(old), len(new))
+        start = _common(old, new, min(len(old), len(new)), forwards=True)
+        most = min(len(old), len(new)) - start
+        end = _common(old, new, most, forwards=False)
+        return Shift(start, len(old) - end, len(new) - end)
+
+    def forward(self, start: int, end: int) -> tuple[int, int] | None:
+        """The place of [start, end) after the edit; None if the edit has touched it."""
+        if end <= self.start:
+            return start, end
+        if start >= self.old:
+            by = self.new - self.old
+            return start + by, end + by
+        return None
+
+    def around(self, start: int, end: int) -> tuple[int, int]:
+        """The place of a larger stretch, which the edit may lie in."""
+        by = self.new - self.old
+        first = start if start <= self.start else max(start + by, self.start)
+        last = end if end < self.old and end <= self.start else max(end + by, first)
+        return first, last
+
+    def back(self, offset: int) -> int:
+        """The offset before the edit; within the edit, where it began."""
+        if offset <= self.start:
+            return offset
+        if offset >= self.new:
+            return offset + self.old - self.new
+        return self.start
+
+
+_CHUNK = 4096
+
+
+def _common(old: str, new: str, most: int, *, forwards: bool) -> int:
+    """The number of characters at the start, or else at the end, that two texts share."""
+
+    def same(low: int, high: int) -> bool:
+        if forwards:
+            return old[low:high] == new[low:high]
+        return old[len(old) - high : len(old) - low] == (
+            new[len(new) - high : len(new) - low]
+        )
+
+    low = 0
+    while low < most and same(low, min(low + _CHUNK, most)):
+        low = min(low + _CHUNK, most)
+    high = min(low + _CHUNK, most)
+    while low < high:
+        middle = (low + high + 1) // 2
+        if same(low, middle):
+            low = middle
+        else:
+            high = middle - 1
+    return low

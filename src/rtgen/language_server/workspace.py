@@ -1,0 +1,282 @@
+"""The state behind the server: open documents, their projects, and the last analysis of each."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from lsprotocol.types import Location, Position, Range
+
+from rtgen.diagnostics import Diagnostic, InputError, Span, ToolError
+from rtgen.files import absolute_path, overlaid
+from rtgen.language_server.analysis import Analysis, analyse, problems_of
+from rtgen.language_server.documents import Document, Documents, Language, uri_of
+from rtgen.language_server.indexing.index import (
+    Definition,
+    FileIndex,
+    Index,
+    Occurrence,
+    Place,
+)
+from rtgen.language_server.text import Shift, Text
+from rtgen.project import Project, load, shown, with_arguments
+
+
+@dataclass(frozen=True, slots=True)
+class ProjectKey:
+    """A project by its folder; `file` is a document that its rtgen.toml does not name."""
+
+    root: str
+    file: str = ""
+
+
+@dataclass(slots=True)
+class _State:
+    """The last analysis of a project, and what is wrong with its settings."""
+
+    analysis: Analysis | None = None
+    problems: tuple[Diagnostic, ...] = ()
+    project: Project | None = None
+
+
+class Workspace:
+    """Documents, projects and analyses. Analyses may run in another thread than requests."""
+
+    def __init__(self) -> None:
+        self.documents = Documents()
+        self._states: dict[ProjectKey, _State] = {}
+        self._keys: dict[str, ProjectKey] = {}
+        self._lock = threading.Lock()
+
+    # Projects
+
+    def key_of(self, path: str) -> ProjectKey:
+        """The project of a file, which may have to be loaded."""
+        with self._lock:
+            known = self._keys.get(path)
+        if known is not None:
+            return known
+        contents = self.documents.contents()
+        folder = Path(path).parent
+        with overlaid(contents):
+            try:
+                project = load(folder)
+            except (InputError, ToolError):
+                project = None
+        if project is None:
+            key = self._around(folder) or ProjectKey(str(folder), path)
+        else:
+            files = (*project.sources, *project.systems, project.file)
+            inside = any(
+                file is not None and absolute_path(file) == path for file in files
+            )
+            key = ProjectKey(str(project.root), "" if inside else path)
+        with self._lock:
+            self._keys[path] = key
+        return key
+
+    def _around(self, folder: Path) -> ProjectKey | None:
+        """The project around a folder whose settings have been right before."""
+        with self._lock:
+            for parent in (folder, *folder.parents):
+                key = ProjectKey(str(parent))
+                if key in self._states:
+                    return key
+        return None
+
+    def forget_projects(self) -> None:
+        """Look for the project of each file again: files or settings have changed."""
+        with self._lock:
+            self._keys.clear()
+
+    def open_projects(self) -> set[ProjectKey]:
+        """The projects of the open documents."""
+        return {self.key_of(document.path) for document in self.documents.all}
+
+    # Analyses
+
+    def analyse(
+        self, key: ProjectKey, is_superseded: Callable[[], bool] = lambda: False
+    ) -> dict[str, list[Diagnostic]]:
+        """Analyse a project with the texts of now; its findings by absolute path.
+
+        Raises SupersededError when `is_superseded`.
+        """
+        contents = self.documents.contents()
+        with self._lock:
+            state = self._states.setdefault(key, _State())
+        with overlaid(contents):
+            try:
+                state.project = _loaded(key)
+                state.problems = ()
+            except (InputError, ToolError) as error:
+                state.problems = problems_of(error)
+        found: list[Diagnostic] = list(state.problems)
+        if state.project is not None:
+            before = state.analysis
+            made = analyse(
+                state.project,
+                contents,
+                before=before,
+                is_superseded=is_superseded,
+            )
+            state.analysis = made
+            found += made.findings
+        by_file: dict[str, list[Diagnostic]] = {}
+        for document in self.documents.all:
+            if self.key_of(document.path) == key:
+                by_file[document.path] = []
+        nowhere = str(Path(key.root) / "rtgen.toml") if not key.file else key.file
+        for finding in found:
+            path = nowhere if finding.span is None else absolute_path(finding.span.file)
+            by_file.setdefault(path, []).append(finding)
+        return by_file
+
+    def analysis(self, path: str) -> Analysis | None:
+        """The last analysis of a file's project."""
+        key = self.key_of(path)
+        with self._lock:
+            state = self._states.get(key)
+        return None if state is None else state.analysis
+
+    def analyses(self) -> list[Analysis]:
+        """The last analyses of all projects."""
+        with self._lock:
+            states = list(self._states.values())
+        return [state.analysis for state in states if state.analysis is not None]
+
+    def text_of(self, path: str) -> Text | None:
+        """The present text of a file: that of the editor, else that of the last analysis."""
+        document = self.documents.at(path)
+        if document is not None:
+            return document.text
+        for analysis in self.analyses():
+            for file, text in analysis.texts.items():
+                if absolute_path(file) == path:
+                    return text
+        return None
+
+    def view(self, uri: str) -> View | None:
+        """A document with what is known of it; None if it is not open."""
+        document = self.documents.of(uri)
+        if document is None:
+            return None
+        return View(self, document, self.analysis(document.path))
+
+    # Places
+
+    def range_of(self, place: Place) -> Range | None:
+        """The place of a name as of now; None if it is being edited."""
+        file = place.file
+        document = self.documents.at(file.path)
+        text = file.text if document is None else document.text
+        moved = shift_of(file, text).forward(place.start, place.end)
+        if moved is None:
+            return None
+        return text.range(*moved, self.documents.encoding)
+
+    def location_of(self, place: Place) -> Location | None:
+        """The place of a name with its file."""
+        found = self.range_of(place)
+        return None if found is None else Location(uri_of(place.file.path), found)
+
+    def range_of_span(self, span: Span, text: Text) -> Range:
+        """The range of a span in a text."""
+        return text.range(*text.offsets(span), self.documents.encoding)
+
+
+class View:
+    """A document, and the index of its last analysis, whose places move with the edits since."""
+
+    def __init__(
+        self, workspace: Workspace, document: Document, analysis: Analysis | None
+    ) -> None:
+        self.workspace = workspace
+        self.document = document
+        self.analysis = analysis
+        self.index = Index(()) if analysis is None else analysis.index
+        self.file: FileIndex | None = self.index.files.get(document.path)
+
+    @property
+    def text(self) -> Text:
+        """The text of now."""
+        return self.document.text
+
+    @property
+    def language(self) -> Language:
+        """The document's language."""
+        return self.document.language
+
+    @property
+    def shift(self) -> Shift:
+        """The edits since the analysis."""
+        if self.file is None:
+            return Shift(0, 0, 0)
+        return shift_of(self.file, self.document.text)
+
+    def offset(self, position: Position) -> int:
+        """The offset of a position in the text of now."""
+        return self.text.offset(position, self.workspace.documents.encoding)
+
+    def range(self, start: int, end: int) -> Range:
+        """The range of [start, end) of the text of now."""
+        return self.text.range(start, end, self.workspace.documents.encoding)
+
+    def occurrence(self, position: Position) -> tuple[Occurrence, Range] | None:
+        """The name at a position, and its range as of now."""
+        if self.file is None:
+            return None
+        shift = self.shift
+        found = self.file.at(shift.back(self.offset(position)))
+        if found is None:
+            return None
+        moved = shift.forward(found.start, found.end)
+        if moved is None or not moved[0] <= self.offset(position) <= moved[1]:
+            return None
+        return found, self.range(*moved)
+
+    def occurrences(self) -> Iterator[tuple[int, int, Occurrence]]:
+        """The names of the document that the edits have not touched, as of now."""
+        shift = self.shift
+        for each in () if self.file is None else self.file.occurrences:
+            moved = shift.forward(each.start, each.end)
+            if moved is not None:
+                yield *moved, each
+
+    def definitions(self) -> Iterator[tuple[int, int, int, int, Definition]]:
+        """The definitions in the document as of now: name and all of it."""
+        shift = self.shift
+        for each in () if self.file is None else self.file.definitions:
+            moved = shift.forward(each.start, each.end)
+            if moved is not None:
+                first, last = shift.around(each.first, each.last)
+                yield *moved, min(first, moved[0]), max(last, moved[1]), each
+
+
+_SHIFTS: dict[tuple[int, int], tuple[FileIndex, Text, Shift]] = {}
+_MOST_SHIFTS = 64
+
+
+def shift_of(file: FileIndex, text: Text) -> Shift:
+    """The edits between the text of an index and another one."""
+    if file.text is text:
+        return Shift.between("", "")
+    key = id(file), id(text)
+    known = _SHIFTS.get(key)
+    if known is not None and known[0] is file and known[1] is text:
+        return known[2]
+    made = Shift.between(file.text.source, text.source)
+    if len(_SHIFTS) >= _MOST_SHIFTS:
+        _SHIFTS.clear()
+    _SHIFTS[key] = file, text, made
+    return made
+
+
+def _loaded(key: ProjectKey) -> Project:
+    """The project of a key. Raises InputError, ToolError."""
+    project = load(Path(key.root))
+    if not key.file:
+        return project
+    return with_arguments(project, paths=[shown(Path(key.file))])
