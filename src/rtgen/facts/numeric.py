@@ -5,13 +5,13 @@ from __future__ import annotations
 from typing import Final, Literal, TypeAlias, get_args
 
 Numeric: TypeAlias = Literal["list", "array", "numpy"]
-"""A list, `NumericArray` of the runtime (an `array.array`), a numpy array."""
+"""A list; an array for more than LONGEST_LIST numbers, else a list; a numpy array."""
 
 FORMS: Final[tuple[Numeric, ...]] = get_args(Numeric)
 """All forms."""
 
-LONGEST_LIST: Final = 16
-"""Arrays and bounded sequences of up to so many numbers stay lists where "array" is the form.
+LONGEST_LIST: Final = 24
+"""The most numbers that are decoded as a list where the form is "array".
 
-Up to about as many items, an array takes longer to make than a list (docs/speed.md).
+Up to about as many, a list takes less time to make than an array (docs/speed.md).
 """

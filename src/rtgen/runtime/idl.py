@@ -35,15 +35,6 @@ from rtgen.runtime.marshalling.descriptors import (
     register,
 )
 from rtgen.runtime.marshalling.numeric import Numeric
-from rtgen.runtime.marshalling.numeric import doubles as doubles
-from rtgen.runtime.marshalling.numeric import floats as floats
-from rtgen.runtime.marshalling.numeric import int8s as int8s
-from rtgen.runtime.marshalling.numeric import long_longs as long_longs
-from rtgen.runtime.marshalling.numeric import longs as longs
-from rtgen.runtime.marshalling.numeric import shorts as shorts
-from rtgen.runtime.marshalling.numeric import unsigned_long_longs as unsigned_long_longs
-from rtgen.runtime.marshalling.numeric import unsigned_longs as unsigned_longs
-from rtgen.runtime.marshalling.numeric import unsigned_shorts as unsigned_shorts
 
 SHORT: Final = PrimitiveDescriptor(Primitive.SHORT)
 UNSIGNED_SHORT: Final = PrimitiveDescriptor(Primitive.UNSIGNED_SHORT)

@@ -109,19 +109,6 @@ _SIGNED = frozenset(
 STR_ELEMENTS = (Primitive.CHAR,)
 """Elements whose sequences and one-dimensional arrays are `str`."""
 
-_FACTORIES = {
-    Primitive.SHORT: "shorts",
-    Primitive.UNSIGNED_SHORT: "unsigned_shorts",
-    Primitive.LONG: "longs",
-    Primitive.UNSIGNED_LONG: "unsigned_longs",
-    Primitive.LONG_LONG: "long_longs",
-    Primitive.UNSIGNED_LONG_LONG: "unsigned_long_longs",
-    Primitive.INT8: "int8s",
-    Primitive.FLOAT: "floats",
-    Primitive.DOUBLE: "doubles",
-}
-"""What makes arrays of these numbers, in `rtgen.runtime.idl`."""
-
 NameOf: TypeAlias = Callable[[ScopedName], str]
 """Returns how a declared type is written at the place of the text."""
 
@@ -187,8 +174,6 @@ class PythonMapping:
                 return '""'
             case FixedType():
                 return f'{self._spell("decimal", "Decimal")}("0")'
-            case SequenceType(numeric="array"):
-                return f"{self._numbers(type_)}()"
             case SequenceType(numeric="numpy"):
                 return self._numpy_default(type_, (0,))
             case ArrayType(numeric="numpy", dimensions=dimensions):
@@ -228,9 +213,7 @@ class PythonMapping:
         """A callable that makes the initial value of a mutable type."""
         plain = self._model.unalias(type_)
         match plain:
-            case SequenceType(numeric="array"):
-                return self._numbers(plain)
-            case SequenceType(numeric="list"):
+            case SequenceType(numeric="list" | "array"):
                 return self._spell("", "list")
             case MapType():
                 return self._spell("", "dict")
@@ -295,15 +278,7 @@ class PythonMapping:
             expression = f"[{self.default(type_.element)} for _ in range({last})]"
         for size in reversed(outer):
             expression = f"[{expression} for _ in range({size})]"
-        if type_.numeric == "array":
-            return f"{self._numbers(type_)}({expression})"
         return expression
-
-    def _numbers(self, type_: SequenceType | ArrayType) -> str:
-        """What makes the array of the numbers of a list."""
-        kind = self._kind(type_)
-        assert kind is not None
-        return f"{self._spell('rtgen.runtime', 'idl')}.{_FACTORIES[kind]}"
 
     def _numpy_default(
         self, type_: SequenceType | ArrayType, shape: tuple[int, ...]

@@ -16,7 +16,7 @@ import numpy
 import pytest
 
 from rtgen.cli import run
-from rtgen.facts.numeric import FORMS, Numeric
+from rtgen.facts.numeric import FORMS, LONGEST_LIST, Numeric
 from rtgen.frontends.idl import load
 from rtgen.lowering.numeric import lower
 from rtgen.lowering.settings import Settings
@@ -41,6 +41,7 @@ module n {
         Doubles named;
         float matrix[2][3];
         float row[20];
+        float long_row[40];
         long triple[3];
         sequence<Point> cloud;
         sequence<Wide> wides;
@@ -87,6 +88,7 @@ def filled(n: ModuleType, count: int) -> Any:
         named=[-0.0] * count,
         matrix=[[0.5, 1.5, 2.5], [3.5, 4.5, 5.5]],
         row=[i / 2 for i in range(20)],
+        long_row=[i / 2 for i in range(40)],
         triple=[-1, 2, 3],
         cloud=points,
         wides=[n.Wide(point, [1.0, point.x]) for point in points],
@@ -98,14 +100,17 @@ def filled(n: ModuleType, count: int) -> Any:
 
 def test_types_settle_the_form(packages: dict[Numeric, Any]) -> None:
     lists, arrays, numpies = (packages[form].Everything() for form in FORMS)
-    assert all(type(lists.scan) is list for _ in WAYS)
-    assert (
-        type(arrays.scan) is type(arrays.counters) is type(arrays.row) is NumericArray
-    )
-    assert arrays.scan.typecode == "d"
-    assert arrays.counters.typecode == "Q"
-    assert type(arrays.few) is type(arrays.triple) is type(arrays.matrix) is list
-    assert type(arrays.cloud) is list
+    assert type(lists.scan) is type(lists.long_row) is type(arrays.scan) is list
+    for count, form in ((LONGEST_LIST, list), (LONGEST_LIST + 1, NumericArray)):
+        made = filled(packages["array"], count)
+        made = packages["array"].Everything.from_cdr(made.to_cdr())
+        assert type(made.scan) is type(made.counters) is type(made.named) is form
+        assert type(made.few) is type(made.triple) is type(made.matrix) is list
+        assert type(made.cloud) is type(made.row) is list
+        assert type(made.long_row) is NumericArray
+    assert made.scan.typecode == "d"
+    assert made.counters.typecode == "Q"
+    assert made.long_row.typecode == "f"
     assert numpies.scan.dtype == numpy.float64
     assert numpies.matrix.shape == (2, 3)
     assert numpies.cloud.dtype == idl.dtype(packages["numpy"].Point)
@@ -136,14 +141,14 @@ def test_octets_are_those_of_lists(
 
 
 def test_arrays_are_equal_to_lists(arrays: Any) -> None:
-    value = filled(arrays, 5)
+    value = filled(arrays, 50)
     made = arrays.Everything.from_cdr(value.to_cdr())
     assert made == value
     assert value == made
     assert made.scan == value.scan
     assert value.scan == made.scan
     assert made.scan == tuple(value.scan)
-    assert made.scan != [*value.scan[:4], 9.0]
+    assert made.scan != [*value.scan[:49], 9.0]
     assert made.scan != value.scan[:4]
     assert made.scan != "text"
     made.scan += [1.0]
@@ -253,8 +258,9 @@ FAULTS: list[tuple[str, Any, str]] = [
     ),
     ("counters", [0] * 101, ".counters: 101 items, and 100 are the most"),
     ("row", [1.0], ".row: 1 items instead of 20"),
-    ("row", array("d", [0.0] * 20), ".row: a buffer of float of 32 bits"),
-    ("row", array("f", [0.0] * 19), ".row: 19 items instead of 20"),
+    ("long_row", [1.0], ".long_row: 1 items instead of 40"),
+    ("long_row", array("d", [0.0] * 40), ".long_row: a buffer of float of 32 bits"),
+    ("long_row", array("f", [0.0] * 39), ".long_row: 39 items instead of 40"),
     ("rows", [[1.0], [2.0, "x"]], ".rows[1][1]: a value of double is needed"),
     ("rows", [[1.0], array("i", [1])], ".rows[1]: a buffer of float of 64 bits"),
 ]
@@ -324,9 +330,9 @@ def test_padding_of_records_is_zero(tmp_path: Path) -> None:
 
 
 def test_values_as_data(arrays: Any) -> None:
-    value = arrays.Everything.from_cdr(filled(arrays, 2).to_cdr())
+    value = arrays.Everything.from_cdr(filled(arrays, 40).to_cdr())
     data = msgspec.to_builtins(value, builtin_types=(bytes,), enc_hook=list)
-    assert data["scan"] == [0.0, 1 / 3]
+    assert data["scan"][:2] == [0.0, 1 / 3]
     assert msgspec.convert(data, arrays.Everything) == value
 
 

@@ -70,8 +70,14 @@ class Structured:
 
 def _putter(atom: Atom, order: Order) -> _Put:
     code, size = atom.code, atom.size
+    swapped = is_swapped(order)
 
     def put(items: Any) -> tuple[int, Any]:
+        if items.__class__ is NumericArray and items.typecode == code and items:
+            if swapped:
+                items = items[:]
+                items.byteswap()
+            return -len(items), (items.tobytes(),)
         view = buffer_of(items, code, size)
         if view is None or not len(view):
             return len(items), items

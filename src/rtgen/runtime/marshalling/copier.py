@@ -37,7 +37,7 @@ class Copier:
         """An expression for a deep copy; immutable values are shared."""
         match node:
             case AtomSequence() | AtomArray() | Records() if node.form != "list":
-                return f"{self._refer.function(copied)}({value})"
+                return self._numbers(value, path)
             case AtomSequence():
                 return f"list({value})"
             case AtomArray(dimensions=dimensions):
@@ -74,6 +74,13 @@ class Copier:
                 return _unless_none(value, made) if self._unset else made
         return value
 
+    def _numbers(self, value: str, path: Path) -> str:
+        """Numbers in any form; those in a list without a call."""
+        variable = self._locals.name(path)
+        self.body.add(f"{variable} = {value}")
+        copy = f"{self._refer.function(copied)}({variable})"
+        return f"{variable}[:] if {variable}.__class__ is list else {copy}"
+
     def _inner(self, node: Node) -> str:
         """The copy of `item`, within a comprehension."""
         return _Inline(self._refer, self._unset).copy(node, "item")
@@ -89,6 +96,9 @@ class _Inline(Copier):
             ]
             return f"{self._refer.made(node.type)}({', '.join(copies)})"
         return super().copy(node, value)
+
+    def _numbers(self, value: str, path: Path) -> str:
+        return f"{self._refer.function(copied)}({value})"
 
 
 def _unless_none(value: str, made: str) -> str:

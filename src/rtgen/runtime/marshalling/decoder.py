@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from rtgen.facts.numeric import LONGEST_LIST
 from rtgen.runtime.marshalling.bulk import Arrays, Sequences, Structured
 from rtgen.runtime.marshalling.conversions import Conversions, each
 from rtgen.runtime.marshalling.headers import Lengths, next_member, next_parameter
@@ -338,12 +339,13 @@ class Decoder:
         remaining = iter(readers)
         for section in run.sections:
             if section.bulk and section.counted is not None:
-                self._bulk(section.counted, prefix)
+                self._take(section.counted, prefix, "offset")
+                self._offset = None
             else:
                 self._section(section, next(remaining), prefix)
 
-    def _bulk(self, field: Field, prefix: Path) -> None:
-        """The items of a sequence, read in one piece."""
+    def _take(self, field: Field, prefix: Path, end: str) -> None:
+        """The items of a sequence, read in one piece; the offset behind them in `end`."""
         node = field.node
         assert isinstance(node, AtomSequence | Records)
         path = (*prefix, *field.path)
@@ -351,8 +353,7 @@ class Decoder:
         take = self._locals.name(path, "take_")
         self.body.choose(take, take, layout, "take")
         name, count = self._locals.name(path), self._locals.name(path, "n_")
-        self.body.add(f"{name}, offset = {take}(data, {self._place()}, {count})")
-        self._offset = None
+        self.body.add(f"{name}, {end} = {take}(data, {self._place()}, {count})")
 
     def _section(self, section: Section, reader: str, prefix: Path) -> None:
         targets = self._targets(section.entries, prefix)
@@ -361,8 +362,26 @@ class Decoder:
             self._assign(targets, f"{reader}(data{place})")
             self._advance(section.size)
         else:
-            self.body.add(f"unpack, size = {reader}[{self._key(section, prefix)}]")
+            body = self.body
+            counted = section.counted
+            long = counted is not None and getattr(counted.node, "form", "") == "array"
+            if long:
+                assert counted is not None
+                count = self._locals.name((*prefix, *counted.path), "n_")
+                rest = [e for e in section.entries if e.field is not counted or e.count]
+                body.block(f"if {count} > {LONGEST_LIST}:")
+                self._take(counted, prefix, "_")
+                key = self._key(section, prefix, "-")
+                body.add(f"unpack, size = {reader}[{key}]")
+                if rest:
+                    skipped = self._targets(tuple(rest), prefix)
+                    body.add(f"{skipped} = unpack(data{place})")
+                body.end()
+                body.block("else:")
+            body.add(f"unpack, size = {reader}[{self._key(section, prefix)}]")
             self._assign(targets, f"unpack(data{place})")
+            if long:
+                body.end()
             if self._offset is None:
                 self.body.add("offset += size")
             else:
@@ -381,10 +400,11 @@ class Decoder:
         else:
             self.body.add(f"{targets} = {call}")
 
-    def _key(self, section: Section, prefix: Path) -> str:
+    def _key(self, section: Section, prefix: Path, sign: str = "") -> str:
         count = "0"
         if section.counted is not None:
-            count = self._locals.name((*prefix, *section.counted.path), "n_")
+            name = self._locals.name((*prefix, *section.counted.path), "n_")
+            count = f"{sign}{name}"
         if section.known:
             return count
         phase = f"{self._place()} & 7"

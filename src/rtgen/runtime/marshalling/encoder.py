@@ -294,10 +294,13 @@ class Encoder:
         put = self._locals.name(path, "put_")
         self.body.choose(put, put, Sequences(node), "put")
         key = self._keys[path] = self._locals.name(path, "key_")
-        packed = self._locals.name(path, "packed_")
-        self.body.add(f"{key}, {packed} = {count}, {items}")
-        self.body.block(f"if {items}.__class__ is not list:")
-        self.body.add(f"{key}, {packed} = {put}({items})")
+        packed = items
+        if not path:  # the value itself, which the report of a fault needs
+            packed = self._locals.name(path, "packed_")
+            self.body.add(f"{packed} = {items}")
+        self.body.add(f"{key} = {count}")
+        self.body.block(f"if {packed}.__class__ is not list:")
+        self.body.add(f"{key}, {packed} = {put}({packed})")
         self.body.end()
         return f"*{packed}"
 

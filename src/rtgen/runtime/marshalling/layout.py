@@ -401,7 +401,7 @@ def pad(octets: int) -> str:
 
 def is_bulk(node: Node) -> bool:
     """Whether the items of a sequence are read in one piece, by a function of `bulk`."""
-    return isinstance(node, AtomSequence | Records) and node.form != "list"
+    return isinstance(node, AtomSequence | Records) and node.form == "numpy"
 
 
 def has_count(node: Placed | Repeat) -> bool:

@@ -10,8 +10,8 @@ from __future__ import annotations
 import struct
 import sys
 from array import array
-from collections.abc import Iterable, MutableSequence
-from typing import TYPE_CHECKING, Any, Final, Generic, Literal, Self, TypeAlias, TypeVar
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any, Literal, Self, TypeAlias, TypeVar
 
 from rtgen.facts.numeric import Numeric as Numeric
 
@@ -73,28 +73,6 @@ class NumericArray(_Array[_N]):
         return self.__copy__()
 
 
-class Numbers(Generic[_N]):
-    """Makes `NumericArray`s of one type code."""
-
-    def __init__(self, typecode: str) -> None:
-        self._typecode = typecode
-
-    def __call__(self, numbers: Iterable[_N] = ()) -> MutableSequence[_N]:
-        """Raises TypeError or OverflowError for what the type does not have."""
-        return NumericArray(self._typecode, numbers)
-
-
-int8s: Final = Numbers[int]("b")
-shorts: Final = Numbers[int]("h")
-unsigned_shorts: Final = Numbers[int]("H")
-longs: Final = Numbers[int]("i")
-unsigned_longs: Final = Numbers[int]("I")
-long_longs: Final = Numbers[int]("q")
-unsigned_long_longs: Final = Numbers[int]("Q")
-floats: Final = Numbers[float]("f")
-doubles: Final = Numbers[float]("d")
-
-
 def is_swapped(order: Order) -> bool:
     """Whether the byte order (`<`, `>`) is not that of the machine."""
     return _SWAPPED[order]
@@ -150,10 +128,9 @@ def packed(items: Any, code: str, size: int, order: Order) -> bytes:
 
 def copied(items: Any) -> Any:
     """A copy of numbers in any form, of the same form."""
-    kind = type(items)
-    if kind is list:
-        return items[:]
     if isinstance(items, array):
         return NumericArray(items.typecode, items)
+    if isinstance(items, list):
+        return items[:]
     copy = getattr(items, "copy", None)
     return list(items) if copy is None else copy()

@@ -4,7 +4,7 @@ A run is given as sections of tokens. `I`, `3d`, `*i` stand for `struct` codes: 
 as the next count says; `*48s/8` for 48 octets each, aligned to 8. `@4` in front says that the
 section begins at an offset of 4 modulo 8; `=` that padding is settled and the rest is a `struct`
 format; `!` that the section is not read by `struct`. A negative count stands for as many items that
-are packed as octets.
+are packed as octets, or skipped when the section is read.
 """
 
 from __future__ import annotations
@@ -127,6 +127,8 @@ def _reader(order: str, section: str) -> Any:
 class _Table(dict[Any, _V], ABC):
     """A cache filled on lookup, cleared when full."""
 
+    skipped = "s"
+
     def __init__(self, order: str, *sections: str) -> None:
         self._order = order
         self._sections = sections
@@ -142,7 +144,8 @@ class _Table(dict[Any, _V], ABC):
         """The value of a key that is not in the cache."""
 
     def _struct(self, phase: int, counts: Iterable[int]) -> Struct:
-        return Struct(self._order + _arranged(self._sections, phase, iter(counts)))
+        arranged = _arranged(self._sections, phase, iter(counts), self.skipped)
+        return Struct(self._order + arranged)
 
 
 class _Shapes(_Table[Callable[..., bytes]]):
@@ -157,19 +160,28 @@ class _PhasedShapes(_Table[Callable[..., bytes]]):
 
 
 class _Readers(_Table[_Reader]):
+    skipped = "x"
+
     def _made(self, key: int) -> _Reader:
         made = self._struct(int(self._sections[0][1]), (key,))
         return made.unpack_from, made.size
 
 
 class _PhasedReaders(_Table[_Reader]):
+    skipped = "x"
+
     def _made(self, key: int) -> _Reader:
         made = self._struct(key & 7, (key >> 3,))
         return made.unpack_from, made.size
 
 
-def _arranged(sections: Iterable[str], phase: int, counts: Iterator[int]) -> str:
-    """The `struct` format of the sections from offset `phase`."""
+def _arranged(
+    sections: Iterable[str], phase: int, counts: Iterator[int], skipped: str
+) -> str:
+    """The `struct` format of the sections from offset `phase`.
+
+    `skipped` is the code for the octets of a negative count.
+    """
     texts: list[str] = []
     offset = phase
     for section in sections:
@@ -183,7 +195,7 @@ def _arranged(sections: Iterable[str], phase: int, counts: Iterator[int]) -> str
             padding = -offset % int(align or size) if number or not star else 0
             if number < 0:
                 number *= -size
-                code, size = "s", 1
+                code, size = skipped, 1
             texts.append(f"{padding}x{number}{code}")
             offset += padding + number * size
     return "".join(texts)

@@ -7,13 +7,14 @@ whatever their package.
 from __future__ import annotations
 
 import copyreg
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping, MutableSequence, Sequence
 from decimal import Decimal
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar, cast
 
 import omniORB
 from omniORB import CORBA, tcInternal
 
+from rtgen.facts.numeric import LONGEST_LIST
 from rtgen.runtime.corba.faults import caught
 from rtgen.runtime.marshalling.descriptors import (
     ANY,
@@ -84,9 +85,9 @@ def listed(numbers: Any) -> list[Any]:
     return list(numbers) if tolist is None else cast("list[Any]", tolist())
 
 
-def to_array(numbers: list[Any], code: str) -> NumericArray[Any]:
-    """The array of a list of numbers, by the type code of those."""
-    return NumericArray(code, numbers)
+def to_array(numbers: list[Any], code: str) -> MutableSequence[Any]:
+    """An array of many numbers, by their type code, a list of few."""
+    return NumericArray(code, numbers) if len(numbers) > LONGEST_LIST else [*numbers]
 
 
 def to_numpy(numbers: list[Any], code: str) -> Any:
