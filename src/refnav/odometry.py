@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, Generic, Protocol, TypeVar
 
 from refnav.geometry import Pose, advance, wrap
@@ -31,7 +32,7 @@ class DeadReckoning:
         self._left, self._right = wheels
         self._angles: tuple[float, float] | None = None
 
-    def update(self, angles: list[float]) -> Pose:
+    def update(self, angles: Sequence[float]) -> Pose:
         """The pose after the wheels have turned to new absolute angles [rad].
 
         The first angles only set the origin. Raises IndexError if a wheel is missing.

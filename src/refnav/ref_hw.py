@@ -68,7 +68,7 @@ class RefHw(RefHwBase):
         else:
             if len(command.data) != len(self._wanted):
                 return self.fail(f"WheelSpeed: {len(command.data)} speeds for 2 wheels")
-            self._wanted = command.data
+            self._wanted = list(command.data)
         plant.drive(self._wanted, config.Velocity_limit, config.Acceleration_limit * dt)
         count = tau / config.EncoderCount
         angles = rtc.TimedDoubleSeq(

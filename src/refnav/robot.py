@@ -139,5 +139,5 @@ class Robot(Component, Generic[P]):
         # The track of one robot is no track of another, so a new leader is followed anew.
         if self._follower is None or target.id != self._leader:
             self._follower = WAYS[self.config.following]()
-            self._leader = target.id
+            self._leader = list(target.id)
         self._follower.observe(Pose(target.x, target.y, target.theta))
