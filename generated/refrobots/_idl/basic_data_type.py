@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import MutableSequence
 from typing import ClassVar
 
 from rtgen.runtime import idl
@@ -156,11 +157,11 @@ class TimedShortSeq(Aggregated):
     _descriptor_: ClassVar = idl.struct(
         "RTC::TimedShortSeq",
         tm=Time,
-        data=idl.sequence(idl.SHORT),
+        data=idl.sequence(idl.SHORT, numeric="array"),
     )
 
     tm: Time = field(default_factory=Time)
-    data: list[int] = field(default_factory=list)
+    data: MutableSequence[int] = field(default_factory=list)
 
 
 class TimedLongSeq(Aggregated):
@@ -169,11 +170,11 @@ class TimedLongSeq(Aggregated):
     _descriptor_: ClassVar = idl.struct(
         "RTC::TimedLongSeq",
         tm=Time,
-        data=idl.sequence(idl.LONG),
+        data=idl.sequence(idl.LONG, numeric="array"),
     )
 
     tm: Time = field(default_factory=Time)
-    data: list[int] = field(default_factory=list)
+    data: MutableSequence[int] = field(default_factory=list)
 
 
 class TimedUShortSeq(Aggregated):
@@ -182,11 +183,11 @@ class TimedUShortSeq(Aggregated):
     _descriptor_: ClassVar = idl.struct(
         "RTC::TimedUShortSeq",
         tm=Time,
-        data=idl.sequence(idl.UNSIGNED_SHORT),
+        data=idl.sequence(idl.UNSIGNED_SHORT, numeric="array"),
     )
 
     tm: Time = field(default_factory=Time)
-    data: list[int] = field(default_factory=list)
+    data: MutableSequence[int] = field(default_factory=list)
 
 
 class TimedULongSeq(Aggregated):
@@ -195,11 +196,11 @@ class TimedULongSeq(Aggregated):
     _descriptor_: ClassVar = idl.struct(
         "RTC::TimedULongSeq",
         tm=Time,
-        data=idl.sequence(idl.UNSIGNED_LONG),
+        data=idl.sequence(idl.UNSIGNED_LONG, numeric="array"),
     )
 
     tm: Time = field(default_factory=Time)
-    data: list[int] = field(default_factory=list)
+    data: MutableSequence[int] = field(default_factory=list)
 
 
 class TimedFloatSeq(Aggregated):
@@ -208,11 +209,11 @@ class TimedFloatSeq(Aggregated):
     _descriptor_: ClassVar = idl.struct(
         "RTC::TimedFloatSeq",
         tm=Time,
-        data=idl.sequence(idl.FLOAT),
+        data=idl.sequence(idl.FLOAT, numeric="array"),
     )
 
     tm: Time = field(default_factory=Time)
-    data: list[float] = field(default_factory=list)
+    data: MutableSequence[float] = field(default_factory=list)
 
 
 class TimedDoubleSeq(Aggregated):
@@ -221,11 +222,11 @@ class TimedDoubleSeq(Aggregated):
     _descriptor_: ClassVar = idl.struct(
         "RTC::TimedDoubleSeq",
         tm=Time,
-        data=idl.sequence(idl.DOUBLE),
+        data=idl.sequence(idl.DOUBLE, numeric="array"),
     )
 
     tm: Time = field(default_factory=Time)
-    data: list[float] = field(default_factory=list)
+    data: MutableSequence[float] = field(default_factory=list)
 
 
 class TimedCharSeq(Aggregated):

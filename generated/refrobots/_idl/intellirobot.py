@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import MutableSequence
 from typing import ClassVar, Final
 
 from rtgen.runtime import idl
@@ -19,16 +20,16 @@ class TimedVelocity(Aggregated):
     _descriptor_: ClassVar = idl.struct(
         "IIS::TimedVelocity",
         tm=Time,
-        id=idl.sequence(idl.LONG),
+        id=idl.sequence(idl.LONG, numeric="array"),
         vx=idl.DOUBLE,
         vy=idl.DOUBLE,
         w=idl.DOUBLE,
-        error=idl.sequence(idl.DOUBLE),
+        error=idl.sequence(idl.DOUBLE, numeric="array"),
     )
 
     tm: Time = field(default_factory=Time)
     """Time of the measurement or command."""
-    id: list[int] = field(default_factory=list)
+    id: MutableSequence[int] = field(default_factory=list)
     """Tells the robots apart."""
     vx: float = 0.0
     """Forward [m/s]."""
@@ -36,7 +37,7 @@ class TimedVelocity(Aggregated):
     """To the left, for robots that can [m/s]."""
     w: float = 0.0
     """Turning counter-clockwise [rad/s]."""
-    error: list[float] = field(default_factory=list)
+    error: MutableSequence[float] = field(default_factory=list)
     """Error information, free for the application."""
 
 
@@ -46,16 +47,16 @@ class TimedPosition(Aggregated):
     _descriptor_: ClassVar = idl.struct(
         "IIS::TimedPosition",
         tm=Time,
-        id=idl.sequence(idl.LONG),
+        id=idl.sequence(idl.LONG, numeric="array"),
         x=idl.DOUBLE,
         y=idl.DOUBLE,
         theta=idl.DOUBLE,
-        error=idl.sequence(idl.DOUBLE),
+        error=idl.sequence(idl.DOUBLE, numeric="array"),
     )
 
     tm: Time = field(default_factory=Time)
     """Time of the measurement."""
-    id: list[int] = field(default_factory=list)
+    id: MutableSequence[int] = field(default_factory=list)
     """Tells the robots apart."""
     x: float = 0.0
     """Along x [m]."""
@@ -63,7 +64,7 @@ class TimedPosition(Aggregated):
     """Along y [m]."""
     theta: float = 0.0
     """Heading from the x axis [rad]."""
-    error: list[float] = field(default_factory=list)
+    error: MutableSequence[float] = field(default_factory=list)
     """Error information, free for the application."""
 
 
@@ -73,18 +74,18 @@ class TimedPose2D(Aggregated):
     _descriptor_: ClassVar = idl.struct(
         "IIS::TimedPose2D",
         tm=Time,
-        id=idl.sequence(idl.LONG),
+        id=idl.sequence(idl.LONG, numeric="array"),
         data=Pose2D,
-        error=idl.sequence(idl.DOUBLE),
+        error=idl.sequence(idl.DOUBLE, numeric="array"),
     )
 
     tm: Time = field(default_factory=Time)
     """Time of the measurement."""
-    id: list[int] = field(default_factory=list)
+    id: MutableSequence[int] = field(default_factory=list)
     """The place of a waypoint in its path, else empty."""
     data: Pose2D = field(default_factory=Pose2D)
     """The pose [m, rad]."""
-    error: list[float] = field(default_factory=list)
+    error: MutableSequence[float] = field(default_factory=list)
     """Error information, free for the application."""
 
 
@@ -96,21 +97,21 @@ class TimedPath2DSeq(Aggregated):
     _descriptor_: ClassVar = idl.struct(
         "IIS::TimedPath2DSeq",
         tm=Time,
-        id=idl.sequence(idl.LONG),
+        id=idl.sequence(idl.LONG, numeric="array"),
         pose=idl.sequence(Pose2D),
         velocity=idl.sequence(Velocity2D),
-        error=idl.sequence(idl.DOUBLE),
+        error=idl.sequence(idl.DOUBLE, numeric="array"),
     )
 
     tm: Time = field(default_factory=Time)
     """Time of the planning."""
-    id: list[int] = field(default_factory=list)
+    id: MutableSequence[int] = field(default_factory=list)
     """Free for the application."""
     pose: list[Pose2D] = field(default_factory=list)
     """The waypoints, the start first [m, rad]."""
     velocity: list[Velocity2D] = field(default_factory=list)
     """For the leg to each waypoint."""
-    error: list[float] = field(default_factory=list)
+    error: MutableSequence[float] = field(default_factory=list)
     """Error information, free for the application."""
 
 
@@ -120,18 +121,18 @@ class TimedVelocity2D(Aggregated):
     _descriptor_: ClassVar = idl.struct(
         "IIS::TimedVelocity2D",
         tm=Time,
-        id=idl.sequence(idl.LONG),
+        id=idl.sequence(idl.LONG, numeric="array"),
         data=Velocity2D,
-        error=idl.sequence(idl.DOUBLE),
+        error=idl.sequence(idl.DOUBLE, numeric="array"),
     )
 
     tm: Time = field(default_factory=Time)
     """Time of the command; receivers rely on it."""
-    id: list[int] = field(default_factory=list)
+    id: MutableSequence[int] = field(default_factory=list)
     """Free for the application."""
     data: Velocity2D = field(default_factory=Velocity2D)
     """The velocity [m/s, rad/s]."""
-    error: list[float] = field(default_factory=list)
+    error: MutableSequence[float] = field(default_factory=list)
     """Error information, free for the application."""
 
 
@@ -141,18 +142,18 @@ class TimedPose2DSeq(Aggregated):
     _descriptor_: ClassVar = idl.struct(
         "IIS::TimedPose2DSeq",
         tm=Time,
-        id=idl.sequence(idl.LONG),
+        id=idl.sequence(idl.LONG, numeric="array"),
         data=idl.sequence(Pose2D),
-        error=idl.sequence(idl.DOUBLE),
+        error=idl.sequence(idl.DOUBLE, numeric="array"),
     )
 
     tm: Time = field(default_factory=Time)
     """Time of the request."""
-    id: list[int] = field(default_factory=list)
+    id: MutableSequence[int] = field(default_factory=list)
     """Free for the application."""
     data: list[Pose2D] = field(default_factory=list)
     """The goals [m, rad]."""
-    error: list[float] = field(default_factory=list)
+    error: MutableSequence[float] = field(default_factory=list)
     """Error information, free for the application."""
 
 

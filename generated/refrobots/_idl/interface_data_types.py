@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import MutableSequence
 from typing import ClassVar, TypeAlias
 
 from rtgen.runtime import idl
@@ -1047,9 +1048,12 @@ class RangerConfig(Aggregated):
     """Scans [Hz]."""
 
 
-RangeList: TypeAlias = list[float]
+RangeList: TypeAlias = MutableSequence[float]
 """Ranges [m]."""
-_RangeList_alias = idl.alias("RTC::RangeList", idl.sequence(idl.DOUBLE))
+_RangeList_alias = idl.alias(
+    "RTC::RangeList",
+    idl.sequence(idl.DOUBLE, numeric="array"),
+)
 
 
 class RangeListCodec(AliasCodec[RangeList]):
@@ -1076,9 +1080,12 @@ class RangeData(Aggregated):
     config: RangerConfig = field(default_factory=RangerConfig)
 
 
-IntensityList: TypeAlias = list[float]
+IntensityList: TypeAlias = MutableSequence[float]
 """Intensities, 0 to 1."""
-_IntensityList_alias = idl.alias("RTC::IntensityList", idl.sequence(idl.DOUBLE))
+_IntensityList_alias = idl.alias(
+    "RTC::IntensityList",
+    idl.sequence(idl.DOUBLE, numeric="array"),
+)
 
 
 class IntensityListCodec(AliasCodec[IntensityList]):

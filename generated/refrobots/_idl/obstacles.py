@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import MutableSequence
 from typing import ClassVar
 
 from rtgen.runtime import idl
@@ -19,16 +20,16 @@ class TimedPoint2DSeq(Aggregated):
     _descriptor_: ClassVar = idl.struct(
         "IIS::TimedPoint2DSeq",
         tm=Time,
-        id=idl.sequence(idl.LONG),
+        id=idl.sequence(idl.LONG, numeric="array"),
         data=idl.sequence(Point2D),
-        error=idl.sequence(idl.DOUBLE),
+        error=idl.sequence(idl.DOUBLE, numeric="array"),
     )
 
     tm: Time = field(default_factory=Time)
     """Time of the scan."""
-    id: list[int] = field(default_factory=list)
+    id: MutableSequence[int] = field(default_factory=list)
     """Free for the application."""
     data: list[Point2D] = field(default_factory=list)
     """The points [m]."""
-    error: list[float] = field(default_factory=list)
+    error: MutableSequence[float] = field(default_factory=list)
     """Error information, free for the application."""

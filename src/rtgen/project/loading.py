@@ -80,7 +80,7 @@ class Project(msgspec.Struct, frozen=True, kw_only=True):
     small: tuple[int, int, int] = (1024, 128, 2)
     representation: str = "cdr"
     extensibility: str = "final"
-    numeric: Numeric = "list"
+    numeric: Numeric = "array"
     components: tuple[tuple[str, str], ...] = ()
     adapters: tuple[AdapterEntry, ...] = ()
     form: Mapping[str, int] = msgspec.field(default_factory=dict)
@@ -211,7 +211,7 @@ def load(start: Path | None = None) -> Project:
         ),
         representation=settings.text("output", "representation", "cdr"),
         extensibility=settings.text("output", "extensibility", "final"),
-        numeric=cast("Numeric", settings.text("python", "numeric", "list")),
+        numeric=cast("Numeric", settings.text("python", "numeric", "array")),
         components=tuple(sorted(settings.table("components").items())),
         adapters=tuple(
             AdapterEntry(
