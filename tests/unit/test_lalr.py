@@ -11,7 +11,8 @@ import pytest
 from lark import Lark, Token, Tree
 
 from rtgen.frontends.idl.syntax.keywords import RESERVED, TERMINALS
-from rtgen.frontends.idl.text.preprocessor import Preprocessor, predefined
+from rtgen.frontends.idl.text.predefined import predefined
+from rtgen.frontends.idl.text.preprocessor import Preprocessor
 from rtgen.frontends.idl.text.source import Library
 from rtgen.frontends.kit import grammars, lalr, lalr_tables
 from rtgen.resources import grammar_file

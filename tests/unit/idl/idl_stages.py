@@ -12,7 +12,8 @@ from rtgen.frontends.idl.names.scopes import Entity
 from rtgen.frontends.idl.names.tables import Tables
 from rtgen.frontends.idl.syntax import tree
 from rtgen.frontends.idl.syntax.parser import parse
-from rtgen.frontends.idl.text.preprocessor import Preprocessor, predefined
+from rtgen.frontends.idl.text.predefined import predefined
+from rtgen.frontends.idl.text.preprocessor import Preprocessor
 from rtgen.frontends.idl.text.source import Library, Source
 from rtgen.frontends.idl.text.unit import Unit
 from rtgen.model import Declaration

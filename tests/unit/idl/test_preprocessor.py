@@ -7,7 +7,8 @@ import pytest
 from rtgen.diagnostics import Diagnostic
 from rtgen.frontends.idl.text import conditions
 from rtgen.frontends.idl.text.macros import Expander, ExpansionError, define, tokenize
-from rtgen.frontends.idl.text.preprocessor import Preprocessor, predefined
+from rtgen.frontends.idl.text.predefined import predefined
+from rtgen.frontends.idl.text.preprocessor import Preprocessor
 from rtgen.frontends.idl.text.source import Library, decode
 from rtgen.frontends.idl.text.unit import Unit
 

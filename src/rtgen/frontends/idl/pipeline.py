@@ -22,7 +22,8 @@ from rtgen.frontends.idl.syntax.parser import parse
 from rtgen.frontends.idl.syntax.tree import Item
 from rtgen.frontends.idl.text import preprocessor
 from rtgen.frontends.idl.text.macros import ExpansionError, Macro
-from rtgen.frontends.idl.text.preprocessor import Preprocessor, predefined
+from rtgen.frontends.idl.text.predefined import predefined
+from rtgen.frontends.idl.text.preprocessor import Preprocessor
 from rtgen.frontends.idl.text.source import Library, Source
 from rtgen.frontends.idl.text.unit import Inclusion, Unit
 from rtgen.frontends.kit.findings import Findings

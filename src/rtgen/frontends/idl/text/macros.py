@@ -333,3 +333,18 @@ def _paste(result: list[Token], right: list[Token]) -> None:
     if len(joined) != 1:
         raise ExpansionError(f"'##' cannot join '{left}' and '{right[0].text}'")
     result += [joined[0], *right[1:]]
+
+
+def call_end(code: str, start: int, end: int) -> int:
+    """The end of the arguments of the call whose name ends at `start`, or `start`."""
+    depth = 0
+    for match in TOKEN.finditer(code, start, end):
+        if match[0] == "(":
+            depth += 1
+        elif match[0] == ")" and depth:
+            depth -= 1
+            if not depth:
+                return match.end()
+        elif not depth and match.lastgroup != "space":
+            return start
+    return end if depth else start

@@ -2,31 +2,31 @@
 
 from __future__ import annotations
 
-import os
 import re
 from collections import ChainMap
 from collections.abc import Callable, Iterable, Mapping
-from pathlib import Path
 
 import msgspec
 
 from rtgen.diagnostics import Diagnostic, Related, Span
 from rtgen.frontends.idl.rules import lexical
-from rtgen.frontends.idl.text import conditions
+from rtgen.frontends.idl.text.conditionals import Conditionals
+from rtgen.frontends.idl.text.include_path import IncludePath
 from rtgen.frontends.idl.text.macros import (
-    TOKEN,
     Expander,
     ExpansionError,
     Macro,
     MacroTable,
     MalformedMacroError,
     Token,
+    call_end,
     define,
     tokenize,
 )
+from rtgen.frontends.idl.text.predefined import PLACES, TIMES
 from rtgen.frontends.idl.text.source import Library, Source
 from rtgen.frontends.idl.text.unit import Boundary, Inclusion, Pragma, TextBuilder, Unit
-from rtgen.frontends.kit.suggestions import Guesses, nearest
+from rtgen.frontends.kit.suggestions import nearest
 
 MAX_DEPTH = 256
 """Maximum nesting of includes."""
@@ -57,36 +57,6 @@ _KNOWN = (
     *("include_next", "line", "pragma", "undef", "warning"),
 )
 _ONCE = "#once "
-_PREDEFINED = ("__FILE__", "__LINE__")
-_ASKED_FOR = {
-    "__OMNIIDL__": "0x2630",
-    "__RTGEN__": "1",
-    "__STDC__": "1",
-    "__STDC_VERSION__": "199409L",
-    "__DATE__": '"Jan  1 1970"',
-    "__TIME__": '"00:00:00"',
-}
-"""Macros that files test for; all but `__RTGEN__` and the times are those of omniidl 4.2.5."""
-_TIMES = {
-    name: define(f"{name} {_ASKED_FOR[name]}") for name in ("__DATE__", "__TIME__")
-}
-
-
-_Folders = tuple[Path | None, ...]
-"""Folders of `-I` to search; None stands for that of the including file."""
-
-_Place = tuple[Path | None, _Folders, str]
-"""The folder of the including file if it is searched, the other folders, and the file's name."""
-
-
-class _Conditional(msgspec.Struct):
-    """An open `#if`: whether its lines are active, and whether a branch has been taken."""
-
-    span: Span
-    outer: bool
-    active: bool
-    taken: bool
-    otherwise: bool = False
 
 
 class _Prepared(msgspec.Struct, frozen=True):
@@ -106,34 +76,13 @@ class _Prepared(msgspec.Struct, frozen=True):
         )
 
 
-def predefined(values: Mapping[str, str]) -> dict[str, Macro]:
-    """The macro table at the start of a translation unit: predefined macros and `values`.
-
-    Raises ExpansionError for a name that is no identifier.
-    """
-    table = {**_ASKED_FOR, **values}
-    macros = {}
-    for name, value in table.items():
-        if not re.fullmatch(r"[A-Za-z_]\w*", name):
-            raise ExpansionError(f"'{name}' cannot be the name of a macro")
-        macros[name] = define(f"{name} {value}")
-    for name in _PREDEFINED:
-        macros[name] = Macro(name, None, ())
-    return macros
-
-
 class Preprocessor:
     """Turns files into units; diagnostics go to `report`, once for each place."""
 
     def __init__(self, library: Library, report: Callable[[Diagnostic], None]) -> None:
-        self._library = library
         self._report = report
+        self._path = IncludePath(library, report)
         self._prepared: dict[Source, list[_Prepared]] = {}
-        self._found: dict[_Place, Source] = {}
-        self._missing: dict[_Place, str] = {}
-        self._origins: dict[Source, Path | None] = {}
-        self._searched: dict[tuple[Path | None, _Folders], tuple[str, list[str]]] = {}
-        self._guesses = Guesses()
         self._stack: list[Source] = []
         self.tokens_left = MAX_EXPANSION
         self._included = 0
@@ -186,18 +135,11 @@ class Preprocessor:
 
         `further`: as GNU's `#include_next`, search only the folders after that of `file`.
         """
-        folders: _Folders = (None, *self._library.include)
-        origin = self._origins.get(file.source)
-        if further and origin is not None:
-            folders = folders[folders.index(origin) + 1 :]
-        elif not quoted:
-            folders = folders[1:]
-        place = (file.source.folder if None in folders else None, folders, name)
-        source = self._found.get(place) or self._find(place, span)
+        place = self._path.place(file.source, name, quoted=quoted, further=further)
+        source = self._path.find(place, span)
         if source is None:
             file.builder.unit.lacking = True
             return
-        self._found[place] = source
         if _ONCE + source.real in file.macros:
             return
         if (
@@ -246,51 +188,6 @@ class Preprocessor:
             self._report(lexical.INCLUDE_CYCLE.at(span, message, hint=hint))
         self._exhausted = True
 
-    def _find(self, place: _Place, span: Span) -> Source | None:
-        """Find a file in the folder of its includer, or in those of -I."""
-        beside, folders, name = place
-        if place not in self._missing:
-            try:
-                for folder in folders:
-                    searched = folder or beside or ""
-                    path = os.path.join(searched, name)  # noqa: PTH118 (time)
-                    found = self._library.open(path, folder)
-                    if found is not None:
-                        self._origins.setdefault(found, folder)
-                        return found
-            except (OSError, ValueError) as error:
-                reason = getattr(error, "strerror", None) or error
-                message = f"{name} cannot be read: {reason}"
-                self._report(lexical.UNREADABLE.at(span, message))
-                return None
-            if (virtual := self._library.virtual(name)) is not None:
-                return virtual
-            self._missing[place] = self._hint(place)
-        self._report(
-            lexical.INCLUDE_NOT_FOUND.at(
-                span, f"the file {name} was not found", hint=self._missing[place]
-            )
-        )
-        return None
-
-    def _hint(self, place: _Place) -> str:
-        """The folders searched, and a file there with a similar name."""
-        beside, folders, name = place
-        if (beside, folders) not in self._searched:
-            real = [folder or beside or Path() for folder in folders]
-            shown = dict.fromkeys(map(self._library.displayed, real))
-            files = [p.name for folder in real for p in sorted(folder.glob("*.idl"))]
-            places = ", ".join(shown) or "no folder (use -I)"
-            files += self._library.virtual_names
-            self._searched[beside, folders] = places, files
-        places, files = self._searched[beside, folders]
-        last = Path(name).name
-        near = self._guesses.nearest(last, files)
-        if near is None:
-            return f"searched: {places}"
-        case = " (only the case differs)" if near.lower() == last.lower() else ""
-        return f"did you mean {near}?{case} searched: {places}"
-
     def report(self, diagnostic: Diagnostic) -> None:
         """Report a diagnostic."""
         self._report(diagnostic)
@@ -313,17 +210,13 @@ class _File:
         self.words: set[str] = set()
         self._owner = owner
         self._nested = nested
-        self._open: list[_Conditional] = []
+        self._conditionals = Conditionals(owner.report)
         self._file: str | None = None
         self._shift = 0
         self._depth = 0
         self._complete = True
         self._seen = 0
         self._endless = False
-
-    @property
-    def _active(self) -> bool:
-        return not self._open or self._open[-1].active
 
     def run(self) -> None:
         """Append the file to the builder."""
@@ -335,16 +228,9 @@ class _File:
             start = match.end()
         self._text(start, len(code))
         unit = self.builder.unit
-        if self.source.unfinished or not self._active:
+        if self.source.unfinished or not self._conditionals.active:
             unit.cut = unit.lacking = True
-        for conditional in self._open:
-            self._owner.report(
-                lexical.UNCLOSED_CONDITIONAL.at(
-                    conditional.span,
-                    "this conditional is never closed",
-                    hint="add #endif at the end of the file",
-                )
-            )
+        self._conditionals.end()
 
     def at_file_scope(self) -> bool:
         """Whether the text so far ends between two definitions at file scope."""
@@ -361,7 +247,7 @@ class _File:
         return self._depth <= 0 and self._complete
 
     def _text(self, start: int, end: int) -> None:
-        if start == end or not self._active:
+        if start == end or not self._conditionals.active:
             return
         code = self.source.code
         copied = start
@@ -379,12 +265,12 @@ class _File:
 
     def _warn_of_time(self, words: Iterable[str], span: Span) -> None:
         """Warn of a text that depends on the time of its translation."""
-        for name in sorted(_TIMES.keys() & words):
-            if self.macros.get(name) == _TIMES[name]:
+        for name in sorted(TIMES.keys() & words):
+            if self.macros.get(name) == TIMES[name]:
                 self._owner.report(
                     lexical.TIME_OF_TRANSLATION.at(
                         span,
-                        f"{name} is always {_TIMES[name].body[0].text} here",
+                        f"{name} is always {TIMES[name].body[0].text} here",
                         hint=f"say what it is: -D {name}=...",
                     )
                 )
@@ -404,8 +290,8 @@ class _File:
         Arguments for its expansion belong to the call, too (ISO C, 16.3.4).
         """
         code = self.source.code
-        until = behind if macro.parameters is None else _call_end(code, behind, end)
-        while (further := _call_end(code, until, end)) > until:
+        until = behind if macro.parameters is None else call_end(code, behind, end)
+        while (further := call_end(code, until, end)) > until:
             try:
                 expanded = Expander(self.macros).expand(tokenize(code[start:until]))
             except ExpansionError:
@@ -468,14 +354,14 @@ class _File:
         begin = match.start(1)
         hash_at = begin - (1 if self.source.code[begin - 1] == "#" else 2)
         span = self._span(hash_at, max(begin + command.end(2), begin))
-        if self._active or (name == "elif" and self._open[-1].outer):
+        if self._conditionals.active or (name == "elif" and self._conditionals.chooses):
             self._words(begin, match.end())
         match name:
             case "if" | "ifdef" | "ifndef":
-                self._begin(name, rest, span)
+                self._conditionals.begin(name, rest, span, self._table(span))
             case "elif" | "else" | "endif":
-                self._continue(name, rest, span)
-            case _ if not self._active:
+                self._conditionals.proceed(name, rest, span, self._table(span))
+            case _ if not self._conditionals.active:
                 return
             case "" if not rest:
                 return
@@ -518,60 +404,6 @@ class _File:
                     )
                 )
 
-    def _begin(self, name: str, rest: str, span: Span) -> None:
-        outer = self._active
-        value = False
-        if outer:
-            if name == "if":
-                value = self._condition(rest, span)
-            elif found := _WORD.match(rest):
-                value = (found[0] in self.macros) == (name == "ifdef")
-            else:
-                value = name == "ifndef"
-                message = f"#{name} needs the name of a macro"
-                hint = f"write #{name} NAME, or #if for an expression"
-                self._owner.report(
-                    lexical.NAMELESS_CONDITION.at(span, message, hint=hint)
-                )
-        self._open.append(_Conditional(span, outer, outer and value, value))
-
-    def _continue(self, name: str, rest: str, span: Span) -> None:
-        if not self._open:
-            message = f"#{name} without #if"
-            hint = "remove it, or look for an #if that is missing before it"
-            self._owner.report(lexical.STRAY_CONDITIONAL.at(span, message, hint=hint))
-            return
-        current = self._open[-1]
-        if name == "endif":
-            self._open.pop()
-            return
-        if current.otherwise:
-            self._owner.report(
-                lexical.STRAY_CONDITIONAL.at(
-                    span,
-                    f"#{name} after #else",
-                    related=[Related(current.span, "of this conditional")],
-                    hint="an #if has one #else, which comes last",
-                )
-            )
-            return
-        if name == "else":
-            current.otherwise = True
-            current.active = current.outer and not current.taken
-        elif current.taken or not current.outer:
-            current.active = False
-        else:
-            current.active = self._condition(rest, span)
-        current.taken = current.taken or current.active
-
-    def _condition(self, text: str, span: Span) -> bool:
-        try:
-            return conditions.evaluate(text, self._table(span))
-        except ExpansionError as error:
-            hint = "write an integer expression, such as defined(NAME) && VERSION >= 2"
-            self._owner.report(lexical.BAD_CONDITION.at(span, error.message, hint=hint))
-            return False
-
     def _define(self, rest: str, span: Span) -> None:
         try:
             macro = define(rest, span)
@@ -580,10 +412,10 @@ class _File:
             self._owner.report(
                 lexical.BAD_DEFINITION.at(span, error.message, hint=hint)
             )
-            if error.macro is not None and error.macro.name not in _PREDEFINED:
+            if error.macro is not None and error.macro.name not in PLACES:
                 self.macros.put(error.macro.name, error.macro)
             return
-        if macro.name in (*_PREDEFINED, "defined"):
+        if macro.name in (*PLACES, "defined"):
             message = f"{macro.name} cannot be defined"
             hint = "choose another name"
             self._owner.report(lexical.BAD_DEFINITION.at(span, message, hint=hint))
@@ -652,18 +484,3 @@ class _File:
         self._shift = max(int(found[1]), 1) - following
         if found[2] is not None:
             self._file = re.sub(r"\\(.)", r"\1", found[2])
-
-
-def _call_end(code: str, start: int, end: int) -> int:
-    """The end of the arguments of the call whose name ends at `start`, or `start`."""
-    depth = 0
-    for match in TOKEN.finditer(code, start, end):
-        if match[0] == "(":
-            depth += 1
-        elif match[0] == ")" and depth:
-            depth -= 1
-            if not depth:
-                return match.end()
-        elif not depth and match.lastgroup != "space":
-            return start
-    return end if depth else start

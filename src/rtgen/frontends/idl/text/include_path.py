@@ -1,0 +1,99 @@
+"""The search for included files (ISO C 1998, 16.2): beside the includer, in the folders of -I."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+from rtgen.diagnostics import Diagnostic, Span
+from rtgen.frontends.idl.rules import lexical
+from rtgen.frontends.idl.text.source import Library, Source
+from rtgen.frontends.kit.suggestions import Guesses
+
+Folders = tuple[Path | None, ...]
+"""Folders of `-I` to search; None stands for that of the including file."""
+
+Place = tuple[Path | None, Folders, str]
+"""The folder of the including file if it is searched, the other folders, and the file's name."""
+
+
+class IncludePath:
+    """Finds the files of a library; each one that is missing is reported with a hint."""
+
+    def __init__(self, library: Library, report: Callable[[Diagnostic], None]) -> None:
+        self._library = library
+        self._report = report
+        self._found: dict[Place, Source] = {}
+        self._missing: dict[Place, str] = {}
+        self._origins: dict[Source, Path | None] = {}
+        self._searched: dict[tuple[Path | None, Folders], tuple[str, list[str]]] = {}
+        self._guesses = Guesses()
+
+    def place(
+        self, includer: Source, name: str, *, quoted: bool, further: bool
+    ) -> Place:
+        """What an `#include` in a file names.
+
+        `further`: as GNU's `#include_next`, only the folders after that of the file.
+        """
+        folders: Folders = (None, *self._library.include)
+        origin = self._origins.get(includer)
+        if further and origin is not None:
+            folders = folders[folders.index(origin) + 1 :]
+        elif not quoted:
+            folders = folders[1:]
+        return (includer.folder if None in folders else None, folders, name)
+
+    def find(self, place: Place, span: Span) -> Source | None:
+        """The file at a place; None if there is none, which is reported."""
+        if place not in self._found:
+            source = self._search(place, span)
+            if source is None:
+                return None
+            self._found[place] = source
+        return self._found[place]
+
+    def _search(self, place: Place, span: Span) -> Source | None:
+        beside, folders, name = place
+        if place not in self._missing:
+            try:
+                for folder in folders:
+                    searched = folder or beside or ""
+                    path = os.path.join(searched, name)  # noqa: PTH118 (time)
+                    found = self._library.open(path, folder)
+                    if found is not None:
+                        self._origins.setdefault(found, folder)
+                        return found
+            except (OSError, ValueError) as error:
+                reason = getattr(error, "strerror", None) or error
+                message = f"{name} cannot be read: {reason}"
+                self._report(lexical.UNREADABLE.at(span, message))
+                return None
+            if (virtual := self._library.virtual(name)) is not None:
+                return virtual
+            self._missing[place] = self._hint(place)
+        self._report(
+            lexical.INCLUDE_NOT_FOUND.at(
+                span, f"the file {name} was not found", hint=self._missing[place]
+            )
+        )
+        return None
+
+    def _hint(self, place: Place) -> str:
+        """The folders searched, and a file there with a similar name."""
+        beside, folders, name = place
+        if (beside, folders) not in self._searched:
+            real = [folder or beside or Path() for folder in folders]
+            shown = dict.fromkeys(map(self._library.displayed, real))
+            files = [p.name for folder in real for p in sorted(folder.glob("*.idl"))]
+            places = ", ".join(shown) or "no folder (use -I)"
+            files += self._library.virtual_names
+            self._searched[beside, folders] = places, files
+        places, files = self._searched[beside, folders]
+        last = Path(name).name
+        near = self._guesses.nearest(last, files)
+        if near is None:
+            return f"searched: {places}"
+        case = " (only the case differs)" if near.lower() == last.lower() else ""
+        return f"did you mean {near}?{case} searched: {places}"
