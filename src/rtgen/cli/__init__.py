@@ -20,6 +20,8 @@ COMMANDS = {
     "fmt": "Put definitions in their form: spaces and line ends, never a token.",
     "inspect": "Show the resolved model of definitions or systems.",
     "run": "Run a system on the embedded runtime.",
+    "replay": "Play a recorded run, into a part of a system if wanted.",
+    "log": "Look at recorded runs: what is in them, values, differences.",
     "graph": "Draw a system's components and connections as SVG.",
     "convert": "Write a component or system in another form: IDL, RTC.xml, RtsProfile, YAML.",
     "adopt": "Make a definition of a component of OpenRTM-aist-Python.",

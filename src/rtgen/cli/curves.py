@@ -46,6 +46,53 @@ class Curve:
     values: list[Number] = field(default_factory=list)
 
 
+class Selection:
+    """The curves of `INSTANCE.NAME`, `INSTANCE.NAME.member` or `INSTANCE.NAME[index]`.
+
+    The first selects all numbers of a sample except its time stamp. Raises InputError for a text
+    of another form.
+    """
+
+    def __init__(self, selector: str) -> None:
+        match = _SELECTOR.fullmatch(selector)
+        if match is None:
+            hint = "INSTANCE.PORT, INSTANCE.PORT.member, or INSTANCE.PORT[index]"
+            message = f"{selector!r} names no value of a port"
+            raise InputError([OBSERVABLE.at(None, message, hint=hint)])
+        self.selector = selector
+        self.instance, self.name = match["instance"], match["name"]
+        self._path = [a or int(b) for a, b in _STEP.findall(match["path"])]
+        self._curves: dict[str, Curve] = {}
+        self._text = ""
+
+    @property
+    def whole(self) -> str:
+        """`INSTANCE.NAME`."""
+        return f"{self.instance}.{self.name}"
+
+    @property
+    def curves(self) -> list[Curve]:
+        """The curves so far, one without values before the first. InputError without numbers."""
+        if not self._curves and self._text:
+            message = f"{self.selector} has no numbers; {self._text}"
+            raise InputError([OBSERVABLE.at(None, message)])
+        return [*self._curves.values()] or [Curve(self.selector)]
+
+    def add(self, time: float, value: Any, unit: str) -> None:
+        """Add a sample, as JSON has it, at a time [s]."""
+        inner, at = _inside(value, self.whole, self._path)
+        numbers = [*_numbers(inner, at)][:_MOST]
+        units = [text.strip() for text in unit.split(",")]
+        if len(units) != len(numbers):
+            units = [unit] * len(numbers)
+        if not numbers and inner != []:
+            self._text = f"a sample is {value!r}"[:80]
+        for (name, number), one in zip(numbers, units, strict=True):
+            curve = self._curves.setdefault(name, Curve(name, one))
+            curve.times.append(time)
+            curve.values.append(number)
+
+
 def divided(
     arguments: Sequence[str], option: str, system: System
 ) -> tuple[str | None, tuple[str, ...]]:
@@ -80,49 +127,36 @@ class Curves:
     """Records the curves selected on the command line.
 
     An OutPort gives each sample written, an InPort each sample read, an observable its value 50
-    times a second. `INSTANCE.NAME` selects all numbers of a sample except its time stamp;
-    `.member` and `[index]` select some. Raises InputError for a name that the component lacks.
+    times a second. Raises InputError for a name that the component lacks.
     """
 
     def __init__(self, running: runtime.System, selectors: Sequence[str]) -> None:
         self._running = running
-        self._of: dict[str, dict[str, Curve]] = {}
-        self._text: dict[str, str] = {}
-        for selector in dict.fromkeys(selectors):
-            self._select(selector)
+        self._of = {each: Selection(each) for each in dict.fromkeys(selectors)}
+        for selection in self._of.values():
+            self._follow(selection)
 
     def of(self, selectors: Sequence[str]) -> list[Curve]:
         """The curves of some selectors. Raises InputError if a selector has no numbers."""
-        found = []
-        for selector in dict.fromkeys(selectors):
-            curves = [*self._of[selector].values()]
-            if not curves and selector in self._text:
-                message = f"{selector} has no numbers; {self._text[selector]}"
-                raise InputError([OBSERVABLE.at(None, message)])
-            found += curves or [Curve(selector)]
-        return found
+        chosen = dict.fromkeys(selectors)
+        return [curve for each in chosen for curve in self._of[each].curves]
 
-    def _select(self, selector: str) -> None:
-        match = _SELECTOR.fullmatch(selector)
-        if match is None:
-            hint = "INSTANCE.PORT, INSTANCE.PORT.member, or INSTANCE.PORT[index]"
-            message = f"{selector!r} names no value of a port"
-            raise InputError([OBSERVABLE.at(None, message, hint=hint)])
-        instance, name = match["instance"], match["name"]
-        path = [a or int(b) for a, b in _STEP.findall(match["path"])]
-        self._of[selector] = {}
-        component = self._running.component(instance)
+    def _follow(self, selection: Selection) -> None:
+        running, instance, name = self._running, selection.instance, selection.name
+        component = running.component(instance)
         units = {p.name: p.unit for p in component.profile.ports if not p.port}
-        add = self._adding(selector, f"{instance}.{name}", path, units.get(name, ""))
+        unit = units.get(name, "")
+
+        def add(value: Any) -> None:
+            selection.add(running.time / SECOND, value, unit)
+
         if name in component.out_ports:
-            self._running.watch_port(instance, name, lambda value: add(plain(value)))
+            running.watch_port(instance, name, lambda value: add(plain(value)))
         elif name in component.in_ports:
-            self._follow(instance, component.in_ports[name], add)
+            self._look_at(instance, component.in_ports[name], add)
         elif name in component.observables:
-            whole = f"{instance}.{name}"
-            self._running.every(
-                _PERIOD, lambda: add([*self._running.observable(whole)])
-            )
+            whole = selection.whole
+            running.every(_PERIOD, lambda: add([*running.observable(whole)]))
         else:
             known = [*component.out_ports, *component.in_ports, *component.observables]
             close = get_close_matches(name, known, n=1)
@@ -132,7 +166,7 @@ class Curves:
             message = f"{instance} has no data port and no observable {name!r}"
             raise InputError([OBSERVABLE.at(None, message, hint=hint)])
 
-    def _follow(
+    def _look_at(
         self, instance: str, port: runtime.InPort[Any], add: Callable[[Any], None]
     ) -> None:
         last: object = None
@@ -144,27 +178,6 @@ class Curves:
                 add(plain(last))
 
         self._running.every(self._running.context(instance).period, look)
-
-    def _adding(
-        self, selector: str, label: str, path: list[str | int], unit: str
-    ) -> Callable[[Any], None]:
-        curves = self._of[selector]
-
-        def add(value: Any) -> None:
-            time = self._running.time / SECOND
-            inner, at = _inside(value, label, path)
-            numbers = [*_numbers(inner, at)][:_MOST]
-            units = [text.strip() for text in unit.split(",")]
-            if len(units) != len(numbers):
-                units = [unit] * len(numbers)
-            if not numbers and inner != []:
-                self._text[selector] = f"a sample is {value!r}"[:80]
-            for (name, number), one in zip(numbers, units, strict=True):
-                curve = curves.setdefault(name, Curve(name, one))
-                curve.times.append(time)
-                curve.values.append(number)
-
-        return add
 
 
 def _inside(value: Any, label: str, path: list[str | int]) -> tuple[Any, str]:

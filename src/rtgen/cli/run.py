@@ -26,6 +26,7 @@ from rtgen.cli.recording import (
     opened,
     write_csv,
 )
+from rtgen.cli.recording_options import RecordingOptions, with_recording
 from rtgen.cli.run_view import View, name_of
 from rtgen.cli.summary import summary
 from rtgen.cli.transports import TransportOptions, with_transport
@@ -88,6 +89,7 @@ _LOOK_PERIOD = SECOND // 10
 @click.option(
     "--log", metavar="FILE", help="Write state changes and samples as JSON lines."
 )
+@with_recording
 @with_transport
 @with_failures
 @with_console
@@ -101,6 +103,7 @@ def run(
     table: tuple[str, ...],
     picture: tuple[str, ...],
     log: str | None,
+    recording: RecordingOptions,
     carrying: TransportOptions,
     shown_failures: FailureOptions,
 ) -> int:
@@ -190,6 +193,7 @@ def run(
         csv_stream = opened(files, csv_file)
         if (log_stream := opened(files, log)) is not None:
             running.add_listener(JsonLinesRecorder(log_stream))
+        recorder = recording.begin(files, running)
         samples: list[Sample] = []
         if of_poses or wanted:
             running.every(_SAMPLE_PERIOD, lambda: samples.append(view.sample()))
@@ -203,6 +207,8 @@ def run(
                 transports.await_others(transport, carrying.patience)
             end.of(running.end_run)
             met, wall = _run(running, condition, report, simulated=simulated)
+        if recorder is not None:
+            recorder.end(through=_limit(condition, simulated) != running.time)
         course = view.course(samples)
         measured = [measures.evaluate(measure, course) for measure in wanted]
         end_met = _end(condition, met)
@@ -212,6 +218,7 @@ def run(
             write_curves(csv_stream, curves.of(in_table))
         elif csv_stream is not None:
             write_csv(csv_stream, view.robots, samples)
+    recording.tell(console, recorder)
     report.close()
     if plot is not None and in_picture:
         draw_curves(plot, profile.name, curves.of(in_picture), view.time_axis)
@@ -288,9 +295,7 @@ def _run(
 
     Ctrl-C, SIGTERM and the debugger's `quit` end a run in order.
     """
-    limit = condition.limit
-    if limit is None and simulated:
-        limit = _LONGEST
+    limit = _limit(condition, simulated)
     until = _reached(running, condition)
     begun = time.perf_counter()
     try:
@@ -303,6 +308,13 @@ def _run(
             raise
         met = condition == Condition()
     return met, time.perf_counter() - begun
+
+
+def _limit(condition: Condition, simulated: bool) -> int | None:
+    """When a run ends at the latest, in ns."""
+    if condition.limit is None and simulated:
+        return _LONGEST
+    return condition.limit
 
 
 def _end(condition: Condition, met: bool) -> tuple[str, str] | None:

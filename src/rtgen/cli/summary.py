@@ -89,12 +89,12 @@ def summary(outcome: Outcome) -> str:
         (r.instance, r.state, str(r.ticks), str(r.overruns), str(r.lost))
         for r in outcome.rows
     ]
-    lines = [*_table(_HEADER, cells, texts=(0, 1)), ""]
+    lines = [*table(_HEADER, cells, texts=(0, 1)), ""]
     results = [*_results(outcome)]
     width = max(len(name) for name, _ in results)
     lines += [f"{name:<{width}}  {value}" for name, value in results]
     if outcome.measured:
-        lines += ["", *_table(_MEASURES, map(_measured, outcome.measured), (0, 5, 6))]
+        lines += ["", *table(_MEASURES, map(_measured, outcome.measured), (0, 5, 6))]
     reasons = [note for row in outcome.rows for note in row.notes]
     if outcome.missed:
         reasons.append(f"the goal is not reached: {outcome.missed}")
@@ -103,7 +103,7 @@ def summary(outcome: Outcome) -> str:
     return "".join(f"{line}\n" for line in lines)
 
 
-def _table(
+def table(
     header: tuple[str, ...], rows: Iterable[tuple[str, ...]], texts: Container[int]
 ) -> list[str]:
     """A text table; the columns in `texts` are aligned left, the others right."""

@@ -18,31 +18,52 @@ from rtgen.runtime import (
 from rtgen.runtime.opaque_rpc.errors import ChannelError
 from rtgen.runtime.opaque_rpc.interface import OpaqueRpc, OpaqueRpcFailed
 from rtgen.runtime.opaque_rpc.link import Link, LinkSettings
+from rtgen.runtime.timing.traffic import BoardCall
+
+_GIVEN_UP = "given up by the caller"
 
 
 class _Servant(OpaqueRpc):
-    """Carries out calls of `OpaqueRpc` by a link."""
+    """Carries out calls of `OpaqueRpc` by a link, and reports each when it is over."""
 
-    def __init__(self, link: Link) -> None:
+    def __init__(self, link: Link, owner: Component) -> None:
         self._link = link
+        self._owner = owner
+        self._request = b""
+        self._reply = bytearray()
+        self._error = ""
 
     def begin(self, request: bytes, first: int) -> bytes:
         try:
-            return self._link.begin(request, first)
+            data = self._link.begin(request, first)
         except ChannelError as error:
+            self._report(request, b"", error.reason)
             raise OpaqueRpcFailed(error.sub, error.reason) from error
+        self._request, self._reply, self._error = request, bytearray(data), ""
+        return data
 
     def more(self, count: int) -> bytes:
         try:
-            return self._link.more(count)
+            data = self._link.more(count)
         except ChannelError as error:
+            self._error = error.reason
             raise OpaqueRpcFailed(error.sub, error.reason) from error
+        self._reply += data
+        return data
 
     def end(self) -> None:
+        self._report(self._request, bytes(self._reply), "")
         self._link.end()
 
     def reset(self) -> None:
+        self._report(self._request, bytes(self._reply), self._error or _GIVEN_UP)
         self._link.reset()
+
+    def _report(self, request: bytes, reply: bytes, error: str) -> None:
+        traffic = self._owner._clock.traffic
+        if traffic.watchers:
+            name = self._owner.instance_name
+            traffic.report(BoardCall(name, request, reply, error))
 
 
 def _profile(parameter: CommunicationParameter) -> ParameterProfile:
@@ -95,7 +116,7 @@ class OpaqueRpcCommunication(Component):
 
     def on_initialize(self) -> ReturnCode_t:
         """Puts the link behind the service port."""
-        self.service.set_servant(_Servant(self._link))
+        self.service.set_servant(_Servant(self._link, self))
         return RTC_OK
 
     def on_activated(self, ec_id: int) -> ReturnCode_t:

@@ -339,6 +339,7 @@ class Component:
 
     def _join(self, clock: Clock) -> None:
         self._clock = clock
+        self.configuration_sets.traffic = clock.traffic
         for port in self.in_ports.values():
             port._protect(clock.guard())
 

@@ -10,6 +10,7 @@ from rtgen.runtime.errors import UnknownConfigurationSetError, UnknownParameterE
 from rtgen.runtime.rtc.conf_file import ConfFile
 from rtgen.runtime.rtc.parameter_values import Converter
 from rtgen.runtime.rtc.profiles import ParameterProfile
+from rtgen.runtime.timing.traffic import ParameterChange, Traffic
 
 DEFAULT_SET = "default"
 
@@ -30,6 +31,8 @@ class ConfigurationSets:
         """Rate in Hz from a `.conf` file (`exec_cxt.periodic.rate`)."""
         self.on_change: Callable[[], None] | None = None
         """Called when values of the configuration object have changed."""
+        self.traffic: Traffic | None = None
+        """Where changes are reported; None before the component joins a system."""
         self._owner = owner
         self._schedule = schedule
         self._target: object = None
@@ -133,6 +136,9 @@ class ConfigurationSets:
                 own = list(value) if isinstance(value, list) else value
                 setattr(self._target, converter.profile.python_name, own)
                 changed = True
+                if self.traffic is not None and self.traffic.watchers:
+                    text = converter.profile.default if text is None else text
+                    self.traffic.report(ParameterChange(self._owner, name, text))
         if changed and self.on_change is not None:
             self.on_change()
 

@@ -99,6 +99,7 @@ class ExecutionContext:
         self._driver: Driver = driver or Undriven()
         self._listener = listener
         self._participants: tuple[Participant, ...] = ()
+        self._around: Callable[[Callable[[], None]], Callable[[], None]] | None = None
 
     @property
     def period(self) -> int:
@@ -124,6 +125,13 @@ class ExecutionContext:
             if error is not None:
                 raise error
         return RTC_OK
+
+    def put_around_ticks(
+        self, around: Callable[[Callable[[], None]], Callable[[], None]]
+    ) -> None:
+        """Let a function replace what is called for each tick by something around it."""
+        self._around = around
+        self._choose_cycle()
 
     def wake(self) -> None:
         """Let the participants process external input, without waiting for a tick.
@@ -305,6 +313,8 @@ class ExecutionContext:
             self.cycle = sole.cycle
         else:
             self.cycle = self._cycle_of_all
+        if self._around is not None:
+            self.cycle = self._around(self.cycle)
         self._driver.cycle_changed(self)
 
     def _cycle_of_all(self) -> None:

@@ -64,6 +64,13 @@ class SimulatedScheduler:
         """Call an action once, at this instant, after its ticks."""
         self._push(self._clock.time, _BUSES, _Task(action, 0))
 
+    def in_turn_of(
+        self, context: ExecutionContext, instant: int, action: Action
+    ) -> None:
+        """Call an action once, where the context would tick: of a context that has stopped."""
+        order = self._orders[context]
+        heappush(self._heap, (max(instant, self._clock.time), order, _Task(action, 0)))
+
     def every(self, period: int, action: Action) -> Action:
         task = _Task(action, period)
         self._push(self._clock.time, _WATCHERS, task)

@@ -47,6 +47,7 @@ from rtgen.runtime.system.scheduling import Scheduler
 from rtgen.runtime.system.simulated_time import SimulatedScheduler
 from rtgen.runtime.system.watchdog import calling
 from rtgen.runtime.timing.clocks import SECOND, Clock, RealClock, SimulatedClock
+from rtgen.runtime.timing.traffic import ConnectionChange
 
 Connector = DataConnector[Any] | ServiceConnector | RemoteConnector
 PortAddress = tuple[str, str]
@@ -298,6 +299,7 @@ class System:
             )
         connector.attach()
         self._connectors[connector.name] = connector
+        self._report_connection(connector, connected=True)
         if isinstance(connector, DataConnector) and connector.publisher is not None:
             writer = self.component(connector.source.owner)
             connector.end_publishing = self._scheduler.drive(
@@ -317,6 +319,12 @@ class System:
                 raise UnknownConnectionError(f"{connection!r} is cut already")
             del self._connectors[name]
             connector.detach()
+        self._report_connection(connector, connected=False)
+
+    def _report_connection(self, connector: Connector, *, connected: bool) -> None:
+        traffic = self.clock.traffic
+        if traffic.watchers:
+            traffic.report(connection_change(connector, connected=connected))
 
     def _make(
         self,
@@ -473,6 +481,13 @@ class System:
                 f"there is no component {instance!r}; known: {known}"
             )
         return self._participants[instance]
+
+
+def connection_change(connector: Connector, *, connected: bool) -> ConnectionChange:
+    """A connection as a recorder gets it."""
+    properties = getattr(connector, "properties", {})
+    source, target = str(connector.source), str(connector.target)
+    return ConnectionChange(connector.name, source, target, properties, connected)
 
 
 def _scheduler(clock: Clock) -> Scheduler:

@@ -10,6 +10,7 @@ from functools import cached_property
 from rtgen.runtime.timing.guards import SINGLE_THREAD, Guard
 from rtgen.runtime.timing.instants import Instants
 from rtgen.runtime.timing.simulated_network import SimulatedNetwork
+from rtgen.runtime.timing.traffic import Traffic
 
 SECOND = 1_000_000_000
 """Nanoseconds in a second."""
@@ -22,6 +23,11 @@ def period_of(rate_hz: float) -> int:
 
 class Clock(ABC):
     """The source of a system's time; all times are integer nanoseconds."""
+
+    @cached_property
+    def traffic(self) -> Traffic:
+        """What the system on this clock reports to recorders."""
+        return Traffic()
 
     @property
     def network(self) -> SimulatedNetwork | None:

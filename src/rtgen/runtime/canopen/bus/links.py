@@ -6,6 +6,7 @@ import threading
 from typing import TYPE_CHECKING
 
 from rtgen.runtime.canopen.bus.link import Link
+from rtgen.runtime.canopen.bus.shared_link import SharedLink
 from rtgen.runtime.canopen.bus.simulated_bus import SimulatedCanBus
 from rtgen.runtime.canopen.errors import LinkError
 from rtgen.runtime.rtc.component import Component
@@ -32,9 +33,13 @@ def open_link(
     call again then. Raises LinkError.
     """
     clock = owner if isinstance(owner, Clock) else owner._clock
+    link: SharedLink
     if clock.network is not None:
-        return simulated_bus(clock.network, channel, bitrate)
-    return _REGISTRY.open(interface, channel, bitrate, options)
+        link = simulated_bus(clock.network, channel, bitrate)
+    else:
+        link = _REGISTRY.open(interface, channel, bitrate, options)
+    link.report_to(clock.traffic, channel)
+    return link
 
 
 def simulated_bus(

@@ -10,6 +10,7 @@ from rtgen.runtime.canopen.bus.link import Link, NmtMaster, Station
 from rtgen.runtime.canopen.bus.sdo_channel import SdoChannel
 from rtgen.runtime.canopen.errors import LinkError
 from rtgen.runtime.canopen.wire.frames import MILLISECOND, Frame
+from rtgen.runtime.timing.traffic import BusFrame, Traffic
 
 
 class AttachedStation:
@@ -138,6 +139,7 @@ class SharedLink(Link):
         self.master: NmtMaster | None = None
         self._attached = AttachedStations()
         self._sdo: dict[int, SdoChannel] = {}
+        self._recorders: dict[Traffic, str] = {}
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {self.bus}>"
@@ -199,6 +201,11 @@ class SharedLink(Link):
                 self._attached.add(channel).up = self.up
             return channel
 
+    def report_to(self, traffic: Traffic, channel: str) -> None:
+        """Report each frame on the bus to the watchers of a system, by the channel's name."""
+        if traffic not in self._recorders:
+            self._recorders = {**self._recorders, traffic: channel}
+
     # Implemented by the links
 
     @abstractmethod
@@ -215,6 +222,13 @@ class SharedLink(Link):
 
     def _give(self, frame: Frame, sender: AttachedStation | None, now: int) -> None:
         """Deliver a frame to all stations except the sender."""
+        for traffic, channel in self._recorders.items():
+            if traffic.watchers:
+                traffic.report(
+                    BusFrame(
+                        channel, frame.can_id, frame.data, frame.remote, frame.extended
+                    )
+                )
         for attached in self._attached.receivers(frame.can_id):
             if attached is not sender and attached.up and not attached.left:
                 try:

@@ -1,0 +1,29 @@
+"""The command `rtgen log cat`: prints the events of a recording."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import click
+
+from rtgen.cli.common import OK, Console, with_console
+from rtgen.cli.log.common import choice, reported, with_choice
+from rtgen.recording.events import Log
+
+
+@click.command("cat")
+@click.argument("file", type=click.Path(path_type=Path))
+@with_choice
+@with_console
+def cat_(
+    console: Console, file: Path, names: tuple[str, ...], kinds: tuple[str, ...]
+) -> int:
+    """Print the events of FILE as lines of JSON, in the form of `rtgen run --log`.
+
+    All, or those of the instances, ports and buses that are named.
+    """
+    with reported():
+        for event in Log(file).events(choice(names, kinds)):
+            click.echo(json.dumps(event, ensure_ascii=False))
+    return OK

@@ -1,0 +1,78 @@
+"""Helpers shared by the commands of `rtgen log`: names of what is wanted, errors."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+import click
+
+from rtgen.diagnostics import ToolError
+from rtgen.recording.errors import RecordingError
+
+KINDS = (
+    "sample",
+    "state",
+    "parameter",
+    "connection",
+    "frame",
+    "call",
+    "component",
+    "run",
+)
+"""The kinds of events; a log of JSON lines has the first two."""
+
+
+@contextmanager
+def reported() -> Iterator[None]:
+    """Turn errors of recordings into those of the command line. Raises ToolError."""
+    try:
+        yield
+    except RecordingError as error:
+        raise ToolError(str(error), hint=error.hint) from error
+
+
+def with_choice(command: Callable[..., int]) -> Callable[..., int]:
+    """Add the arguments that choose events."""
+    options = (
+        click.argument("names", nargs=-1, metavar="[INSTANCE[.PORT]]..."),
+        click.option(
+            "--event",
+            "kinds",
+            type=click.Choice(KINDS),
+            multiple=True,
+            help="Events of that kind only; may be given several times.",
+        ),
+    )
+    for option in reversed(options):
+        command = option(command)
+    return command
+
+
+def choice(
+    names: Sequence[str], kinds: Sequence[str]
+) -> Callable[[Mapping[str, Any]], bool]:
+    """Whether an event is wanted, by its kind, and by its instance, port or bus."""
+
+    def wanted(event: Mapping[str, Any]) -> bool:
+        if kinds and event["event"] not in kinds:
+            return False
+        return not names or not {*_names(event)}.isdisjoint(names)
+
+    return wanted
+
+
+def source(event: Mapping[str, Any]) -> str:
+    """What an event is about: `INSTANCE.PORT`, an instance, or a bus; empty for the run."""
+    names = [*_names(event)]
+    return names[-1] if names else ""
+
+
+def _names(event: Mapping[str, Any]) -> Iterator[str]:
+    instance, port, bus = (
+        str(event.get(key, "")) for key in ("instance", "port", "bus")
+    )
+    yield from filter(None, (instance, bus))
+    if port:
+        yield f"{instance}.{port}" if instance else port

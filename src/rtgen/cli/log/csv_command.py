@@ -1,0 +1,39 @@
+"""The command `rtgen log csv`: values of ports in a recording over time."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+from pathlib import Path
+
+import click
+
+from rtgen.cli.common import OK, Console, with_console, write_out
+from rtgen.cli.curves import write_curves
+from rtgen.cli.log.values import with_values
+from rtgen.cli.recording import opened
+
+
+@click.command("csv")
+@with_values
+@click.option(
+    "-o", "output", metavar="FILE", help="Where to; default: standard output."
+)
+@with_console
+def csv_(
+    console: Console, file: Path, selectors: tuple[str, ...], output: str | None
+) -> int:
+    """Write values of ports in FILE: a column for each value, a row for each time."""
+    import io
+
+    from rtgen.cli.log.values import curves_of
+
+    curves = curves_of(file, selectors)
+    text = io.StringIO()
+    write_curves(text, curves)
+    with ExitStack() as files:
+        stream = opened(files, output)
+        if stream is None:
+            write_out(text.getvalue())
+        else:
+            stream.write(text.getvalue())
+    return OK

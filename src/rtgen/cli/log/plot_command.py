@@ -1,0 +1,25 @@
+"""The command `rtgen log plot`: draws values of ports in a recording over time."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from rtgen.cli.common import OK, Console, with_console
+from rtgen.cli.curves import draw_curves
+from rtgen.cli.log.values import curves_of, with_values
+from rtgen.cli.recording import check_picture
+
+
+@click.command("plot")
+@with_values
+@click.option(
+    "-o", "output", metavar="FILE", required=True, help="A .svg, .png or .pdf file."
+)
+@with_console
+def plot_(console: Console, file: Path, selectors: tuple[str, ...], output: str) -> int:
+    """Draw values of ports in FILE over time, a frame for each unit."""
+    check_picture(output)
+    draw_curves(output, file.name, curves_of(file, selectors), "time [s]")
+    return OK

@@ -1,0 +1,50 @@
+"""Values of ports in a recording, as `--plot` and `--csv` of a run name them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from difflib import get_close_matches
+from pathlib import Path
+
+import click
+
+from rtgen.cli.curves import Curve, Selection
+from rtgen.cli.log.common import reported
+from rtgen.diagnostics import InputError
+from rtgen.recording.events import Log
+from rtgen.runtime.timing.clocks import SECOND
+from rtgen.systems.rules import OBSERVABLE
+
+
+def with_values(command: Callable[..., int]) -> Callable[..., int]:
+    """Add the arguments for a file and for values of its ports."""
+    for argument in (
+        click.argument(
+            "selectors", nargs=-1, required=True, metavar="INSTANCE.PORT[.MEMBER]..."
+        ),
+        click.argument("file", type=click.Path(path_type=Path)),
+    ):
+        command = argument(command)
+    return command
+
+
+def curves_of(file: Path, selectors: Sequence[str]) -> list[Curve]:
+    """The curves of the selectors. Raises ToolError, InputError for a port without samples."""
+    chosen = [Selection(text) for text in dict.fromkeys(selectors)]
+    ports: set[str] = set()
+    with reported():
+        log = Log(file)
+        for event in log.events(lambda head: head["event"] == "sample"):
+            name = f"{event['instance']}.{event['port']}"
+            ports.add(name)
+            for selection in chosen:
+                if selection.whole == name:
+                    unit = log.units.get((selection.instance, selection.name), "")
+                    selection.add(event["t"] / SECOND, event["value"], unit)
+    for selection in chosen:
+        if selection.whole not in ports:
+            near = get_close_matches(selection.whole, ports, n=1)
+            hint = f"did you mean {near[0]}?" if near else "rtgen log info lists ports"
+            message = f"{file}: no samples of {selection.whole}"
+            raise InputError([OBSERVABLE.at(None, message, hint=hint)])
+    return [curve for selection in chosen for curve in selection.curves]

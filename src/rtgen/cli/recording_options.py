@@ -1,0 +1,85 @@
+"""Options of commands that record a run as MCAP."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+from contextlib import ExitStack
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from rtgen import runtime
+from rtgen.cli.common import Console, Refusal
+from rtgen.diagnostics import ToolError
+
+if TYPE_CHECKING:
+    from rtgen.recording.recorder import Recorder
+
+_LONGEST = 1_000_000_000
+"""In real time a chunk has the messages of a second at most, in ns."""
+
+
+@dataclass(frozen=True, slots=True)
+class RecordingOptions:
+    """What is recorded, and how it is compressed."""
+
+    file: str | None
+    compression: str | None
+
+    def begin(self, files: ExitStack, running: runtime.System) -> Recorder | None:
+        """Record a system from now on until `files` is closed; None without a file.
+
+        Raises ToolError.
+        """
+        if self.file is None:
+            if self.compression is not None:
+                raise Refusal("--compression goes with --record")
+            return None
+        from rtgen.recording.errors import RecordingError
+        from rtgen.recording.mcap_writer import McapWriter
+        from rtgen.recording.recorder import Recorder
+
+        simulated = isinstance(running.clock, runtime.SimulatedClock)
+        try:
+            writer = McapWriter(
+                self.file,
+                self.compression or "zstd",
+                longest=None if simulated else _LONGEST,
+            )
+        except RecordingError as error:
+            raise ToolError(str(error), hint=error.hint) from error
+        return Recorder(running, files.enter_context(writer))
+
+    def tell(self, console: Console, recorder: Recorder | None) -> None:
+        """Say which samples are missing in the recording."""
+        if recorder is None:
+            return
+        for port, (count, why) in recorder.skipped.items():
+            console.say(f"{self.file}: {count} samples of {port} are missing: {why}")
+
+
+def with_recording(command: Callable[..., int]) -> Callable[..., int]:
+    """Add the options to a command; the function gets them as `recording`."""
+
+    @click.option(
+        "--record",
+        "recorded",
+        metavar="FILE.mcap",
+        help="Record samples, states, parameters, frames and calls of boards as MCAP.",
+    )
+    @click.option(
+        "--compression",
+        type=click.Choice(["zstd", "lz4", "none"]),
+        help="How --record compresses; by default zstd.",
+    )
+    @functools.wraps(command)
+    def wrapped(
+        *args: Any, recorded: str | None, compression: str | None, **kwargs: Any
+    ) -> int:
+        options = RecordingOptions(recorded, compression)
+        return command(*args, recording=options, **kwargs)
+
+    function: Callable[..., int] = wrapped
+    return function

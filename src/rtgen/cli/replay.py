@@ -1,0 +1,271 @@
+"""The command `rtgen replay`: plays a recorded run, into a system or to standard output."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable, Collection, Iterator, Sequence
+from contextlib import ExitStack
+from dataclasses import replace
+from pathlib import Path
+
+import click
+
+from rtgen import runtime
+from rtgen.cli import partition
+from rtgen.cli.assembly import assemble
+from rtgen.cli.common import (
+    BAD_INPUT,
+    NO,
+    OK,
+    Console,
+    FiniteRange,
+    Refusal,
+    with_console,
+    write_out,
+)
+from rtgen.cli.factories import Factories, Factory
+from rtgen.cli.failures import FailureOptions, FailureReport, logged, with_failures
+from rtgen.cli.interrupts import ending
+from rtgen.cli.log.common import reported
+from rtgen.cli.recording import opened
+from rtgen.cli.recording_options import RecordingOptions, with_recording
+from rtgen.cli.run_view import View
+from rtgen.cli.summary import summary
+from rtgen.diagnostics import Span, has_errors, in_order
+from rtgen.model import System, SystemComponent
+from rtgen.project import Project, load_around
+from rtgen.recording.events import Log
+from rtgen.recording.mcap_reader import McapFile
+from rtgen.recording.replay import Course, Player, Replay, course_of
+from rtgen.runtime.failures import ends_run
+from rtgen.runtime.system.recording import JsonLinesRecorder
+from rtgen.systems import timeline
+from rtgen.systems.checks import check_properties
+from rtgen.systems.reading import read_file
+from rtgen.systems.timeline import SECOND, Connect, Disconnect, Step
+
+_PLAYER = "rtgen.Player"
+_NOWHERE = Span("", 1, 1, 1, 1)
+_PAUSE = 0.02
+"""How often a paced replay waits for the wall clock [s]."""
+
+
+@click.command()
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option(
+    "--into",
+    metavar="SYSTEM",
+    help="Let components of this system run; by default the events are printed.",
+)
+@click.option(
+    "--only", metavar="INSTANCE,...", help="Of the system only these components."
+)
+@click.option(
+    "--rate",
+    type=FiniteRange(min=0, min_open=True),
+    metavar="FACTOR",
+    help="How much faster than recorded; by default as fast as possible.",
+)
+@click.option(
+    "--until", type=FiniteRange(min=0), metavar="SECONDS", help="End before the end."
+)
+@click.option(
+    "--set",
+    "settings",
+    multiple=True,
+    metavar="INSTANCE.PARAMETER=VALUE",
+    help="Give a configuration parameter another value.",
+)
+@click.option(
+    "--log", metavar="FILE", help="Write state changes and samples as JSON lines."
+)
+@with_recording
+@with_failures
+@with_console
+def replay(
+    console: Console,
+    file: Path,
+    into: str | None,
+    only: str | None,
+    rate: float | None,
+    until: float | None,
+    settings: tuple[str, ...],
+    log: str | None,
+    recording: RecordingOptions,
+    shown_failures: FailureOptions,
+) -> int:
+    """Play a run that `rtgen run --record` has recorded, in simulated time.
+
+    With --into the components of SYSTEM run, and what the others wrote in the recording drives
+    their InPorts over the recorded connections. What the components of SYSTEM are to begin with,
+    their parameters, and the timeline that concerns them, are SYSTEM's. Exit code 1: a component's
+    own code raised an exception.
+    """
+    if into is None:
+        if only or settings or log or recording.file:
+            raise Refusal("--only, --set, --log and --record go with --into")
+        return _print(file, rate, until)
+    path = Path(into)
+    profile, diagnostics, sources = read_file(
+        path / "system.xml" if path.is_dir() else path
+    )
+    found = [*diagnostics, *(check_properties(profile) if profile is not None else ())]
+    console.findings(in_order(found), sources)
+    if profile is None or has_errors(found):
+        return BAD_INPUT
+    steps = timeline.of_system(path, None, profile).steps
+    values = [timeline.assignment(text, profile) for text in settings]
+    present = frozenset(c.instance for c in profile.components)
+    if only is not None:
+        present = partition.named(only, profile)
+        partition.require_here(values, present)
+    steps = _steps(steps, profile, present)
+    with reported():
+        course = course_of(McapFile(file))
+    profile = _with_players(profile, course, present)
+    clock = runtime.SimulatedClock()
+    report = FailureReport(console, shown_failures, simulated=True)
+    factories = _Factories(load_around(path))
+    with (
+        ExitStack() as files,
+        logged(report, console, shown_failures),
+        ending(report.waiting) as end,
+        assemble(profile, factories, clock, values, steps, report=report) as running,
+        reported(),
+    ):
+        report.end_run = running.end_run
+        player = Replay(running, course, present)
+        if (stream := opened(files, log)) is not None:
+            running.add_listener(JsonLinesRecorder(stream))
+        recorder = recording.begin(files, running)
+        if rate is not None:
+            running.every(round(_PAUSE * rate * SECOND) or 1, _pacing(running, rate))
+        end.of(running.end_run)
+        begun = time.perf_counter()
+        try:
+            player.run(None if until is None else round(until * SECOND))
+        except BaseException as error:
+            if not ends_run(error):
+                raise
+        wall = time.perf_counter() - begun
+        if recorder is not None:
+            recorder.end(through=course.through)
+        view = View(running, _plain(profile), simulated=True, judged=False)
+        outcome = view.outcome(wall, (), None, report.still_blocked())
+    recording.tell(console, recorder)
+    report.close()
+    if not console.quiet:
+        rows = [row for row in outcome.rows if row.instance in present]
+        write_out(summary(replace(outcome, rows=rows)))
+    return NO if report.raised else OK
+
+
+class _Factories(Factories):
+    """The factories of a project, and that of players."""
+
+    def __init__(self, project: Project) -> None:
+        super().__init__(project)
+
+    def __contains__(self, type_name: str) -> bool:
+        return type_name == _PLAYER or super().__contains__(type_name)
+
+    def __getitem__(self, type_name: str) -> Factory:
+        return Player if type_name == _PLAYER else super().__getitem__(type_name)
+
+
+def _with_players(profile: System, course: Course, present: Collection[str]) -> System:
+    """The system with players for the recorded components that are not present.
+
+    All are in the recorded order, in which they tick; what was not recorded comes last.
+    """
+    own = {c.instance: c for c in profile.components if c.instance in present}
+    recorded = {
+        each.instance: own.get(each.instance) or _player(each.instance, each.rate)
+        for each in course.components
+    }
+    return replace(
+        profile,
+        components=tuple((recorded | own).values()),
+        connections=tuple(
+            c
+            for c in profile.connections
+            if c.source.instance in present and c.target.instance in present
+        ),
+        activation=tuple(a for a in profile.activation if a.instance in present),
+    )
+
+
+def _plain(profile: System) -> System:
+    """The system without observables for the report: their components may be players."""
+    return replace(profile, properties=())
+
+
+def _player(instance: str, rate: float) -> SystemComponent:
+    return SystemComponent(
+        instance=instance,
+        type=_PLAYER,
+        id="",
+        path_uri="",
+        span=_NOWHERE,
+        rate=rate if rate > 0.0 else 1.0,
+    )
+
+
+def _steps(
+    steps: Sequence[Step], profile: System, present: Collection[str]
+) -> Sequence[Step]:
+    """The steps of a timeline that concern the components that are present alone."""
+    known = {
+        c.name
+        for c in profile.connections
+        if c.source.instance in present and c.target.instance in present
+    }
+    kept = []
+    for step in steps:
+        match step.action:
+            case Connect(name=name, source=source, target=target):
+                if source.instance in present and target.instance in present:
+                    known.add(name)
+                    kept.append(step)
+            case Disconnect(name=name):
+                if name in known:
+                    kept.append(step)
+            case action:
+                if action.instance in present:
+                    kept.append(step)
+    return kept
+
+
+def _pacing(running: runtime.System, rate: float) -> Callable[[], None]:
+    """Lets the time of the system go as fast as the wall clock times a factor."""
+    begun = time.monotonic()
+
+    def wait() -> None:
+        ahead = running.time / SECOND / rate - (time.monotonic() - begun)
+        if ahead > 0.0:
+            time.sleep(ahead)
+
+    return wait
+
+
+def _print(file: Path, rate: float | None, until: float | None) -> int:
+    """Print the events, paced if there is a rate."""
+    begun = time.monotonic()
+    with reported():
+        for event in _until(Log(file).events(), until):
+            if rate is not None:
+                ahead = event["t"] / SECOND / rate - (time.monotonic() - begun)
+                if ahead > 0.0:
+                    time.sleep(ahead)
+            click.echo(json.dumps(event, ensure_ascii=False))
+    return OK
+
+
+def _until(
+    events: Iterator[dict[str, int]], until: float | None
+) -> Iterator[dict[str, int]]:
+    for event in events:
+        if until is not None and event["t"] > until * SECOND:
+            return
+        yield event

@@ -1,0 +1,15 @@
+"""Errors of recordings."""
+
+from __future__ import annotations
+
+
+class RecordingError(Exception):
+    """A recording cannot be written, read or replayed; `hint` says what helps, if known."""
+
+    def __init__(self, message: str, hint: str | None = None) -> None:
+        super().__init__(message)
+        self.hint = hint
+
+
+class SchemaError(RecordingError):
+    """A schema that is no IDL, or not of the type that it is to have."""

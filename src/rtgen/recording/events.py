@@ -1,0 +1,176 @@
+"""The events of a recording or of a log, in the form that the lines of a log have.
+
+`rtgen run --log` writes JSON lines, `--record` MCAP. Both are read as dictionaries: `t` [ns since
+the start], `event`, and what belongs to that event; samples have `instance`, `port`, `value`.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, TypeAlias
+
+from rtgen.recording.errors import RecordingError
+from rtgen.recording.mcap_reader import MAGIC, Channel, McapFile, Message
+from rtgen.recording.recorder import METADATA
+from rtgen.recording.schema_types import type_of
+from rtgen.recording.schemas import ENCODING, Schema
+from rtgen.runtime.cdr import CdrError
+from rtgen.runtime.system.json_printers import plain
+from rtgen.runtime.xcdr import deserialize
+
+Event: TypeAlias = dict[str, Any]
+
+_LONGEST_LINE = 1 << 26
+
+
+@dataclass(slots=True)
+class Decoders:
+    """Decoders of the messages of channels, one for each schema."""
+
+    _types: dict[Schema, Any] = field(default_factory=dict)
+    _known: dict[Channel, Callable[[bytes], Any]] = field(default_factory=dict)
+
+    def value(self, message: Message) -> Any:
+        """What a message holds, as JSON has it. Raises RecordingError."""
+        channel = message.channel
+        decode = self._known.get(channel)
+        if decode is None:
+            decode = self._known[channel] = self._decoder(channel)
+        try:
+            return decode(message.data)
+        except (CdrError, ValueError) as error:
+            raise RecordingError(f"{channel.topic}: {error}") from error
+
+    def _decoder(self, channel: Channel) -> Callable[[bytes], Any]:
+        if channel.encoding == "json":
+            return json.loads
+        if (channel.encoding, channel.schema_encoding) != ("cdr", ENCODING):
+            schema = channel.schema_encoding or "no schema"
+            raise RecordingError(
+                f"{channel.topic}: no decoder for {channel.encoding} with {schema}",
+                hint=f"rtgen reads cdr with {ENCODING}, and json",
+            )
+        type_ = self._types.get(channel.schema)
+        if type_ is None:
+            type_ = self._types[channel.schema] = type_of(channel.schema)
+        return lambda data: plain(deserialize(type_, data))
+
+
+class Log:
+    """A file that `rtgen run` has recorded, in either form."""
+
+    def __init__(self, path: str | Path) -> None:
+        """Raises RecordingError if it cannot be read, or is neither."""
+        self.path = Path(path)
+        try:
+            with self.path.open("rb") as stream:
+                head = stream.read(len(MAGIC))
+        except OSError as error:
+            raise RecordingError(f"cannot read {path}: {error.strerror}") from error
+        self.mcap = McapFile(path) if head == MAGIC else None
+        self.units: dict[tuple[str, str], str] = {}
+        """The units of ports, by instance and port, as far as samples of them were read."""
+        if self.mcap is None and head[:1] not in (b"{", b""):
+            raise RecordingError(
+                f"{path} is no recording: neither MCAP nor JSON lines",
+                hint="rtgen run --record FILE.mcap or --log FILE writes one",
+            )
+
+    @property
+    def start(self) -> int:
+        """What the clock showed at the start [ns]: 0 in simulated time."""
+        described = {} if self.mcap is None else self.mcap.metadata.get(METADATA, {})
+        text = described.get("start", "0")
+        return int(text) if text.isascii() and text.isdecimal() else 0
+
+    def events(
+        self, wanted: Callable[[Mapping[str, str]], bool] = lambda entry: True
+    ) -> Iterator[Event]:
+        """All events in order; `wanted` is given `event`, `instance` and `port`."""
+        if self.mcap is None:
+            return (event for event in self._lines() if wanted(event))
+        return self._decoded(self.mcap, wanted)
+
+    def heads(self) -> Iterator[Event]:
+        """Each event without what it holds; samples of MCAP with the name of their `type`."""
+        if self.mcap is None:
+            yield from self._lines()
+            return
+        start = self.start
+        known: dict[Channel, Event] = {}
+        for message in self.mcap.messages():
+            channel = message.channel
+            if channel not in known:
+                known[channel] = _head(channel) | {"type": channel.schema.name}
+            yield known[channel] | {"t": message.time - start}
+
+    def _decoded(
+        self, file: McapFile, wanted: Callable[[Mapping[str, str]], bool]
+    ) -> Iterator[Event]:
+        decoders = Decoders()
+        start = self.start
+        heads: dict[Channel, Event | None] = {}
+        for message in file.messages():
+            channel = message.channel
+            if channel not in heads:
+                head = _head(channel)
+                heads[channel] = head if wanted(head) or _is_shared(head) else None
+                address = channel.get("instance"), channel.get("port")
+                self.units[address] = channel.get("unit")
+            found = heads[channel]
+            if found is not None:
+                value = decoders.value(message)
+                inside = {"value": value} if found["event"] == "sample" else value
+                if not isinstance(inside, dict):
+                    raise RecordingError(f"{channel.topic}: a message is no object")
+                event = {"t": message.time - start, **found, **_written(inside)}
+                if not _is_shared(found) or wanted(event):
+                    yield event
+
+    def _lines(self) -> Iterator[Event]:
+        with self.path.open(encoding="utf-8", errors="replace") as stream:
+            for number, line in enumerate(
+                iter(lambda: stream.readline(_LONGEST_LINE), ""), 1
+            ):
+                try:
+                    event = json.loads(line)
+                except ValueError as error:
+                    if not line.endswith("\n"):
+                        return  # The writer was killed.
+                    message = f"{self.path}:{number}: no JSON: {error}"
+                    raise RecordingError(message) from error
+                if not (
+                    isinstance(event, dict)
+                    and isinstance(event.get("t"), int)
+                    and isinstance(event.get("event"), str)
+                ):
+                    raise RecordingError(f"{self.path}:{number}: no line of a log")
+                yield event
+
+
+def _head(channel: Channel) -> Event:
+    """What an event has of its channel; other writers' channels are samples of a topic."""
+    kind = channel.get("kind")
+    if not kind:
+        return {"event": "sample", "instance": "", "port": channel.topic}
+    known = {
+        "sample": ("instance", "port"),
+        "frame": ("bus",),
+        "call": ("instance",),
+    }
+    return {"event": kind, **{key: channel.get(key) for key in known.get(kind, ())}}
+
+
+def _is_shared(head: Event) -> bool:
+    """Whether the events of a channel have their instances inside."""
+    return "instance" not in head and "bus" not in head
+
+
+def _written(inside: Event) -> Event:
+    """An event as a log has it: with a reason only where there is one."""
+    if inside.get("reason") == "":
+        return {key: value for key, value in inside.items() if key != "reason"}
+    return inside

@@ -1,0 +1,236 @@
+"""Reads MCAP files in the order in which they were written, as far as they are whole.
+
+A file whose writer was killed ends anywhere: its whole chunks are read, the rest is left out.
+Lengths that a file claims are checked against its size before anything is allocated.
+"""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from importlib.util import find_spec
+from io import BytesIO
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, BinaryIO, Final
+
+from rtgen.recording.errors import RecordingError
+from rtgen.recording.schemas import Schema
+
+if TYPE_CHECKING:
+    from mcap.records import Chunk, McapRecord
+
+MAGIC: Final = b"\x89MCAP0\r\n"
+_FRAMING = struct.Struct("<BQ")
+_LARGEST = 1 << 28
+"""Octets of the largest chunk or record that is read, without compression."""
+
+
+@dataclass(frozen=True, slots=True)
+class Channel:
+    """A channel: what its messages are about, and how they are encoded."""
+
+    id: int
+    topic: str
+    encoding: str
+    schema_encoding: str
+    schema: Schema
+    metadata: tuple[tuple[str, str], ...]
+
+    def get(self, key: str) -> str:
+        """An entry of the metadata; empty if there is none."""
+        return dict(self.metadata).get(key, "")
+
+
+@dataclass(frozen=True, slots=True)
+class Message:
+    """A message; `time` as the writer's clock had it [ns]."""
+
+    channel: Channel
+    time: int
+    data: bytes
+
+
+class McapFile:
+    """An MCAP file that is read from the beginning, any number of times."""
+
+    def __init__(self, path: str | Path) -> None:
+        """Raises RecordingError if there is no such file, or if it is no MCAP file."""
+        if find_spec("mcap") is None:
+            raise RecordingError(
+                "recordings need mcap, which is not installed",
+                hint="pip install 'rtgen[record]'",
+            )
+        self.path = Path(path)
+        self.damaged = 0
+        """How many chunks were left out by the last call of `messages`."""
+        with self._opened():
+            pass
+
+    @cached_property
+    def metadata(self) -> dict[str, dict[str, str]]:
+        """The metadata records at the head of the file, by name."""
+        from mcap.records import Chunk, DataEnd, Metadata
+
+        found: dict[str, dict[str, str]] = {}
+        with self._opened() as stream:
+            for record in _records(stream):
+                if isinstance(record, Chunk | DataEnd):
+                    break
+                if isinstance(record, Metadata):
+                    found[record.name] = record.metadata
+        return found
+
+    @cached_property
+    def is_whole(self) -> bool:
+        """Whether the writer has finished the file."""
+        with self._opened() as stream:
+            stream.seek(-len(MAGIC), 2)
+            return stream.tell() > 0 and stream.read() == MAGIC
+
+    def messages(self) -> Iterator[Message]:
+        """All messages of whole chunks, in the order of the file."""
+        from mcap.records import Channel as ChannelRecord
+        from mcap.records import Message as MessageRecord
+        from mcap.records import Schema as SchemaRecord
+
+        schemas: dict[int, SchemaRecord] = {}
+        channels: dict[int, Channel] = {}
+        self.damaged = 0
+        with self._opened() as stream:
+            for record in self._unpacked(stream):
+                match record:
+                    case SchemaRecord():
+                        schemas[record.id] = record
+                    case ChannelRecord():
+                        if record.id not in channels:
+                            schema = schemas.get(record.schema_id)
+                            channels[record.id] = _channel(record, schema)
+                    case MessageRecord():
+                        channel = channels.get(record.channel_id)
+                        if channel is None:
+                            raise RecordingError(
+                                f"{self.path}: a message of channel {record.channel_id},"
+                                " which is not announced"
+                            )
+                        yield Message(channel, record.log_time, record.data)
+
+    def _unpacked(self, stream: BinaryIO) -> Iterator[McapRecord]:
+        """The records with those of whole chunks in place of the chunks."""
+        from mcap.exceptions import McapError
+        from mcap.records import Chunk
+        from mcap.stream_reader import breakup_chunk
+
+        for record in _records(stream):
+            if not isinstance(record, Chunk):
+                yield record
+                continue
+            try:
+                record.data = _content(record)
+                record.compression = ""
+                inside = breakup_chunk(record)
+            except (ValueError, struct.error, McapError):
+                self.damaged += 1
+                continue
+            yield from inside
+
+    def _opened(self) -> BinaryIO:
+        try:
+            stream = self.path.open("rb")
+        except OSError as error:
+            raise RecordingError(
+                f"cannot read {self.path}: {error.strerror}"
+            ) from error
+        if stream.read(len(MAGIC)) != MAGIC:
+            stream.close()
+            raise RecordingError(f"{self.path} is no MCAP file")
+        return stream
+
+
+def _channel(record: Any, schema: Any) -> Channel:
+    metadata = tuple(record.metadata.items())
+    if schema is None:
+        none = Schema("", "")
+        return Channel(
+            record.id, record.topic, record.message_encoding, "", none, metadata
+        )
+    text = schema.data.decode("utf-8", "replace")
+    return Channel(
+        record.id,
+        record.topic,
+        record.message_encoding,
+        schema.encoding,
+        Schema(schema.name, text),
+        metadata,
+    )
+
+
+def _records(stream: BinaryIO) -> Iterator[McapRecord]:
+    """The whole records that follow, up to the end of the data."""
+    from mcap import records
+    from mcap.data_stream import ReadDataStream
+    from mcap.exceptions import McapError
+    from mcap.opcode import Opcode
+
+    known: dict[int, Any] = {
+        Opcode.CHANNEL: records.Channel,
+        Opcode.SCHEMA: records.Schema,
+        Opcode.CHUNK: records.Chunk,
+        Opcode.METADATA: records.Metadata,
+        Opcode.DATA_END: records.DataEnd,
+    }
+    here = stream.tell()
+    end = stream.seek(0, 2)
+    stream.seek(here)
+    while here + _FRAMING.size <= end:
+        opcode, length = _FRAMING.unpack(stream.read(_FRAMING.size))
+        here += _FRAMING.size + length
+        if here > end:
+            return
+        if (opcode not in known and opcode != Opcode.MESSAGE) or length > _LARGEST:
+            stream.seek(here)
+            continue
+        data = ReadDataStream(BytesIO(stream.read(length)))
+        try:
+            if opcode == Opcode.MESSAGE:
+                yield records.Message.read(data, length)
+            else:
+                yield known[opcode].read(data)
+        except (ValueError, struct.error, McapError):
+            continue
+        if opcode == Opcode.DATA_END:
+            return
+
+
+def _content(chunk: Chunk) -> bytes:
+    """What a chunk holds. Raises ValueError if it is damaged, or too large."""
+    size = chunk.uncompressed_size
+    if size > _LARGEST:
+        raise ValueError(f"a chunk of {size} octets")
+    data = _decompressed(chunk.compression, chunk.data, size + 1)
+    if len(data) != size or chunk.uncompressed_crc not in (0, zlib.crc32(data)):
+        raise ValueError("the chunk is damaged")
+    return data
+
+
+def _decompressed(compression: str, data: bytes, most: int) -> bytes:
+    """The first octets, at most `most`. Raises ValueError."""
+    if compression == "zstd":
+        import zstandard
+
+        try:
+            return zstandard.ZstdDecompressor().stream_reader(data).read(most)
+        except zstandard.ZstdError as error:
+            raise ValueError(str(error)) from error
+    if compression == "lz4":
+        import lz4.frame
+
+        try:
+            return bytes(lz4.frame.LZ4FrameDecompressor().decompress(data, most))
+        except RuntimeError as error:
+            raise ValueError(str(error)) from error
+    if compression:
+        raise RecordingError(f"chunks are compressed by {compression!r}")
+    return data

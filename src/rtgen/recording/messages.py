@@ -1,0 +1,154 @@
+"""Types of the channels of a recording that belong to no port, in IDL's module `rtgen`."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+from rtgen.runtime import idl
+from rtgen.runtime.cdr import Aggregated, field
+
+
+class Component(Aggregated):
+    """A component of the run, in the order in which they tick; `rate` in Hz."""
+
+    _descriptor_: ClassVar = idl.struct(
+        "rtgen::Component", instance=idl.STRING, type=idl.STRING, rate=idl.DOUBLE
+    )
+
+    instance: str = ""
+    type: str = ""
+    rate: float = 0.0
+
+
+class State(Aggregated):
+    """A change of state in a context, with the reason of an ERROR."""
+
+    _descriptor_: ClassVar = idl.struct(
+        "rtgen::State",
+        instance=idl.STRING,
+        before=idl.member(idl.STRING, name="from"),
+        after=idl.member(idl.STRING, name="to"),
+        context=idl.LONG,
+        reason=idl.STRING,
+    )
+
+    instance: str = ""
+    before: str = ""
+    after: str = ""
+    context: int = 0
+    reason: str = ""
+
+
+class Parameter(Aggregated):
+    """A parameter has taken effect with a value."""
+
+    _descriptor_: ClassVar = idl.struct(
+        "rtgen::Parameter",
+        instance=idl.STRING,
+        parameter=idl.STRING,
+        value=idl.STRING,
+    )
+
+    instance: str = ""
+    parameter: str = ""
+    value: str = ""
+
+
+class Property(Aggregated):
+    """A property of a connection."""
+
+    _descriptor_: ClassVar = idl.struct(
+        "rtgen::Property", name=idl.STRING, value=idl.STRING
+    )
+
+    name: str = ""
+    value: str = ""
+
+
+class Connection(Aggregated):
+    """Two ports, `INSTANCE.PORT`, were connected, or are no longer."""
+
+    _descriptor_: ClassVar = idl.struct(
+        "rtgen::Connection",
+        name=idl.STRING,
+        source=idl.STRING,
+        target=idl.STRING,
+        properties=idl.sequence(Property),
+        connected=idl.BOOLEAN,
+    )
+
+    name: str = ""
+    source: str = ""
+    target: str = ""
+    properties: list[Property] = field(default_factory=list)
+    connected: bool = False
+
+
+class CanFrame(Aggregated):
+    """A CAN frame on a bus."""
+
+    _descriptor_: ClassVar = idl.struct(
+        "rtgen::CanFrame",
+        id=idl.UNSIGNED_LONG,
+        extended=idl.BOOLEAN,
+        remote=idl.BOOLEAN,
+        data=idl.sequence(idl.OCTET, 8),
+    )
+
+    id: int = 0
+    extended: bool = False
+    remote: bool = False
+    data: bytes = b""
+
+
+class BoardCall(Aggregated):
+    """A call by OpaqueRPC: the octets of request and reply, and why it failed, if it did."""
+
+    _descriptor_: ClassVar = idl.struct(
+        "rtgen::BoardCall",
+        request=idl.sequence(idl.OCTET),
+        reply=idl.sequence(idl.OCTET),
+        error=idl.STRING,
+    )
+
+    request: bytes = b""
+    reply: bytes = b""
+    error: str = ""
+
+
+class Run(Aggregated):
+    """What happens to the run itself: `end`, with what was due at that instant done or not."""
+
+    _descriptor_: ClassVar = idl.struct(
+        "rtgen::Run", what=idl.STRING, through=idl.BOOLEAN
+    )
+
+    what: str = ""
+    through: bool = False
+
+
+class Topic:
+    """The topics of the channels above."""
+
+    RUN = "/rtgen/run"
+    COMPONENTS = "/rtgen/components"
+    STATES = "/rtgen/states"
+    PARAMETERS = "/rtgen/parameters"
+    CONNECTIONS = "/rtgen/connections"
+    CAN = "/rtgen/can/"
+    CALLS = "/rtgen/calls/"
+
+
+TYPES: dict[str, Any] = {
+    type_._descriptor_.name: type_
+    for type_ in (
+        Component,
+        State,
+        Parameter,
+        Connection,
+        CanFrame,
+        BoardCall,
+        Run,
+    )
+}
+"""The types of channels by their scoped names."""

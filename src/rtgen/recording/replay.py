@@ -1,0 +1,252 @@
+"""Plays a recording into a system: the components that are not in it are replaced by players.
+
+In simulated time a sample is written where its component wrote it: at the same instant, in the turn
+of the component that ticked. So what the others do is what they did, bit for bit, as long as they
+depend on nothing but their InPorts, their parameters and the time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterator
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+from rtgen.recording import messages
+from rtgen.recording.errors import RecordingError
+from rtgen.recording.mcap_reader import Channel, McapFile
+from rtgen.recording.recorder import METADATA
+from rtgen.recording.schemas import ENCODING, Schema, schema_of
+from rtgen.runtime import Component, ComponentProfile, InPort, OutPort, System
+from rtgen.runtime.cdr import CdrError
+from rtgen.runtime.system.simulated_time import SimulatedScheduler
+from rtgen.runtime.timing.clocks import SimulatedClock
+from rtgen.runtime.xcdr import deserialize
+
+_KINDS: dict[str, Any] = {
+    "component": messages.Component,
+    "connection": messages.Connection,
+    "run": messages.Run,
+}
+
+Address = tuple[str, str]
+
+
+@dataclass(slots=True)
+class Course:
+    """What a replay has to know of a recording before it begins; times in ns since the start."""
+
+    file: McapFile
+    start: int = 0
+    components: list[messages.Component] = field(default_factory=list)
+    connections: list[tuple[int, messages.Connection]] = field(default_factory=list)
+    channels: dict[Address, Channel] = field(default_factory=dict)
+    end: int = 0
+    through: bool = True
+
+    def connections_with(
+        self, present: Collection[str]
+    ) -> Iterator[tuple[int, messages.Connection]]:
+        """The changes of data connections between components that are present and others."""
+        for time, connection in self.connections:
+            source, target = _address(connection.source), _address(connection.target)
+            if source in self.channels and (source[0] in present) != (
+                target[0] in present
+            ):
+                yield time, connection
+
+
+def course_of(file: McapFile) -> Course:
+    """Read through a recording of `rtgen run --record`. Raises RecordingError."""
+    described = file.metadata.get(METADATA, {})
+    if described.get("layout") != "1":
+        raise RecordingError(
+            f"{file.path} cannot be replayed: it is no recording of rtgen run --record"
+        )
+    start = described.get("start", "")
+    found = Course(file, int(start) if start.isascii() and start.isdecimal() else 0)
+    for message in file.messages():
+        time, kind = message.time - found.start, message.channel.get("kind")
+        if kind == "sample":
+            channel = message.channel
+            found.channels[channel.get("instance"), channel.get("port")] = channel
+        elif kind in _KINDS:
+            try:
+                value: Any = deserialize(_KINDS[kind], message.data)
+            except CdrError as error:
+                raise RecordingError(f"{file.path}: {kind}: {error}") from error
+            if isinstance(value, messages.Component):
+                found.components.append(value)
+            elif isinstance(value, messages.Connection):
+                found.connections.append((time, value))
+            else:
+                found.end, found.through = time, value.through
+                break
+        found.end = max(found.end, time)
+    return found
+
+
+class Player(Component):
+    """Takes the place of a recorded component: writes what that wrote, reads nothing."""
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile("Player")
+
+
+class Replay:
+    """Plays a recording into a system in simulated time, in which players wait for it."""
+
+    def __init__(
+        self, system: System, course: Course, present: Collection[str]
+    ) -> None:
+        """Connect the players. Raises RecordingError if a port has another type now."""
+        clock = system.clock
+        assert isinstance(clock, SimulatedClock)
+        assert isinstance(clock.instants, SimulatedScheduler)
+        self._system = system
+        self._course = course
+        self._scheduler = clock.instants
+        self._present = present
+        self._ports: dict[Address, OutPort[Any]] = {}
+        self._samples = self._of_ports()
+        self._players = {
+            name
+            for name in system.instances
+            if isinstance(system.component(name), Player)
+        }
+        for name in self._players:
+            system.context(name).stop()
+        for time, connection in course.connections_with(present):
+            self._prepare(connection)
+            if time == 0 and connection.connected:
+                self._connect(connection)
+            elif time < course.end:
+                system.at(time, self._changing(connection))
+        self._schedule(next(self._samples, None))
+
+    def run(self, until: int | None = None) -> None:
+        """Run to the end of the recording, or until an instant [ns] before it."""
+        end = self._course.end
+        if until is not None and until < end:
+            self._system.run(until)
+        elif not self._course.through:
+            self._system.run(end)
+        else:
+            self._system.at(end, lambda: None)
+            self._system.run(until=lambda system: system.time >= end)
+
+    def _prepare(self, connection: messages.Connection) -> None:
+        """The player's port, of the type of the port that it is connected to."""
+        address, target = _address(connection.source), _address(connection.target)
+        if address[0] in self._present:
+            self._prepare_sink(address, target)
+            return
+        component = self._system.component(target[0])
+        if target[1] not in component.in_ports:
+            raise RecordingError(f"{connection.target}: there is no such InPort now")
+        in_port: InPort[Any] = component.in_ports[target[1]]
+        channel = self._course.channels[address]
+        if (channel.encoding, channel.schema_encoding) != ("cdr", ENCODING):
+            raise RecordingError(
+                f"{connection.source} is recorded as {channel.encoding}: it cannot be replayed"
+            )
+        _check(channel.schema, in_port)
+        if address not in self._ports:
+            player = self._system.component(address[0])
+            self._ports[address] = player.add_out_port(address[1], in_port.type)
+
+    def _prepare_sink(self, source: Address, target: Address) -> None:
+        """The player's InPort, which takes all samples, so that the writer has a reader."""
+        out_ports = self._system.component(source[0]).out_ports
+        player = self._system.component(target[0])
+        if source[1] not in out_ports:
+            raise RecordingError(f"{'.'.join(source)}: there is no such OutPort now")
+        if target[1] not in player.in_ports:
+            player.add_in_port(target[1], out_ports[source[1]].type)
+
+    def _connect(self, connection: messages.Connection) -> None:
+        source, target = _address(connection.source), _address(connection.target)
+        properties: dict[str, str] = {}
+        if source[0] not in self._present:
+            properties = {each.name: each.value for each in connection.properties}
+        self._system.connect(source, target, properties, connection.name)
+
+    def _changing(self, connection: messages.Connection) -> Callable[[], None]:
+        def change() -> None:
+            if connection.connected:
+                self._connect(connection)
+            else:
+                self._system.disconnect(connection.name)
+
+        return change
+
+    # Samples
+
+    def _of_ports(self) -> Iterator[_Sample]:
+        """The samples of the players' ports in the order of the recording."""
+        for message in self._course.file.messages():
+            channel = message.channel
+            if channel.get("kind") == "sample":
+                address = channel.get("instance"), channel.get("port")
+                port = self._ports.get(address)
+                if port is not None:
+                    time = message.time - self._course.start
+                    during = channel.get("during")
+                    yield _Sample(time, during, port, message.data)
+
+    def _schedule(self, sample: _Sample | None) -> None:
+        """Write a sample, and those behind it, when it is due."""
+        if sample is None:
+            return
+
+        def write() -> None:
+            following: _Sample | None = sample
+            while following is not None and following.place == sample.place:
+                following.write()
+                following = next(self._samples, None)
+            self._schedule(following)
+
+        time, during = sample.place
+        if during in self._players:
+            context = self._system.context(during)
+            self._scheduler.in_turn_of(context, time, write)
+        else:
+            later = self._scheduler.behind_ticks
+            self._system.at(time, lambda: later(write))
+
+
+@dataclass(frozen=True, slots=True)
+class _Sample:
+    """A sample of a port, written at a time [ns] while a component ticked, if one did."""
+
+    time: int
+    during: str
+    port: OutPort[Any]
+    data: bytes
+
+    @property
+    def place(self) -> tuple[int, str]:
+        """When it is due."""
+        return self.time, self.during
+
+    def write(self) -> None:
+        """Write it to the port. Raises RecordingError."""
+        try:
+            value = deserialize(self.port.type, self.data)
+        except CdrError as error:
+            raise RecordingError(f"{self.port}: {error}") from error
+        self.port.write(value)
+
+
+def _address(text: str) -> Address:
+    instance, _, port = text.partition(".")
+    return instance, port
+
+
+def _check(recorded: Schema, port: InPort[Any]) -> None:
+    """Raises RecordingError unless a port still has the recorded type."""
+    now = schema_of(port.type._descriptor_)
+    if now != recorded:
+        raise RecordingError(
+            f"{port}: samples of {recorded.name} were recorded; its type is {now.name} now"
+            + (", with another definition" if now.name == recorded.name else ""),
+            hint="rtgen log cat shows the recorded samples",
+        )

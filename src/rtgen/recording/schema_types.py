@@ -1,0 +1,274 @@
+"""Types made of the IDL text of a schema, so that messages can be read without generated code."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from rtgen.diagnostics import has_errors, in_order
+from rtgen.facts.primitives import Primitive
+from rtgen.frontends.kit.library import VirtualFile
+from rtgen.frontends.stage import Settings, read_idl
+from rtgen.model import (
+    ArrayType,
+    Bitmask,
+    Bitset,
+    Case,
+    Declaration,
+    Enum,
+    EnumeratorName,
+    FixedType,
+    MapType,
+    Member,
+    Model,
+    NamedType,
+    PrimitiveType,
+    ScopedName,
+    SequenceType,
+    StringType,
+    Struct,
+    Type,
+    Typedef,
+    Union,
+)
+from rtgen.recording.errors import SchemaError
+from rtgen.recording.schemas import Schema
+from rtgen.runtime.cdr import Aggregated, Enumeration, Flags
+from rtgen.runtime.cdr import Bitset as BitsetBase
+from rtgen.runtime.cdr import Union as UnionBase
+from rtgen.runtime.marshalling.descriptors import (
+    NEXT,
+    AliasDescriptor,
+    ArrayDescriptor,
+    BitfieldDescriptor,
+    BitsetDescriptor,
+    BranchDescriptor,
+    DataType,
+    Descriptor,
+    EnumDescriptor,
+    FixedDescriptor,
+    FlagsDescriptor,
+    LinkDescriptor,
+    MapDescriptor,
+    MemberDescriptor,
+    PrimitiveDescriptor,
+    SequenceDescriptor,
+    StringDescriptor,
+    StructDescriptor,
+    UnionDescriptor,
+)
+
+_FILE = "schema.idl"
+_LONGEST = 1 << 20
+"""Characters of the longest schema that is read."""
+
+
+def type_of(schema: Schema) -> type[DataType]:
+    """The type that a schema names, with classes of its own. Raises SchemaError.
+
+    No repository id is registered, so that types of generated code stay as they are.
+    """
+    if len(schema.text) > _LONGEST:
+        raise SchemaError(f"{schema.name}: the schema has over {_LONGEST} characters")
+    text = VirtualFile(_FILE, schema.text, given=True)
+    settings = Settings(root=Path(), ignore_case_clashes=True)
+    result = read_idl((), settings, text=text)
+    if has_errors(result.diagnostics):
+        first = in_order(result.diagnostics)[0]
+        line = 0 if first.span is None else first.span.line
+        raise SchemaError(f"{schema.name}: line {line} of the schema: {first.message}")
+    name = tuple(schema.name.split("::"))
+    descriptor = _Types(result.model).named(name, schema.name)
+    class_: type[DataType] | None = getattr(descriptor, "class_", None)
+    if class_ is None or not isinstance(descriptor, StructDescriptor | UnionDescriptor):
+        raise SchemaError(f"{schema.name} is no struct and no union of the schema")
+    return class_
+
+
+class _Types:
+    """Descriptors and classes of the declarations of a schema.
+
+    Names of attributes and classes are numbers: those of the file never become code.
+    """
+
+    def __init__(self, model: Model) -> None:
+        self._model = model
+        self._made: dict[ScopedName, Descriptor] = {}
+        self._under_way: set[ScopedName] = set()
+
+    def named(self, name: ScopedName, wanted: str = "") -> Descriptor:
+        """The descriptor of a declaration. Raises SchemaError."""
+        made = self._made.get(name)
+        if made is not None:
+            return made
+        scoped = "::".join(name)
+        if name in self._under_way:
+            return LinkDescriptor("", scoped, lambda: self._made[name])
+        try:
+            declaration = self._model.find(name)
+        except KeyError:
+            raise SchemaError(f"the schema declares no {wanted or scoped}") from None
+        self._under_way.add(name)
+        made = self._made[name] = self._described(declaration, scoped)
+        return made
+
+    def _type(self, type_: Type) -> Descriptor:
+        match type_:
+            case PrimitiveType(kind):
+                return PrimitiveDescriptor(kind)
+            case StringType(wide, bound):
+                return StringDescriptor(wide, bound)
+            case SequenceType(element, bound):
+                return SequenceDescriptor(self._type(element), bound)
+            case MapType(key, value, bound):
+                return MapDescriptor(self._type(key), self._type(value), bound)
+            case ArrayType(element, dimensions):
+                return ArrayDescriptor(self._type(element), dimensions)
+            case FixedType(digits, scale):
+                return FixedDescriptor(digits, scale)
+            case NamedType(name):
+                return self.named(name)
+
+    def _described(self, declaration: Declaration, name: str) -> Descriptor:
+        match declaration:
+            case Struct():
+                described = StructDescriptor(
+                    "",
+                    name,
+                    self._members(declaration),
+                    declaration.extensibility,
+                    declaration.nested,
+                )
+                names = [member.attribute for member in described.members]
+                _class(Aggregated, described, names)
+                return described
+            case Union():
+                switch = self._type(declaration.switch)
+                cases = enumerate(declaration.cases)
+                branches = tuple(self._branch(switch, *each) for each in cases)
+                union = UnionDescriptor(
+                    "",
+                    name,
+                    switch,
+                    branches,
+                    declaration.extensibility,
+                    declaration.nested,
+                )
+                _class(UnionBase, union, ["discriminator", "value"])
+                return union
+            case Enum(members=entries, bound=bound):
+                numbers = tuple((entry.name, entry.value) for entry in entries)
+                enum = EnumDescriptor("", name, numbers, bound)
+                return _numbered(Enumeration, enum, lambda number: number)
+            case Bitmask(members=entries, bound=bound):
+                numbers = tuple((entry.name, entry.value) for entry in entries)
+                flags = FlagsDescriptor("", name, numbers, bound)
+                return _numbered(Flags, flags, lambda position: 1 << position)
+            case Bitset():
+                bitset = self._bitset(declaration, name)
+                names = [entry.attribute for entry in bitset.fields]
+                _class(BitsetBase, bitset, names)
+                return bitset
+            case Typedef(type=type_):
+                return AliasDescriptor("", name, self._type(type_))
+        raise SchemaError(f"{name} is no type of data")
+
+    def _members(self, struct: Struct) -> tuple[MemberDescriptor, ...]:
+        """The members, those of the bases first."""
+        found: list[Member] = []
+        at: Struct | None = struct
+        while at is not None:
+            found = [*at.members, *found]
+            base = None if at.base is None else self._model.find(at.base)
+            at = base if isinstance(base, Struct) else None
+        return tuple(
+            MemberDescriptor(
+                member.name,
+                self._type(member.type),
+                f"m{number}",
+                NEXT if member.id is None else member.id,
+                member.optional,
+                member.key,
+                member.must_understand,
+                member.external,
+            )
+            for number, member in enumerate(found)
+        )
+
+    def _branch(self, switch: Descriptor, number: int, case: Case) -> BranchDescriptor:
+        return BranchDescriptor(
+            tuple(_label(switch, label) for label in case.labels),
+            case.default,
+            case.name,
+            self._type(case.type),
+            f"m{number}",
+            NEXT if case.id is None else case.id,
+            case.external,
+        )
+
+    def _bitset(self, declaration: Bitset, name: str) -> BitsetDescriptor:
+        levels = [declaration]
+        while (base := levels[0].base) is not None:
+            found = self._model.find(base)
+            if not isinstance(found, Bitset):
+                break
+            levels.insert(0, found)
+        position = 0
+        fields: list[BitfieldDescriptor] = []
+        for field in (field for level in levels for field in level.members):
+            kind = field.type.kind if isinstance(field.type, PrimitiveType) else None
+            if field.name is not None:
+                fields.append(
+                    BitfieldDescriptor(
+                        field.name,
+                        field.bits,
+                        position,
+                        kind in _SIGNED,
+                        kind is Primitive.BOOLEAN,
+                        f"m{len(fields)}",
+                    )
+                )
+            position += field.bits
+        return BitsetDescriptor("", name, tuple(fields), position)
+
+
+_SIGNED = (Primitive.INT8, Primitive.SHORT, Primitive.LONG, Primitive.LONG_LONG)
+
+
+def _class(base: Any, descriptor: Any, names: list[str]) -> None:
+    """Give a descriptor a class with these attributes."""
+    msgspec.defstruct(
+        "Recorded",
+        [(name, Any) for name in names],
+        bases=(base,),
+        namespace={"_descriptor_": descriptor},
+        frozen=base is BitsetBase,
+    )
+
+
+def _numbered(
+    base: Any,
+    descriptor: EnumDescriptor | FlagsDescriptor,
+    number: Callable[[int], int],
+) -> EnumDescriptor | FlagsDescriptor:
+    """Give an enum or a bitmask a class."""
+    values = {f"m{place}": number(n) for place, (_, n) in enumerate(descriptor.members)}
+    class_ = base("Recorded", values)
+    class_._descriptor_ = descriptor
+    object.__setattr__(descriptor, "class_", class_)
+    return descriptor
+
+
+def _label(switch: Descriptor, label: Any) -> int | str | bool:
+    """A label as Python has it: an enumerator by its member."""
+    while isinstance(switch, AliasDescriptor):
+        switch = switch.target
+    if isinstance(label, EnumeratorName) and isinstance(switch, EnumDescriptor):
+        number = dict(switch.members)[label.name[-1]]
+        member: int = switch.class_(number)
+        return member
+    found: int | str | bool = label
+    return found

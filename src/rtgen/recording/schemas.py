@@ -1,0 +1,273 @@
+"""IDL text of a type with everything that it depends on, from its descriptor.
+
+MCAP's registry calls such a schema `omgidl`: self-contained text, no preprocessor lines, the type
+by its scoped name.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from rtgen.backends.idl_text import idl_text
+from rtgen.diagnostics import Span
+from rtgen.facts.primitives import Primitive
+from rtgen.model import (
+    Annotation,
+    ArrayType,
+    Bitfield,
+    Bitmask,
+    Bitset,
+    Case,
+    ConstantValue,
+    Declaration,
+    Enum,
+    Enumerator,
+    EnumeratorName,
+    Extensibility,
+    FixedType,
+    MapType,
+    Member,
+    Model,
+    NamedType,
+    PrimitiveType,
+    ScopedName,
+    SequenceType,
+    StringType,
+    Struct,
+    Type,
+    Typedef,
+    Union,
+)
+from rtgen.runtime.marshalling.descriptors import (
+    AliasDescriptor,
+    ArrayDescriptor,
+    BitsetDescriptor,
+    BranchDescriptor,
+    Descriptor,
+    EnumDescriptor,
+    FixedDescriptor,
+    FlagsDescriptor,
+    LinkDescriptor,
+    MapDescriptor,
+    MemberDescriptor,
+    Named,
+    PrimitiveDescriptor,
+    SequenceDescriptor,
+    StringDescriptor,
+    StructDescriptor,
+    UnionDescriptor,
+    plain,
+)
+
+ENCODING = "omgidl"
+"""The name of the schema encoding in MCAP's registry."""
+
+_NOWHERE = Span("", 1, 1, 1, 1)
+_USUAL_BITS = 32
+
+
+@dataclass(frozen=True, slots=True)
+class Schema:
+    """The scoped name of a type, and IDL that declares it."""
+
+    name: str
+    text: str
+
+
+def schema_of(descriptor: Descriptor) -> Schema:
+    """The schema of a struct or union. Raises TypeError for a type without IDL of its own."""
+    described: Any = plain(descriptor)
+    declarations = _Declarations()
+    declarations.add(described)
+    found = tuple(declarations.found.values())
+    return Schema(described.name, idl_text(Model(declarations=found), found))
+
+
+class _Declarations:
+    """The declarations of a type, each after those that it depends on."""
+
+    def __init__(self) -> None:
+        self.found: dict[ScopedName, Declaration] = {}
+        self._begun: set[ScopedName] = set()
+
+    def add(self, descriptor: Named) -> NamedType:
+        """Declare a named type; a link refers to one that is declared further out."""
+        name = _scoped(descriptor)
+        is_new = name not in self._begun
+        # The typedef inside a recursive type has to precede it.
+        if is_new or (
+            isinstance(descriptor, AliasDescriptor) and name not in self.found
+        ):
+            self._begun.add(name)
+            self.found[name] = self._declaration(descriptor, name)
+        return NamedType(name)
+
+    def type(self, descriptor: Descriptor) -> Type:
+        """The type expression of a member or element."""
+        match descriptor:
+            case PrimitiveDescriptor(name):
+                return PrimitiveType(Primitive(name))
+            case StringDescriptor(wide, bound):
+                return StringType(wide, bound)
+            case SequenceDescriptor(element, bound):
+                return SequenceType(self.type(element), bound)
+            case MapDescriptor(key, value, bound):
+                return MapType(self.type(key), self.type(value), bound)
+            case ArrayDescriptor(element, dimensions):
+                return ArrayType(self.type(element), dimensions)
+            case FixedDescriptor(digits, scale):
+                return FixedType(digits, scale)
+            case LinkDescriptor():
+                target: Any = descriptor.target()
+                return self.add(target)
+            case _:
+                return self.add(descriptor)
+
+    def _declaration(self, descriptor: Named, name: ScopedName) -> Declaration:
+        common: dict[str, Any] = {
+            "span": _NOWHERE,
+            "name": name,
+            "repository_id": "",
+            "file": "",
+        }
+        match descriptor:
+            case StructDescriptor():
+                members = tuple(self._members(descriptor.members))
+                return Struct(
+                    **common,
+                    members=members,
+                    annotations=_of_aggregate(descriptor),
+                    extensibility=Extensibility(descriptor.extensibility),
+                    nested=descriptor.nested,
+                )
+            case UnionDescriptor():
+                return Union(
+                    **common,
+                    switch=self.type(descriptor.switch),
+                    cases=tuple(self._cases(descriptor)),
+                    annotations=_of_aggregate(descriptor),
+                    extensibility=Extensibility(descriptor.extensibility),
+                    nested=descriptor.nested,
+                )
+            case EnumDescriptor(members=entries, bound=bound):
+                return Enum(
+                    **common,
+                    members=tuple(_enumerators(entries, "value")),
+                    bound=bound,
+                    annotations=_bit_bound(bound),
+                )
+            case FlagsDescriptor(members=entries, bound=bound):
+                return Bitmask(
+                    **common,
+                    members=tuple(_enumerators(entries, "position")),
+                    bound=bound,
+                    annotations=_bit_bound(bound),
+                )
+            case BitsetDescriptor():
+                return Bitset(**common, members=tuple(_bitfields(descriptor)))
+            case AliasDescriptor(target=target):
+                return Typedef(**common, type=self.type(target))
+        raise TypeError(f"{descriptor} has no IDL by itself")
+
+    def _members(self, members: Iterable[MemberDescriptor]) -> Iterator[Member]:
+        following = 0
+        for member in members:
+            yield Member(
+                span=_NOWHERE,
+                name=member.name,
+                type=self.type(member.type),
+                optional=member.optional,
+                key=member.key,
+                id=member.id,
+                must_understand=member.must_understand,
+                external=member.external,
+                annotations=tuple(_of_member(member, following)),
+            )
+            following = member.id + 1
+
+    def _cases(self, union: UnionDescriptor) -> Iterator[Case]:
+        following = 1
+        for branch in union.branches:
+            yield Case(
+                span=_NOWHERE,
+                labels=tuple(_label(union, label) for label in branch.labels),
+                default=branch.default,
+                name=branch.name,
+                type=self.type(branch.type),
+                id=branch.id,
+                external=branch.external,
+                annotations=tuple(_of_member(branch, following)),
+            )
+            following = branch.id + 1
+
+
+def _scoped(descriptor: Named) -> ScopedName:
+    return tuple(descriptor.name.split("::"))
+
+
+def _one(name: str, value: ConstantValue) -> Annotation:
+    return Annotation(name, (("value", value),))
+
+
+def _of_aggregate(
+    descriptor: StructDescriptor | UnionDescriptor,
+) -> tuple[Annotation, ...]:
+    nested = (Annotation("nested"),) if descriptor.nested else ()
+    return (Annotation(descriptor.extensibility), *nested)
+
+
+def _of_member(
+    entry: MemberDescriptor | BranchDescriptor, following: int
+) -> Iterator[Annotation]:
+    if entry.id != following:
+        yield _one("id", entry.id)
+    for trait in ("key", "optional", "must_understand", "external"):
+        if getattr(entry, trait, False):
+            yield Annotation(trait)
+
+
+def _bit_bound(bound: int) -> tuple[Annotation, ...]:
+    return () if bound == _USUAL_BITS else (_one("bit_bound", bound),)
+
+
+def _enumerators(
+    entries: Iterable[tuple[str, int]], annotation: str
+) -> Iterator[Enumerator]:
+    following = 0
+    for name, number in entries:
+        annotations = () if number == following else (_one(annotation, number),)
+        yield Enumerator(
+            span=_NOWHERE, name=name, value=number, annotations=annotations
+        )
+        following = number + 1
+
+
+def _bitfields(descriptor: BitsetDescriptor) -> Iterator[Bitfield]:
+    position = 0
+    for entry in descriptor.fields:
+        if gap := entry.position - position:
+            yield Bitfield(span=_NOWHERE, name=None, bits=gap, type=None)
+        type_ = None
+        if entry.boolean:
+            type_ = PrimitiveType(Primitive.BOOLEAN)
+        elif entry.signed:
+            type_ = PrimitiveType(_signed(entry.bits))
+        yield Bitfield(span=_NOWHERE, name=entry.name, bits=entry.bits, type=type_)
+        position = entry.position + entry.bits
+    if gap := descriptor.bound - position:
+        yield Bitfield(span=_NOWHERE, name=None, bits=gap, type=None)
+
+
+def _signed(bits: int) -> Primitive:
+    sizes = (8, Primitive.INT8), (16, Primitive.SHORT), (32, Primitive.LONG)
+    return next((kind for size, kind in sizes if bits <= size), Primitive.LONG_LONG)
+
+
+def _label(union: UnionDescriptor, label: int | str | bool) -> ConstantValue:
+    switch = plain(union.switch)
+    if isinstance(switch, EnumDescriptor):
+        name = next(name for name, number in switch.members if number == int(label))
+        return EnumeratorName((*_scoped(switch)[:-1], name))
+    return label

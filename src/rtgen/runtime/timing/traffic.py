@@ -1,0 +1,67 @@
+"""What a system does besides samples and states, for those that record it.
+
+Each clock has one `Traffic`: components, links and configuration sets know their clock. Without
+watchers nothing is reported.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import NamedTuple, TypeAlias
+
+
+class ParameterChange(NamedTuple):
+    """A parameter has taken effect with a value, as text."""
+
+    instance: str
+    parameter: str
+    value: str
+
+
+class ConnectionChange(NamedTuple):
+    """Two ports, `INSTANCE.PORT`, were connected, or are no longer."""
+
+    name: str
+    source: str
+    target: str
+    properties: Mapping[str, str]
+    connected: bool
+
+
+class BusFrame(NamedTuple):
+    """A CAN frame on a bus, by the name of its channel."""
+
+    bus: str
+    can_id: int
+    data: bytes
+    remote: bool
+    extended: bool
+
+
+class BoardCall(NamedTuple):
+    """A call that a communication RTC has carried to a board; `error` is empty if it succeeded."""
+
+    instance: str
+    request: bytes
+    reply: bytes
+    error: str
+
+
+Event: TypeAlias = ParameterChange | ConnectionChange | BusFrame | BoardCall
+Watcher: TypeAlias = Callable[[Event], None]
+
+
+class Traffic:
+    """Watchers of the events of a system. In real time they are called from any thread."""
+
+    def __init__(self) -> None:
+        self.watchers: tuple[Watcher, ...] = ()
+
+    def watch(self, watcher: Watcher) -> None:
+        """Adds a watcher."""
+        self.watchers = (*self.watchers, watcher)
+
+    def report(self, event: Event) -> None:
+        """Notifies the watchers of an event."""
+        for watcher in self.watchers:
+            watcher(event)

@@ -1,0 +1,225 @@
+"""Runs of the reference build, recorded, looked into, and replayed in part."""
+
+from __future__ import annotations
+
+import json
+import random
+from pathlib import Path
+from typing import Any
+
+import pytest
+import seeds
+
+from refrobots import iis
+from rtgen.cli import run as rtgen
+from rtgen.recording.events import Log
+from rtgen.recording.mcap_reader import McapFile
+
+SPECS = Path(__file__).parents[2] / "specs"
+GOAL = SPECS / "navigation" / "rh3_goal.xml"
+DRIVES = SPECS / "canopen" / "fourx.xml"
+BOARD = SPECS / "tecs" / "rh3_board.xml"
+INSTANCES = (
+    "PositionInput0",
+    "OmniTo2WD0",
+    "Navigation0",
+    "PathFollower0",
+    "RefHardRh30",
+    "Odometry0",
+)
+
+
+def recorded(system: Path, path: Path, *arguments: str, until: str = "1") -> Path:
+    command = ["run", str(system), "--until", until, "-q", "--record", str(path)]
+    assert rtgen([*command, *arguments]) == 0
+    return path
+
+
+@pytest.fixture(scope="module")
+def goal(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A second of RH3, with its log beside it."""
+    path = tmp_path_factory.mktemp("goal") / "goal.mcap"
+    return recorded(GOAL, path, "--log", str(path.with_suffix(".jsonl")))
+
+
+def same(message: Any, logged: Any) -> bool:
+    """Whether a message is what the log has; that shows an enumerator in a `short` by its name."""
+    if isinstance(message, dict) and isinstance(logged, dict):
+        return message.keys() == logged.keys() and all(
+            same(message[key], logged[key]) for key in message
+        )
+    if isinstance(message, int) and isinstance(logged, str):
+        enums = (iis.State, iis.TravelMode)
+        return any(
+            logged in each.__members__ and each[logged] == message for each in enums
+        )
+    return bool(message == logged)
+
+
+def test_every_message_of_rh3_is_what_the_log_holds(goal: Path) -> None:
+    lines = goal.with_suffix(".jsonl").read_text().splitlines()
+    logged = [json.loads(line) for line in lines]
+    chosen = Log(goal).events(lambda head: head["event"] in ("state", "sample"))
+    messages = [*chosen]
+    assert len(messages) == len(logged) > 2000
+    assert all(map(same, messages, logged))
+
+
+def of_instances(path: Path, present: set[str]) -> list[tuple[str, str, int, bytes]]:
+    """The samples of components, octet by octet."""
+    return [
+        (
+            message.channel.get("instance"),
+            message.channel.topic,
+            message.time,
+            message.data,
+        )
+        for message in McapFile(path).messages()
+        if message.channel.get("kind") == "sample"
+        and message.channel.get("instance") in present
+    ]
+
+
+def replayed(recording: Path, system: Path, present: set[str], path: Path) -> None:
+    """Replay into some components of a system, and compare what they write."""
+    command = ["replay", str(recording), "--into", str(system), "-q"]
+    only = ["--only", ",".join(sorted(present)), "--record", str(path)]
+    assert rtgen([*command, *only]) == 0
+    expected = of_instances(recording, present)
+    assert of_instances(path, present) == expected
+    assert expected
+
+
+@pytest.mark.parametrize("instance", INSTANCES)
+def test_each_component_alone_writes_what_it_wrote(
+    goal: Path, tmp_path: Path, instance: str
+) -> None:
+    # The status of OmniTo2WD0 alone comes at the goal, its path at the start.
+    replayed(goal, GOAL, {instance}, tmp_path / "again.mcap")
+
+
+def test_any_part_of_the_system_writes_what_it_wrote(
+    goal: Path, tmp_path: Path
+) -> None:
+    for case in seeds.cases(4):
+        draw = random.Random(case)
+        present = set(draw.sample(INSTANCES, draw.randrange(2, 6)))
+        replayed(goal, GOAL, present, tmp_path / f"{case}.mcap")
+
+
+def test_the_whole_system_gives_the_same_file(goal: Path, tmp_path: Path) -> None:
+    again = tmp_path / "again.mcap"
+    assert (
+        rtgen(["replay", str(goal), "--into", str(GOAL), "-q", "--record", str(again)])
+        == 0
+    )
+    assert again.read_bytes() == goal.read_bytes()
+
+
+def test_drives_on_a_bus_are_replayed_with_their_bus(tmp_path: Path) -> None:
+    """All that is on the bus runs; navigation is played."""
+    recording = recorded(DRIVES, tmp_path / "drives.mcap", until="0.6")
+    text = DRIVES.read_text()
+    found = {event["instance"] for event in Log(recording).events(is_component)}
+    present = {name for name in found if "Wheel" in name or "Drive" in name}
+    present |= {"CanopenManager0", "RefHardFourX0"}
+    assert all(name in text for name in present)
+    replayed(recording, DRIVES, present, tmp_path / "again.mcap")
+    frames = [*Log(recording).events(lambda head: head["event"] == "frame")]
+    assert len(frames) > 500
+    assert {frame["bus"] for frame in frames} == {"can0"}
+
+
+def is_component(head: Any) -> bool:
+    return bool(head["event"] == "component")
+
+
+def test_calls_of_a_board_are_recorded(tmp_path: Path) -> None:
+    recording = recorded(BOARD, tmp_path / "board.mcap", until="0.5")
+    calls = [*Log(recording).events(lambda head: head["event"] == "call")]
+    assert len(calls) > 10
+    assert {call["error"] for call in calls} == {""}
+    assert all(call["request"] for call in calls)
+    assert sum(bool(call["reply"]) for call in calls) > 10
+
+
+# The commands
+
+
+def test_log_commands(
+    goal: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    lines = goal.with_suffix(".jsonl")
+    assert rtgen(["log", "info", str(goal)]) == 0
+    shown = capfd.readouterr().out
+    assert "goal.mcap: MCAP, simulated time\n" in shown
+    assert (
+        "sample      PathFollower0.velocity      IIS::TimedVelocity2D   1001" in shown
+    )
+    assert rtgen(["log", "info", str(lines)]) == 0
+    assert "goal.jsonl: JSON lines" in capfd.readouterr().out
+    for file in (goal, lines):
+        name = "Odometry0.OdometryPosition"
+        assert rtgen(["log", "cat", str(file), name]) == 0
+        printed = [json.loads(line) for line in capfd.readouterr().out.splitlines()]
+        assert [event["t"] for event in printed] == [*range(0, 10**9, 10**7)]
+        assert rtgen(["log", "csv", str(file), f"{name}.data.heading"]) == 0
+        table = capfd.readouterr().out.splitlines()
+        assert table[0] == f"t,{name}.data.heading"
+        assert len(table) == 101
+    picture = tmp_path / "velocity.svg"
+    arguments = ["PathFollower0.velocity", "-o", str(picture)]
+    assert rtgen(["log", "plot", str(goal), *arguments]) == 0
+    assert "[m/s]" in picture.read_text() or picture.stat().st_size > 1000
+    assert rtgen(["log", "diff", str(goal), str(lines), "PathFollower0"]) == 0
+    assert "1004 events are equal; 0 of 2" in capfd.readouterr().err
+
+
+def test_diff_shows_the_first_difference(
+    goal: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    setting = ("--set", "PathFollower0.max_w=0.001")
+    other = recorded(GOAL, tmp_path / "other.mcap", *setting)
+    assert rtgen(["log", "diff", str(goal), str(other)]) == 1
+    shown = capfd.readouterr().out
+    assert "parameter PathFollower0: at 0.000000 s: value is '" in shown
+    assert "sample PathFollower0.velocity: at " in shown
+
+
+def test_replay_prints_events(goal: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    assert rtgen(["replay", str(goal), "--until", "0.001", "--rate", "1000"]) == 0
+    printed = [json.loads(line) for line in capfd.readouterr().out.splitlines()]
+    assert {event["t"] for event in printed} == {0, 10**6}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "what", "code"),
+    [
+        (["replay", "{goal}", "--only", "Odometry0"], "--into", 2),
+        (["replay", "{goal}.jsonl", "--into", str(GOAL)], "is no MCAP file", 3),
+        (["replay", "{goal}", "--into", str(GOAL), "--only", "X"], "X", 2),
+        (["log", "csv", "{goal}", "Odometry0.Odometry"], "did you mean", 2),
+        (["log", "csv", "{goal}", "Odometry0"], "names no value of a port", 2),
+        (["log", "info", str(GOAL)], "neither MCAP nor JSON lines", 3),
+        (["log", "cat", "missing.mcap"], "cannot read missing.mcap", 3),
+        (["run", str(GOAL), "--until", "1", "--compression", "lz4"], "--record", 2),
+        (
+            ["run", str(GOAL), "--until", "1", "--record", "no/a.mcap"],
+            "cannot write",
+            3,
+        ),
+    ],
+)
+def test_refusals(
+    goal: Path,
+    capfd: pytest.CaptureFixture[str],
+    arguments: list[str],
+    what: str,
+    code: int,
+) -> None:
+    lines = str(goal.with_suffix(".jsonl"))
+    given = [
+        a.replace("{goal}.jsonl", lines).replace("{goal}", str(goal)) for a in arguments
+    ]
+    assert rtgen(given) == code
+    assert what in capfd.readouterr().err

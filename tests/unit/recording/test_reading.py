@@ -1,0 +1,171 @@
+"""Files that are cut off, damaged, or none: what is whole is read, nothing else."""
+
+from __future__ import annotations
+
+import contextlib
+import struct
+import subprocess
+import sys
+import zlib
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+import seeds
+from recorded_runs import record
+
+from rtgen.recording import mcap_writer
+from rtgen.recording.errors import RecordingError
+from rtgen.recording.events import Log
+from rtgen.recording.mcap_reader import MAGIC, McapFile
+
+HERE = Path(__file__).parent
+
+
+def messages(path: Path) -> list[tuple[str, int, bytes]]:
+    return [(m.channel.topic, m.time, m.data) for m in McapFile(path).messages()]
+
+
+@pytest.fixture
+def recorded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A recording of many small chunks."""
+    monkeypatch.setattr(mcap_writer, "CHUNK", 1 << 11)
+    path = tmp_path / "a.mcap"
+    record(path, 200)
+    return path
+
+
+def chunks(data: bytes) -> list[tuple[int, int]]:
+    """Where the chunks of a file begin and end."""
+    found, at = [], len(MAGIC)
+    while at < len(data) - len(MAGIC):
+        opcode, length = struct.unpack_from("<BQ", data, at)
+        if opcode == 6:
+            found.append((at, at + 9 + length))
+        at += 9 + length
+    return found
+
+
+def test_a_file_cut_anywhere_is_read_up_to_its_last_whole_chunk(
+    recorded: Path, tmp_path: Path
+) -> None:
+    data = recorded.read_bytes()
+    whole = messages(recorded)
+    ends = [end for _, end in chunks(data)]
+    assert len(ends) > 8
+    path = tmp_path / "cut.mcap"
+    counts = {}
+    edges = {end + offset for end in (*ends, len(data)) for offset in range(-9, 10)}
+    sizes = {*edges, *range(len(MAGIC), len(data), 131)}
+    for size in sorted(size for size in sizes if len(MAGIC) <= size < len(data)):
+        path.write_bytes(data[:size])
+        found = messages(path)
+        assert found == whole[: len(found)]
+        before = sum(end <= size for end in ends)
+        assert counts.setdefault(before, len(found)) == len(found)
+        assert not McapFile(path).is_whole
+    assert sorted(counts.values()) == [*counts.values()]
+    assert counts[len(ends)] == len(whole)
+    assert len(set(counts.values())) == len(ends) + 1
+
+
+def test_a_damaged_chunk_is_left_out(recorded: Path, tmp_path: Path) -> None:
+    data = bytearray(recorded.read_bytes())
+    begin, end = chunks(data)[3]
+    for at in range(begin + 60, end, 97):
+        changed = bytearray(data)
+        changed[at] ^= 0x55
+        path = tmp_path / "damaged.mcap"
+        path.write_bytes(changed)
+        file = McapFile(path)
+        found = [
+            (m.topic, t) for m, t in ((m.channel, m.time) for m in file.messages())
+        ]
+        assert file.damaged == 1
+        assert len(found) < len(messages(recorded))
+
+
+def claimed(length: int) -> bytes:
+    return MAGIC + struct.pack("<BQ", 6, length) + bytes(100)
+
+
+def bomb() -> bytes:
+    """A chunk that is a gigabyte of zeros once it is unpacked."""
+    import zstandard
+
+    zeros = zstandard.ZstdCompressor().compress(bytes(1 << 24))
+    head = struct.pack("<QQQI", 0, 0, 1 << 10, zlib.crc32(b""))
+    body = head + struct.pack("<I", 4) + b"zstd" + struct.pack("<Q", len(zeros)) + zeros
+    return MAGIC + struct.pack("<BQ", 6, len(body)) + body
+
+
+@pytest.mark.parametrize(
+    "data",
+    [MAGIC, MAGIC + b"\x06", claimed(1 << 62), claimed(50), claimed(3), bomb()],
+    ids=["empty", "opcode", "huge", "zeros", "short", "bomb"],
+)
+def test_garbage_has_no_messages(tmp_path: Path, data: bytes) -> None:
+    path = tmp_path / "a.mcap"
+    path.write_bytes(data)
+    assert messages(path) == []
+
+
+@pytest.mark.random
+def test_random_damage_never_gives_a_traceback(recorded: Path, tmp_path: Path) -> None:
+    import random
+
+    data = recorded.read_bytes()
+    whole = len(messages(recorded))
+    for case in seeds.cases(60):
+        draw = random.Random(case)
+        changed = bytearray(data[: draw.randrange(len(MAGIC), len(data))])
+        for _ in range(draw.randrange(1, 9)):
+            changed[draw.randrange(len(MAGIC), len(changed))] = draw.randrange(256)
+        path = tmp_path / "a.mcap"
+        path.write_bytes(changed)
+        with contextlib.suppress(RecordingError):
+            assert sum(1 for _ in Log(path).events()) <= whole
+
+
+@pytest.mark.parametrize(
+    ("content", "what"),
+    [
+        (b"", None),
+        (b"hello", "neither MCAP nor JSON lines"),
+        (b'{"t": 1}\n', ":1: no line of a log"),
+        (b'{"t": 1, "event": "state"}\n{]\n', ":2: no JSON"),
+        (b'{"t": 1, "event": "state"}\n{"t": 2, "ev', None),
+    ],
+)
+def test_logs_of_lines(tmp_path: Path, content: bytes, what: str | None) -> None:
+    path = tmp_path / "log"
+    path.write_bytes(content)
+
+    def read() -> list[object]:
+        return [*Log(path).events()]
+
+    check: Callable[[], object] = read
+    if what is None:
+        assert len(read()) == content.count(b"\n")
+    else:
+        with pytest.raises(RecordingError, match=what):
+            check()
+
+
+def test_a_writer_that_is_killed_leaves_whole_chunks(tmp_path: Path) -> None:
+    """50 writers, each killed at a random moment; all in one process that forks them."""
+    count = seeds.budget(50)
+    command = [sys.executable, str(HERE / "killed_writers.py"), str(tmp_path)]
+    arguments = [str(count), str(seeds.seed())]
+    subprocess.run([*command, *arguments], check=True, timeout=600)
+    lengths = []
+    for number in range(count):
+        found = [
+            (int.from_bytes(data[-4:], "little"), time)
+            for topic, time, data in messages(tmp_path / f"{number}.mcap")
+            if topic == "/Counter0/count"
+        ]
+        assert found == [(n + 1, n * 1_000_000) for n in range(len(found))]
+        lengths.append(len(found))
+    assert len(set(lengths)) > count // 10
+    assert max(lengths) > 1000

@@ -1,0 +1,121 @@
+"""Schemas: IDL of every type, read by our own front end and by independent ones."""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+from typing import Any
+
+import pytest
+from rosbags.typesys import Stores, get_types_from_idl, get_typestore
+
+import refrobots._idl
+from rtgen.recording.errors import SchemaError
+from rtgen.recording.schema_types import type_of
+from rtgen.recording.schemas import Schema, schema_of
+from rtgen.runtime.marshalling.descriptors import (
+    Descriptor,
+    EnumDescriptor,
+    PrimitiveDescriptor,
+    StringDescriptor,
+    StructDescriptor,
+    UnionDescriptor,
+)
+from rtgen.runtime.marshalling.trees import parts
+
+EVERYTHING = """
+module M {
+    @bit_bound(8) enum E { A, @value(5) B };
+    bitmask F { @position(2) x, y };
+    bitset G { bitfield<3> a; bitfield<2>; bitfield<4,short> b; bitfield<1,boolean> c;
+               bitfield<6>; };
+    struct Node;
+    typedef sequence<Node> Nodes;
+    typedef long Grid[3][2];
+    @mutable struct S {
+        @id(3) @key long a; @optional string b; sequence<E,3> c; @external E z;
+        map<string,G> m; Grid g; Grid h[2]; wstring<4> w;
+    };
+    @appendable union U switch (E) { case A: long n; default: S s; };
+    struct Node { Nodes kids; U u; F f; long _struct; wchar wc; char ch; };
+    union V switch (char) { case 'a': case 'b': octet x; default: boolean y; };
+    @nested struct Top : Node { V v; long double ld; sequence<V> vs; };
+};
+"""
+
+
+def port_types() -> list[Any]:
+    """Every struct and union of the reference build."""
+    found = {}
+    for module in pkgutil.iter_modules(refrobots._idl.__path__):
+        for value in vars(
+            importlib.import_module(f"refrobots._idl.{module.name}")
+        ).values():
+            described = getattr(value, "_descriptor_", None)
+            if (
+                isinstance(described, StructDescriptor | UnionDescriptor)
+                and "." not in described.name
+            ):
+                found[described.name] = value
+    return list(found.values())
+
+
+def test_our_front_end_reads_every_schema_and_finds_the_same_type() -> None:
+    types = port_types()
+    assert len(types) > 150
+    for type_ in types:
+        schema = schema_of(type_._descriptor_)
+        read = type_of(schema)
+        assert schema_of(read._descriptor_) == schema
+        assert read.from_cdr(type_().to_cdr()).to_cdr() == type_().to_cdr()
+
+
+def test_a_type_with_everything_that_idl_has() -> None:
+    type_ = type_of(Schema("M::Top", EVERYTHING))
+    schema = schema_of(type_._descriptor_)
+    assert schema_of(type_of(schema)._descriptor_) == schema
+    for line in ("struct Node;", "@bit_bound(8)", "@id(3)", "bitfield<4,int8> b;"):
+        assert line in schema.text
+    assert "#" not in schema.text
+
+
+def lacks(part: Descriptor) -> bool:
+    """Whether messages of ROS 2 cannot have it, or rosbags no codec for it."""
+    wide = PrimitiveDescriptor("wchar"), StringDescriptor(wide=True)
+    return isinstance(part, EnumDescriptor) or part in wide
+
+
+def test_rosbags_reads_every_schema_and_decodes_the_same_octets() -> None:
+    decoded = 0
+    for type_ in port_types():
+        schema = schema_of(type_._descriptor_)
+        if any(isinstance(p, UnionDescriptor) for p in parts(type_._descriptor_)):
+            continue  # ROS 2 has no unions.
+        found = get_types_from_idl(schema.text)
+        name = schema.name.replace("::", "/")
+        assert name in found or any(name.endswith(key) for key in found)
+        if any(map(lacks, parts(type_._descriptor_))):
+            continue
+        store = get_typestore(Stores.EMPTY)
+        store.register(found)
+        octets = b"\0\1\0\0" + type_().to_xcdr1()
+        message = store.deserialize_cdr(octets, name)
+        assert bytes(store.serialize_cdr(message, name)[4:]) == octets[4:]
+        decoded += 1
+    assert decoded > 100
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "what"),
+    [
+        ("A", "struct B { long x; };", "declares no A"),
+        ("A", "struct A { long x }", "line 1 of the schema"),
+        ("A", "typedef long A;", "is no struct and no union"),
+        ("A", "enum A { X };", "is no struct and no union"),
+        ("A", "struct A { long x; };" + " " * (1 << 20), "has over"),
+        ("A", '#include "/etc/passwd"\nstruct A { long x; };', "of the schema"),
+    ],
+)
+def test_a_wrong_schema_is_an_error(name: str, text: str, what: str) -> None:
+    with pytest.raises(SchemaError, match=what):
+        type_of(Schema(name, text))
