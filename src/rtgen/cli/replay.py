@@ -6,10 +6,11 @@ import json
 import time
 from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import ExitStack
-from dataclasses import replace
+
 from pathlib import Path
 
 import click
+from msgspec.structs import replace
 
 from rtgen import runtime
 from rtgen.cli import partition

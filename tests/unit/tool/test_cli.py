@@ -14,6 +14,7 @@ from small_pipeline import Pipeline
 from rtgen import __version__, compiler
 from rtgen.cli import COMMANDS, run
 from rtgen.cli.can import COMMANDS as CAN_COMMANDS
+from rtgen.cli.log import COMMANDS as LOG_COMMANDS
 from rtgen.cli.new import COMMANDS as NEW_COMMANDS
 from rtgen.cli.rpc import COMMANDS as RPC_COMMANDS
 
@@ -35,8 +36,13 @@ def test_version_and_help(capfd: pytest.CaptureFixture[str]) -> None:
     assert run(["--help"]) == 0
     shown = capfd.readouterr().out
     assert all(name in shown for name in COMMANDS)
-    words = [[name] for name in COMMANDS if name not in ("rpc", "can", "new")]
-    groups = {"rpc": RPC_COMMANDS, "can": CAN_COMMANDS, "new": NEW_COMMANDS}
+    groups = {
+        "rpc": RPC_COMMANDS,
+        "can": CAN_COMMANDS,
+        "log": LOG_COMMANDS,
+        "new": NEW_COMMANDS,
+    }
+    words = [[name] for name in COMMANDS if name not in groups]
     for group, commands in groups.items():
         assert run([group, "--help"]) == 0
         shown = capfd.readouterr().out
