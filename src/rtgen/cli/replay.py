@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import time
 from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import ExitStack
-
 from pathlib import Path
 
 import click
@@ -158,7 +158,7 @@ def replay(
     report.close()
     if not console.quiet:
         rows = [row for row in outcome.rows if row.instance in present]
-        write_out(summary(replace(outcome, rows=rows)))
+        write_out(summary(dataclasses.replace(outcome, rows=rows)))
     return NO if report.raised else OK
 
 
