@@ -62,7 +62,7 @@ def users_of(versions: Iterable[Version]) -> Users:
 
 
 def with_users(changes: Iterable[Change], users: Users) -> Iterator[Change]:
-    """The changes with whom they break; compatible ones break nobody."""
+    """The changes with whom they break; compatible changes break none."""
     for each in changes:
         if each.classes == (Break.COMPATIBLE,):
             yield replace(each, users=())

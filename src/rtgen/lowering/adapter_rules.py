@@ -5,7 +5,9 @@ from __future__ import annotations
 from rtgen.diagnostics import Rule, Severity
 
 ADAPTER_NAME = Rule("ADP0001", "adapter without a name of its own", Severity.ERROR)
-ADAPTER_TYPE = Rule("ADP0002", "adapter between what is no struct", Severity.ERROR)
+ADAPTER_TYPE = Rule(
+    "ADP0002", "adapter between types other than structs", Severity.ERROR
+)
 ADAPTER_MEMBER = Rule("ADP0003", "adapter with an unknown member", Severity.ERROR)
 ADAPTER_VALUE = Rule("ADP0004", "members that do not fit", Severity.ERROR)
 

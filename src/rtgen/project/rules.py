@@ -24,7 +24,7 @@ LEAVES_OUTPUT = Rule("PRJ0102", "file outside the output folder", Severity.ERROR
 LINK_IN_OUTPUT = Rule("PRJ0103", "link in the output folder", Severity.ERROR)
 ENCODING = Rule("PRJ0104", "text that is not Unicode", Severity.ERROR)
 NAME_TOO_LONG = Rule("PRJ0105", "file name too long", Severity.ERROR)
-FOREIGN_FILE = Rule("PRJ0106", "file of somebody else", Severity.ERROR)
+FOREIGN_FILE = Rule("PRJ0106", "file not owned by rtgen", Severity.ERROR)
 ENVIRONMENT = Rule("ENV0001", "the environment failed", Severity.ERROR)
 SUPERVISED = Rule("ENV0002", "node has an SDO client already", Severity.WARNING)
 

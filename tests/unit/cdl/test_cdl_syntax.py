@@ -19,7 +19,7 @@ def test_one_error_hides_no_other_statement() -> None:
     kinds = [type(item.node) for item in unit.items]
     assert kinds == [statements.Skipped, tree.Typedef, statements.Skipped]
     assert [error.span.line for error in errors if error.span] == [1, 3]
-    assert {"A", "C"} <= unit.lost
+    assert {"A", "C"} <= unit.maybe_declared
 
 
 def test_a_missing_semicolon_is_supplied() -> None:

@@ -7,7 +7,7 @@ from rtgen.diagnostics import Rule, Severity
 NAME = Rule("RTC0101", "component name cannot be used", Severity.ERROR)
 SAME_MODULE = Rule("RTC0102", "two components with one package", Severity.ERROR)
 VERSION = Rule("RTC0103", "version cannot be used", Severity.ERROR)
-DATE = Rule("RTC0104", "date is no xsd:dateTime", Severity.ERROR)
+DATE = Rule("RTC0104", "date is not an xsd:dateTime", Severity.ERROR)
 CHOICE = Rule("RTC0105", "unknown activity or component type", Severity.ERROR)
 ID_PART = Rule("RTC0106", "text would break the profile's id", Severity.ERROR)
 NUMBER = Rule("RTC0107", "bad rate or number of instances", Severity.ERROR)

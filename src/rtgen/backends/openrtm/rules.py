@@ -9,7 +9,7 @@ SAME_NAME = Rule("RTC0561", "two ports of one name in OpenRTM", Severity.ERROR)
 TWO_NAMES = Rule("RTC0562", "service port with two names", Severity.ERROR)
 PACKAGE = Rule("RTC0563", "package in the place of the modules", Severity.ERROR)
 SAME_FOLDER = Rule("RTC0564", "two components with one folder", Severity.ERROR)
-OTHER_PROFILE = Rule("RTC0565", "profile of something else", Severity.WARNING)
+OTHER_PROFILE = Rule("RTC0565", "profile of another kind", Severity.WARNING)
 HIDES = Rule("RTC0566", "module that hides another one", Severity.ERROR)
 CONF_TEXT = Rule(
     "RTC0567", "text that a configuration file cannot hold", Severity.ERROR

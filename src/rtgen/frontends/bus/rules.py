@@ -17,7 +17,7 @@ BAD_LINK = Rule("EDS0707", "link without its ends", Severity.ERROR)
 NO_BIT_RATE = Rule("EDS0708", "bit rate that a device does not have", Severity.WARNING)
 OVERLOAD = Rule("EDS0709", "bus cannot carry its messages", Severity.WARNING)
 NOT_LIKE_KIND = Rule("EDS0710", "node that is mapped unlike its kind", Severity.ERROR)
-NO_SUPERVISION = Rule("EDS0711", "node that nobody supervises", Severity.WARNING)
+NO_SUPERVISION = Rule("EDS0711", "unsupervised node", Severity.WARNING)
 
 RULES = (
     BAD_FILE,

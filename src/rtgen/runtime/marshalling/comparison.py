@@ -35,7 +35,7 @@ def known(descriptor: Descriptor) -> Descriptor:
 
 
 def _same(a: Descriptor, b: Descriptor) -> bool:
-    """Whether what a type code told is a generated type; names that it left out are no matter."""
+    """Whether a type code describes a generated type; names that it leaves out are ignored."""
     if isinstance(a, LinkDescriptor) or isinstance(b, LinkDescriptor):
         return getattr(a, "repository_id", None) == getattr(b, "repository_id", "")
     if type(a) is not type(b):
@@ -78,7 +78,8 @@ def _same_parts(
 def difference(a: Descriptor, b: Descriptor) -> str | None:
     """None if repository id and structure agree, else both types, one beside the other.
 
-    Lines that differ are marked with `!`. An opaque type agrees with none, since nobody knows.
+    Lines that differ are marked with `!`. An opaque type, whose content is
+    unknown, agrees with none.
     """
     for one in (a, b):
         if isinstance(one, StructDescriptor | InterfaceDescriptor) and one.opaque:

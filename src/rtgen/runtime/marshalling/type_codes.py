@@ -1,7 +1,7 @@
 """Type codes: descriptors as octets, and back (CORBA 3.3 part 2, 9.3.5).
 
-Parameters stand in encapsulations, which are little-endian here. A type that was told before, or
-that is being told, is referred to by an indirection. What is read and known as a generated type
+Parameters stand in encapsulations, which are little-endian here. A type that was written before, or
+that is being written, is referred to by an indirection. What is read and known as a generated type
 (same repository id, same structure) becomes the descriptor of that; other types work as well.
 """
 

@@ -153,7 +153,7 @@ class _Listener:
         return None
 
     def close(self) -> None:
-        """Lets nobody in any more; another thread's `next` returns."""
+        """Stop accepting clients; `next` returns in another thread."""
         self.closed = True
         try:
             self._listener.shutdown(socket.SHUT_RDWR)

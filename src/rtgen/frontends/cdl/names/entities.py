@@ -71,9 +71,9 @@ class Place(msgspec.Struct, frozen=True):
         )
         return f"did you mean {found}?" if found else None
 
-    def lost(self, name: tree.ScopedName) -> bool:
+    def may_be_declared(self, name: tree.ScopedName) -> bool:
         """Whether a statement with a syntax error may have declared the name."""
-        return name.parts[-1].text in self.unit.lost
+        return name.parts[-1].text in self.unit.maybe_declared
 
 
 class Declared(msgspec.Struct, frozen=True):
@@ -265,10 +265,10 @@ class _Inside(msgspec.Struct, eq=False):
 
 
 class Composite(Celltype, eq=False):
-    """A composite with its inner cells. `tried`: names with an invalid export, already reported."""
+    """A composite with its inner cells. `reported`: names with an invalid export."""
 
     inner: dict[str, Cell] = msgspec.field(default_factory=dict)
-    tried: set[str] = msgspec.field(default_factory=set)
+    reported: set[str] = msgspec.field(default_factory=set)
     exports: list[Exported] = msgspec.field(default_factory=list)
     _inside: _Inside = msgspec.field(default_factory=_Inside)
 
@@ -380,7 +380,7 @@ class CellAllocator(msgspec.Struct, frozen=True):
 class Cell(msgspec.Struct, eq=False):
     """A cell, or its prototype only, as long as it is not `defined`.
 
-    `guessed`: the celltype is unknown and may have been declared by a plug-in. `tried`
+    `guessed`: the celltype is unknown and may have been declared by a plug-in. `assigned`
     are ports and attributes that the cell sets, `clashing` those that it sets twice.
     """
 
@@ -403,7 +403,7 @@ class Cell(msgspec.Struct, eq=False):
     used: bool = False
     resolved: bool = False
     guessed: bool = False
-    tried: set[str] = msgspec.field(default_factory=set)
+    assigned: set[str] = msgspec.field(default_factory=set)
     clashing: set[str] = msgspec.field(default_factory=set)
     callers: dict[str, int] = msgspec.field(default_factory=dict)
     id: int | None = None

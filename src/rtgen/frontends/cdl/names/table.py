@@ -66,7 +66,7 @@ class Table:
         return entity
 
     def _report_taken(self, name: tree.Name, unit: Unit, known: Entity | Scope) -> None:
-        if known.kind is Kind.TYPEDEF and name.text in unit.lost:
+        if known.kind is Kind.TYPEDEF and name.text in unit.maybe_declared:
             return  # the parser has reported it
         related = [Related(known.place, "first declared here")] if known.place else []
         message = f"'{name.text}' is a {known.kind} already"
@@ -112,7 +112,7 @@ class Table:
         span = unit.span(name.start, name.end)
         wanted = " or ".join(kinds)
         if found is None:
-            if name.parts[-1].text not in unit.lost:
+            if name.parts[-1].text not in unit.maybe_declared:
                 near = self.guesses.nearest(str(name), scope.visible())
                 hint = f"did you mean '{near}'?" if near else None
                 message = f"the {wanted} '{name}' is unknown"

@@ -117,7 +117,7 @@ class Cells:
             hint = place.near(node.celltype.parts[-1], *_TYPES)
             self._report(rules.MADE_BY_PLUGIN.at(span, message, hint=hint))
             return None, True
-        elif not place.lost(node.celltype):
+        elif not place.may_be_declared(node.celltype):
             self._report(
                 rules.UNKNOWN_CELLTYPE.at(
                     span,
@@ -265,7 +265,7 @@ class Cells:
     ) -> None:
         name, value = node.name.text, node.value
         member = cell.celltype.members.get(name) if cell.celltype is not None else None
-        cell.tried.add(name)
+        cell.assigned.add(name)
         throughs = [self._through(s, place) for s in given]
         if throughs and isinstance(member, Variable):
             self._report(
@@ -279,7 +279,7 @@ class Cells:
             member, Variable | None
         ):
             if cell.inside is not None:
-                cell.inside.tried.add(value.name.text)
+                cell.inside.reported.add(value.name.text)
             self._outside(
                 place,
                 value,
@@ -335,7 +335,7 @@ class Cells:
                 return True, value
             case _:
                 if self._values.constant(value, place) is None:
-                    cell.inside.tried.update(cell.inside.members)
+                    cell.inside.reported.update(cell.inside.members)
                     self._report(
                         celltype_rules.INNER_EXPRESSION.at(
                             place.span(value),
@@ -371,7 +371,7 @@ class Cells:
         plain = "composite" not in place.unit.source.code[node.start : node.name.start]
         if plain and node.name.text in cell.celltype.members:
             self._ambiguous(cell, node.name, place)
-        cell.tried.add(node.port.text)
+        cell.assigned.add(node.port.text)
         self.export(cell, node.port, node.name, "call", place)
 
     def _reverse(
@@ -392,7 +392,7 @@ class Cells:
             )
             caller = component(place.lookup(node.target.owner))
             if isinstance(caller, Cell):
-                caller.tried.add(node.target.port.text)
+                caller.assigned.add(node.target.port.text)
             return
         cell.reversed.append((node, place))
 
@@ -432,7 +432,7 @@ class Cells:
             found = component(place.lookup(owner))
         if isinstance(found, Cell):
             return found
-        if found is None and (place.lost(owner) or self._values.incomplete):
+        if found is None and (place.may_be_declared(owner) or self._values.incomplete):
             return None
         self._report(
             rules.UNKNOWN_CELL.at(

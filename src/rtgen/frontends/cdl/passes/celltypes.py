@@ -150,7 +150,7 @@ class Celltypes:
 
     def _unseen(self, name: tree.ScopedName, place: Place) -> bool:
         """Whether an import or plug-in may declare an unknown name; reports the plug-in."""
-        if place.lost(name) or self._values.incomplete:
+        if place.may_be_declared(name) or self._values.incomplete:
             return True
         maker = self._applied.of_types
         if maker is not None:

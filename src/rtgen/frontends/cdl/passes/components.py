@@ -142,7 +142,9 @@ class Components:
         maker = self._regions.applied.of_types
         self.applied(node.plugin, place)
         target = place.lookup(node.target)
-        if target is None and (place.lost(node.target) or self._table.incomplete):
+        if target is None and (
+            place.may_be_declared(node.target) or self._table.incomplete
+        ):
             return
         if target is None and maker is not None:
             message = f"{node.target} is not declared here; {maker} may do it"

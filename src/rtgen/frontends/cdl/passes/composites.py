@@ -82,7 +82,7 @@ class Composites:
     def _entry(self, composite: Composite, node: statements.EntryExport) -> None:
         cell = composite.inner.get(node.cell.text)
         if cell is None:
-            composite.tried.add(node.name.text)
+            composite.reported.add(node.name.text)
             near = nearest(node.cell.text, composite.inner)
             self._report(
                 rules.UNKNOWN_INNER_CELL.at(
@@ -107,8 +107,8 @@ class Composites:
     ) -> Member | None:
         composite, type_ = cell.inside, cell.celltype
         assert composite is not None
-        composite.tried.add(name)
-        cell.tried.add(member)
+        composite.reported.add(name)
+        cell.assigned.add(member)
         if type_ is None:
             cell.exported[member] = Exported(name, cell, member, spans[1])
             composite.exports.append(cell.exported[member])
@@ -282,7 +282,7 @@ class Composites:
         names = {exported.name for exported in composite.exports}
         broken = any(cell.celltype is None for cell in composite.inner.values())
         for member in composite.members.values():
-            if member.name in names | composite.tried or broken:
+            if member.name in names | composite.reported or broken:
                 continue
             hidden = member.hidden if isinstance(member, Port) else None
             if hidden is not None and hidden.port.name not in names:

@@ -202,7 +202,7 @@ class ExpressionAnalysis:
                 # tecsgen substitutes the written value for the name.
                 return Operand(own.operand_class, own.value, model, declaration.type)
             return Operand(class_, value, model, declaration.type)
-        if node.parts[-1].text in self._unit.lost:
+        if node.parts[-1].text in self._unit.maybe_declared:
             raise ExpressionError
         if found is not None:
             what = found.kind

@@ -1,4 +1,4 @@
-"""Pass over cells at the end: reads required and fixed ports, adds joins that nobody wrote."""
+"""Pass over cells at the end: reads required and fixed ports, adds implicit joins."""
 
 from __future__ import annotations
 
@@ -109,7 +109,7 @@ class ImplicitJoins(Joins):
                 caller = self._fixed_caller(cell, port)
                 if caller is not None:
                     assert port.fixed is not None
-                    caller.tried.add(port.fixed.port.text)
+                    caller.assigned.add(port.fixed.port.text)
 
     def _fixed_caller(self, cell: Cell, port: Port) -> Cell | None:
         assert port.fixed is not None

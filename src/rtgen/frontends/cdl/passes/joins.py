@@ -244,7 +244,7 @@ class Joins:
             hint = target.place.near(name.parts[-1], Kind.CELL)
             state = f"is a {found.kind}" if found is not None else "is not known"
         unknown = found is None and inside is None
-        if unknown and (target.place.lost(name) or self._values.incomplete):
+        if unknown and (target.place.may_be_declared(name) or self._values.incomplete):
             return None
         maker = self._regions.applied.of_cells
         if found is None and maker is not None and inside is None:
@@ -366,7 +366,7 @@ class Joins:
             source = allocator.join
             name = f"{join.name}_{allocator.function}_{allocator.parameter}"
             if far:
-                cell.tried.add(name)
+                cell.assigned.add(name)
                 continue
             made = Join(
                 name=name,
@@ -387,7 +387,7 @@ class Joins:
                 if not allocator.call:
                     continue
                 if port.array:
-                    cell.tried.add(f"{port.name}_{function}_{parameter}")
+                    cell.assigned.add(f"{port.name}_{function}_{parameter}")
                     message = (
                         f"{port.name} is an array: its allocators are not passed on"
                     )
@@ -398,7 +398,7 @@ class Joins:
                 joins = cell.joins.get(name)
                 if not joins:
                     if name not in cell.exported:
-                        cell.tried |= {name, f"{port.name}_{function}_{parameter}"}
+                        cell.assigned |= {name, f"{port.name}_{function}_{parameter}"}
                         self._report(
                             rules.RELAY.at(
                                 cell.span,

@@ -49,7 +49,7 @@ class OpenEnds:
         joins = cell.joins.get(port.name, [])
         if not joins:
             free = port.optional or "omit" in port.flags or port.required is not None
-            free |= port.name in cell.tried
+            free |= port.name in cell.assigned
             if free or port.name in cell.exported or port.signature is None:
                 return
             hidden = port.hidden
@@ -130,7 +130,7 @@ class OpenEnds:
             self._check_size(cell, variable, given[0] if given else None)
         if variable.kind == "var" or variable.value is not None or given:
             return
-        if variable.name in cell.tried and variable.name not in cell.exported:
+        if variable.name in cell.assigned and variable.name not in cell.exported:
             return
         exported = cell.exported.get(variable.name)
         if exported is None:

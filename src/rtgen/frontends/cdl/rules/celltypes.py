@@ -11,7 +11,7 @@ PORT_SPECIFIER = Rule("CDL0503", "specifier on the wrong kind of port", Severity
 SPECIFIERS_CLASH = Rule("CDL0504", "specifiers that exclude each other", Severity.ERROR)
 SPECIFIER_TWICE = Rule("CDL0506", "specifier given twice", Severity.ERROR)
 NAME_TWICE = Rule("CDL0507", "name declared twice in a celltype", Severity.ERROR)
-BAD_FIXED_JOIN = Rule("CDL0508", "fixed join that cannot be", Severity.ERROR)
+BAD_FIXED_JOIN = Rule("CDL0508", "invalid fixed join", Severity.ERROR)
 UNKNOWN_REQUIRED = Rule(
     "CDL0509", "required celltype or cell not found", Severity.ERROR
 )
@@ -25,8 +25,12 @@ REQUIRE_CLASH = Rule("CDL0512", "functions of one name required twice", Severity
 UNKNOWN_FACTORY_FUNCTION = Rule(
     "CDL0513", "unknown function in a factory", Severity.ERROR
 )
-FACTORY_TEXT = Rule("CDL0514", "file or format of write is no string", Severity.ERROR)
-FACTORY_ARGUMENT = Rule("CDL0515", "argument of write is no attribute", Severity.ERROR)
+FACTORY_TEXT = Rule(
+    "CDL0514", "file or format of write is not a string", Severity.ERROR
+)
+FACTORY_ARGUMENT = Rule(
+    "CDL0515", "argument of write is not an attribute", Severity.ERROR
+)
 SIZE_IS_OF_NO_POINTER = Rule(
     "CDL0516", "size_is of something that is no pointer", Severity.ERROR
 )
@@ -38,7 +42,7 @@ UNSIZED_INITIALISER = Rule(
 )
 SIZE_NOT_CONSTANT = Rule("CDL0519", "size_is that is not known", Severity.ERROR)
 OPEN_ARRAY = Rule("CDL0520", "array without a size", Severity.ERROR)
-NO_ENTRY = Rule("CDL0521", "celltype that nobody can call", Severity.WARNING)
+NO_ENTRY = Rule("CDL0521", "celltype without an entry port", Severity.WARNING)
 ALLOCATOR_FORM = Rule("CDL0522", "allocator of another form", Severity.ERROR)
 ALLOCATOR_NAME = Rule("CDL0523", "unknown name in an allocator", Severity.ERROR)
 ALLOCATOR_DIRECTION = Rule(
@@ -55,7 +59,7 @@ UNKNOWN_INNER_CELL = Rule("CDL0532", "inner cell not found", Severity.ERROR)
 UNKNOWN_INNER_NAME = Rule(
     "CDL0533", "inner cell has no such port or attribute", Severity.ERROR
 )
-EXPORT_KIND = Rule("CDL0534", "exported as something else", Severity.ERROR)
+EXPORT_KIND = Rule("CDL0534", "exported as another kind", Severity.ERROR)
 EXPORT_MISMATCH = Rule("CDL0535", "exported with another type", Severity.ERROR)
 COMPOSITE_SINGLETON = Rule(
     "CDL0536", "composite of a singleton is no singleton", Severity.ERROR
@@ -75,7 +79,7 @@ INNER_NAME = Rule(
     "name of the inner cell where one of the composite is meant",
     Severity.ERROR,
 )
-OUTSIDE_COMPOSITE = Rule("CDL0542", "composite. where there is none", Severity.ERROR)
+OUTSIDE_COMPOSITE = Rule("CDL0542", "composite. outside of a composite", Severity.ERROR)
 THROUGH_INSIDE = Rule("CDL0543", "through in a composite", Severity.ERROR)
 SIZED_EXPORT = Rule("CDL0544", "size_is inside and outside a composite", Severity.ERROR)
 NO_EFFECT_ON_COMPOSITE = Rule("CDL0545", "idx_is_id of a composite", Severity.WARNING)

@@ -14,7 +14,7 @@ MISSING_INCLUDE = Rule(
 )
 HEADER_LIMIT = Rule("CDL0904", "C header too large", Severity.ERROR)
 HEADER_REDEFINES = Rule("CDL0905", "C type declared differently", Severity.WARNING)
-HEADER_DEFINITION = Rule("CDL0906", "definition that is none", Severity.ERROR)
+HEADER_DEFINITION = Rule("CDL0906", "malformed definition", Severity.ERROR)
 
 RULES = (
     MISSING_HEADER,

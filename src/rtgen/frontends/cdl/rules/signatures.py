@@ -17,19 +17,23 @@ DIRECTION_CONFLICT = Rule("CDL0409", "two directions", Severity.ERROR)
 DIRECTION_TWICE = Rule("CDL0410", "direction given twice", Severity.WARNING)
 ALLOCATOR = Rule("CDL0411", "no allocator signature", Severity.ERROR)
 STRING_LENGTH = Rule("CDL0412", "string without a length", Severity.WARNING)
-TOO_FEW_POINTERS = Rule("CDL0413", "parameter is no pointer", Severity.ERROR)
+TOO_FEW_POINTERS = Rule("CDL0413", "parameter is not a pointer", Severity.ERROR)
 TOO_MANY_POINTERS = Rule("CDL0414", "pointer to a pointer", Severity.WARNING)
 IN_NOT_CONST = Rule("CDL0415", "in pointer whose target is not const", Severity.ERROR)
 OUT_CONST = Rule("CDL0416", "const where something is written", Severity.ERROR)
-SIZE_OF_SCALAR = Rule("CDL0417", "size of something that is no pointer", Severity.ERROR)
+SIZE_OF_SCALAR = Rule(
+    "CDL0417", "size of something other than a pointer", Severity.ERROR
+)
 SIZE_OF_VOID = Rule("CDL0418", "size of a void pointer", Severity.ERROR)
 NULLABLE_SIZE = Rule("CDL0419", "array that may be NULL", Severity.ERROR)
-SIZE_TYPE = Rule("CDL0420", "size that is no integer", Severity.ERROR)
+SIZE_TYPE = Rule("CDL0420", "size is not an integer", Severity.ERROR)
 SIZE_SIGN = Rule("CDL0421", "size that is not positive", Severity.ERROR)
-MAX_SIZE = Rule("CDL0422", "limit that is none", Severity.ERROR)
+MAX_SIZE = Rule("CDL0422", "invalid limit", Severity.ERROR)
 SIZE_OVER_MAX = Rule("CDL0423", "size above its limit", Severity.ERROR)
 SIZE_UNDER_MAX = Rule("CDL0424", "limit without effect", Severity.WARNING)
-LENGTH_DIRECTION = Rule("CDL0425", "length that goes the other way", Severity.ERROR)
+LENGTH_DIRECTION = Rule(
+    "CDL0425", "length passed in the opposite direction", Severity.ERROR
+)
 ONEWAY_RETURN = Rule(
     "CDL0426", "oneway function that returns something", Severity.ERROR
 )

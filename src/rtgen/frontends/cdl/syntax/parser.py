@@ -291,8 +291,8 @@ class _Run:
             end = end_of_declaration(self._text, start + 1)
             position = start + 1 if end is None else end
         statement = max(self._text.rfind(mark, 0, start) for mark in ";{}") + 1
-        lost = _DECLARED.findall(self._text, statement, position)
-        self._unit.lost.update(lost)
+        names = _DECLARED.findall(self._text, statement, position)
+        self._unit.maybe_declared.update(names)
         self._parser.position = position
         if position >= len(self._text):
             self._parser.close(len(self._text), 3 * MAX_NESTING)

@@ -309,8 +309,8 @@ def _unknown_type(s: ErrorContext) -> Recovery | None:
             feed=("TYPE_NAME",),
             instead=True,
         )
-    known = s.text in s.unit.lost
-    s.unit.lost.add(s.text)
+    known = s.text in s.unit.maybe_declared
+    s.unit.maybe_declared.add(s.text)
     if known:
         return Recovery(None, ("TYPE_NAME",), instead=True)
     if s.text in _FOREIGN_TYPES:
@@ -350,7 +350,7 @@ def _long_long(s: ErrorContext) -> Recovery | None:
 def _type_as_name(s: ErrorContext) -> Recovery | None:
     if s.kind != "TYPE_NAME" or "IDENT" not in s.accepted:
         return None
-    s.unit.lost.add(s.text)
+    s.unit.maybe_declared.add(s.text)
     return s.recovery(
         syntax.TYPE_AS_NAME,
         f"'{s.text}' is a type and can name nothing else",

@@ -23,7 +23,7 @@ class Unit:
     """A parsed file.
 
     `reused`: imported by `<...>`. `imports` and `headers` map import statements to the files
-    read for them, except missing files and those read before. `lost` are names that
+    read for them, except missing files and those read before. `maybe_declared` are names that
     statements with syntax errors may have declared, `guessed` those that a missing C header may
     declare as types.
     """
@@ -33,7 +33,7 @@ class Unit:
     items: tuple[statements.Item, ...] = ()
     imports: dict[statements.Import, Unit] = field(default_factory=dict)
     headers: dict[statements.ImportC, Header] = field(default_factory=dict)
-    lost: set[str] = field(default_factory=set)
+    maybe_declared: set[str] = field(default_factory=set)
     guessed: set[str] = field(default_factory=set)
 
     def span(self, start: int, end: int) -> Span:

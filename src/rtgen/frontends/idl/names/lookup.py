@@ -71,7 +71,7 @@ class Lookup:
         self._read_twice: set[str] = set()
         self.doubtful = False
         """Whether an include is missing; unknown names are then not reported."""
-        self.lost: set[str] = set()
+        self.maybe_declared: set[str] = set()
         """Names, in lower case, that declarations with syntax errors may have declared."""
 
     def find(
@@ -204,7 +204,7 @@ class Lookup:
     def _unknown(
         self, part: tree.Name, unit: Unit, scope: Scope, whole: tree.ScopedName | None
     ) -> None:
-        if self.doubtful or part.text.lower() in self.lost:
+        if self.doubtful or part.text.lower() in self.maybe_declared:
             return
         places = scope.outward() if whole and not whole.absolute else [scope]
         if any(place.doubtful for place in places):

@@ -167,7 +167,7 @@ class Naming(ABC):
         for name, passed in zip(names, way, strict=True):
             if entity is not None and passed is not None and passed.name != name:
                 self._lookup.wrong_case(name, passed, span)
-        if entity is None and names[-1].lower() not in self._lookup.lost:
+        if entity is None and names[-1].lower() not in self._lookup.maybe_declared:
             self._report(
                 rules.UNKNOWN_NAME.at(
                     span,

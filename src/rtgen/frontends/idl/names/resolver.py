@@ -87,7 +87,10 @@ class Resolver(TypeNames):
         for entity in self.tables.declared:
             if entity.node is not None or entity.kind is Kind.COMPONENT:
                 continue
-            if entity.name.lower() in self._lookup.lost or entity.contradicted:
+            if (
+                entity.name.lower() in self._lookup.maybe_declared
+                or entity.contradicted
+            ):
                 continue
             hard = entity.kind in (Kind.STRUCT, Kind.UNION)
             rule = rules.NEVER_DEFINED if hard else rules.NEVER_DEFINED_INTERFACE
@@ -110,7 +113,7 @@ class Resolver(TypeNames):
         self._reading.append(unit.source)
         items = self._items_of(unit)
         self._lookup.doubtful = self._lookup.doubtful or unit.lacking
-        self._lookup.lost |= unit.lost
+        self._lookup.maybe_declared |= unit.maybe_declared
         self._items(items, self.tables.top, len(unit.text) + 1)
         self.tables.units.append(unit)
         self._reading.pop()

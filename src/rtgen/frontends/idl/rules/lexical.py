@@ -27,7 +27,7 @@ ERROR_DIRECTIVE = Rule("IDL0019", "#error", Severity.ERROR)
 WARNING_DIRECTIVE = Rule("IDL0020", "#warning", Severity.WARNING)
 UNKNOWN_DIRECTIVE = Rule("IDL0021", "unknown directive", Severity.ERROR)
 BAD_LINE_MARKER = Rule("IDL0022", "malformed line marker", Severity.ERROR)
-BAD_MACRO_NAME = Rule("IDL0023", "macro that is no identifier", Severity.ERROR)
+BAD_MACRO_NAME = Rule("IDL0023", "macro name is not an identifier", Severity.ERROR)
 INCLUDED_AGAIN = Rule("IDL0024", "file included again without a guard", Severity.NOTE)
 NAMELESS_CONDITION = Rule(
     "IDL0025", "conditional without the name of a macro", Severity.WARNING

@@ -201,7 +201,9 @@ class _Run:
         names = [match[1] for match in _DECLARED.finditer(self._text, start, end)]
         for match in _ENUMERATORS.finditer(self._text, start, end):
             names += _NAME.findall(match[1])
-        self._unit.lost.update(name.removeprefix("_").lower() for name in names)
+        self._unit.maybe_declared.update(
+            name.removeprefix("_").lower() for name in names
+        )
 
     def _bad_character(self) -> None:
         from rtgen.frontends.idl.syntax.syntax_errors import (

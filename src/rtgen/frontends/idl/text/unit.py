@@ -56,10 +56,10 @@ class Unit(msgspec.Struct, eq=False, dict=True):
 
     `events` (pragmas, inclusions, boundaries of nested files) and `comments` are in order of
     their offsets in `text`. `lacking`: an include or a macro's text is missing, so unknown names
-    are not reported; `flawed` are the offsets of macro calls that could not be expanded; `lost`
-    are names, in lower case, that declarations with syntax errors may have declared; `excused`
-    are the offsets of superfluous `;` caused by an error that is reported; `cut`: an unterminated
-    comment or conditional has swallowed the rest.
+    are not reported; `flawed` are the offsets of macro calls that could not be expanded;
+    `maybe_declared` are names, in lower case, that declarations with syntax errors may have
+    declared; `excused` are the offsets of superfluous `;` caused by an error that is reported;
+    `cut`: an unterminated comment or conditional has swallowed the rest.
     """
 
     source: Source
@@ -72,7 +72,7 @@ class Unit(msgspec.Struct, eq=False, dict=True):
     lacking: bool = False
     cut: bool = False
     flawed: set[int] = msgspec.field(default_factory=set)
-    lost: set[str] = msgspec.field(default_factory=set)
+    maybe_declared: set[str] = msgspec.field(default_factory=set)
     excused: set[int] = msgspec.field(default_factory=set)
 
     @cached_property

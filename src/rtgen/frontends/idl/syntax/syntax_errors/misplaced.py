@@ -365,7 +365,7 @@ def marks(s: ErrorContext) -> Recovery | None:
         )
     if s.text == "{" and not s.before and s.last and s.unit.text[s.last - 1] == ";":
         declared = header(s.unit.text, s.last - 1)
-        s.unit.lost.update(word.text.lower() for word in declared)
+        s.unit.maybe_declared.update(word.text.lower() for word in declared)
         return s.recover(
             syntax.UNEXPECTED,
             "this ';' cuts the body off",

@@ -186,7 +186,7 @@ def _split_name(s: ErrorContext) -> Recovery | None:
     if "SEMI" in s.accepted or "LBRACE" in s.accepted:
         if near is not None:
             return None
-        s.unit.lost.add(previous.text.lower())
+        s.unit.maybe_declared.add(previous.text.lower())
         return s.recover(
             syntax.UNEXPECTED,
             f"'{s.text}' cannot stand here: {previous.text} is the name already",
