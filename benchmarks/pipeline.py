@@ -39,7 +39,10 @@ class IdleFactories(Factories):
     def __getitem__(self, type_name: str) -> Callable[[str], Component]:
         kind = super().__getitem__(type_name)
         assert isinstance(kind, type)
-        body = {name: _nothing for name in vars(Component) if name.startswith("on_")}
+        callbacks = [name for name in vars(Component) if name.startswith("on_")]
+        # A callback that a component leaves out is not called at all.
+        own = [n for n in callbacks if getattr(kind, n) is not getattr(Component, n)]
+        body = dict.fromkeys(own, _nothing)
         return type(type_name, (kind,), {**body, "on_initialize": lambda self: RTC_OK})
 
 

@@ -40,6 +40,53 @@ def test_write_takes_a_snapshot() -> None:
     assert port.read() == TimedLong(data=1)
 
 
+def test_a_sample_that_is_given_away_is_not_copied() -> None:
+    _, out, port = joined()
+    sample = long(1)
+    number = id(sample)
+    assert out.write(sample, move=True) is PORT_OK
+    del sample
+    assert id(port.read()) == number
+
+
+def test_a_sample_that_another_variable_has_is_copied_all_the_same() -> None:
+    _, out, port = joined()
+    sample = kept = long(1)
+    out.write(sample, move=True)
+    kept.data = 2
+    assert port.read() == TimedLong(data=1)
+
+
+def test_a_sample_that_is_given_away_twice_is_copied_the_second_time() -> None:
+    _, out, port = joined()
+    sample = long(1)
+    out.write(sample, move=True)
+    out.write(sample, move=True)
+    first, second = port.read(), port.read()
+    assert first is sample
+    assert second is not first
+    assert second == first
+
+
+def test_one_of_several_readers_gets_the_sample_that_is_given_away() -> None:
+    system, out, port = joined()
+    other = Actor("other", inputs=("in",))
+    activated(system, other)
+    system.connect(("writer", "out"), ("other", "in"))
+    sample = long(1)
+    assert out.write(sample, move=True) is PORT_OK
+    found = [port.read(), other.inputs["in"].read()]
+    assert found == [long(1), long(1)]
+    assert [each is sample for each in found] == [False, True]
+
+
+def test_what_is_given_away_is_checked_like_anything_else() -> None:
+    _, out, port = joined()
+    with pytest.raises(SampleTypeError):
+        out.write("text", move=True)  # type: ignore[arg-type]
+    assert not port.is_new()
+
+
 def test_without_connection_the_status_says_so() -> None:
     writer = Actor("writer", outputs=("out",))
     activated(System(), writer)

@@ -1,11 +1,13 @@
 """Data ports, which a component reads and writes, and the connectors between them.
 
 A sample belongs to one side at a time: `write` takes a snapshot of it, so the writer may go on
-using its object, and what `read` returns belongs to the reader.
+using its object, and what `read` returns belongs to the reader. A writer that gives its sample
+away by `move=True` saves the snapshot.
 """
 
 from __future__ import annotations
 
+import sys
 from collections import deque
 from collections.abc import Callable, Mapping
 from typing import Any, Generic, TypeVar
@@ -33,6 +35,9 @@ from rtgen.runtime.timing.guards import SINGLE_THREAD, Guard
 T = TypeVar("T", bound=DataType)
 
 _NOTHING: deque[Any] = deque(maxlen=0)
+
+_GIVEN_AWAY = 3
+"""References to a sample that one variable of the writer holds, as counted in `write`."""
 
 
 class InPort(Generic[T]):
@@ -215,13 +220,25 @@ class OutPort(Generic[T]):
     def __str__(self) -> str:
         return f"{self.owner}.{self.name}"
 
-    def write(self, value: T) -> PortStatus:
+    def write(self, value: T, *, move: bool = False) -> PortStatus:
         """Sends a snapshot of the sample over every connection.
+
+        `move`: the writer gives the sample away with all that is in it, and touches it no more,
+        so one reader gets the object itself. A sample that more than one variable of the writer
+        refers to is not given away, nor one that was written before and is not read yet: a
+        snapshot is sent as without `move`.
 
         PORT_OK if all took it, else the status of the first that did not: BUFFER_FULL
         (`do_nothing`), BUFFER_TIMEOUT (`block`; at once in simulated time), CONNECTION_LOST;
         PRECONDITION_NOT_MET without connection. Raises SampleTypeError for a foreign type.
         """
+        if (
+            move
+            and sys.getrefcount(value) <= _GIVEN_AWAY
+            and value.__class__ is self.type
+            and self._connectors
+        ):
+            return self._give(value)
         return self._write(value)
 
     @property
@@ -251,6 +268,18 @@ class OutPort(Generic[T]):
         else:
             write = self._write_to_all
         self._write = write if self._record is None else self._recorded(write)
+
+    def _give(self, value: T) -> PortStatus:
+        if self._record is not None:
+            self._record(value)
+        outcome = PORT_OK
+        *others, last = self._connectors
+        for connector in others:
+            status = connector.send(value)
+            if outcome is PORT_OK:
+                outcome = status
+        status = last.give(value)
+        return status if outcome is PORT_OK else outcome
 
     def _write_to_nobody(self, value: T) -> PortStatus:
         self.unsent += 1
@@ -343,7 +372,15 @@ class DataConnector(Generic[T]):
 
     def send(self, value: T) -> PortStatus:
         """Takes a snapshot and delivers it, or leaves it to the publisher."""
-        sample = self._snapshot(self.source._checked(value))
+        return self._deliver(self._snapshot(self.source._checked(value)))
+
+    def give(self, value: T) -> PortStatus:
+        """Delivers a sample of the source's type that nobody else uses."""
+        if self.source.type is self.target.type:
+            return self._deliver(value)
+        return self._deliver(self._snapshot(value))
+
+    def _deliver(self, sample: T) -> PortStatus:
         publisher = self.publisher
         if publisher is None:
             status = self.buffer.write(sample)

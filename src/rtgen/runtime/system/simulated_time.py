@@ -12,27 +12,21 @@ from rtgen.runtime.ports.publisher import Publisher
 from rtgen.runtime.rtc.component import Component
 from rtgen.runtime.rtc.execution_context import ExecutionContext
 from rtgen.runtime.system.scheduling import Action
+from rtgen.runtime.system.timetable import Task, Timetable, timetable
 from rtgen.runtime.timing.clocks import SimulatedClock, period_of
 
 # Order at one instant; within a band, in order of insertion.
 _ACTIONS, _PUBLISHERS, _CONTEXTS, _BUSES, _WATCHERS = (band << 32 for band in range(5))
 
-
-class _Task:
-    """A scheduled task; `period` 0 means once."""
-
-    __slots__ = ("action", "period")
-
-    def __init__(self, action: Action, period: int) -> None:
-        self.action = action
-        self.period = period
+_SHORTEST_WAIT, _LONGEST_WAIT = 64, 65536
+"""Instants without a timetable after one that something came between."""
 
 
 @dataclass(slots=True)
 class _Driven:
     """A running context: its task, and the instant of its first tick."""
 
-    task: _Task
+    task: Task
     since: int
 
 
@@ -41,28 +35,35 @@ class SimulatedScheduler:
 
     At one instant the timeline goes first, then publishers, contexts, buses, watchers. Contexts
     go in the order in which their components were added to the system.
+
+    While nothing comes between the tasks with fixed periods, they go by a timetable; the heap has
+    what is done once. Any change puts them back into the heap, with the same instants and order.
     """
 
     def __init__(self, clock: SimulatedClock) -> None:
         self._clock = clock
-        self._heap: list[tuple[int, int, _Task]] = []
+        self._heap: list[tuple[int, int, Task]] = []
         self._added = 0
         self._orders: dict[ExecutionContext, int] = {}
         self._driven: dict[ExecutionContext, _Driven] = {}
         self._resume: dict[ExecutionContext, int] = {}
         self._woken: set[ExecutionContext] = set()
         self._end: BaseException | None = None
+        self._table: Timetable | None = None
+        self._place = -1
+        """The number of the task in the row of this instant that was called last."""
+        self._wait = self._next_wait = _SHORTEST_WAIT
         clock.instants = self
 
     def start(self) -> None:
         return None
 
     def at(self, instant: int, action: Action) -> None:
-        self._push(max(instant, self._clock.time), _ACTIONS, _Task(action, 0))
+        self._push(max(instant, self._clock.time), _ACTIONS, Task(action, 0))
 
     def behind_ticks(self, action: Action) -> None:
         """Call an action once, at this instant, after its ticks."""
-        self._push(self._clock.time, _BUSES, _Task(action, 0))
+        self._push(self._clock.time, _BUSES, Task(action, 0))
 
     def in_turn_of(
         self, context: ExecutionContext, instant: int, action: Action
@@ -72,14 +73,14 @@ class SimulatedScheduler:
         heappush(self._heap, (max(instant, self._clock.time), order, _Task(action, 0)))
 
     def every(self, period: int, action: Action) -> Action:
-        task = _Task(action, period)
+        task = Task(action, period)
         self._push(self._clock.time, _WATCHERS, task)
         return self._end_of(task)
 
     def drive(self, publisher: Publisher[Any], writer: Component) -> Action:
         if publisher.subscription is Subscription.PERIODIC:
             period = period_of(publisher.rate)
-            task = _Task(publisher.publish, period)
+            task = Task(publisher.publish, period)
             self._push(self._clock.time + period, _PUBLISHERS, task)
             return self._end_of(task)
         due = False
@@ -132,6 +133,7 @@ class SimulatedScheduler:
             self._driven[context].task.action = context.cycle
 
     def end_run(self, error: BaseException) -> None:
+        self._leave_table()
         self._end = self._end or error
 
     def woken(self, context: ExecutionContext) -> None:
@@ -144,7 +146,7 @@ class SimulatedScheduler:
             if context in self._driven:
                 context.between_ticks()
 
-        self._push(self._clock.time, _BUSES, _Task(between_ticks, 0))
+        self._push(self._clock.time, _BUSES, Task(between_ticks, 0))
 
     def run(self, until_ns: int | None, until: Callable[[], bool] | None) -> bool:
         heap, clock = self._heap, self._clock
@@ -155,6 +157,11 @@ class SimulatedScheduler:
             instant = heap[0][0]
             if until_ns is not None and instant >= until_ns:
                 break
+            self._wait -= 1
+            if self._wait < 0 and until is None and self._go_by_table(until_ns):
+                if not heap or heap[0][0] > clock.time:
+                    self._raise_end()
+                continue
             clock.time = instant
             while heap and heap[0][0] == instant:
                 _, order, task = heap[0]
@@ -175,31 +182,90 @@ class SimulatedScheduler:
         return None  # No instant between two runs.
 
     def close(self) -> None:
+        self._leave_table()
         self._heap.clear()
+
+    def _go_by_table(self, until_ns: int | None) -> bool:
+        """Run by a timetable until `until_ns`, or until something comes between.
+
+        False if there is none, or the first instant does not belong to it.
+        """
+        heap, clock = self._heap, self._clock
+        self._wait = self._next_wait
+        once = [entry for entry in heap if not entry[2].period]
+        stop = min((entry[0] for entry in once), default=until_ns)
+        if until_ns is not None and stop is not None:
+            stop = min(stop, until_ns)
+        if stop is not None and stop <= heap[0][0]:
+            return False
+        table = timetable([entry for entry in heap if entry[2].period])
+        if table is None:
+            self._next_wait = _LONGEST_WAIT
+            return False
+        heapify(once)
+        heap[:] = once
+        self._table, self._place = table, -1
+        begun = clock.time
+        try:
+            self._tick(table, stop)
+        finally:
+            self._leave_table()
+        short = clock.time - begun < 2 * table.length
+        self._next_wait = (
+            min(2 * self._next_wait, _LONGEST_WAIT) if short else _SHORTEST_WAIT
+        )
+        self._wait = self._next_wait
+        return True
+
+    def _tick(self, table: Timetable, stop: int | None) -> None:
+        """Call the tasks of a timetable before `stop`, until it is left."""
+        clock, begin, rows = self._clock, table.begin, tuple(table.rows.items())
+        while True:
+            for offset, row in rows:
+                instant = begin + offset
+                if stop is not None and instant >= stop:
+                    return
+                clock.time = instant
+                for number, task in row:
+                    self._place = number
+                    task.action()
+                    if self._table is None:
+                        return
+            begin += table.length
+
+    def _leave_table(self) -> None:
+        """Put the tasks of the timetable back into the heap."""
+        table, self._table = self._table, None
+        if table is not None:
+            self._heap += table.after(self._clock.time, self._place)
+            heapify(self._heap)
 
     def _raise_end(self) -> None:
         error, self._end = self._end, None
         if error is not None:
             raise error
 
-    def _push(self, instant: int, band: int, task: _Task) -> None:
+    def _push(self, instant: int, band: int, task: Task) -> None:
+        self._leave_table()
         self._added += 1
         heappush(self._heap, (instant, band + self._added, task))
 
     def _schedule(self, context: ExecutionContext, instant: int, since: int) -> None:
+        self._leave_table()
         order = self._orders[context]
-        task = _Task(context.cycle, context.period)
+        task = Task(context.cycle, context.period)
         self._driven[context] = _Driven(task, since)
         heappush(self._heap, (instant, order, task))
 
-    def _end_of(self, task: _Task) -> Action:
+    def _end_of(self, task: Task) -> Action:
         def end() -> None:
             self._cancel(task)
 
         return end
 
-    def _cancel(self, task: _Task) -> int:
+    def _cancel(self, task: Task) -> int:
         """Remove a task from the heap; return when it was due."""
+        self._leave_table()
         due = [entry[0] for entry in self._heap if entry[2] is task]
         self._heap[:] = [entry for entry in self._heap if entry[2] is not task]
         heapify(self._heap)
