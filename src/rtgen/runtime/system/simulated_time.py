@@ -69,8 +69,9 @@ class SimulatedScheduler:
         self, context: ExecutionContext, instant: int, action: Action
     ) -> None:
         """Call an action once, where the context would tick: of a context that has stopped."""
+        self._leave_table()
         order = self._orders[context]
-        heappush(self._heap, (max(instant, self._clock.time), order, _Task(action, 0)))
+        heappush(self._heap, (max(instant, self._clock.time), order, Task(action, 0)))
 
     def every(self, period: int, action: Action) -> Action:
         task = Task(action, period)
