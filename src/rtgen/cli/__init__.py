@@ -14,6 +14,7 @@ from rtgen.facts.version import __version__
 COMMANDS = {
     "new": "Start a project, or add a component, device, board or system to one.",
     "generate": "Make the files that the definitions ask for.",
+    "docs": "Describe the project as a site: types, components, devices, systems.",
     "check": "Compare the tree with what generate would make.",
     "diff": "Compare two versions of definitions: what changed, what breaks, and whom.",
     "lint": "Look for what is better done otherwise.",

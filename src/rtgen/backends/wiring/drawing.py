@@ -59,6 +59,7 @@ class _Box:
     subtitle: str
     tabs: tuple[_Tab, ...]
     media: tuple[tuple[float, str], ...]
+    link: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,12 +89,14 @@ def render(
     profiles: Mapping[str, ComponentView],
     timeline: Sequence[TimedConnection] = (),
     buses: Sequence[Bus] = (),
+    links: Mapping[str, str] | None = None,
 ) -> str:
     """Draw a system as SVG: data flow from left to right, feedback returns around the boxes.
 
     `profiles` maps a component type to its ports; those of a type without profile are taken from
     the connectors. `timeline` has the connections made during a run, `buses` the networks of the
-    project, with bit rates and PDO links.
+    project, with bit rates and PDO links. `links` maps component types to the addresses that
+    their boxes lead to.
     """
     diagram = with_media(
         diagram_of(system, profiles, timeline),
@@ -149,6 +152,7 @@ def render(
                     (geometry.media_row(box, index), node)
                     for index, (_, node) in enumerate(box.media)
                 ),
+                (links or {}).get(box.type, ""),
             )
             for box in diagram.boxes
         ],

@@ -44,6 +44,7 @@ def project(console: Console, name: str, source: str | None) -> int:
             writing.write(starters.reference(folder))
         else:
             writing.write(starters.project(forms, folder))
+            (folder / "systems").mkdir()
             made = load(folder)
             place = starters.place_of(made)
             model = _model(made)

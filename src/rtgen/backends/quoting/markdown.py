@@ -1,0 +1,65 @@
+"""Markdown: text that is nothing but text, as CommonMark and Python-Markdown read it.
+
+What could be markup becomes a character reference, which both leave alone in paragraphs, tables
+and headings alike.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+
+from rtgen.backends.quoting.code import Code
+from rtgen.backends.quoting.python import comment_text
+
+_MARKUP = re.compile(r"[\\`*_{}\[\]<>#|~^=$@&\"'!+()]|://|www\.")
+_FIRST = re.compile(r"\A(?:[^A-Za-z0-9&]|\d(?=\d*[.)]))")
+
+
+class Markdown(Code):
+    """Markdown source text of one line."""
+
+    __slots__ = ()
+
+
+def _reference(found: re.Match[str]) -> str:
+    return "".join(f"&#{ord(c)};" for c in found[0])
+
+
+def text(value: object) -> Markdown:
+    """The text in one line, as a part of a paragraph, a cell of a table or a heading."""
+    if isinstance(value, Markdown):
+        return value
+    line = _MARKUP.sub(_reference, comment_text(str(value)))
+    return Markdown(_FIRST.sub(_reference, line))
+
+
+def code(value: object) -> Markdown:
+    """The text in one line, in a typewriter face; nothing for an empty one."""
+    inner = text(value)
+    return Markdown(f"<code>{inner}</code>" if inner else "")
+
+
+def link(target: str, label: object) -> Markdown:
+    """A link to a page of the same site, with a path of plain ASCII."""
+    return Markdown(f"[{text(label)}]({target})")
+
+
+def paragraphs(value: str) -> Markdown:
+    """A description: its paragraphs, each in one line."""
+    parts = re.split(r"\n[ \t]*\n", value.strip())
+    return Markdown("\n\n".join(line for part in parts if (line := text(part))))
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> Markdown:
+    """A table; cells that are no Markdown are quoted. Columns that are empty are left out."""
+    cells = [[text(cell) for cell in row] for row in rows]
+    if not cells:
+        return Markdown("")
+    kept = [i for i in range(len(head)) if any(row[i] for row in cells)]
+    lines: list[list[str]] = [
+        [text(head[i]) for i in kept],
+        ["---"] * len(kept),
+        *([row[i] or " " for i in kept] for row in cells),
+    ]
+    return Markdown("\n".join(f"| {' | '.join(line)} |" for line in lines))

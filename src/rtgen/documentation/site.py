@@ -1,0 +1,115 @@
+"""The site: all pages of a project, its index, and the settings of MkDocs."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+
+from rtgen.backends.quoting.markdown import Markdown, link
+from rtgen.documentation import canopen, components, systems, tecs, types
+from rtgen.documentation.pages import Content, File, Page
+from rtgen.documentation.places import Places
+from rtgen.model import Extensibility, Model, System
+
+SETTINGS = "mkdocs.yml"
+PAGES = "docs"
+"""The folder of the pages, beside the settings."""
+
+_ASSETS = Path(__file__).parents[1] / "templates" / "documentation"
+_Listed = tuple[str, Page]
+
+
+def site(
+    title: str,
+    model: Model,
+    all_systems: Sequence[System],
+    *,
+    xcdr2: bool = False,
+    extensibility: str = "final",
+) -> list[File]:
+    """The files of a site; the same model gives the same files.
+
+    `model` is the result of all lowerings. `xcdr2` and `extensibility` are the project's defaults.
+    """
+    content = Content(
+        title=title,
+        model=model,
+        systems=tuple(all_systems),
+        places=Places(),
+        keys=_keys(model),
+        xcdr2=xcdr2,
+        extensibility=Extensibility(extensibility),
+    )
+    modules = types.listed(content)
+    known = components.listed(content)
+    signatures = tecs.listed(content)
+    canopen.listed(content)
+    systems.listed(content)
+    pictures: list[File] = []
+    drawn: list[_Listed] = []
+    for name, page, picture in systems.pages(content, known):
+        drawn.append((name, page))
+        pictures.append(picture)
+    chapters: dict[str, list[_Listed]] = {
+        "Systems": drawn,
+        "Components": [*components.pages(content, known)],
+        "Types and interfaces": [*types.pages(content, modules)],
+        "Signatures": [*tecs.pages(content, signatures)],
+        "Devices": [*canopen.devices(content)],
+        "Buses": [*canopen.buses(content)],
+    }
+    chapters = {
+        chapter: sorted(pages, key=lambda each: (each[0].casefold(), each[1].path))
+        for chapter, pages in chapters.items()
+        if pages
+    }
+    made = [_index(title, chapters)]
+    made += [page for pages in chapters.values() for _, page in pages]
+    files = [page.file for page in made] + pictures
+    assets = {
+        "site.css": "site.css",
+        # The plug-in `offline` loads its own from the network unless there is one of this name.
+        "folder_worker.js": "iframe-worker.js",
+    }
+    return [
+        *(File(f"{PAGES}/{file.path}", file.text) for file in files),
+        *(
+            File(f"{PAGES}/{path}", (_ASSETS / name).read_text("utf-8"))
+            for name, path in assets.items()
+        ),
+        File(SETTINGS, _settings(title, chapters)),
+    ]
+
+
+def _keys(model: Model) -> dict[str, str]:
+    """The displayed path of each file to that relative to the project."""
+    models = (model, *(package.model for package in model.packages))
+    files = {f.name: f.key for each in models for f in each.files}
+    files |= {d.file: d.key for d in model.devices}
+    return files | {b.file: b.key for b in model.buses}
+
+
+def _index(title: str, chapters: Mapping[str, Sequence[_Listed]]) -> Page:
+    page = Page("index", title)
+    for chapter, pages in chapters.items():
+        page.heading(2, chapter)
+        page.add(Markdown("\n".join(_entries(pages))))
+    if not chapters:
+        page.add("The project defines nothing yet.")
+    return page
+
+
+def _entries(pages: Iterable[_Listed]) -> Iterable[str]:
+    return (f"- {link(f'{page.path}.md', name)}" for name, page in pages)
+
+
+def _settings(title: str, chapters: Mapping[str, Sequence[_Listed]]) -> str:
+    """The settings of MkDocs. JSON is YAML, and quotes any text."""
+    navigation: list[dict[str, object]] = [{"Overview": "index.md"}]
+    for chapter, pages in chapters.items():
+        entries = [{name: f"{page.path}.md"} for name, page in pages]
+        navigation.append({chapter: entries})
+    template = json.loads((_ASSETS / "mkdocs.json").read_text("utf-8"))
+    settings = {"site_name": title, **template, "nav": navigation}
+    return json.dumps(settings, indent=2) + "\n"
