@@ -12,6 +12,7 @@ from rtgen.model import (
     Component,
     Connection,
     Model,
+    NamedType,
     Port,
     PortKind,
     PortReference,
@@ -81,11 +82,12 @@ def _connections(model: Model, placed: Sequence[_Placed]) -> Iterator[Connection
             if port.kind is PortKind.INPORT:
                 source = _first(model, before, PortKind.OUTPORT, port)
                 if source is not None:
-                    yield _connection(source, (instance, port), service=False)
+                    type_ = _repository_id(model, port)
+                    yield _connection(source, (instance, port), data_type=type_)
             elif port.kind is PortKind.CONSUMER:
                 provider = _first(model, [*before, *behind], PortKind.PROVIDER, port)
                 if provider is not None:
-                    yield _connection((instance, port), provider, service=True)
+                    yield _connection((instance, port), provider)
 
 
 def _first(
@@ -104,19 +106,25 @@ def _first(
     )
 
 
+def _repository_id(model: Model, port: Port) -> str:
+    type_ = model.unalias(port.type)
+    assert isinstance(type_, NamedType), "checked when the definition was read"
+    return model.find(type_.name).repository_id
+
+
 def _connection(
-    source: tuple[str, Port], target: tuple[str, Port], *, service: bool
+    source: tuple[str, Port], target: tuple[str, Port], data_type: str = ""
 ) -> Connection:
+    """A connection of data ports, or without a type of service ports."""
     ends = [
-        PortReference(instance=instance, port=port.port if service else port.name)
+        PortReference(instance=instance, port=port.name if data_type else port.port)
         for instance, port in (source, target)
     ]
-    data_type = () if service else (("dataport.data_type", f"IDL:{source[1].type}"),)
     return Connection(
         name="_".join(map(str, ends)),
         source=ends[0],
         target=ends[1],
-        service=service,
+        service=not data_type,
         span=_NOWHERE,
-        properties=data_type,
+        properties=(("dataport.data_type", data_type),) if data_type else (),
     )
