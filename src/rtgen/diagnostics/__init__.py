@@ -44,6 +44,21 @@ class Related(msgspec.Struct, frozen=True):
     label: str
 
 
+class Edit(msgspec.Struct, frozen=True):
+    """Replaces the text `old`, which stands at `span`."""
+
+    span: Span
+    old: str
+    new: str
+
+
+class Fix(msgspec.Struct, frozen=True):
+    """Edits that remove the cause of a finding and change no meaning."""
+
+    title: str
+    edits: tuple[Edit, ...]
+
+
 class Diagnostic(msgspec.Struct, frozen=True):
     """One finding. `span` is None only where no file can be blamed."""
 
@@ -53,6 +68,7 @@ class Diagnostic(msgspec.Struct, frozen=True):
     span: Span | None = None
     related: tuple[Related, ...] = ()
     hint: str | None = None
+    fix: Fix | None = None
 
 
 class Rule(msgspec.Struct, frozen=True):

@@ -12,7 +12,7 @@ from typing import TypeAlias
 from unicodedata import category, east_asian_width
 from urllib.parse import quote
 
-from rtgen.diagnostics import Diagnostic, Rule, Severity, Span, in_order
+from rtgen.diagnostics import Diagnostic, Fix, Rule, Severity, Span, in_order
 from rtgen.facts.version import __version__
 
 FORMS = ("text", "json", "sarif", "github")
@@ -76,7 +76,13 @@ def as_json(d: Diagnostic) -> dict[str, object]:
             for r in d.related
         ],
         "hint": d.hint,
+        **({} if d.fix is None else {"fix": _fix(d.fix)}),
     }
+
+
+def _fix(fix: Fix) -> dict[str, object]:
+    edits = [{**_place(edit.span), "text": edit.new} for edit in fix.edits]
+    return {"title": fix.title, "edits": edits}
 
 
 def _place(span: Span | None) -> dict[str, object]:
@@ -279,7 +285,22 @@ def _sarif_result(d: Diagnostic, rule_index: int) -> dict[str, object]:
             {"physicalLocation": _sarif_place(r.span), "message": {"text": r.label}}
             for r in d.related
         ]
+    if d.fix is not None:
+        result["fixes"] = [_sarif_fix(d.fix)]
     return result
+
+
+def _sarif_fix(fix: Fix) -> dict[str, object]:
+    """A fix of SARIF 2.1.0, 3.55; the edits of a fix of ours are all in one file."""
+    places = [_sarif_place(edit.span) for edit in fix.edits]
+    change = {
+        "artifactLocation": places[0]["artifactLocation"],
+        "replacements": [
+            {"deletedRegion": place["region"], "insertedContent": {"text": edit.new}}
+            for place, edit in zip(places, fix.edits, strict=True)
+        ],
+    }
+    return {"description": {"text": fix.title}, "artifactChanges": [change]}
 
 
 def _sarif_place(span: Span) -> dict[str, object]:

@@ -117,20 +117,18 @@ def _align(lines: Sequence[Line]) -> None:
     """Put comments behind consecutive lines below each other where the source has done so."""
     run: list[Line] = []
     for line in [*lines, None]:
-        goes_on = (
-            line is not None
-            and bool(line.behind)
-            and "\n" not in line.text
-            and "\n" not in line.behind[0]
-            and (not run or (not line.blank and line.column == run[0].column))
-        )
-        if goes_on and line is not None:
+        fits = line is not None and _has_short_comment(line)
+        below = line is not None and run and line.column == run[0].column
+        if line is not None and fits and below and not line.blank:
             run.append(line)
             continue
         if len(run) > 1:
             width = max(len(each.text) for each in run)
             for each in run:
                 each.text = each.text.ljust(width)
-        run = []
-        if line is not None and line.behind and "\n" not in line.text:
-            run = [line]
+        run = [line] if line is not None and fits else []
+
+
+def _has_short_comment(line: Line) -> bool:
+    texts = (line.text, *line.behind)
+    return bool(line.behind) and not any("\n" in text for text in texts)

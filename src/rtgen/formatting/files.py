@@ -44,11 +44,12 @@ def language_of(name: str) -> Language:
     return language
 
 
-def content(data: bytes, language: Language, kcode: str = "auto") -> Content:
+def content(data: bytes, language: Language | None, kcode: str = "auto") -> Content:
     """Decode a file; `kcode` is the encoding of CDL files."""
     mark = codecs.BOM_UTF8 if data.startswith(codecs.BOM_UTF8) else b""
     body = data.removeprefix(mark)
-    wanted = "utf-8" if language is Language.IDL else encodings.codec(data, kcode)
+    is_cdl = language is Language.CDL
+    wanted = encodings.codec(data, kcode) if is_cdl else "utf-8"
     codec = next((c for c in (wanted, "utf-8") if _is_kept(body, c)), _BYTES)
     text = body.decode(codec)
     windows = text.count("\r\n")

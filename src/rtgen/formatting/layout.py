@@ -301,6 +301,7 @@ class Layout:
         if last is not None and self._pieces:
             piece.must = self._must(last, token, innermost)
             piece.may = self._may(last, token, depth)
+            piece.restarts = not depth and piece.may == 0 and self._is_ahead(token)
         if token.kind is Kind.MARK:
             if spacing.depth > depth:
                 piece.opens = token.text
@@ -399,7 +400,7 @@ class Layout:
         texts = [piece.text for piece in self._pieces]
         length = sum(map(len, texts)) + sum(p.space for p in self._pieces[1:]) + 1
         fits = self._indent + length <= self._frame.width or end == index + 2
-        if fits and not any(piece.must for piece in self._pieces):
+        if fits and not any(p.must or "\n" in p.text for p in self._pieces):
             for piece in self._pieces:
                 piece.may = None if end > index + 2 else piece.may
             self._flat_until = end

@@ -14,8 +14,9 @@ class Piece:
     """A token with its layout.
 
     `opens`, `closes`: the bracket that the piece is, or an empty text. `must`: a line ends before
-    the piece. `may`: how bad a break before it is; None where a line may not end. `column` is that
-    of a comment in the source, whose further lines are moved with it.
+    the piece. `may`: how bad a break before it is; None where a line may not end. `restarts`: a
+    line that begins with it is indented as the first one. `column` is that of a comment in the
+    source, whose further lines are moved with it.
     """
 
     text: str
@@ -24,6 +25,7 @@ class Piece:
     closes: str = ""
     must: bool = False
     may: int | None = None
+    restarts: bool = False
     column: int | None = None
 
 
@@ -116,6 +118,8 @@ class _Wrapping:
 
     def _continuation(self, piece: Piece) -> int:
         step = self._frame.step
+        if piece.restarts:
+            return self._indent
         braces = sum(each.mark == "{" for each in self._open)
         if braces and self._open[-1].mark == "{":
             return self._indent + step * (braces - (piece.closes == "{"))

@@ -12,6 +12,8 @@ from rtgen.lint.context import Context
 from rtgen.lint.rules import ON_DEMAND
 from rtgen.model import Model
 
+__all__ = ["ON_DEMAND", "lint"]
+
 _CHECKS: tuple[Callable[[Context], Iterator[Diagnostic]], ...] = (
     usage.includes,
     usage.typedefs,

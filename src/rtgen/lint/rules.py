@@ -18,6 +18,7 @@ PYTHON_NAME = Rule("LINT0011", "name that differs in Python", Severity.NOTE)
 NO_HEARTBEAT = Rule("LINT0012", "device without heartbeat", Severity.WARNING)
 NO_VENDOR = Rule("LINT0013", "device without a vendor number", Severity.WARNING)
 SAME_NAME = Rule("LINT0014", "objects of one name", Severity.NOTE)
+NO_EFFECT = Rule("LINT0015", "suppression without effect", Severity.WARNING)
 
 RULES: tuple[Rule, ...] = (
     UNUSED_INCLUDE,
@@ -34,6 +35,7 @@ RULES: tuple[Rule, ...] = (
     NO_HEARTBEAT,
     NO_VENDOR,
     SAME_NAME,
+    NO_EFFECT,
 )
 
 ON_DEMAND: tuple[Rule, ...] = (UNDOCUMENTED, UNBOUNDED)

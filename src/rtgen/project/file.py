@@ -63,6 +63,11 @@ def _macros(value: Any) -> str | None:
     return None if wrong is None else f"holds {wrong!r}, which is no identifier"
 
 
+def _patterns(value: Any) -> str | None:
+    fine = isinstance(value, dict) and all(_texts(v) is None for v in value.values())
+    return None if fine else "must be a table of patterns of files to lists of codes"
+
+
 def _one_of(*known: str) -> Check:
     def check(value: Any) -> str | None:
         fine = isinstance(value, str) and value in known
@@ -154,7 +159,7 @@ SCHEMA: dict[str, dict[str, Check] | Check] = {
     "adapter": _adapter,
     "diff": {"use": _breaks, "allow": _allowances},
     "fmt": {"line-length": _number(20, 1000), "indent": _number(1, 16)},
-    "lint": {"ignore": _texts, "select": _texts},
+    "lint": {"ignore": _texts, "select": _texts, "per-file-ignores": _patterns},
     "plugin": _table,
 }
 """Section to its keys, or to the check for each value of a section with free keys."""

@@ -58,7 +58,9 @@ class Project(msgspec.Struct, frozen=True, kw_only=True):
     folders of the environment's TECSPATH, which imports of CDL are looked for in at last;
     `tecs_corba`: whether services of TECS boards can be called over CORBA. `node_id` is the
     node that devices are read for. `systems` are the RtsProfiles among the sources, which are no
-    definitions. `form` is `[fmt]`; `plugins` has the options of plug-ins, `[plugin.NAME]`.
+    definitions. `ignored_in_files` has pattern, code and place of each entry of `[lint]
+    per-file-ignores`, its patterns relative to `root`. `form` is `[fmt]`; `plugins` has the options
+    of plug-ins, `[plugin.NAME]`.
     """
 
     root: Path
@@ -85,6 +87,7 @@ class Project(msgspec.Struct, frozen=True, kw_only=True):
     adapters: tuple[AdapterEntry, ...] = ()
     form: Mapping[str, int] = msgspec.field(default_factory=dict)
     lint: tuple[tuple[str, str, Span], ...] = ()
+    ignored_in_files: tuple[tuple[str, str, Span], ...] = ()
     plugins: Mapping[str, Mapping[str, Any]] = msgspec.field(default_factory=dict)
     node_id: int | None = None
 
@@ -228,6 +231,13 @@ def load(start: Path | None = None) -> Project:
             (key, code, settings.span("lint", key, code))
             for key in ("ignore", "select")
             for code in settings.texts("lint", key)
+        ),
+        ignored_in_files=tuple(
+            (pattern, code.upper(), settings.span("lint", "per-file-ignores", code))
+            for pattern, codes in settings.tables("lint")
+            .get("per-file-ignores", {})
+            .items()
+            for code in codes
         ),
         plugins=settings.tables("plugin"),
     )

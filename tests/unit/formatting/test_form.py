@@ -61,6 +61,7 @@ COMMENTS = [
      "struct S {\n    long a;   // x\n    long bcd; // y\n};\n"),
     ("struct S {\n long a; // x\n long bcd; // y\n};",
      "struct S {\n    long a; // x\n    long bcd; // y\n};\n"),
+    ("long a;   /* x\n*/\nlong bcd; // y", "long a; /* x\n         */\nlong bcd; // y\n"),
     ("long a; // x \\\n  still\nlong b;", "long a; // x \\\n  still\nlong b;\n"),
     ("// x \\ \nlong a;", "// x \\ \nlong a;\n"),
     ("@key // x\nlong a;", "@key // x\nlong a;\n"),
@@ -123,6 +124,13 @@ def test_long_lines() -> None:
     assert format_text(text, Language.IDL, options) == (
         "const long A_VERY_LONG_NAME = OTHER_NAME\n        | THIRD_NAME;\n"
     )
+
+
+def test_annotations_that_do_not_fit_are_a_line() -> None:
+    text = '@unit("m") @constraint("x>0.0") attribute double a_long_name;'
+    form = '@unit("m") @constraint("x>0.0")\nattribute double a_long_name;\n'
+    for each in (text, form):
+        assert format_text(each, Language.IDL, Options(line_length=60)) == form
 
 
 def test_indent() -> None:

@@ -16,6 +16,8 @@ _DOCUMENTING = ("/**", "/*!", "///", "//!")
 _TRAILING = ("/**<", "/*!<", "///<", "//!<")
 _KEY = re.compile(r"//[ \t]*@[Kk]ey[ \t]*(?://.*)?")
 _OF_A_FILE = re.compile(r"[\\@]file\b")
+_SUPPRESSION = re.compile(r"(?://+|/\*+)[ \t]*rtgen:[ \t]*ignore\[")
+"""What is said to `rtgen lint` documents nothing."""
 _MARK = re.compile(r"//[/!]?<? ?")
 _STAR = re.compile(r"^[ \t]*\*(?!/) ?", re.MULTILINE)
 
@@ -63,6 +65,13 @@ class Docs:
         while index >= 0:
             comment = self._comments[index]
             between = self._text[comment.end : position]
+            if not between.strip() and _SUPPRESSION.match(comment.text):
+                line = self._text.rfind("\n", 0, comment.start) + 1
+                if self._text[line : comment.start].strip():
+                    break
+                position = line
+                index -= 1
+                continue
             if between.strip() or comment.text.startswith(_TRAILING):
                 break
             documenting = (
@@ -103,6 +112,8 @@ class Docs:
             if between[:mark].strip(" \t\r\n;,") or between[mark:].strip(" \t\r;,"):
                 break
             if not found and not comment.text.startswith(("//", *_TRAILING)):
+                break
+            if _SUPPRESSION.match(comment.text):
                 break
             if found and not (
                 between.count("\n") == 1 and comment.text.startswith(("///<", "//!<"))

@@ -1,0 +1,32 @@
+"""Carries out the fixes of findings on the files of a project."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Sequence
+from pathlib import Path
+
+from rtgen.diagnostics import Diagnostic, Edit
+from rtgen.formatting.files import LANGUAGES, content
+from rtgen.lint.fixes import applied
+from rtgen.project import Project
+from rtgen.project.output import Change
+
+
+def changed_files(project: Project, found: Sequence[Diagnostic]) -> list[Change]:
+    """What the fixes make of the files that were given; others, such as included ones, stay."""
+    edits: defaultdict[str, list[Edit]] = defaultdict(list)
+    for d in found:
+        for edit in d.fix.edits if d.fix is not None else ():
+            edits[edit.span.file].append(edit)
+    changes = []
+    for path in sorted(project.sources):
+        name = path.as_posix()
+        if name in edits:
+            data = path.read_bytes()
+            language = LANGUAGES.get(Path(name).suffix.lower())
+            read = content(data, language, project.kcode)
+            new = read.encoded(applied(read.text, edits[name]))
+            if new != data:
+                changes.append(Change(path, data, new))
+    return changes
