@@ -4,10 +4,16 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from rtgen.diff.buses import compare_buses
+from rtgen.diff.cells import compare_cells
 from rtgen.diff.changes import Change
 from rtgen.diff.components import compare_components
 from rtgen.diff.declarations import compare_declarations
+from rtgen.diff.devices import compare_devices
 from rtgen.diff.interfaces import compare_interfaces
+from rtgen.diff.project_settings import compare_settings
+from rtgen.diff.signatures import compare_signatures
+from rtgen.diff.systems import compare_systems
 from rtgen.diff.users import users_of, with_users
 from rtgen.diff.versions import Version
 
@@ -18,6 +24,12 @@ def compare(old: Version, new: Version) -> list[Change]:
     found = [*types.changes]
     found += compare_interfaces(old, new, types.names)
     found += compare_components(old, new, types.names)
+    found += compare_signatures(old, new)
+    for compared in (
+        *(compare_cells, compare_devices, compare_buses),
+        *(compare_systems, compare_settings),
+    ):
+        found += compared(old, new)
     users = users_of((old, new))
     return sorted(
         (_relabelled(each, old, new) for each in with_users(found, users)),

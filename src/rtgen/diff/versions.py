@@ -12,6 +12,7 @@ from rtgen.layouts.cdr_types import CdrTypes
 from rtgen.layouts.representations import Representations
 from rtgen.model import Declaration, Model, NamedType, ScopedName, Struct, Union
 
+_SHIPPED = ("Canopen.idl", "CanopenManager.idl")
 _DERIVED = (".eds", ".dcf", ".cdl", ".cde", ".toml")
 
 
@@ -49,11 +50,12 @@ class Version:
 
     @cached_property
     def written(self) -> dict[ScopedName, Declaration]:
-        """The declarations of definition files, without those that lowerings made."""
+        """The declarations of definition files, without rtgen's own and those of lowerings."""
         return {
             d.name: d
             for d in self.model.declarations
             if not d.span.file.lower().endswith(_DERIVED)
+            and d.span.file not in _SHIPPED
         }
 
     def has_headers(self, name: ScopedName) -> bool:

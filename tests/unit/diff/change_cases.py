@@ -1,16 +1,19 @@
 """The table of changes: one case for each form of a kind, in `cases/*.toml`.
 
-A case has definitions of an old and a new version (`old` and `new`: a text, or texts by file),
-files of both (`both`), the code, what the change breaks, and the codes of further changes that
-come with it (`also`).
+A case has definitions of an old and a new version (`old` and `new`: a text, texts by file, or
+replacements in the files of `cases/base` that the table names), files of both (`both`), the code,
+what the change breaks, and the codes of further changes that come with it (`also`).
 """
 
 from __future__ import annotations
 
+import re
+import textwrap
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
+from difflib import unified_diff
 from pathlib import Path
 
 from rtgen.diff.changes import Change
@@ -70,7 +73,8 @@ def cases() -> list[Case]:
         file = content.get("file", "")
         for each in content["case"]:
             texts = {
-                key: _texts(each.get(key, {}), file) for key in ("old", "new", "both")
+                key: _texts(each.get(key, {}), file, content.get("base", ()))
+                for key in ("old", "new", "both")
             }
             found.append(
                 Case(
@@ -86,9 +90,26 @@ def cases() -> list[Case]:
     return sorted(found, key=lambda case: case.code)
 
 
-def _texts(value: str | dict[str, str], file: str) -> dict[str, str]:
+def _texts(
+    value: str | dict[str, str] | list[tuple[str, str]],
+    file: str,
+    base: Sequence[str],
+) -> dict[str, str]:
+    if isinstance(value, list):
+        texts = {name: (FOLDER / "base" / name).read_text("utf-8") for name in base}
+        for before, after in value:
+            [name] = [name for name, text in texts.items() if before in text]
+            texts[name] = texts[name].replace(before, after)
+        return texts
     texts = {file: value} if isinstance(value, str) else value
-    return {name: text.rstrip("\n") + "\n" for name, text in texts.items()}
+    return {name: _text(text) for name, text in texts.items()}
+
+
+def _text(text: str) -> str:
+    """A text, or that of the file in `base` whose name it is in <>."""
+    if name := re.fullmatch(r"<([\w.]+)>", text):
+        return (FOLDER / "base" / name[1]).read_text("utf-8")
+    return text.rstrip("\n") + "\n"
 
 
 def table() -> str:
@@ -107,17 +128,32 @@ def page(code: str) -> str:
     kind = next(k for k in KINDS if k.code == code)
     own = [case for case in cases() if case.code == code]
     lines = [*_wrapped(f"{kind.why[0].upper()}{kind.why[1:]}."), ""]
-    for label, texts in (("before", own[0].old), ("after", own[0].new)):
-        for name, text in texts.items():
-            language = _LANGUAGES.get(Path(name).suffix, "text")
-            lines += [f"{label.capitalize()}, in `{name}`:", "", f"```{language}"]
-            lines += [*text.rstrip("\n").split("\n"), "```", ""]
+    lines += _example(own[0])
     lines += ["What it breaks:", ""]
     lines += [f"- {case.form}: {case.breaks}" for case in own]
     return "\n".join(lines) + "\n"
 
 
-def _wrapped(text: str) -> list[str]:
-    import textwrap
+def _example(case: Case) -> Iterator[str]:
+    """Both versions of short texts, the difference of long ones."""
+    texts = [*case.old.values(), *case.new.values()]
+    if max(text.count("\n") for text in texts) <= 20:
+        for label, files in (("before", case.old), ("after", case.new)):
+            for name, text in files.items():
+                language = _LANGUAGES.get(Path(name).suffix, "text")
+                yield from (f"{label.capitalize()}, in `{name}`:", "", f"```{language}")
+                yield from (*text.rstrip("\n").split("\n"), "```", "")
+        return
+    yield "```diff"
+    for name in sorted({*case.old, *case.new}):
+        old, new = (v.get(name, "").splitlines() for v in (case.old, case.new))
+        if not (old and new):
+            yield f"Only {'after' if new else 'before'}: {name}"
+            continue
+        hunks = unified_diff(old, new, name, name, lineterm="", n=1)
+        yield from (line[:98] for line in hunks)
+    yield from ("```", "")
 
+
+def _wrapped(text: str) -> list[str]:
     return textwrap.wrap(text, 98)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from rtgen.diagnostics import Rule, Severity
 from rtgen.diff.changes import Kind
-from rtgen.diff.kinds import components, interfaces, types
+from rtgen.diff.kinds import components, devices, interfaces, signatures, systems, types
 
 NO_VERSION = Rule("DIF0001", "no such version", Severity.ERROR)
 GIT_FAILED = Rule("DIF0002", "git cannot read the revision", Severity.ERROR)
@@ -15,6 +15,9 @@ KINDS: tuple[Kind, ...] = (
     *types.KINDS,
     *interfaces.KINDS,
     *components.KINDS,
+    *signatures.KINDS,
+    *devices.KINDS,
+    *systems.KINDS,
 )
 """Every kind of change, by code."""
 

@@ -195,6 +195,12 @@ STRUCT_REMOVED = Kind(
     _SOURCE,
     "code of the type has no declaration any more",
 )
+STRUCT_RENAMED = Kind(
+    "DIF0451",
+    "C struct renamed",
+    _SOURCE,
+    "messages hold no name, but code does",
+)
 STRUCT_MEMBER_ADDED = Kind(
     "DIF0442",
     "member added to a C struct",
@@ -376,6 +382,12 @@ JOIN_OPTIONS = Kind(
     "the peers have to agree on transport, address and data representation",
     (Wire.TDR,),
 )
+REGION_ADDED = Kind(
+    "DIF0491",
+    "region added",
+    _NONE,
+    "no cell was in the region",
+)
 REGION = Kind(
     "DIF0490",
     "region changed",
@@ -412,6 +424,7 @@ KINDS = (
     ALLOCATOR,
     STRUCT_ADDED,
     STRUCT_REMOVED,
+    STRUCT_RENAMED,
     STRUCT_MEMBER_ADDED,
     STRUCT_MEMBER_REMOVED,
     STRUCT_MEMBERS_REORDERED,
@@ -441,5 +454,6 @@ KINDS = (
     JOIN_TARGET,
     JOIN_PLUGIN,
     JOIN_OPTIONS,
+    REGION_ADDED,
     REGION,
 )
