@@ -70,6 +70,7 @@ from rtgen.runtime.rtc.profiles import (
     ComponentProfile,
     ParameterProfile,
     PortProfile,
+    data_port,
     service_port,
 )
 from rtgen.runtime.services.connectors import ServiceConnector
@@ -189,6 +190,7 @@ __all__ = [
     "UnknownObservableError",
     "UnknownParameterError",
     "UnknownPortError",
+    "data_port",
     "operation",
     "service_port",
 ]

@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
 
 from ... import iis, rtc
 
@@ -73,41 +73,33 @@ class BlackShipControlBase(Component):
         activity="PERIODIC",
         execution="PeriodicExecutionContext",
         ports=(
-            PortProfile(
-                name="velocity",
-                python_name="velocity",
-                kind="inport",
-                type="RTC::TimedVelocity",
-                repository_id="IDL:RTC/TimedVelocity:1.0",
+            data_port(
+                "inport",
+                "velocity",
+                rtc.TimedVelocity,
+                "Travel command of the first phase: any joystick drives any robot by it.",
                 unit="m/s, rad/s",
-                description="Travel command of the first phase: any joystick drives any robot by it.",
             ),
-            PortProfile(
-                name="moving_command",
-                python_name="moving_command",
-                kind="inport",
-                type="IIS::TimedVelocity",
-                repository_id="IDL:IIS/TimedVelocity:1.0",
+            data_port(
+                "inport",
+                "moving_command",
+                iis.TimedVelocity,
+                "Travel command of the second phase.",
                 unit="m/s, rad/s",
-                description="Travel command of the second phase.",
             ),
-            PortProfile(
-                name="target_position",
-                python_name="target_position",
-                kind="inport",
-                type="IIS::TimedPosition",
-                repository_id="IDL:IIS/TimedPosition:1.0",
+            data_port(
+                "inport",
+                "target_position",
+                iis.TimedPosition,
+                "Where the robot to be followed is: the self-position of that robot as it is.",
                 unit="m, rad",
-                description="Where the robot to be followed is: the self-position of that robot as it is.",
             ),
-            PortProfile(
-                name="self_position",
-                python_name="self_position",
-                kind="outport",
-                type="IIS::TimedPosition",
-                repository_id="IDL:IIS/TimedPosition:1.0",
+            data_port(
+                "outport",
+                "self_position",
+                iis.TimedPosition,
+                "Where this robot is by the encoders of its wheels, in the world frame that all",
                 unit="m, rad",
-                description="Where this robot is by the encoders of its wheels, in the world frame that all",
             ),
         ),
         configuration=(

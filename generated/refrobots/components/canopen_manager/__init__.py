@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from rtgen.runtime import ComponentProfile, ParameterProfile, PortProfile
+from rtgen.runtime import ComponentProfile, ParameterProfile, data_port, service_port
 from rtgen.runtime.canopen.master.manager import CanopenManager
 
 from ... import canopen
@@ -49,23 +49,18 @@ class CanopenManagerBase(CanopenManager):
         activity="PERIODIC",
         execution="PeriodicExecutionContext",
         ports=(
-            PortProfile(
-                name="states",
-                python_name="states",
-                kind="outport",
-                type="CANopen::NodeState",
-                repository_id="IDL:CANopen/NodeState:1.0",
-                description="A node's state, whenever it changes.",
+            data_port(
+                "outport",
+                "states",
+                canopen.NodeState,
+                "A node's state, whenever it changes.",
             ),
-            PortProfile(
-                name="manager",
-                python_name="manager",
-                kind="provider",
-                type="CANopen::Manager",
-                repository_id="IDL:CANopen/Manager:1.0",
-                port="manager",
+            service_port(
+                "provider",
+                "manager",
+                canopen.Manager,
+                "Commands for nodes, and their states.",
                 instance="Manager",
-                description="Commands for nodes, and their states.",
             ),
         ),
         configuration=(

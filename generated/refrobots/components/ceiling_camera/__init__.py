@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
 
 from ... import iis, rtc
 
@@ -54,22 +54,18 @@ class CeilingCameraBase(Component):
         activity="PERIODIC",
         execution="PeriodicExecutionContext",
         ports=(
-            PortProfile(
-                name="pose",
-                python_name="pose",
-                kind="inport",
-                type="IIS::TimedPose2D",
-                repository_id="IDL:IIS/TimedPose2D:1.0",
+            data_port(
+                "inport",
+                "pose",
+                iis.TimedPose2D,
+                "Where the base truly is.",
                 unit="m, rad",
-                description="Where the base truly is.",
             ),
-            PortProfile(
-                name="CameraData",
-                python_name="CameraData",
-                kind="outport",
-                type="RTC::TimedOctetSeq",
-                repository_id="IDL:RTC/TimedOctetSeq:1.0",
-                description="The pictures, with the time of the pose.",
+            data_port(
+                "outport",
+                "CameraData",
+                rtc.TimedOctetSeq,
+                "The pictures, with the time of the pose.",
             ),
         ),
         configuration=(

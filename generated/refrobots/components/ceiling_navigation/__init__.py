@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
 
 from ... import iis, rtc
 
@@ -65,31 +65,25 @@ class CeilingNavigationBase(Component):
         activity="PERIODIC",
         execution="PeriodicExecutionContext",
         ports=(
-            PortProfile(
-                name="CameraData",
-                python_name="CameraData",
-                kind="inport",
-                type="RTC::TimedOctetSeq",
-                repository_id="IDL:RTC/TimedOctetSeq:1.0",
-                description="Pictures of the ceiling: one octet for each pixel, row by row, upper edge ahead.",
+            data_port(
+                "inport",
+                "CameraData",
+                rtc.TimedOctetSeq,
+                "Pictures of the ceiling: one octet for each pixel, row by row, upper edge ahead.",
             ),
-            PortProfile(
-                name="LocalizedPosition",
-                python_name="LocalizedPosition",
-                kind="inport",
-                type="IIS::TimedPose2D",
-                repository_id="IDL:IIS/TimedPose2D:1.0",
+            data_port(
+                "inport",
+                "LocalizedPosition",
+                iis.TimedPose2D,
+                "About where the base is.",
                 unit="m, rad",
-                description="About where the base is.",
             ),
-            PortProfile(
-                name="CeilingPosition",
-                python_name="CeilingPosition",
-                kind="outport",
-                type="IIS::TimedPose2D",
-                repository_id="IDL:IIS/TimedPose2D:1.0",
+            data_port(
+                "outport",
+                "CeilingPosition",
+                iis.TimedPose2D,
+                "Where the base was when the picture was taken.",
                 unit="m, rad",
-                description="Where the base was when the picture was taken.",
             ),
         ),
         configuration=(

@@ -7,7 +7,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+from rtgen.runtime import (
+    Component,
+    ComponentProfile,
+    ParameterProfile,
+    data_port,
+    service_port,
+)
 
 from ... import RefHard, iis
 
@@ -51,33 +57,26 @@ class CollisionDetectionBase(Component):
         activity="PERIODIC",
         execution="PeriodicExecutionContext",
         ports=(
-            PortProfile(
-                name="obstacles",
-                python_name="obstacles",
-                kind="inport",
-                type="IIS::TimedPoint2DSeq",
-                repository_id="IDL:IIS/TimedPoint2DSeq:1.0",
+            data_port(
+                "inport",
+                "obstacles",
+                iis.TimedPoint2DSeq,
+                "The points of the newest scan.",
                 unit="m",
-                description="The points of the newest scan.",
             ),
-            PortProfile(
-                name="velocity",
-                python_name="velocity",
-                kind="inport",
-                type="IIS::TimedVelocity2D",
-                repository_id="IDL:IIS/TimedVelocity2D:1.0",
+            data_port(
+                "inport",
+                "velocity",
+                iis.TimedVelocity2D,
+                "The velocity that the base is asked for.",
                 unit="m/s, rad/s",
-                description="The velocity that the base is asked for.",
             ),
-            PortProfile(
-                name="BumpRefHard",
-                python_name="BumpRefHard",
-                kind="consumer",
-                type="RefHard",
-                repository_id="IDL:RefHard:1.0",
-                port="BumpRefHard",
+            service_port(
+                "consumer",
+                "BumpRefHard",
+                RefHard,
+                "Stops the base.",
                 instance="RefHard",
-                description="Stops the base.",
             ),
         ),
         configuration=(

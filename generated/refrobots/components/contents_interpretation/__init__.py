@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
 
 from ... import ucode
 
@@ -38,22 +38,13 @@ class ContentsInterpretationBase(Component):
         activity="PERIODIC",
         execution="PeriodicExecutionContext",
         ports=(
-            PortProfile(
-                name="record",
-                python_name="record",
-                kind="inport",
-                type="Ucode::TimedRecord",
-                repository_id="IDL:Ucode/TimedRecord:1.0",
-                description="Records, with their markers.",
+            data_port(
+                "inport",
+                "record",
+                ucode.TimedRecord,
+                "Records, with their markers.",
             ),
-            PortProfile(
-                name="contents",
-                python_name="contents",
-                kind="outport",
-                type="Ucode::TimedContents",
-                repository_id="IDL:Ucode/TimedContents:1.0",
-                description="What they mean.",
-            ),
+            data_port("outport", "contents", ucode.TimedContents, "What they mean."),
         ),
         configuration=(
             ParameterProfile(

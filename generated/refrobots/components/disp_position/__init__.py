@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
 
 from ... import iis
 
@@ -40,14 +40,12 @@ class DispPositionBase(Component):
         activity="PERIODIC",
         execution="PeriodicExecutionContext",
         ports=(
-            PortProfile(
-                name="position",
-                python_name="position",
-                kind="inport",
-                type="IIS::TimedPose2D",
-                repository_id="IDL:IIS/TimedPose2D:1.0",
+            data_port(
+                "inport",
+                "position",
+                iis.TimedPose2D,
+                "Where the base is. The public name of the port did not survive.",
                 unit="m, rad",
-                description="Where the base is. The public name of the port did not survive.",
             ),
         ),
         configuration=(

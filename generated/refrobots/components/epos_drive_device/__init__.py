@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from rtgen.runtime import ComponentProfile, ParameterProfile, PortProfile
+from rtgen.runtime import ComponentProfile, ParameterProfile, data_port
 
 from ... import eposdrive
 from ...canopen.epos_drive.device import EposDriveSlave
@@ -53,70 +53,39 @@ class EposDriveDeviceBase(EposDriveSlave):
         activity="PERIODIC",
         execution="PeriodicExecutionContext",
         ports=(
-            PortProfile(
-                name="tpdo1",
-                python_name="tpdo1",
-                kind="outport",
-                type="EposDrive::Tpdo1",
-                repository_id="IDL:EposDrive/Tpdo1:1.0",
-                description="TPDO 1: Statusword, Modes_of_operation_display.",
+            data_port(
+                "outport",
+                "tpdo1",
+                eposdrive.Tpdo1,
+                "TPDO 1: Statusword, Modes_of_operation_display.",
             ),
-            PortProfile(
-                name="tpdo2",
-                python_name="tpdo2",
-                kind="outport",
-                type="EposDrive::Tpdo2",
-                repository_id="IDL:EposDrive/Tpdo2:1.0",
-                description="TPDO 2: Position_actual_value, Velocity_actual_value.",
+            data_port(
+                "outport",
+                "tpdo2",
+                eposdrive.Tpdo2,
+                "TPDO 2: Position_actual_value, Velocity_actual_value.",
             ),
-            PortProfile(
-                name="tpdo3",
-                python_name="tpdo3",
-                kind="outport",
-                type="EposDrive::Tpdo3",
-                repository_id="IDL:EposDrive/Tpdo3:1.0",
-                description="TPDO 3: Torque_actual_value, Current_actual_value.",
+            data_port(
+                "outport",
+                "tpdo3",
+                eposdrive.Tpdo3,
+                "TPDO 3: Torque_actual_value, Current_actual_value.",
             ),
-            PortProfile(
-                name="tpdo4",
-                python_name="tpdo4",
-                kind="outport",
-                type="EposDrive::Tpdo4",
-                repository_id="IDL:EposDrive/Tpdo4:1.0",
-                description="TPDO 4: Digital_input_state, Error_code.",
+            data_port(
+                "outport",
+                "tpdo4",
+                eposdrive.Tpdo4,
+                "TPDO 4: Digital_input_state, Error_code.",
             ),
-            PortProfile(
-                name="rpdo1",
-                python_name="rpdo1",
-                kind="inport",
-                type="EposDrive::Rpdo1",
-                repository_id="IDL:EposDrive/Rpdo1:1.0",
-                description="RPDO 1: Controlword, Modes_of_operation.",
+            data_port(
+                "inport",
+                "rpdo1",
+                eposdrive.Rpdo1,
+                "RPDO 1: Controlword, Modes_of_operation.",
             ),
-            PortProfile(
-                name="rpdo2",
-                python_name="rpdo2",
-                kind="inport",
-                type="EposDrive::Rpdo2",
-                repository_id="IDL:EposDrive/Rpdo2:1.0",
-                description="RPDO 2: Target_position.",
-            ),
-            PortProfile(
-                name="rpdo3",
-                python_name="rpdo3",
-                kind="inport",
-                type="EposDrive::Rpdo3",
-                repository_id="IDL:EposDrive/Rpdo3:1.0",
-                description="RPDO 3: Target_velocity.",
-            ),
-            PortProfile(
-                name="rpdo4",
-                python_name="rpdo4",
-                kind="inport",
-                type="EposDrive::Rpdo4",
-                repository_id="IDL:EposDrive/Rpdo4:1.0",
-                description="RPDO 4: Target_torque.",
-            ),
+            data_port("inport", "rpdo2", eposdrive.Rpdo2, "RPDO 2: Target_position."),
+            data_port("inport", "rpdo3", eposdrive.Rpdo3, "RPDO 3: Target_velocity."),
+            data_port("inport", "rpdo4", eposdrive.Rpdo4, "RPDO 4: Target_torque."),
         ),
         configuration=(
             ParameterProfile(

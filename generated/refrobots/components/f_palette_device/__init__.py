@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from rtgen.runtime import ComponentProfile, ParameterProfile, PortProfile
+from rtgen.runtime import ComponentProfile, ParameterProfile, data_port
 
 from ... import fpalette
 from ...canopen.f_palette.device import FPaletteSlave
@@ -53,53 +53,36 @@ class FPaletteDeviceBase(FPaletteSlave):
         activity="PERIODIC",
         execution="PeriodicExecutionContext",
         ports=(
-            PortProfile(
-                name="tpdo1",
-                python_name="tpdo1",
-                kind="outport",
-                type="FPalette::Tpdo1",
-                repository_id="IDL:FPalette/Tpdo1:1.0",
-                description="TPDO 1: Digital_inputs_1_to_8, Digital_inputs_9_to_16.",
+            data_port(
+                "outport",
+                "tpdo1",
+                fpalette.Tpdo1,
+                "TPDO 1: Digital_inputs_1_to_8, Digital_inputs_9_to_16.",
             ),
-            PortProfile(
-                name="tpdo2",
-                python_name="tpdo2",
-                kind="outport",
-                type="FPalette::Tpdo2",
-                repository_id="IDL:FPalette/Tpdo2:1.0",
-                description="TPDO 2: Analogue_input_1, Analogue_input_2, Analogue_input_3, Analogue_input_4.",
+            data_port(
+                "outport",
+                "tpdo2",
+                fpalette.Tpdo2,
+                "TPDO 2: Analogue_input_1, Analogue_input_2, Analogue_input_3, Analogue_input_4.",
             ),
-            PortProfile(
-                name="tpdo3",
-                python_name="tpdo3",
-                kind="outport",
-                type="FPalette::Tpdo3",
-                repository_id="IDL:FPalette/Tpdo3:1.0",
-                description="TPDO 3: Analogue_input_5, Analogue_input_6, Analogue_input_7, Analogue_input_8.",
+            data_port(
+                "outport",
+                "tpdo3",
+                fpalette.Tpdo3,
+                "TPDO 3: Analogue_input_5, Analogue_input_6, Analogue_input_7, Analogue_input_8.",
             ),
-            PortProfile(
-                name="tpdo4",
-                python_name="tpdo4",
-                kind="outport",
-                type="FPalette::Tpdo4",
-                repository_id="IDL:FPalette/Tpdo4:1.0",
-                description="TPDO 4: Angle_reference.",
+            data_port("outport", "tpdo4", fpalette.Tpdo4, "TPDO 4: Angle_reference."),
+            data_port(
+                "inport",
+                "rpdo1",
+                fpalette.Rpdo1,
+                "RPDO 1: Digital_outputs_1_to_8, Digital_outputs_9_to_16.",
             ),
-            PortProfile(
-                name="rpdo1",
-                python_name="rpdo1",
-                kind="inport",
-                type="FPalette::Rpdo1",
-                repository_id="IDL:FPalette/Rpdo1:1.0",
-                description="RPDO 1: Digital_outputs_1_to_8, Digital_outputs_9_to_16.",
-            ),
-            PortProfile(
-                name="rpdo2",
-                python_name="rpdo2",
-                kind="inport",
-                type="FPalette::Rpdo2",
-                repository_id="IDL:FPalette/Rpdo2:1.0",
-                description="RPDO 2: Analogue_output_1, Analogue_output_2, Analogue_output_3, Analogue_output_4.",
+            data_port(
+                "inport",
+                "rpdo2",
+                fpalette.Rpdo2,
+                "RPDO 2: Analogue_output_1, Analogue_output_2, Analogue_output_3, Analogue_output_4.",
             ),
         ),
         configuration=(

@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from rtgen.runtime import ComponentProfile, ParameterProfile, PortProfile
+from rtgen.runtime import ComponentProfile, ParameterProfile, data_port, service_port
 from rtgen.runtime.canopen.master.proxy import CanopenProxy
 
 from ... import canopen, ftmd
@@ -68,79 +68,44 @@ class FtmdProxyBase(CanopenProxy):
         activity="PERIODIC",
         execution="PeriodicExecutionContext",
         ports=(
-            PortProfile(
-                name="tpdo1",
-                python_name="tpdo1",
-                kind="outport",
-                type="Ftmd::Tpdo1",
-                repository_id="IDL:Ftmd/Tpdo1:1.0",
-                description="TPDO 1: Statusword, Modes_of_operation_display.",
+            data_port(
+                "outport",
+                "tpdo1",
+                ftmd.Tpdo1,
+                "TPDO 1: Statusword, Modes_of_operation_display.",
             ),
-            PortProfile(
-                name="tpdo2",
-                python_name="tpdo2",
-                kind="outport",
-                type="Ftmd::Tpdo2",
-                repository_id="IDL:Ftmd/Tpdo2:1.0",
-                description="TPDO 2: Position_actual_value, Velocity_actual_value.",
+            data_port(
+                "outport",
+                "tpdo2",
+                ftmd.Tpdo2,
+                "TPDO 2: Position_actual_value, Velocity_actual_value.",
             ),
-            PortProfile(
-                name="tpdo3",
-                python_name="tpdo3",
-                kind="outport",
-                type="Ftmd::Tpdo3",
-                repository_id="IDL:Ftmd/Tpdo3:1.0",
-                description="TPDO 3: Torque_actual_value, Current_actual_value.",
+            data_port(
+                "outport",
+                "tpdo3",
+                ftmd.Tpdo3,
+                "TPDO 3: Torque_actual_value, Current_actual_value.",
             ),
-            PortProfile(
-                name="tpdo4",
-                python_name="tpdo4",
-                kind="outport",
-                type="Ftmd::Tpdo4",
-                repository_id="IDL:Ftmd/Tpdo4:1.0",
-                description="TPDO 4: DC_link_circuit_voltage, Driver_temperature.",
+            data_port(
+                "outport",
+                "tpdo4",
+                ftmd.Tpdo4,
+                "TPDO 4: DC_link_circuit_voltage, Driver_temperature.",
             ),
-            PortProfile(
-                name="rpdo1",
-                python_name="rpdo1",
-                kind="inport",
-                type="Ftmd::Rpdo1",
-                repository_id="IDL:Ftmd/Rpdo1:1.0",
-                description="RPDO 1: Controlword, Modes_of_operation.",
+            data_port(
+                "inport",
+                "rpdo1",
+                ftmd.Rpdo1,
+                "RPDO 1: Controlword, Modes_of_operation.",
             ),
-            PortProfile(
-                name="rpdo2",
-                python_name="rpdo2",
-                kind="inport",
-                type="Ftmd::Rpdo2",
-                repository_id="IDL:Ftmd/Rpdo2:1.0",
-                description="RPDO 2: Target_position.",
-            ),
-            PortProfile(
-                name="rpdo3",
-                python_name="rpdo3",
-                kind="inport",
-                type="Ftmd::Rpdo3",
-                repository_id="IDL:Ftmd/Rpdo3:1.0",
-                description="RPDO 3: Target_velocity.",
-            ),
-            PortProfile(
-                name="rpdo4",
-                python_name="rpdo4",
-                kind="inport",
-                type="Ftmd::Rpdo4",
-                repository_id="IDL:Ftmd/Rpdo4:1.0",
-                description="RPDO 4: Target_torque.",
-            ),
-            PortProfile(
-                name="sdo",
-                python_name="sdo",
-                kind="provider",
-                type="CANopen::ObjectDictionary",
-                repository_id="IDL:CANopen/ObjectDictionary:1.0",
-                port="sdo",
-                instance="sdo",
-                description="The objects of the device, read and written by SDO.",
+            data_port("inport", "rpdo2", ftmd.Rpdo2, "RPDO 2: Target_position."),
+            data_port("inport", "rpdo3", ftmd.Rpdo3, "RPDO 3: Target_velocity."),
+            data_port("inport", "rpdo4", ftmd.Rpdo4, "RPDO 4: Target_torque."),
+            service_port(
+                "provider",
+                "sdo",
+                canopen.ObjectDictionary,
+                "The objects of the device, read and written by SDO.",
             ),
         ),
         configuration=(

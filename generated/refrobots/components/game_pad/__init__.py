@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
 
 from ... import iis, rtc
 
@@ -50,104 +50,80 @@ class GamePadBase(Component):
         activity="PERIODIC",
         execution="PeriodicExecutionContext",
         ports=(
-            PortProfile(
-                name="Button",
-                python_name="Button",
-                kind="outport",
-                type="RTC::TimedULong",
-                repository_id="IDL:RTC/TimedULong:1.0",
-                description="The buttons, one bit for each.",
+            data_port(
+                "outport",
+                "Button",
+                rtc.TimedULong,
+                "The buttons, one bit for each.",
             ),
-            PortProfile(
-                name="StickLX",
-                python_name="StickLX",
-                kind="outport",
-                type="RTC::TimedFloat",
-                repository_id="IDL:RTC/TimedFloat:1.0",
-                description="Left stick, to the right.",
+            data_port(
+                "outport",
+                "StickLX",
+                rtc.TimedFloat,
+                "Left stick, to the right.",
             ),
-            PortProfile(
-                name="StickLY",
-                python_name="StickLY",
-                kind="outport",
-                type="RTC::TimedFloat",
-                repository_id="IDL:RTC/TimedFloat:1.0",
-                description="Left stick, towards the hand.",
+            data_port(
+                "outport",
+                "StickLY",
+                rtc.TimedFloat,
+                "Left stick, towards the hand.",
             ),
-            PortProfile(
-                name="StickRX",
-                python_name="StickRX",
-                kind="outport",
-                type="RTC::TimedFloat",
-                repository_id="IDL:RTC/TimedFloat:1.0",
-                description="Right stick, to the right.",
+            data_port(
+                "outport",
+                "StickRX",
+                rtc.TimedFloat,
+                "Right stick, to the right.",
             ),
-            PortProfile(
-                name="StickRY",
-                python_name="StickRY",
-                kind="outport",
-                type="RTC::TimedFloat",
-                repository_id="IDL:RTC/TimedFloat:1.0",
-                description="Right stick, towards the hand.",
+            data_port(
+                "outport",
+                "StickRY",
+                rtc.TimedFloat,
+                "Right stick, towards the hand.",
             ),
-            PortProfile(
-                name="StickLXd",
-                python_name="StickLXd",
-                kind="outport",
-                type="RTC::TimedDouble",
-                repository_id="IDL:RTC/TimedDouble:1.0",
-                description="Left stick, to the right.",
+            data_port(
+                "outport",
+                "StickLXd",
+                rtc.TimedDouble,
+                "Left stick, to the right.",
             ),
-            PortProfile(
-                name="StickLYd",
-                python_name="StickLYd",
-                kind="outport",
-                type="RTC::TimedDouble",
-                repository_id="IDL:RTC/TimedDouble:1.0",
-                description="Left stick, towards the hand.",
+            data_port(
+                "outport",
+                "StickLYd",
+                rtc.TimedDouble,
+                "Left stick, towards the hand.",
             ),
-            PortProfile(
-                name="StickRXd",
-                python_name="StickRXd",
-                kind="outport",
-                type="RTC::TimedDouble",
-                repository_id="IDL:RTC/TimedDouble:1.0",
-                description="Right stick, to the right.",
+            data_port(
+                "outport",
+                "StickRXd",
+                rtc.TimedDouble,
+                "Right stick, to the right.",
             ),
-            PortProfile(
-                name="StickRYd",
-                python_name="StickRYd",
-                kind="outport",
-                type="RTC::TimedDouble",
-                repository_id="IDL:RTC/TimedDouble:1.0",
-                description="Right stick, towards the hand.",
+            data_port(
+                "outport",
+                "StickRYd",
+                rtc.TimedDouble,
+                "Right stick, towards the hand.",
             ),
-            PortProfile(
-                name="Velocity",
-                python_name="Velocity",
-                kind="outport",
-                type="RTC::TimedVelocity",
-                repository_id="IDL:RTC/TimedVelocity:1.0",
+            data_port(
+                "outport",
+                "Velocity",
+                rtc.TimedVelocity,
+                "Velocity of the first phase of the common interfaces.",
                 unit="m/s, rad/s",
-                description="Velocity of the first phase of the common interfaces.",
             ),
-            PortProfile(
-                name="VelocityIIS",
-                python_name="VelocityIIS",
-                kind="outport",
-                type="IIS::TimedVelocity",
-                repository_id="IDL:IIS/TimedVelocity:1.0",
+            data_port(
+                "outport",
+                "VelocityIIS",
+                iis.TimedVelocity,
+                "Velocity of the second phase.",
                 unit="m/s, rad/s",
-                description="Velocity of the second phase.",
             ),
-            PortProfile(
-                name="Velocity2DIIS",
-                python_name="Velocity2DIIS",
-                kind="outport",
-                type="IIS::TimedVelocity2D",
-                repository_id="IDL:IIS/TimedVelocity2D:1.0",
+            data_port(
+                "outport",
+                "Velocity2DIIS",
+                iis.TimedVelocity2D,
+                "Velocity of the third phase; sent only while the game pad is there.",
                 unit="m/s, rad/s",
-                description="Velocity of the third phase; sent only while the game pad is there.",
             ),
         ),
         configuration=(

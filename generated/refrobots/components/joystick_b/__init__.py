@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
 
 from ... import iis, rtc
 
@@ -47,23 +47,19 @@ class JoystickBBase(Component):
         activity="PERIODIC",
         execution="PeriodicExecutionContext",
         ports=(
-            PortProfile(
-                name="velocity",
-                python_name="velocity",
-                kind="outport",
-                type="RTC::TimedVelocity",
-                repository_id="IDL:RTC/TimedVelocity:1.0",
+            data_port(
+                "outport",
+                "velocity",
+                rtc.TimedVelocity,
+                "Travel command of the first phase.",
                 unit="m/s, rad/s",
-                description="Travel command of the first phase.",
             ),
-            PortProfile(
-                name="moving_command",
-                python_name="moving_command",
-                kind="outport",
-                type="IIS::TimedVelocity",
-                repository_id="IDL:IIS/TimedVelocity:1.0",
+            data_port(
+                "outport",
+                "moving_command",
+                iis.TimedVelocity,
+                "Travel command of the second phase.",
                 unit="m/s, rad/s",
-                description="Travel command of the second phase.",
             ),
         ),
         configuration=(

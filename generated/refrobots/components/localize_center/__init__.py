@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
 
 from ... import iis
 
@@ -54,32 +54,26 @@ class LocalizeCenterBase(Component):
         activity="PERIODIC",
         execution="PeriodicExecutionContext",
         ports=(
-            PortProfile(
-                name="dp_odmIn",
-                python_name="dp_odmIn",
-                kind="inport",
-                type="IIS::TimedPose2D",
-                repository_id="IDL:IIS/TimedPose2D:1.0",
+            data_port(
+                "inport",
+                "dp_odmIn",
+                iis.TimedPose2D,
+                "Pose by odometry.",
                 unit="m, rad",
-                description="Pose by odometry.",
             ),
-            PortProfile(
-                name="dp_ceilIn",
-                python_name="dp_ceilIn",
-                kind="inport",
-                type="IIS::TimedPose2D",
-                repository_id="IDL:IIS/TimedPose2D:1.0",
+            data_port(
+                "inport",
+                "dp_ceilIn",
+                iis.TimedPose2D,
+                "Pose by the ceiling.",
                 unit="m, rad",
-                description="Pose by the ceiling.",
             ),
-            PortProfile(
-                name="dp_out0",
-                python_name="dp_out0",
-                kind="outport",
-                type="IIS::TimedPose2D",
-                repository_id="IDL:IIS/TimedPose2D:1.0",
+            data_port(
+                "outport",
+                "dp_out0",
+                iis.TimedPose2D,
+                "The pose, for odometry to take over.",
                 unit="m, rad",
-                description="The pose, for odometry to take over.",
             ),
         ),
         configuration=(

@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
 
 from ... import iis, rtc
 
@@ -56,23 +56,19 @@ class LRFCapture_URGBase(Component):
         activity="PERIODIC",
         execution="PeriodicExecutionContext",
         ports=(
-            PortProfile(
-                name="pose",
-                python_name="pose",
-                kind="inport",
-                type="IIS::TimedPose2D",
-                repository_id="IDL:IIS/TimedPose2D:1.0",
+            data_port(
+                "inport",
+                "pose",
+                iis.TimedPose2D,
+                "Where the base truly is.",
                 unit="m, rad",
-                description="Where the base truly is.",
             ),
-            PortProfile(
-                name="range",
-                python_name="range",
-                kind="outport",
-                type="RTC::RangeData",
-                repository_id="IDL:RTC/RangeData:1.0",
+            data_port(
+                "outport",
+                "range",
+                rtc.RangeData,
+                "The scan, with the time of the pose, and where on the base it was taken.",
                 unit="m",
-                description="The scan, with the time of the pose, and where on the base it was taken.",
             ),
         ),
         configuration=(

@@ -7,7 +7,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+from rtgen.runtime import (
+    Component,
+    ComponentProfile,
+    ParameterProfile,
+    data_port,
+    service_port,
+)
 
 from ... import RefHard, iis, rtc
 
@@ -45,61 +51,47 @@ class MotorControlBase(Component):
         activity="PERIODIC",
         execution="PeriodicExecutionContext",
         ports=(
-            PortProfile(
-                name="InTargetVelocity",
-                python_name="InTargetVelocity",
-                kind="inport",
-                type="IIS::TimedVelocity2D",
-                repository_id="IDL:IIS/TimedVelocity2D:1.0",
+            data_port(
+                "inport",
+                "InTargetVelocity",
+                iis.TimedVelocity2D,
+                "Velocity for the base.",
                 unit="m/s, rad/s",
-                description="Velocity for the base.",
             ),
-            PortProfile(
-                name="InWheelAngle",
-                python_name="InWheelAngle",
-                kind="inport",
-                type="RTC::TimedDoubleSeq",
-                repository_id="IDL:RTC/TimedDoubleSeq:1.0",
+            data_port(
+                "inport",
+                "InWheelAngle",
+                rtc.TimedDoubleSeq,
+                "Angles of the wheels, from the base.",
                 unit="rad",
-                description="Angles of the wheels, from the base.",
             ),
-            PortProfile(
-                name="WheelSpeed",
-                python_name="WheelSpeed",
-                kind="outport",
-                type="RTC::TimedDoubleSeq",
-                repository_id="IDL:RTC/TimedDoubleSeq:1.0",
+            data_port(
+                "outport",
+                "WheelSpeed",
+                rtc.TimedDoubleSeq,
+                "Speeds for the left and the right wheel.",
                 unit="rad/s",
-                description="Speeds for the left and the right wheel.",
             ),
-            PortProfile(
-                name="OutWheelAngle",
-                python_name="OutWheelAngle",
-                kind="outport",
-                type="RTC::TimedDoubleSeq",
-                repository_id="IDL:RTC/TimedDoubleSeq:1.0",
+            data_port(
+                "outport",
+                "OutWheelAngle",
+                rtc.TimedDoubleSeq,
+                "Absolute rotation angles of the left and the right wheel.",
                 unit="rad",
-                description="Absolute rotation angles of the left and the right wheel.",
             ),
-            PortProfile(
-                name="InventGUIRefHard",
-                python_name="InventGUIRefHard",
-                kind="provider",
-                type="RefHard",
-                repository_id="IDL:RefHard:1.0",
-                port="InventGUIRefHard",
+            service_port(
+                "provider",
+                "InventGUIRefHard",
+                RefHard,
+                "Starts and stops travelling, from a user interface.",
                 instance="RefHard",
-                description="Starts and stops travelling, from a user interface.",
             ),
-            PortProfile(
-                name="BumpRefHard",
-                python_name="BumpRefHard",
-                kind="provider",
-                type="RefHard",
-                repository_id="IDL:RefHard:1.0",
-                port="BumpRefHard",
+            service_port(
+                "provider",
+                "BumpRefHard",
+                RefHard,
+                "Stops travelling, from a bumper.",
                 instance="RefHard",
-                description="Stops travelling, from a bumper.",
             ),
         ),
         configuration=(

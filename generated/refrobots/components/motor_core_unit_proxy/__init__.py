@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from rtgen.runtime import ComponentProfile, ParameterProfile, PortProfile
+from rtgen.runtime import ComponentProfile, ParameterProfile, data_port, service_port
 from rtgen.runtime.canopen.master.proxy import CanopenProxy
 
 from ... import canopen, motorcoreunit
@@ -64,79 +64,54 @@ class MotorCoreUnitProxyBase(CanopenProxy):
         activity="PERIODIC",
         execution="PeriodicExecutionContext",
         ports=(
-            PortProfile(
-                name="tpdo1",
-                python_name="tpdo1",
-                kind="outport",
-                type="MotorCoreUnit::Tpdo1",
-                repository_id="IDL:MotorCoreUnit/Tpdo1:1.0",
-                description="TPDO 1: Statusword, Modes_of_operation_display.",
+            data_port(
+                "outport",
+                "tpdo1",
+                motorcoreunit.Tpdo1,
+                "TPDO 1: Statusword, Modes_of_operation_display.",
             ),
-            PortProfile(
-                name="tpdo2",
-                python_name="tpdo2",
-                kind="outport",
-                type="MotorCoreUnit::Tpdo2",
-                repository_id="IDL:MotorCoreUnit/Tpdo2:1.0",
-                description="TPDO 2: Position_actual_value, Velocity_actual_value.",
+            data_port(
+                "outport",
+                "tpdo2",
+                motorcoreunit.Tpdo2,
+                "TPDO 2: Position_actual_value, Velocity_actual_value.",
             ),
-            PortProfile(
-                name="tpdo3",
-                python_name="tpdo3",
-                kind="outport",
-                type="MotorCoreUnit::Tpdo3",
-                repository_id="IDL:MotorCoreUnit/Tpdo3:1.0",
-                description="TPDO 3: Torque_actual_value, Current_actual_value.",
+            data_port(
+                "outport",
+                "tpdo3",
+                motorcoreunit.Tpdo3,
+                "TPDO 3: Torque_actual_value, Current_actual_value.",
             ),
-            PortProfile(
-                name="tpdo4",
-                python_name="tpdo4",
-                kind="outport",
-                type="MotorCoreUnit::Tpdo4",
-                repository_id="IDL:MotorCoreUnit/Tpdo4:1.0",
-                description="TPDO 4: Gear_encoder_angle, Motor_temperature.",
+            data_port(
+                "outport",
+                "tpdo4",
+                motorcoreunit.Tpdo4,
+                "TPDO 4: Gear_encoder_angle, Motor_temperature.",
             ),
-            PortProfile(
-                name="rpdo1",
-                python_name="rpdo1",
-                kind="inport",
-                type="MotorCoreUnit::Rpdo1",
-                repository_id="IDL:MotorCoreUnit/Rpdo1:1.0",
-                description="RPDO 1: Controlword, Modes_of_operation.",
+            data_port(
+                "inport",
+                "rpdo1",
+                motorcoreunit.Rpdo1,
+                "RPDO 1: Controlword, Modes_of_operation.",
             ),
-            PortProfile(
-                name="rpdo2",
-                python_name="rpdo2",
-                kind="inport",
-                type="MotorCoreUnit::Rpdo2",
-                repository_id="IDL:MotorCoreUnit/Rpdo2:1.0",
-                description="RPDO 2: Target_position.",
+            data_port(
+                "inport",
+                "rpdo2",
+                motorcoreunit.Rpdo2,
+                "RPDO 2: Target_position.",
             ),
-            PortProfile(
-                name="rpdo3",
-                python_name="rpdo3",
-                kind="inport",
-                type="MotorCoreUnit::Rpdo3",
-                repository_id="IDL:MotorCoreUnit/Rpdo3:1.0",
-                description="RPDO 3: Target_velocity.",
+            data_port(
+                "inport",
+                "rpdo3",
+                motorcoreunit.Rpdo3,
+                "RPDO 3: Target_velocity.",
             ),
-            PortProfile(
-                name="rpdo4",
-                python_name="rpdo4",
-                kind="inport",
-                type="MotorCoreUnit::Rpdo4",
-                repository_id="IDL:MotorCoreUnit/Rpdo4:1.0",
-                description="RPDO 4: Target_torque.",
-            ),
-            PortProfile(
-                name="sdo",
-                python_name="sdo",
-                kind="provider",
-                type="CANopen::ObjectDictionary",
-                repository_id="IDL:CANopen/ObjectDictionary:1.0",
-                port="sdo",
-                instance="sdo",
-                description="The objects of the device, read and written by SDO.",
+            data_port("inport", "rpdo4", motorcoreunit.Rpdo4, "RPDO 4: Target_torque."),
+            service_port(
+                "provider",
+                "sdo",
+                canopen.ObjectDictionary,
+                "The objects of the device, read and written by SDO.",
             ),
         ),
         configuration=(

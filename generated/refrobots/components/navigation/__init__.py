@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
 
 from ... import iis
 
@@ -58,40 +58,32 @@ class NavigationBase(Component):
         activity="PERIODIC",
         execution="PeriodicExecutionContext",
         ports=(
-            PortProfile(
-                name="position",
-                python_name="position",
-                kind="inport",
-                type="IIS::TimedPose2D",
-                repository_id="IDL:IIS/TimedPose2D:1.0",
+            data_port(
+                "inport",
+                "position",
+                iis.TimedPose2D,
+                "Where the base is.",
                 unit="m, rad",
-                description="Where the base is.",
             ),
-            PortProfile(
-                name="min_path",
-                python_name="min_path",
-                kind="inport",
-                type="IIS::TimedPath2DSeq",
-                repository_id="IDL:IIS/TimedPath2DSeq:1.0",
+            data_port(
+                "inport",
+                "min_path",
+                iis.TimedPath2DSeq,
+                "The path to run. A new one takes the place of the old one, an empty one stops",
                 unit="m, rad",
-                description="The path to run. A new one takes the place of the old one, an empty one stops",
             ),
-            PortProfile(
-                name="path",
-                python_name="path",
-                kind="outport",
-                type="IIS::Path",
-                repository_id="IDL:IIS/Path:1.0",
+            data_port(
+                "outport",
+                "path",
+                iis.Path,
+                "The waypoint to travel to, and how.",
                 unit="m, rad",
-                description="The waypoint to travel to, and how.",
             ),
-            PortProfile(
-                name="status",
-                python_name="status",
-                kind="outport",
-                type="IIS::TimedState",
-                repository_id="IDL:IIS/TimedState:1.0",
-                description="State of the travel, at every execution.",
+            data_port(
+                "outport",
+                "status",
+                iis.TimedState,
+                "State of the travel, at every execution.",
             ),
         ),
         configuration=(

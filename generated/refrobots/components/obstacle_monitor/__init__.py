@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
 
 from ... import iis, rtc
 
@@ -45,32 +45,26 @@ class ObstacleMonitorBase(Component):
         activity="PERIODIC",
         execution="PeriodicExecutionContext",
         ports=(
-            PortProfile(
-                name="obstacles",
-                python_name="obstacles",
-                kind="inport",
-                type="IIS::TimedPoint2DSeq",
-                repository_id="IDL:IIS/TimedPoint2DSeq:1.0",
+            data_port(
+                "inport",
+                "obstacles",
+                iis.TimedPoint2DSeq,
+                "The points of the newest scan.",
                 unit="m",
-                description="The points of the newest scan.",
             ),
-            PortProfile(
-                name="position",
-                python_name="position",
-                kind="inport",
-                type="IIS::TimedPose2D",
-                repository_id="IDL:IIS/TimedPose2D:1.0",
+            data_port(
+                "inport",
+                "position",
+                iis.TimedPose2D,
+                "Where the base is, to draw points where they stand; without it they are drawn round",
                 unit="m, rad",
-                description="Where the base is, to draw points where they stand; without it they are drawn round",
             ),
-            PortProfile(
-                name="nearest",
-                python_name="nearest",
-                kind="outport",
-                type="RTC::TimedDouble",
-                repository_id="IDL:RTC/TimedDouble:1.0",
+            data_port(
+                "outport",
+                "nearest",
+                rtc.TimedDouble,
+                "Distance of the nearest point, from the centre of the base.",
                 unit="m",
-                description="Distance of the nearest point, from the centre of the base.",
             ),
         ),
         configuration=(

@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
 
 from ... import iis
 
@@ -54,32 +54,26 @@ class ObstaclesAvoidanceBase(Component):
         activity="PERIODIC",
         execution="PeriodicExecutionContext",
         ports=(
-            PortProfile(
-                name="obstacles",
-                python_name="obstacles",
-                kind="inport",
-                type="IIS::TimedPoint2DSeq",
-                repository_id="IDL:IIS/TimedPoint2DSeq:1.0",
+            data_port(
+                "inport",
+                "obstacles",
+                iis.TimedPoint2DSeq,
+                "The points of the newest scan.",
                 unit="m",
-                description="The points of the newest scan.",
             ),
-            PortProfile(
-                name="velocity_in",
-                python_name="velocity_in",
-                kind="inport",
-                type="IIS::TimedVelocity2D",
-                repository_id="IDL:IIS/TimedVelocity2D:1.0",
+            data_port(
+                "inport",
+                "velocity_in",
+                iis.TimedVelocity2D,
+                "The velocity asked for.",
                 unit="m/s, rad/s",
-                description="The velocity asked for.",
             ),
-            PortProfile(
-                name="velocity_out",
-                python_name="velocity_out",
-                kind="outport",
-                type="IIS::TimedVelocity2D",
-                repository_id="IDL:IIS/TimedVelocity2D:1.0",
+            data_port(
+                "outport",
+                "velocity_out",
+                iis.TimedVelocity2D,
+                "The velocity to be driven.",
                 unit="m/s, rad/s",
-                description="The velocity to be driven.",
             ),
         ),
         configuration=(

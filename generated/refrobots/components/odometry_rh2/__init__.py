@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
 
 from ... import iis, rtc
 
@@ -57,32 +57,26 @@ class OdometryRh2Base(Component):
         activity="PERIODIC",
         execution="PeriodicExecutionContext",
         ports=(
-            PortProfile(
-                name="CurrentWheelAngle",
-                python_name="CurrentWheelAngle",
-                kind="inport",
-                type="RTC::TimedDoubleSeq",
-                repository_id="IDL:RTC/TimedDoubleSeq:1.0",
+            data_port(
+                "inport",
+                "CurrentWheelAngle",
+                rtc.TimedDoubleSeq,
+                "Rotation angles of the wheels, absolute.",
                 unit="rad",
-                description="Rotation angles of the wheels, absolute.",
             ),
-            PortProfile(
-                name="LocalizedPosition",
-                python_name="LocalizedPosition",
-                kind="inport",
-                type="IIS::TimedPose2D",
-                repository_id="IDL:IIS/TimedPose2D:1.0",
+            data_port(
+                "inport",
+                "LocalizedPosition",
+                iis.TimedPose2D,
+                "Pose by other sensors; takes the place of the pose so far.",
                 unit="m, rad",
-                description="Pose by other sensors; takes the place of the pose so far.",
             ),
-            PortProfile(
-                name="OdometryPosition",
-                python_name="OdometryPosition",
-                kind="outport",
-                type="IIS::TimedPose2D",
-                repository_id="IDL:IIS/TimedPose2D:1.0",
+            data_port(
+                "outport",
+                "OdometryPosition",
+                iis.TimedPose2D,
+                "Pose by odometry, with the time of the wheel angles.",
                 unit="m, rad",
-                description="Pose by odometry, with the time of the wheel angles.",
             ),
         ),
         configuration=(

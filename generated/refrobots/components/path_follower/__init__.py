@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
 
 from ... import iis
 
@@ -67,32 +67,26 @@ class PathFollowerBase(Component):
         activity="PERIODIC",
         execution="PeriodicExecutionContext",
         ports=(
-            PortProfile(
-                name="position",
-                python_name="position",
-                kind="inport",
-                type="IIS::TimedPose2D",
-                repository_id="IDL:IIS/TimedPose2D:1.0",
+            data_port(
+                "inport",
+                "position",
+                iis.TimedPose2D,
+                "Where the base is.",
                 unit="m, rad",
-                description="Where the base is.",
             ),
-            PortProfile(
-                name="target_path",
-                python_name="target_path",
-                kind="inport",
-                type="IIS::Path",
-                repository_id="IDL:IIS/Path:1.0",
+            data_port(
+                "inport",
+                "target_path",
+                iis.Path,
+                "The waypoint to travel to, and how.",
                 unit="m, rad",
-                description="The waypoint to travel to, and how.",
             ),
-            PortProfile(
-                name="velocity",
-                python_name="velocity",
-                kind="outport",
-                type="IIS::TimedVelocity2D",
-                repository_id="IDL:IIS/TimedVelocity2D:1.0",
+            data_port(
+                "outport",
+                "velocity",
+                iis.TimedVelocity2D,
+                "Velocity for the base.",
                 unit="m/s, rad/s",
-                description="Velocity for the base.",
             ),
         ),
         configuration=(

@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
 
 from ... import iis
 
@@ -57,48 +57,40 @@ class PathPlanningBase(Component):
         activity="PERIODIC",
         execution="PeriodicExecutionContext",
         ports=(
-            PortProfile(
-                name="current_position",
-                python_name="current_position",
-                kind="inport",
-                type="IIS::TimedPose2D",
-                repository_id="IDL:IIS/TimedPose2D:1.0",
+            data_port(
+                "inport",
+                "current_position",
+                iis.TimedPose2D,
+                "Where the base is.",
                 unit="m, rad",
-                description="Where the base is.",
             ),
-            PortProfile(
-                name="goal",
-                python_name="goal",
-                kind="inport",
-                type="IIS::TimedPose2D",
-                repository_id="IDL:IIS/TimedPose2D:1.0",
+            data_port(
+                "inport",
+                "goal",
+                iis.TimedPose2D,
+                "The goal, or one waypoint of a path.",
                 unit="m, rad",
-                description="The goal, or one waypoint of a path.",
             ),
-            PortProfile(
-                name="status",
-                python_name="status_in",
-                kind="inport",
-                type="IIS::TimedState",
-                repository_id="IDL:IIS/TimedState:1.0",
-                description="State of the travel, from the navigation.",
+            data_port(
+                "inport",
+                "status",
+                iis.TimedState,
+                "State of the travel, from the navigation.",
+                "status_in",
             ),
-            PortProfile(
-                name="min_path",
-                python_name="min_path",
-                kind="outport",
-                type="IIS::TimedPath2DSeq",
-                repository_id="IDL:IIS/TimedPath2DSeq:1.0",
+            data_port(
+                "outport",
+                "min_path",
+                iis.TimedPath2DSeq,
+                "The planned path; its first pose is the node that it begins at.",
                 unit="m, rad",
-                description="The planned path; its first pose is the node that it begins at.",
             ),
-            PortProfile(
-                name="status",
-                python_name="status_out",
-                kind="outport",
-                type="IIS::TimedState",
-                repository_id="IDL:IIS/TimedState:1.0",
-                description="FINISH, once for each path that was run to its end.",
+            data_port(
+                "outport",
+                "status",
+                iis.TimedState,
+                "FINISH, once for each path that was run to its end.",
+                "status_out",
             ),
         ),
         configuration=(

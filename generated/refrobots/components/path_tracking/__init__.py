@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
 
 from ... import iis
 
@@ -59,41 +59,33 @@ class PathTrackingBase(Component):
         activity="PERIODIC",
         execution="PeriodicExecutionContext",
         ports=(
-            PortProfile(
-                name="path",
-                python_name="path",
-                kind="inport",
-                type="IIS::TimedPath2DSeq",
-                repository_id="IDL:IIS/TimedPath2DSeq:1.0",
+            data_port(
+                "inport",
+                "path",
+                iis.TimedPath2DSeq,
+                "Waypoints in the world frame, the start first. A new list takes the place of the old",
                 unit="m, rad",
-                description="Waypoints in the world frame, the start first. A new list takes the place of the old",
             ),
-            PortProfile(
-                name="position",
-                python_name="position",
-                kind="inport",
-                type="IIS::TimedPose2D",
-                repository_id="IDL:IIS/TimedPose2D:1.0",
+            data_port(
+                "inport",
+                "position",
+                iis.TimedPose2D,
+                "Where the robot is.",
                 unit="m, rad",
-                description="Where the robot is.",
             ),
-            PortProfile(
-                name="command",
-                python_name="command",
-                kind="outport",
-                type="IIS::TimedVelocity2D",
-                repository_id="IDL:IIS/TimedVelocity2D:1.0",
+            data_port(
+                "outport",
+                "command",
+                iis.TimedVelocity2D,
+                "Travel command in the frame of the body, with its time, at every execution.",
                 unit="m/s, rad/s",
-                description="Travel command in the frame of the body, with its time, at every execution.",
             ),
-            PortProfile(
-                name="state",
-                python_name="state",
-                kind="outport",
-                type="IIS::TimedPose2D",
-                repository_id="IDL:IIS/TimedPose2D:1.0",
+            data_port(
+                "outport",
+                "state",
+                iis.TimedPose2D,
+                "State of the travel, for each waypoint passed and when the robot has stopped: `id[0]`",
                 unit="m, rad",
-                description="State of the travel, for each waypoint passed and when the robot has stopped: `id[0]`",
             ),
         ),
         configuration=(

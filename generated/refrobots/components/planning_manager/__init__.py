@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
 
 from ... import iis
 
@@ -41,41 +41,33 @@ class PlanningManagerBase(Component):
         activity="PERIODIC",
         execution="PeriodicExecutionContext",
         ports=(
-            PortProfile(
-                name="targets",
-                python_name="targets",
-                kind="inport",
-                type="IIS::TimedPose2DSeq",
-                repository_id="IDL:IIS/TimedPose2DSeq:1.0",
+            data_port(
+                "inport",
+                "targets",
+                iis.TimedPose2DSeq,
+                "Targets: only the first one counts; an empty list clears the target, and the robot is",
                 unit="m, rad",
-                description="Targets: only the first one counts; an empty list clears the target, and the robot is",
             ),
-            PortProfile(
-                name="position",
-                python_name="position",
-                kind="inport",
-                type="IIS::TimedPose2D",
-                repository_id="IDL:IIS/TimedPose2D:1.0",
+            data_port(
+                "inport",
+                "position",
+                iis.TimedPose2D,
+                "Where the robot is.",
                 unit="m, rad",
-                description="Where the robot is.",
             ),
-            PortProfile(
-                name="state",
-                python_name="state",
-                kind="inport",
-                type="IIS::TimedPose2D",
-                repository_id="IDL:IIS/TimedPose2D:1.0",
+            data_port(
+                "inport",
+                "state",
+                iis.TimedPose2D,
+                "State of the travel: `id[0]` the number of the waypoint, `id[1]` 1 when stopped.",
                 unit="m, rad",
-                description="State of the travel: `id[0]` the number of the waypoint, `id[1]` 1 when stopped.",
             ),
-            PortProfile(
-                name="path",
-                python_name="path",
-                kind="outport",
-                type="IIS::TimedPath2DSeq",
-                repository_id="IDL:IIS/TimedPath2DSeq:1.0",
+            data_port(
+                "outport",
+                "path",
+                iis.TimedPath2DSeq,
+                "The path; its first waypoint is where the robot is. An empty one stops the robot.",
                 unit="m, rad",
-                description="The path; its first waypoint is where the robot is. An empty one stops the robot.",
             ),
         ),
         configuration=(

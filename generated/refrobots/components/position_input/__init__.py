@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
 
 from ... import iis
 
@@ -51,22 +51,19 @@ class PositionInputBase(Component):
         activity="PERIODIC",
         execution="PeriodicExecutionContext",
         ports=(
-            PortProfile(
-                name="status",
-                python_name="status",
-                kind="inport",
-                type="IIS::TimedState",
-                repository_id="IDL:IIS/TimedState:1.0",
-                description="State of the travel, from the planner.",
+            data_port(
+                "inport",
+                "status",
+                iis.TimedState,
+                "State of the travel, from the planner.",
             ),
-            PortProfile(
-                name=".positon",
-                python_name="positon",
-                kind="outport",
-                type="IIS::TimedPose2D",
-                repository_id="IDL:IIS/TimedPose2D:1.0",
+            data_port(
+                "outport",
+                ".positon",
+                iis.TimedPose2D,
+                "The goal, or one waypoint of a path. The name is spelled as in the source.",
+                "positon",
                 unit="m, rad",
-                description="The goal, or one waypoint of a path. The name is spelled as in the source.",
             ),
         ),
         configuration=(

@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
 
 from ... import rtc
 
@@ -39,14 +39,12 @@ class PotentiometerBase(Component):
         activity="PERIODIC",
         execution="PeriodicExecutionContext",
         ports=(
-            PortProfile(
-                name="voltage",
-                python_name="voltage",
-                kind="outport",
-                type="RTC::TimedDouble",
-                repository_id="IDL:RTC/TimedDouble:1.0",
+            data_port(
+                "outport",
+                "voltage",
+                rtc.TimedDouble,
+                "The voltage at the wiper.",
                 unit="V",
-                description="The voltage at the wiper.",
             ),
         ),
         configuration=(

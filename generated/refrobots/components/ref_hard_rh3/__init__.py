@@ -7,7 +7,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+from rtgen.runtime import (
+    Component,
+    ComponentProfile,
+    ParameterProfile,
+    data_port,
+    service_port,
+)
 
 from ... import RefHard, iis, rtc
 
@@ -91,52 +97,40 @@ class RefHardRh3Base(Component):
         activity="PERIODIC",
         execution="PeriodicExecutionContext",
         ports=(
-            PortProfile(
-                name="InTargetVelocity",
-                python_name="InTargetVelocity",
-                kind="inport",
-                type="IIS::TimedVelocity2D",
-                repository_id="IDL:IIS/TimedVelocity2D:1.0",
+            data_port(
+                "inport",
+                "InTargetVelocity",
+                iis.TimedVelocity2D,
+                "Velocity for the base.",
                 unit="m/s, rad/s",
-                description="Velocity for the base.",
             ),
-            PortProfile(
-                name="OutWheelAngle",
-                python_name="OutWheelAngle",
-                kind="outport",
-                type="RTC::TimedDoubleSeq",
-                repository_id="IDL:RTC/TimedDoubleSeq:1.0",
+            data_port(
+                "outport",
+                "OutWheelAngle",
+                rtc.TimedDoubleSeq,
+                "Absolute rotation angles of the left and the right wheel, by the encoders.",
                 unit="rad",
-                description="Absolute rotation angles of the left and the right wheel, by the encoders.",
             ),
-            PortProfile(
-                name="PlantPose",
-                python_name="PlantPose",
-                kind="outport",
-                type="IIS::TimedPose2D",
-                repository_id="IDL:IIS/TimedPose2D:1.0",
+            data_port(
+                "outport",
+                "PlantPose",
+                iis.TimedPose2D,
+                "Where the simulated base truly is: for simulated sensors, which have no other way to know.",
                 unit="m, rad",
-                description="Where the simulated base truly is: for simulated sensors, which have no other way to know.",
             ),
-            PortProfile(
-                name="InventGUIRefHard",
-                python_name="InventGUIRefHard",
-                kind="provider",
-                type="RefHard",
-                repository_id="IDL:RefHard:1.0",
-                port="InventGUIRefHard",
+            service_port(
+                "provider",
+                "InventGUIRefHard",
+                RefHard,
+                "Starts and stops travelling, from a user interface.",
                 instance="RefHard",
-                description="Starts and stops travelling, from a user interface.",
             ),
-            PortProfile(
-                name="BumpRefHard",
-                python_name="BumpRefHard",
-                kind="provider",
-                type="RefHard",
-                repository_id="IDL:RefHard:1.0",
-                port="BumpRefHard",
+            service_port(
+                "provider",
+                "BumpRefHard",
+                RefHard,
+                "Stops travelling, from a bumper.",
                 instance="RefHard",
-                description="Stops travelling, from a bumper.",
             ),
         ),
         configuration=(

@@ -7,7 +7,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+from rtgen.runtime import (
+    Component,
+    ComponentProfile,
+    ParameterProfile,
+    data_port,
+    service_port,
+)
 
 from ... import RefHard, eposdrive, iis, rtc
 
@@ -65,107 +71,81 @@ class RefHardRh3CanopenBase(Component):
         activity="PERIODIC",
         execution="PeriodicExecutionContext",
         ports=(
-            PortProfile(
-                name="InTargetVelocity",
-                python_name="InTargetVelocity",
-                kind="inport",
-                type="IIS::TimedVelocity2D",
-                repository_id="IDL:IIS/TimedVelocity2D:1.0",
+            data_port(
+                "inport",
+                "InTargetVelocity",
+                iis.TimedVelocity2D,
+                "Velocity for the base.",
                 unit="m/s, rad/s",
-                description="Velocity for the base.",
             ),
-            PortProfile(
-                name="OutWheelAngle",
-                python_name="OutWheelAngle",
-                kind="outport",
-                type="RTC::TimedDoubleSeq",
-                repository_id="IDL:RTC/TimedDoubleSeq:1.0",
+            data_port(
+                "outport",
+                "OutWheelAngle",
+                rtc.TimedDoubleSeq,
+                "Absolute rotation angles of the left and the right wheel, by the encoders.",
                 unit="rad",
-                description="Absolute rotation angles of the left and the right wheel, by the encoders.",
             ),
-            PortProfile(
-                name="InventGUIRefHard",
-                python_name="InventGUIRefHard",
-                kind="provider",
-                type="RefHard",
-                repository_id="IDL:RefHard:1.0",
-                port="InventGUIRefHard",
+            service_port(
+                "provider",
+                "InventGUIRefHard",
+                RefHard,
+                "Starts and stops travelling, from a user interface.",
                 instance="RefHard",
-                description="Starts and stops travelling, from a user interface.",
             ),
-            PortProfile(
-                name="BumpRefHard",
-                python_name="BumpRefHard",
-                kind="provider",
-                type="RefHard",
-                repository_id="IDL:RefHard:1.0",
-                port="BumpRefHard",
+            service_port(
+                "provider",
+                "BumpRefHard",
+                RefHard,
+                "Stops travelling, from a bumper.",
                 instance="RefHard",
-                description="Stops travelling, from a bumper.",
             ),
-            PortProfile(
-                name="left_status",
-                python_name="left_status",
-                kind="inport",
-                type="EposDrive::Tpdo1",
-                repository_id="IDL:EposDrive/Tpdo1:1.0",
-                description="State of the left drive.",
+            data_port(
+                "inport",
+                "left_status",
+                eposdrive.Tpdo1,
+                "State of the left drive.",
             ),
-            PortProfile(
-                name="left_motion",
-                python_name="left_motion",
-                kind="inport",
-                type="EposDrive::Tpdo2",
-                repository_id="IDL:EposDrive/Tpdo2:1.0",
-                description="Position and velocity of the left drive.",
+            data_port(
+                "inport",
+                "left_motion",
+                eposdrive.Tpdo2,
+                "Position and velocity of the left drive.",
             ),
-            PortProfile(
-                name="left_control",
-                python_name="left_control",
-                kind="outport",
-                type="EposDrive::Rpdo1",
-                repository_id="IDL:EposDrive/Rpdo1:1.0",
-                description="Commands for the left drive.",
+            data_port(
+                "outport",
+                "left_control",
+                eposdrive.Rpdo1,
+                "Commands for the left drive.",
             ),
-            PortProfile(
-                name="left_target",
-                python_name="left_target",
-                kind="outport",
-                type="EposDrive::Rpdo3",
-                repository_id="IDL:EposDrive/Rpdo3:1.0",
-                description="Velocity for the left drive.",
+            data_port(
+                "outport",
+                "left_target",
+                eposdrive.Rpdo3,
+                "Velocity for the left drive.",
             ),
-            PortProfile(
-                name="right_status",
-                python_name="right_status",
-                kind="inport",
-                type="EposDrive::Tpdo1",
-                repository_id="IDL:EposDrive/Tpdo1:1.0",
-                description="State of the right drive.",
+            data_port(
+                "inport",
+                "right_status",
+                eposdrive.Tpdo1,
+                "State of the right drive.",
             ),
-            PortProfile(
-                name="right_motion",
-                python_name="right_motion",
-                kind="inport",
-                type="EposDrive::Tpdo2",
-                repository_id="IDL:EposDrive/Tpdo2:1.0",
-                description="Position and velocity of the right drive.",
+            data_port(
+                "inport",
+                "right_motion",
+                eposdrive.Tpdo2,
+                "Position and velocity of the right drive.",
             ),
-            PortProfile(
-                name="right_control",
-                python_name="right_control",
-                kind="outport",
-                type="EposDrive::Rpdo1",
-                repository_id="IDL:EposDrive/Rpdo1:1.0",
-                description="Commands for the right drive.",
+            data_port(
+                "outport",
+                "right_control",
+                eposdrive.Rpdo1,
+                "Commands for the right drive.",
             ),
-            PortProfile(
-                name="right_target",
-                python_name="right_target",
-                kind="outport",
-                type="EposDrive::Rpdo3",
-                repository_id="IDL:EposDrive/Rpdo3:1.0",
-                description="Velocity for the right drive.",
+            data_port(
+                "outport",
+                "right_target",
+                eposdrive.Rpdo3,
+                "Velocity for the right drive.",
             ),
         ),
         configuration=(

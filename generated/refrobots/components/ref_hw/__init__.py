@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
 
 from ... import iis, rtc
 
@@ -63,32 +63,26 @@ class RefHwBase(Component):
         activity="PERIODIC",
         execution="PeriodicExecutionContext",
         ports=(
-            PortProfile(
-                name="WheelSpeed",
-                python_name="WheelSpeed",
-                kind="inport",
-                type="RTC::TimedDoubleSeq",
-                repository_id="IDL:RTC/TimedDoubleSeq:1.0",
+            data_port(
+                "inport",
+                "WheelSpeed",
+                rtc.TimedDoubleSeq,
+                "Speeds for the left and the right wheel.",
                 unit="rad/s",
-                description="Speeds for the left and the right wheel.",
             ),
-            PortProfile(
-                name="WheelAngle",
-                python_name="WheelAngle",
-                kind="outport",
-                type="RTC::TimedDoubleSeq",
-                repository_id="IDL:RTC/TimedDoubleSeq:1.0",
+            data_port(
+                "outport",
+                "WheelAngle",
+                rtc.TimedDoubleSeq,
+                "Angles of the left and the right wheel, by the encoders.",
                 unit="rad",
-                description="Angles of the left and the right wheel, by the encoders.",
             ),
-            PortProfile(
-                name="pose",
-                python_name="pose",
-                kind="outport",
-                type="IIS::TimedPose2D",
-                repository_id="IDL:IIS/TimedPose2D:1.0",
+            data_port(
+                "outport",
+                "pose",
+                iis.TimedPose2D,
+                "Where the base truly is: for simulated sensors, which have no other way to know.",
                 unit="m, rad",
-                description="Where the base truly is: for simulated sensors, which have no other way to know.",
             ),
         ),
         configuration=(

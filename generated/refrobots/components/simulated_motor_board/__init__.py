@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
 
 from ... import rh3
 
@@ -67,13 +67,11 @@ class SimulatedMotorBoardBase(Component):
         activity="PERIODIC",
         execution="PeriodicExecutionContext",
         ports=(
-            PortProfile(
-                name="events",
-                python_name="events",
-                kind="outport",
-                type="RH3::BoardEvent",
-                repository_id="IDL:RH3/BoardEvent:1.0",
-                description="The board's log; a board has no such port, but a simulated one can tell.",
+            data_port(
+                "outport",
+                "events",
+                rh3.BoardEvent,
+                "The board's log; a board has no such port, but a simulated one can tell.",
             ),
         ),
         configuration=(

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from rtgen.runtime import Component, ComponentProfile, PortProfile
+from rtgen.runtime import Component, ComponentProfile, data_port
 
 from ... import iis
 
@@ -30,32 +30,26 @@ class SwitchInputRTCBase(Component):
         activity="PERIODIC",
         execution="PeriodicExecutionContext",
         ports=(
-            PortProfile(
-                name="inVelJoy",
-                python_name="inVelJoy",
-                kind="inport",
-                type="IIS::TimedVelocity2D",
-                repository_id="IDL:IIS/TimedVelocity2D:1.0",
+            data_port(
+                "inport",
+                "inVelJoy",
+                iis.TimedVelocity2D,
+                "Velocity by hand.",
                 unit="m/s, rad/s",
-                description="Velocity by hand.",
             ),
-            PortProfile(
-                name="inVelAuto",
-                python_name="inVelAuto",
-                kind="inport",
-                type="IIS::TimedVelocity2D",
-                repository_id="IDL:IIS/TimedVelocity2D:1.0",
+            data_port(
+                "inport",
+                "inVelAuto",
+                iis.TimedVelocity2D,
+                "Velocity of the navigation.",
                 unit="m/s, rad/s",
-                description="Velocity of the navigation.",
             ),
-            PortProfile(
-                name="outVel",
-                python_name="outVel",
-                kind="outport",
-                type="IIS::TimedVelocity2D",
-                repository_id="IDL:IIS/TimedVelocity2D:1.0",
+            data_port(
+                "outport",
+                "outVel",
+                iis.TimedVelocity2D,
+                "The velocity to be driven.",
                 unit="m/s, rad/s",
-                description="The velocity to be driven.",
             ),
         ),
     )

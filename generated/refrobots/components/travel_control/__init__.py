@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
 
 from ... import iis
 
@@ -50,23 +50,19 @@ class TravelControlBase(Component):
         activity="PERIODIC",
         execution="PeriodicExecutionContext",
         ports=(
-            PortProfile(
-                name="command",
-                python_name="command",
-                kind="inport",
-                type="IIS::TimedVelocity2D",
-                repository_id="IDL:IIS/TimedVelocity2D:1.0",
+            data_port(
+                "inport",
+                "command",
+                iis.TimedVelocity2D,
+                "Travel command in the frame of the body, with its time; one at least every 10 ms or so.",
                 unit="m/s, rad/s",
-                description="Travel command in the frame of the body, with its time; one at least every 10 ms or so.",
             ),
-            PortProfile(
-                name="information",
-                python_name="information",
-                kind="outport",
-                type="IIS::TimedVelocity2D",
-                repository_id="IDL:IIS/TimedVelocity2D:1.0",
+            data_port(
+                "outport",
+                "information",
+                iis.TimedVelocity2D,
+                "Travel information: the present velocity by the encoders, with its time, at every",
                 unit="m/s, rad/s",
-                description="Travel information: the present velocity by the encoders, with its time, at every",
             ),
         ),
         configuration=(

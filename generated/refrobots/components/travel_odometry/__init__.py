@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
 
 from ... import iis
 
@@ -44,23 +44,19 @@ class TravelOdometryBase(Component):
         activity="PERIODIC",
         execution="PeriodicExecutionContext",
         ports=(
-            PortProfile(
-                name="information",
-                python_name="information",
-                kind="inport",
-                type="IIS::TimedVelocity2D",
-                repository_id="IDL:IIS/TimedVelocity2D:1.0",
+            data_port(
+                "inport",
+                "information",
+                iis.TimedVelocity2D,
+                "How the robot moves, in the frame of its body. Each sample holds since the one before.",
                 unit="m/s, rad/s",
-                description="How the robot moves, in the frame of its body. Each sample holds since the one before.",
             ),
-            PortProfile(
-                name="position",
-                python_name="position",
-                kind="outport",
-                type="IIS::TimedPose2D",
-                repository_id="IDL:IIS/TimedPose2D:1.0",
+            data_port(
+                "outport",
+                "position",
+                iis.TimedPose2D,
+                "Self-position in the world frame, the heading within 0..2 pi, with the time of the",
                 unit="m, rad",
-                description="Self-position in the world frame, the heading within 0..2 pi, with the time of the",
             ),
         ),
         configuration=(

@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
 
 from ... import iis, ucode
 
@@ -45,22 +45,18 @@ class UcodeReaderBase(Component):
         activity="PERIODIC",
         execution="PeriodicExecutionContext",
         ports=(
-            PortProfile(
-                name="pose",
-                python_name="pose",
-                kind="inport",
-                type="IIS::TimedPose2D",
-                repository_id="IDL:IIS/TimedPose2D:1.0",
+            data_port(
+                "inport",
+                "pose",
+                iis.TimedPose2D,
+                "Where the reader truly is.",
                 unit="m, rad",
-                description="Where the reader truly is.",
             ),
-            PortProfile(
-                name="sightings",
-                python_name="sightings",
-                kind="outport",
-                type="Ucode::TimedSightings",
-                repository_id="IDL:Ucode/TimedSightings:1.0",
-                description="The markers in view, the nearest first; sent while there is one.",
+            data_port(
+                "outport",
+                "sightings",
+                ucode.TimedSightings,
+                "The markers in view, the nearest first; sent while there is one.",
             ),
         ),
         configuration=(

@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
 
 from ... import ucode
 
@@ -45,21 +45,17 @@ class UcodeSettlementBase(Component):
         activity="PERIODIC",
         execution="PeriodicExecutionContext",
         ports=(
-            PortProfile(
-                name="sightings",
-                python_name="sightings",
-                kind="inport",
-                type="Ucode::TimedSightings",
-                repository_id="IDL:Ucode/TimedSightings:1.0",
-                description="The markers in view.",
+            data_port(
+                "inport",
+                "sightings",
+                ucode.TimedSightings,
+                "The markers in view.",
             ),
-            PortProfile(
-                name="record",
-                python_name="record",
-                kind="outport",
-                type="Ucode::TimedRecord",
-                repository_id="IDL:Ucode/TimedRecord:1.0",
-                description="The record of the nearest marker, for each reading.",
+            data_port(
+                "outport",
+                "record",
+                ucode.TimedRecord,
+                "The record of the nearest marker, for each reading.",
             ),
         ),
         configuration=(

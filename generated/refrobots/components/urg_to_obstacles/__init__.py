@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
 
 from ... import iis, rtc
 
@@ -38,23 +38,13 @@ class Urg_to_ObstaclesBase(Component):
         activity="PERIODIC",
         execution="PeriodicExecutionContext",
         ports=(
-            PortProfile(
-                name="range",
-                python_name="range",
-                kind="inport",
-                type="RTC::RangeData",
-                repository_id="IDL:RTC/RangeData:1.0",
+            data_port("inport", "range", rtc.RangeData, "The scan.", unit="m"),
+            data_port(
+                "outport",
+                "obstacles",
+                iis.TimedPoint2DSeq,
+                "The points, with the time of the scan.",
                 unit="m",
-                description="The scan.",
-            ),
-            PortProfile(
-                name="obstacles",
-                python_name="obstacles",
-                kind="outport",
-                type="IIS::TimedPoint2DSeq",
-                repository_id="IDL:IIS/TimedPoint2DSeq:1.0",
-                unit="m",
-                description="The points, with the time of the scan.",
             ),
         ),
         configuration=(

@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
 
 from ... import iis
 
@@ -40,14 +40,12 @@ class UserInterfaceBase(Component):
         activity="PERIODIC",
         execution="PeriodicExecutionContext",
         ports=(
-            PortProfile(
-                name="targets",
-                python_name="targets",
-                kind="outport",
-                type="IIS::TimedPose2DSeq",
-                repository_id="IDL:IIS/TimedPose2DSeq:1.0",
+            data_port(
+                "outport",
+                "targets",
+                iis.TimedPose2DSeq,
+                "Targets in the world frame. Only the first one counts, a new list takes the place of",
                 unit="m, rad",
-                description="Targets in the world frame. Only the first one counts, a new list takes the place of",
             ),
         ),
         configuration=(

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from rtgen.runtime import Component, ComponentProfile, PortProfile
+from rtgen.runtime import Component, ComponentProfile, data_port
 
 from ... import iis, rtc
 
@@ -26,22 +26,8 @@ class VelocityAdapterBase(Component):
         activity="PERIODIC",
         execution="PeriodicExecutionContext",
         ports=(
-            PortProfile(
-                name="input",
-                python_name="input",
-                kind="inport",
-                type="RTC::TimedVelocity",
-                repository_id="IDL:RTC/TimedVelocity:1.0",
-                description="What comes.",
-            ),
-            PortProfile(
-                name="output",
-                python_name="output",
-                kind="outport",
-                type="IIS::TimedVelocity2D",
-                repository_id="IDL:IIS/TimedVelocity2D:1.0",
-                description="What goes.",
-            ),
+            data_port("inport", "input", rtc.TimedVelocity, "What comes."),
+            data_port("outport", "output", iis.TimedVelocity2D, "What goes."),
         ),
     )
 

@@ -33,11 +33,19 @@ from rtgen.typemap.idl_python_names import PythonNames
 from rtgen.typemap.parameters import Parameters
 
 _TAKEN = CONFIGURATION_NAMES | {
-    *("Component", "ComponentProfile", "ParameterProfile", "PortProfile", "ClassVar"),
+    *("Component", "ComponentProfile", "ParameterProfile", "ClassVar"),
+    *("data_port", "service_port"),
     *("annotations", "dataclass", "super", "self", "instance_name"),
 }
 _FLOATING = (PrimitiveType(Primitive.FLOAT), PrimitiveType(Primitive.DOUBLE))
 _ADD = {PortKind.INPORT: "add_in_port", PortKind.OUTPORT: "add_out_port"}
+_PROFILES = {
+    PortKind.INPORT: "data_port",
+    PortKind.OUTPORT: "data_port",
+    PortKind.PROVIDER: "service_port",
+    PortKind.CONSUMER: "service_port",
+}
+"""The functions of the runtime that make the profile of a port."""
 _ADD_SERVICE = {PortKind.PROVIDER: "add_provider", PortKind.CONSUMER: "add_consumer"}
 
 
@@ -104,7 +112,8 @@ class _BaseModule:
         title = heading(component)
         runtime = [] if component.runtime_base else ["Component"]
         runtime += ["ComponentProfile"]
-        runtime += ["ParameterProfile"] * bool(fields) + ["PortProfile"] * bool(ports)
+        runtime += ["ParameterProfile"] * bool(fields)
+        runtime += sorted({_PROFILES[port.kind] for port, _ in attributes.ports})
         of_runtime, local, runtime_base = self._runtime_base()
         text = render(
             "components/base.py.j2",
@@ -213,20 +222,8 @@ class _BaseModule:
         )
 
     def _port_profile(self, port: Port, name: str) -> str:
-        declaration = self._declaration(port)
-        is_service = port.kind in _ADD_SERVICE
-        return _call(
-            "PortProfile",
-            name=string_literal(port.name),
-            python_name=string_literal(name),
-            kind=string_literal(port.kind.value),
-            type=string_literal(declaration.scoped),
-            repository_id=string_literal(declaration.repository_id),
-            port=_optional(port.port if is_service else ""),
-            instance=_optional(port.instance if is_service else ""),
-            unit=_optional(port.unit),
-            description=_optional(_first_line(port.doc)),
-        )
+        type_ = self._imports.type_name(self._declaration(port).name)
+        return port_profile(port, name, type_)
 
     def _parameter_profile(self, parameter: ConfigurationParameter, name: str) -> str:
         constraint = parse(parameter.constraint)
@@ -243,6 +240,27 @@ class _BaseModule:
             widget=_optional(parameter.widget),
             description=_optional(_first_line(parameter.doc)),
         )
+
+
+def port_profile(port: Port, attribute: str, type_: str) -> str:
+    """The expression for the profile of a port; `type_` is that for its type."""
+    function = _PROFILES[port.kind]
+    given = [string_literal(port.kind.value), string_literal(port.name), type_]
+    doc = string_literal(_first_line(port.doc))
+    other = string_literal(attribute)
+    if attribute != port.name:
+        given += [doc, other]
+    elif port.doc:
+        given += [doc]
+    parts = {"unit": port.unit}
+    if port.kind in _ADD_SERVICE:
+        parts = {"port": port.port, "instance": port.instance, **parts}
+    given += (
+        f"{key}={string_literal(text)}"
+        for key, text in parts.items()
+        if text and (key == "unit" or text != port.name)
+    )
+    return f"{function}({', '.join(given)})"
 
 
 def _call(callee: str, /, **arguments: str) -> str:

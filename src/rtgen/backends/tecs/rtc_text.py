@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rtgen.backends.components.base_module import class_names
+from rtgen.backends.components.base_module import class_names, port_profile
 from rtgen.backends.components.imports import Imports, import_from
 from rtgen.backends.components.locations import heading, summary
 from rtgen.backends.components.members import attributes_of
@@ -24,12 +24,7 @@ def rtc_class(component: Component, imports: Imports, name: str) -> str:
         assert isinstance(port.type, NamedType)
         interface = imports.type_name(port.type.name)
         names = f"{string_literal(port.port)}, {string_literal(port.instance)}"
-        doc = string_literal(port.doc)
-        kind = string_literal(port.kind.value)
-        assert port.name == port.port == port.instance
-        given = [kind, string_literal(port.name), interface, doc]
-        given += [string_literal(attribute)] if attribute != port.name else []
-        ports.append(f"service_port({', '.join(given)})")
+        ports.append(port_profile(port, attribute, interface))
         statements.append(
             f"self.{attribute} = self.{_ADD[port.kind]}({names}, {interface})"
         )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
 if TYPE_CHECKING:
     from rtgen.runtime.services.servants import Servant
@@ -49,26 +49,61 @@ class PortProfile:
     description: str = ""
 
 
+class _Described(Protocol):
+    """A generated type."""
+
+    _descriptor_: ClassVar[Any]
+
+
+def data_port(
+    kind: str,
+    name: str,
+    type_: type[_Described],
+    description: str = "",
+    python_name: str = "",
+    *,
+    unit: str = "",
+) -> PortProfile:
+    """The profile of a data port.
+
+    `python_name` is the attribute of the component, if it differs from the name.
+    """
+    return PortProfile(
+        name=name,
+        python_name=python_name or name,
+        kind=kind,
+        type=type_._descriptor_.name,
+        repository_id=type_._descriptor_.repository_id,
+        unit=unit,
+        description=description,
+    )
+
+
 def service_port(
     kind: str,
     name: str,
     interface: type[Servant],
     description: str = "",
     python_name: str = "",
+    *,
+    port: str = "",
+    instance: str = "",
+    unit: str = "",
 ) -> PortProfile:
-    """The profile of a service port with a single interface of the same name.
+    """The profile of an interface of a service port.
 
-    `python_name` is the attribute of the component, if it differs from the name.
+    `python_name` is the attribute of the component, `port` the service port and `instance` the
+    instance name, each if it differs from the name.
     """
-    described = interface._descriptor_
     return PortProfile(
         name=name,
         python_name=python_name or name,
         kind=kind,
-        type=described.name,
-        repository_id=described.repository_id,
-        port=name,
-        instance=name,
+        type=interface._descriptor_.name,
+        repository_id=interface._descriptor_.repository_id,
+        port=port or name,
+        instance=instance or name,
+        unit=unit,
         description=description,
     )
 

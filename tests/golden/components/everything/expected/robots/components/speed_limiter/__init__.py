@@ -7,7 +7,13 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import ClassVar
 
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+from rtgen.runtime import (
+    Component,
+    ComponentProfile,
+    ParameterProfile,
+    data_port,
+    service_port,
+)
 
 from ... import Alive, lab
 
@@ -44,73 +50,43 @@ class SpeedLimiterBase(Component):
         activity="PERIODIC",
         execution="PeriodicExecutionContext",
         ports=(
-            PortProfile(
-                name=".wanted",
-                python_name="wanted",
-                kind="inport",
-                type="Lab::TimedSpeed",
-                repository_id="IDL:Lab/TimedSpeed:1.0",
+            data_port(
+                "inport",
+                ".wanted",
+                lab.TimedSpeed,
+                "What is wanted.",
+                "wanted",
                 unit="m/s",
-                description="What is wanted.",
             ),
-            PortProfile(
-                name="status",
-                python_name="status_in",
-                kind="inport",
-                type="Lab::Reading",
-                repository_id="IDL:Lab/Reading:1.0",
-                description="State in and state out have one outside name.",
+            data_port(
+                "inport",
+                "status",
+                lab.Reading,
+                "State in and state out have one outside name.",
+                "status_in",
             ),
-            PortProfile(
-                name="status",
-                python_name="status_out",
-                kind="outport",
-                type="Lab::Reading",
-                repository_id="IDL:Lab/Reading:1.0",
+            data_port("outport", "status", lab.Reading, "", "status_out"),
+            data_port(
+                "outport",
+                "the_limited_speed_under_a_name_that_is_so_long_that_no_line_can_hold_it_all",
+                lab.TimedSpeed,
             ),
-            PortProfile(
-                name="the_limited_speed_under_a_name_that_is_so_long_that_no_line_can_hold_it_all",
-                python_name="the_limited_speed_under_a_name_that_is_so_long_that_no_line_can_hold_it_all",
-                kind="outport",
-                type="Lab::TimedSpeed",
-                repository_id="IDL:Lab/TimedSpeed:1.0",
-            ),
-            PortProfile(
-                name="left_brake",
-                python_name="left_brake",
-                kind="provider",
-                type="Lab::Brake",
-                repository_id="IDL:Lab/Brake:1.0",
+            service_port(
+                "provider",
+                "left_brake",
+                lab.Brake,
                 port="Safety",
                 instance="left",
             ),
-            PortProfile(
-                name="right_brake",
-                python_name="right_brake",
-                kind="provider",
-                type="Lab::Brake",
-                repository_id="IDL:Lab/Brake:1.0",
+            service_port(
+                "provider",
+                "right_brake",
+                lab.Brake,
                 port="Safety",
                 instance="right",
             ),
-            PortProfile(
-                name="watch",
-                python_name="watch",
-                kind="consumer",
-                type="Alive",
-                repository_id="IDL:Alive:1.0",
-                port="Safety",
-                instance="Alive",
-            ),
-            PortProfile(
-                name="config",
-                python_name="config_",
-                kind="consumer",
-                type="Alive",
-                repository_id="IDL:Alive:1.0",
-                port="config",
-                instance="Alive",
-            ),
+            service_port("consumer", "watch", Alive, port="Safety", instance="Alive"),
+            service_port("consumer", "config", Alive, "", "config_", instance="Alive"),
         ),
         configuration=(
             ParameterProfile(

@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
 
 from ... import lab
 
@@ -34,15 +34,7 @@ class SensorBase(Component):
         max_instances=1,
         activity="PERIODIC",
         execution="PeriodicExecutionContext",
-        ports=(
-            PortProfile(
-                name="value",
-                python_name="value",
-                kind="outport",
-                type="Lab::TimedLong",
-                repository_id="IDL:Lab/TimedLong:1.0",
-            ),
-        ),
+        ports=(data_port("outport", "value", lab.TimedLong),),
         configuration=(
             ParameterProfile(
                 name="period",

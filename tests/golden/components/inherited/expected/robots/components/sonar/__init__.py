@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
 
 from ... import lab
 
@@ -36,20 +36,8 @@ class SonarBase(Component):
         activity="PERIODIC",
         execution="PeriodicExecutionContext",
         ports=(
-            PortProfile(
-                name="value",
-                python_name="value",
-                kind="outport",
-                type="Lab::TimedLong",
-                repository_id="IDL:Lab/TimedLong:1.0",
-            ),
-            PortProfile(
-                name="reset",
-                python_name="reset",
-                kind="inport",
-                type="Lab::TimedLong",
-                repository_id="IDL:Lab/TimedLong:1.0",
-            ),
+            data_port("outport", "value", lab.TimedLong),
+            data_port("inport", "reset", lab.TimedLong),
         ),
         configuration=(
             ParameterProfile(

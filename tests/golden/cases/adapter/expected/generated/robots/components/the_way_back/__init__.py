@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from rtgen.runtime import Component, ComponentProfile, PortProfile
+from rtgen.runtime import Component, ComponentProfile, data_port
 
 from ... import Plain, Rich
 
@@ -26,22 +26,8 @@ class TheWayBackBase(Component):
         activity="PERIODIC",
         execution="PeriodicExecutionContext",
         ports=(
-            PortProfile(
-                name="input",
-                python_name="input",
-                kind="inport",
-                type="Rich",
-                repository_id="IDL:Rich:1.0",
-                description="What comes.",
-            ),
-            PortProfile(
-                name="output",
-                python_name="output",
-                kind="outport",
-                type="Plain",
-                repository_id="IDL:Plain:1.0",
-                description="What goes.",
-            ),
+            data_port("inport", "input", Rich, "What comes."),
+            data_port("outport", "output", Plain, "What goes."),
         ),
     )
 

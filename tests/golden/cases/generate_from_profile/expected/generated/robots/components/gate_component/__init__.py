@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from rtgen.runtime import Component, ComponentProfile, PortProfile
+from rtgen.runtime import Component, ComponentProfile, data_port, service_port
 
 from ... import Gate, GatePos
 
@@ -26,22 +26,8 @@ class GateComponentBase(Component):
         activity="EVENTDRIVEN",
         execution="PeriodicExecutionContext",
         ports=(
-            PortProfile(
-                name="Pos",
-                python_name="pos",
-                kind="outport",
-                type="GatePos",
-                repository_id="IDL:GatePos:1.0",
-            ),
-            PortProfile(
-                name="gate",
-                python_name="gate",
-                kind="provider",
-                type="Gate",
-                repository_id="IDL:Gate:1.0",
-                port="services",
-                instance="gate",
-            ),
+            data_port("outport", "Pos", GatePos, "", "pos"),
+            service_port("provider", "gate", Gate, port="services"),
         ),
     )
 

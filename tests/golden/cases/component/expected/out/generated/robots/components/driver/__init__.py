@@ -7,7 +7,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, PortProfile
+from rtgen.runtime import (
+    Component,
+    ComponentProfile,
+    ParameterProfile,
+    data_port,
+    service_port,
+)
 
 from ... import drive
 
@@ -35,29 +41,9 @@ class DriverBase(Component):
         activity="PERIODIC",
         execution="PeriodicExecutionContext",
         ports=(
-            PortProfile(
-                name="target",
-                python_name="target",
-                kind="inport",
-                type="Drive::Velocity",
-                repository_id="IDL:Drive/Velocity:1.0",
-            ),
-            PortProfile(
-                name="target_out",
-                python_name="target_out",
-                kind="outport",
-                type="Drive::Velocity",
-                repository_id="IDL:Drive/Velocity:1.0",
-            ),
-            PortProfile(
-                name="safety",
-                python_name="safety",
-                kind="provider",
-                type="Drive::Safety",
-                repository_id="IDL:Drive/Safety:1.0",
-                port="safety",
-                instance="Safety",
-            ),
+            data_port("inport", "target", drive.Velocity),
+            data_port("outport", "target_out", drive.Velocity),
+            service_port("provider", "safety", drive.Safety, instance="Safety"),
         ),
         configuration=(
             ParameterProfile(
