@@ -1,28 +1,36 @@
-"""CDR of TimedPose2D: our generated codec beside cyclonedds-python, protobuf and omniORBpy.
+"""CDR of small messages: our codecs beside omniORBpy, cyclonedds-python, protobuf and msgpack.
 
     python benchmarks/cdr.py
 
 Rounds of all candidates are interleaved; the least processor time is printed, in nanoseconds, with
-its ratio to ours. Values are built beforehand for omniORBpy and cyclonedds; against protobuf both
-sides build and serialize, or parse and read every field. Lengths are those of `id` and `error`.
+its ratio to ours. Values are built beforehand for omniORBpy, cyclonedds and msgspec's msgpack,
+which takes the same objects; against protobuf both sides build and serialize, or parse and read
+every field. Types with sequences are given with the numbers of their items.
 """
 
 from __future__ import annotations
 
 import importlib
-import shutil
-import subprocess
 import sys
-import sysconfig
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
-SPECS = Path(__file__).resolve().parents[1] / "specs" / "idl"
-LENGTHS = ((0, 0), (1, 3), (16, 36))
+from cdr_peers import (
+    OWN,
+    SPECS,
+    CycloneDds,
+    Protobuf,
+    Texts,
+    load_omniorb,
+    omniorb_type,
+    omniorb_value,
+)
+
 ROUNDS = 25
 SECONDS_PER_ROUND = 0.004
 
@@ -31,211 +39,123 @@ Task = Callable[[], object]
 
 @dataclass(frozen=True)
 class Case:
-    """The tasks of one candidate: encode and decode, and what ours is for the comparison."""
+    """The tasks of one candidate: encode and decode."""
 
     name: str
     encode: Task
     decode: Task
 
 
-def ours(folder: Path) -> tuple[Any, Any]:
-    """The generated packages `rtc` and `iis`."""
+def generated(folder: Path) -> Any:
+    """The generated packages."""
     from rtgen.backends import Options
     from rtgen.backends.types import BACKEND
     from rtgen.frontends.idl import load
+    from rtgen.lowering.numeric import lower
+    from rtgen.lowering.settings import Settings
 
-    result = load([SPECS / "intellirobot.idl"], root=SPECS)
-    emission = BACKEND.emit(result.model, Options("bench_types", "skeletons", "0"))
-    for artifact in emission.artifacts:
+    result = load([OWN], root=OWN.parent, include=[SPECS])
+    model = lower(result.model, Settings(numeric="array")).model
+    for artifact in BACKEND.emit(model, Options("bench_types", "s", "0")).artifacts:
         path = folder / artifact.path
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(artifact.text, encoding="utf-8")
     sys.path.insert(0, str(folder))
-    return (
-        importlib.import_module("bench_types.rtc"),
-        importlib.import_module("bench_types.iis"),
-    )
+    names = ("rtc", "iis", "bench")
+    found = {name: importlib.import_module(f"bench_types.{name}") for name in names}
+    return SimpleNamespace(**found)
 
 
-def our_cases(folder: Path) -> Callable[[int, int], list[Case]]:
-    rtc, iis = ours(folder)
-
-    def cases(ids: int, errors: int) -> list[Case]:
-        identifiers, numbers = list(range(ids)), [i / 7 for i in range(errors)]
-        pose = rtc.Pose2D(rtc.Point2D(1.0, 2.0), 0.5)
-        value = iis.TimedPose2D(rtc.Time(1, 2), identifiers, pose, numbers)
-        octets = value.to_cdr()
-        from_cdr = iis.TimedPose2D.from_cdr
-
-        def build() -> bytes:
-            point = rtc.Point2D(1.0, 2.0)
-            made = iis.TimedPose2D(
-                rtc.Time(1, 2), identifiers, rtc.Pose2D(point, 0.5), numbers
-            )
-            return bytes(made.to_cdr())
-
-        def read() -> object:
-            made = from_cdr(octets)
-            tm, data = made.tm, made.data
-            position = data.position
-            return (
-                tm.sec,
-                tm.nsec,
-                list(made.id),
-                position.x,
-                position.y,
-                data.heading,
-                list(made.error),
-            )
-
-        second = value.to_xcdr2()
-        from_xcdr2 = iis.TimedPose2D.from_xcdr2
-        return [
-            Case("rtgen", value.to_cdr, lambda: from_cdr(octets)),
-            Case("rtgen, XCDR2", value.to_xcdr2, lambda: from_xcdr2(second)),
-            Case("rtgen, built and read", build, read),
-        ]
-
-    return cases
+def values(types: Any) -> Iterator[tuple[str, Any]]:
+    """What is measured: a title and a value."""
+    rtc, iis, bench = types.rtc, types.iis, types.bench
+    tm, point = rtc.Time(1, 2), rtc.Point2D(1.0, 2.0)
+    pose, velocity = rtc.Pose2D(point, 0.5), rtc.Velocity2D(0.3, 0.0, 0.1)
+    yield "RTC::TimedPose2D", rtc.TimedPose2D(tm, pose)
+    yield "RTC::TimedVelocity2D", rtc.TimedVelocity2D(tm, velocity)
+    for ids, errors in ((0, 0), (1, 3), (16, 36)):
+        identifiers, numbers = [*range(ids)], [i / 7 for i in range(errors)]
+        lengths = f"{ids}/{errors}"
+        value = iis.TimedPose2D(tm, identifiers, pose, numbers)
+        yield f"IIS::TimedPose2D {lengths}", value
+        value = iis.TimedVelocity2D(tm, identifiers, velocity, numbers)
+        yield f"IIS::TimedVelocity2D {lengths}", value
+    yield "RTC::RangeData 360", rtc.RangeData(tm, [i / 7 for i in range(360)])
+    reading, report = bench.Reading, bench.Report
+    place = reading(bench.Kind.POINT, point)
+    text = reading(bench.Kind.TEXT, "bumper")
+    first, second = report(1, place), report(9, "stopped")
+    yield "nested unions", bench.Event(tm, first, second, text)
+    tags = ["laser", "indoor", "class 1"]
+    texts = ["Maker Inc.", "LX-30", "00012345", "1.4.2", "Scanner, " * 8, tags]
+    yield "strings", bench.Device(*texts)
 
 
-def cyclone_cases() -> Callable[[int, int], list[Case]]:
-    from cyclonedds_types import Point2D, Pose2D, Time, TimedPose2D
-
-    def cases(ids: int, errors: int) -> list[Case]:
-        value = TimedPose2D(
-            Time(1, 2),
-            list(range(ids)),
-            Pose2D(Point2D(1.0, 2.0), 0.5),
-            [i / 7 for i in range(errors)],
-        )
-        octets = value.serialize()
-        second = value.serialize(use_version_2=True)
-        return [
-            Case(
-                "cyclonedds", value.serialize, lambda: TimedPose2D.deserialize(octets)
-            ),
-            Case(
-                "cyclonedds, XCDR2",
-                lambda: value.serialize(use_version_2=True),
-                lambda: TimedPose2D.deserialize(second),
-            ),
-        ]
-
-    return cases
-
-
-def protobuf_case() -> Callable[[int, int], Case]:
-    from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
-    from google.protobuf.internal import api_implementation
-
-    file = descriptor_pb2.FileDescriptorProto(
-        name="b.proto", package="b", syntax="proto3"
-    )
-    kinds = descriptor_pb2.FieldDescriptorProto
-
-    def message(name: str, *fields: tuple[str, int, str, bool]) -> None:
-        made = file.message_type.add(name=name)
-        for number, (field, kind, type_name, repeated) in enumerate(fields, 1):
-            label = kinds.LABEL_REPEATED if repeated else kinds.LABEL_OPTIONAL
-            added = made.field.add(name=field, number=number, type=kind, label=label)
-            if type_name:
-                added.type_name = type_name
-
-    double, nested = kinds.TYPE_DOUBLE, kinds.TYPE_MESSAGE
-    message(
-        "Time",
-        ("sec", kinds.TYPE_FIXED32, "", False),
-        ("nsec", kinds.TYPE_FIXED32, "", False),
-    )
-    message("Point2D", ("x", double, "", False), ("y", double, "", False))
-    message(
-        "Pose2D",
-        ("position", nested, ".b.Point2D", False),
-        ("heading", double, "", False),
-    )
-    message(
-        "TimedPose2D",
-        ("tm", nested, ".b.Time", False),
-        ("id", kinds.TYPE_INT32, "", True),
-        ("data", nested, ".b.Pose2D", False),
-        ("error", double, "", True),
-    )
-    pool = descriptor_pool.DescriptorPool()
-    pool.Add(file)
-    found = message_factory.GetMessageClassesForFiles(["b.proto"], pool)
-    time_, point = found["b.Time"], found["b.Point2D"]
-    pose, timed = found["b.Pose2D"], found["b.TimedPose2D"]
-    name = f"protobuf ({api_implementation.Type()})"
-
-    def case(ids: int, errors: int) -> Case:
-        identifiers, numbers = list(range(ids)), [i / 7 for i in range(errors)]
-
-        def build() -> bytes:
-            made = timed(
-                tm=time_(sec=1, nsec=2),
-                id=identifiers,
-                data=pose(position=point(x=1.0, y=2.0), heading=0.5),
-                error=numbers,
-            )
-            return bytes(made.SerializeToString())
-
-        octets = build()
-
-        def read() -> object:
-            made = timed.FromString(octets)
-            tm, data = made.tm, made.data
-            position = data.position
-            return (
-                tm.sec,
-                tm.nsec,
-                list(made.id),
-                position.x,
-                position.y,
-                data.heading,
-                list(made.error),
-            )
-
-        return Case(name, build, read)
-
-    return case
-
-
-def omniorb_case(folder: Path) -> Callable[[int, int], Case]:
+def cases(value: Any, cyclone: CycloneDds, protobuf: Protobuf) -> list[Case]:
+    """All candidates for a value."""
+    import msgspec
     import omniORB
-    from omniORB import CORBA
 
-    scripts = sysconfig.get_path("scripts")
-    omniidl = shutil.which("omniidl", path=scripts) or "omniidl"
-    for name in ("BasicDataType", "ExtendedDataTypes", "intellirobot"):
-        source = str(SPECS / f"{name}.idl")
-        subprocess.run(
-            [omniidl, "-bpython", f"-I{SPECS}", f"-C{folder}", source], check=True
-        )
-    CORBA.ORB_init(["bench", "-ORBnativeCharCodeSet", "UTF-8"])
-    sys.path.insert(0, str(folder))
-    rtc, iis = importlib.import_module("RTC"), importlib.import_module("IIS")
-
-    def case(ids: int, errors: int) -> Case:
-        code = iis._tc_TimedPose2D
-        value = iis.TimedPose2D(
-            rtc.Time(1, 2),
-            list(range(ids)),
-            rtc.Pose2D(rtc.Point2D(1.0, 2.0), 0.5),
-            [i / 7 for i in range(errors)],
-        )
-        octets = omniORB.cdrMarshal(code, value, 1)
-        marshal, unmarshal = omniORB.cdrMarshal, omniORB.cdrUnmarshal
-        return Case(
+    type_ = type(value)
+    described = type_._descriptor_
+    octets, second = value.to_cdr(), value.to_xcdr2()
+    from_cdr, from_xcdr2 = type_.from_cdr, type_.from_xcdr2
+    texts = Texts({"from_cdr": from_cdr})
+    fields = ", ".join(texts.read(described, value, "made", False))
+    read = texts.function("made", f"({fields},)")
+    theirs = omniorb_value(described, value)
+    code = omniorb_type(described)
+    marshal, unmarshal = omniORB.cdrMarshal, omniORB.cdrUnmarshal
+    body = marshal(code, theirs, 1)
+    assert len(body) == len(octets)
+    sample = cyclone.value(described, value)
+    plain1, plain2 = sample.serialize(), sample.serialize(use_version_2=True)
+    assert plain1[4:] == octets, (plain1[4:], octets)
+    packed = msgspec.msgpack.encode(value)
+    unions = "Union" in str(described)
+    unpack = msgspec.msgpack.Decoder(Any if unions else type_).decode
+    pack = msgspec.msgpack.Encoder().encode
+    classes = protobuf.classes
+    message = classes[described.name.replace("::", "_")]
+    make = texts.function("", texts.theirs(described, value, classes))
+    parts = ", ".join(texts.read(described, value, "made", True))
+    parse = texts.function("made", f"({parts},)")
+    wire = make().SerializeToString()
+    build = texts.function("", texts.ours(described, value))
+    assert build() == value
+    return [
+        Case("rtgen", value.to_cdr, lambda: from_cdr(octets)),
+        Case(
             "omniORBpy (C++)",
-            lambda: marshal(code, value, 1),
-            lambda: unmarshal(code, octets, 1),
-        )
+            lambda: marshal(code, theirs, 1),
+            lambda: unmarshal(code, body, 1),
+        ),
+        Case(
+            f"msgspec msgpack{', untyped' * unions}",
+            lambda: pack(value),
+            lambda: unpack(packed),
+        ),
+        Case("cyclonedds", sample.serialize, lambda: type(sample).deserialize(plain1)),
+        Case("rtgen, XCDR2", value.to_xcdr2, lambda: from_xcdr2(second)),
+        Case(
+            "cyclonedds, XCDR2",
+            lambda: sample.serialize(use_version_2=True),
+            lambda: type(sample).deserialize(plain2),
+        ),
+        Case(
+            "rtgen, built and read",
+            lambda: build().to_cdr(),
+            lambda: read(from_cdr(octets)),
+        ),
+        Case(
+            protobuf.name,
+            lambda: make().SerializeToString(),
+            lambda: parse(message.FromString(wire)),
+        ),
+    ]
 
-    return case
 
-
-def least_times(tasks: list[Task]) -> list[float]:
+def least_times(tasks: list[Task], rounds: int = ROUNDS) -> list[float]:
     """Nanoseconds of processor time of each task: the least of interleaved rounds."""
     clock = time.process_time_ns
     numbers = []
@@ -246,7 +166,7 @@ def least_times(tasks: list[Task]) -> list[float]:
             count += 1
         numbers.append(max(count, 1))
     samples: list[list[float]] = [[] for _ in tasks]
-    for _ in range(ROUNDS):
+    for _ in range(rounds):
         for task, number, times in zip(tasks, numbers, samples, strict=True):
             repeat = range(number)
             start = clock()
@@ -256,32 +176,35 @@ def least_times(tasks: list[Task]) -> list[float]:
     return [min(times) for times in samples]
 
 
-def report(what: str, cases: list[Case], tasks: list[Task]) -> None:
-    times = least_times(tasks)
-    ours = dict(zip((case.name for case in cases), times, strict=True))
-    for case, taken in zip(cases, times, strict=True):
-        base = ours["rtgen"]
-        if case.name.startswith("protobuf"):
-            base = ours["rtgen, built and read"]
-        elif case.name.endswith("XCDR2"):
-            base = ours["rtgen, XCDR2"]
-        print(f"  {what:7} {case.name:24} {taken:9.0f} ns  {taken / base:6.2f}")
+def report(all_cases: list[Case]) -> None:
+    encode = least_times([case.encode for case in all_cases])
+    decode = least_times([case.decode for case in all_cases])
+    base = 0
+    for place, case in enumerate(all_cases):
+        if case.name.startswith("rtgen"):
+            base = place
+        texts = (
+            f"{times[place]:9.0f} ns {times[place] / times[base]:6.2f}"
+            for times in (encode, decode)
+        )
+        print(f"  {case.name:26}", *texts)
 
 
 def main() -> None:
-    """Prints times and ratios (the other's time over ours) for each pair of lengths."""
+    """Prints times and ratios (the other's time over ours) for each value."""
     with tempfile.TemporaryDirectory() as one, tempfile.TemporaryDirectory() as two:
-        mine = our_cases(Path(one))
-        cyclone = cyclone_cases()
-        peers = [protobuf_case(), omniorb_case(Path(two))]
-        print("time, and its ratio to ours in the same representation;")
-        print("protobuf's to ours built and read")
-        for ids, errors in LENGTHS:
-            cases = [*mine(ids, errors), *cyclone(ids, errors)]
-            cases += [peer(ids, errors) for peer in peers]
-            print(f"TimedPose2D {ids}/{errors}")
-            report("encode", cases, [case.encode for case in cases])
-            report("decode", cases, [case.decode for case in cases])
+        types = generated(Path(one))
+        load_omniorb(Path(two), OWN)
+        found = list(values(types))
+        cyclone = CycloneDds()
+        protobuf = Protobuf([type(value)._descriptor_ for _, value in found])
+        print("encode and decode: time, and its ratio to that of rtgen's line above")
+        wanted = sys.argv[1:]
+        for title, value in found:
+            if wanted and not any(word in title for word in wanted):
+                continue
+            print(title)
+            report(cases(value, cyclone, protobuf))
 
 
 if __name__ == "__main__":

@@ -10,7 +10,7 @@ Numeric: TypeAlias = Literal["list", "array", "numpy"]
 FORMS: Final[tuple[Numeric, ...]] = get_args(Numeric)
 """All forms."""
 
-LONGEST_LIST: Final = 24
+LONGEST_LIST: Final = 64
 """The most numbers that are decoded as a list where the form is "array".
 
 Up to about as many, a list takes less time to make than an array (docs/speed.md).

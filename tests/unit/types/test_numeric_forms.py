@@ -41,7 +41,7 @@ module n {
         Doubles named;
         float matrix[2][3];
         float row[20];
-        float long_row[40];
+        float long_row[80];
         long triple[3];
         sequence<Point> cloud;
         sequence<Wide> wides;
@@ -88,7 +88,7 @@ def filled(n: ModuleType, count: int) -> Any:
         named=[-0.0] * count,
         matrix=[[0.5, 1.5, 2.5], [3.5, 4.5, 5.5]],
         row=[i / 2 for i in range(20)],
-        long_row=[i / 2 for i in range(40)],
+        long_row=[i / 2 for i in range(80)],
         triple=[-1, 2, 3],
         cloud=points,
         wides=[n.Wide(point, [1.0, point.x]) for point in points],
@@ -141,14 +141,14 @@ def test_octets_are_those_of_lists(
 
 
 def test_arrays_are_equal_to_lists(arrays: Any) -> None:
-    value = filled(arrays, 50)
+    value = filled(arrays, 100)
     made = arrays.Everything.from_cdr(value.to_cdr())
     assert made == value
     assert value == made
     assert made.scan == value.scan
     assert value.scan == made.scan
     assert made.scan == tuple(value.scan)
-    assert made.scan != [*value.scan[:49], 9.0]
+    assert made.scan != [*value.scan[:99], 9.0]
     assert made.scan != value.scan[:4]
     assert made.scan != "text"
     made.scan += [1.0]
@@ -159,7 +159,7 @@ def test_arrays_are_equal_to_lists(arrays: Any) -> None:
 
 def test_copies_and_pickles(packages: dict[Numeric, Any]) -> None:
     for form in FORMS:
-        made = packages[form].Everything.from_cdr(filled(packages[form], 40).to_cdr())
+        made = packages[form].Everything.from_cdr(filled(packages[form], 100).to_cdr())
         for other in (
             copy.deepcopy(made),
             pickle.loads(pickle.dumps(made)),
@@ -258,9 +258,9 @@ FAULTS: list[tuple[str, Any, str]] = [
     ),
     ("counters", [0] * 101, ".counters: 101 items, and 100 are the most"),
     ("row", [1.0], ".row: 1 items instead of 20"),
-    ("long_row", [1.0], ".long_row: 1 items instead of 40"),
-    ("long_row", array("d", [0.0] * 40), ".long_row: a buffer of float of 32 bits"),
-    ("long_row", array("f", [0.0] * 39), ".long_row: 39 items instead of 40"),
+    ("long_row", [1.0], ".long_row: 1 items instead of 80"),
+    ("long_row", array("d", [0.0] * 80), ".long_row: a buffer of float of 32 bits"),
+    ("long_row", array("f", [0.0] * 79), ".long_row: 79 items instead of 80"),
     ("rows", [[1.0], [2.0, "x"]], ".rows[1][1]: a value of double is needed"),
     ("rows", [[1.0], array("i", [1])], ".rows[1]: a buffer of float of 64 bits"),
 ]
@@ -330,7 +330,7 @@ def test_padding_of_records_is_zero(tmp_path: Path) -> None:
 
 
 def test_values_as_data(arrays: Any) -> None:
-    value = arrays.Everything.from_cdr(filled(arrays, 40).to_cdr())
+    value = arrays.Everything.from_cdr(filled(arrays, 100).to_cdr())
     data = msgspec.to_builtins(value, builtin_types=(bytes,), enc_hook=list)
     assert data["scan"][:2] == [0.0, 1 / 3]
     assert msgspec.convert(data, arrays.Everything) == value
