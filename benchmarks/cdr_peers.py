@@ -38,7 +38,11 @@ class CycloneDds:
 
         match plain(descriptor):
             case PrimitiveDescriptor(name):
-                names = {"double": "float64", "unsigned long": "uint32"}
+                names = {
+                    "double": "float64",
+                    "octet": "uint8",
+                    "unsigned long": "uint32",
+                }
                 return getattr(types, names.get(name, "int32"))
             case StringDescriptor():
                 return str
@@ -80,16 +84,20 @@ class CycloneDds:
         """The value as an instance of its type."""
         match plain(descriptor):
             case StructDescriptor(members=members):
-                parts = [self.value(m.type, getattr(value, m.attribute)) for m in members]
+                parts = [
+                    self.value(m.type, getattr(value, m.attribute)) for m in members
+                ]
                 return self.type(descriptor)(*parts)
             case UnionDescriptor() as union:
                 branch = union.branch(value.discriminator)
                 assert branch is not None
                 inner = self.value(branch.type, value.value)
                 if branch.default:
-                    return self.type(union)(discriminator=value.discriminator, value=inner)
+                    return self.type(union)(
+                        discriminator=value.discriminator, value=inner
+                    )
                 return self.type(union)(**{branch.attribute: inner})
-            case SequenceDescriptor(element):
+            case SequenceDescriptor(element) if not isinstance(value, bytes):
                 return [self.value(element, item) for item in value]
             case EnumDescriptor() as enum:
                 return self.type(enum)(int(value))
@@ -128,7 +136,9 @@ class Protobuf:
         if choice:
             message.oneof_decl.add(name="choice")
         for number, (field, kind, type_name, repeated) in enumerate(fields, 1):
-            label = self._kinds.LABEL_REPEATED if repeated else self._kinds.LABEL_OPTIONAL
+            label = (
+                self._kinds.LABEL_REPEATED if repeated else self._kinds.LABEL_OPTIONAL
+            )
             added = message.field.add(name=field, number=number, type=kind, label=label)
             if type_name:
                 added.type_name = type_name
@@ -160,7 +170,9 @@ class Texts:
         """The expression that builds a value of ours."""
         match plain(descriptor):
             case StructDescriptor(members=members):
-                parts = (self.ours(m.type, getattr(value, m.attribute)) for m in members)
+                parts = (
+                    self.ours(m.type, getattr(value, m.attribute)) for m in members
+                )
             case UnionDescriptor() as union:
                 branch = union.branch(value.discriminator)
                 assert branch is not None
@@ -175,7 +187,9 @@ class Texts:
         found = plain(descriptor)
         match found:
             case StructDescriptor(members=members):
-                pairs = [(m.attribute, m.type, getattr(value, m.attribute)) for m in members]
+                pairs = [
+                    (m.attribute, m.type, getattr(value, m.attribute)) for m in members
+                ]
             case UnionDescriptor() as union:
                 branch = union.branch(value.discriminator)
                 assert branch is not None
@@ -190,7 +204,9 @@ class Texts:
         """The expressions of all scalars of a value, in order."""
         match plain(descriptor):
             case StructDescriptor(members=members):
-                pairs = [(m.attribute, m.type, getattr(value, m.attribute)) for m in members]
+                pairs = [
+                    (m.attribute, m.type, getattr(value, m.attribute)) for m in members
+                ]
             case UnionDescriptor() as union:
                 branch = union.branch(value.discriminator)
                 assert branch is not None
@@ -247,7 +263,9 @@ def omniorb_value(descriptor: Any, value: Any) -> Any:
     found = plain(descriptor)
     match found:
         case StructDescriptor(members=members):
-            parts = [omniorb_value(m.type, getattr(value, m.attribute)) for m in members]
+            parts = [
+                omniorb_value(m.type, getattr(value, m.attribute)) for m in members
+            ]
             return omniORB.findType(found.repository_id)[1](*parts)
         case UnionDescriptor():
             branch = found.branch(value.discriminator)
@@ -255,7 +273,7 @@ def omniorb_value(descriptor: Any, value: Any) -> Any:
             switch = omniorb_value(found.switch, value.discriminator)
             inner = omniorb_value(branch.type, value.value)
             return omniORB.findType(found.repository_id)[1](switch, inner)
-        case SequenceDescriptor(element):
+        case SequenceDescriptor(element) if not isinstance(value, bytes):
             return [omniorb_value(element, item) for item in value]
         case EnumDescriptor():
             return omniORB.findType(found.repository_id)[3][int(value)]

@@ -1,107 +1,170 @@
-"""Large payloads: a scan of doubles as CDR, beside the same octets by `array`, numpy and a copy.
+"""Large payloads: scans, images and point clouds as CDR, beside copies, numpy and other libraries.
 
     python benchmarks/payload.py
 
-Least processor time of a call in microseconds, in both byte orders, for scans of 100 to 1,000,000
-doubles. `list` and `array.array` are what the member holds when it is encoded; what is decoded is
-a list. `through array` makes that list by `array.array`; `to array` stops before that.
+Least processor time of a call in microseconds, rounds interleaved, and how many copies of the
+octets take as long in the same run. Scans of 100 to 1,000,000 doubles are members in each form of
+numbers in Python, an image is 1 MB of octets, clouds are structs of four doubles as structured
+arrays. cyclonedds-python and omniORBpy have lists of numbers and of objects.
 """
 
 from __future__ import annotations
 
 import importlib
+import re
 import sys
 import tempfile
-import time
 from array import array
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
+import numpy
+from cdr import least_times
+from cdr_peers import CycloneDds, load_omniorb, omniorb_type, omniorb_value
+
+from rtgen.runtime import idl
+
 COUNTS = (100, 1_000, 10_000, 100_000, 1_000_000)
-ROUNDS = 15
-VALUES_PER_ROUND = 100_000
-IDL = "struct Scan { long stamp; sequence<double> ranges; };"
+POINTS = (20_000, 100_000)
+PEERS_UP_TO = 100_000
+ROUNDS = 9
+IDL = """
+module payload {
+    struct Scan { long stamp; sequence<double> ranges; };
+    struct ListScan { long stamp; @numeric("list") sequence<double> ranges; };
+    struct NumpyScan { long stamp; @numeric("numpy") sequence<double> ranges; };
+    struct Image { long stamp; sequence<octet> pixels; };
+    struct Point { double x; double y; double z; double intensity; };
+    struct Cloud { long stamp; long reserved; @numeric("numpy") sequence<Point> points; };
+};
+"""
 
-Task = Callable[[], object]
+Row = tuple[str, Callable[[], object], Callable[[], object]]
+"""A title, what encodes, what decodes."""
 
 
-def scan_class(folder: Path) -> Any:
-    """The generated class of the scan."""
+def generated(folder: Path) -> Any:
+    """The generated package, and omniORBpy's stubs of the same types."""
     from rtgen.backends import Options
     from rtgen.backends.types import BACKEND
     from rtgen.frontends.idl import load
+    from rtgen.lowering.numeric import lower
+    from rtgen.lowering.settings import Settings
 
-    file = folder / "scan.idl"
+    file = folder / "definitions" / "payload.idl"
+    file.parent.mkdir()
     file.write_text(IDL, encoding="utf-8")
-    model = load([file], root=folder).model
-    emission = BACKEND.emit(model, Options("bench_payload", "skeletons", "0"))
-    for artifact in emission.artifacts:
+    model = load([file], root=file.parent).model
+    model = lower(model, Settings(numeric="array")).model
+    for artifact in BACKEND.emit(model, Options("bench_payload", "s", "0")).artifacts:
         path = folder / artifact.path
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(artifact.text, encoding="utf-8")
     sys.path.insert(0, str(folder))
-    return importlib.import_module("bench_payload._idl.scan").Scan
+    file.write_text(re.sub(r"@numeric\(.*?\) ", "", IDL), encoding="utf-8")
+    load_omniorb(folder, file)
+    return importlib.import_module("bench_payload.payload")
 
 
-def tasks(scan: Any, count: int) -> dict[str, Task]:
-    """What is measured for a number of doubles."""
+def ours(name: str, value: Any) -> Iterator[Row]:
+    """Both byte orders."""
+    for order, little in (("little-endian", True), ("big-endian", False)):
+        octets = value.to_cdr(little)
+        yield (
+            f"rtgen, {name}, {order}",
+            partial(value.to_cdr, little),
+            partial(type(value).from_cdr, octets, little),
+        )
+
+
+def peers(value: Any) -> Iterator[Row]:
+    """The same value, of lists, in cyclonedds-python and omniORBpy."""
+    import omniORB
+
+    described = type(value)._descriptor_
+    sample = CycloneDds().value(described, value)
+    octets = sample.serialize()
+    assert octets[4:] == value.to_cdr()
+    yield (
+        "cyclonedds",
+        sample.serialize,
+        lambda: type(sample).deserialize(octets),
+    )
+    code, theirs = omniorb_type(described), omniorb_value(described, value)
+    marshal, unmarshal = omniORB.cdrMarshal, omniORB.cdrUnmarshal
+    body = marshal(code, theirs, 1)
+    yield (
+        "omniORBpy",
+        lambda: marshal(code, theirs, 1),
+        lambda: unmarshal(code, body, 1),
+    )
+
+
+def copies(items: Any) -> Iterator[Row]:
+    """The bounds: a copy of the octets, and numpy."""
+    octets, dtype = items.tobytes(), items.dtype
+    yield (
+        "a copy of the octets",
+        lambda: bytearray(octets),
+        lambda: bytearray(octets),
+    )
+    yield (
+        "numpy.tobytes, frombuffer",
+        items.tobytes,
+        lambda: numpy.frombuffer(octets, dtype).copy(),
+    )
+
+
+def scans(types: Any, count: int) -> list[Row]:
     numbers = [i / 7 for i in range(count)]
-    items = array("d", numbers)
-    octets = items.tobytes()
-    listed, buffered = scan(1, numbers), scan(1, items)
-    little, big = listed.to_cdr(), listed.to_cdr(False)
-    assert buffered.to_cdr() == little
-
-    def to_array() -> array[float]:
-        made = array("d")
-        made.frombytes(octets)
-        return made
-
-    found: dict[str, Task] = {
-        "encode list": listed.to_cdr,
-        "encode list, big-endian": lambda: listed.to_cdr(False),
-        "encode array.array": buffered.to_cdr,
-        "decode": lambda: scan.from_cdr(little),
-        "decode, big-endian": lambda: scan.from_cdr(big, False),
-        "array.tobytes": items.tobytes,
-        "to array": to_array,
-        "through array": lambda: to_array().tolist(),
-        "copy of the octets": lambda: bytearray(octets),
-    }
-    try:
-        import numpy
-    except ImportError:
-        return found
-    values = numpy.array(numbers)
-    found["numpy.tobytes"] = values.tobytes
-    found["numpy.frombuffer, copied"] = lambda: numpy.frombuffer(octets).copy()
-    return found
+    items = numpy.array(numbers)
+    rows = [*copies(items), *ours("numpy", types.NumpyScan(1, items))]
+    rows += ours("array", types.Scan(1, array("d", numbers)))
+    rows += ours("list", types.ListScan(1, numbers))
+    if count <= PEERS_UP_TO:
+        rows += peers(types.ListScan(1, numbers))
+    return rows
 
 
-def measured(all_tasks: dict[str, Task], calls: int) -> dict[str, float]:
-    """Microseconds of each task; rounds of all tasks are interleaved."""
-    least = dict.fromkeys(all_tasks, float("inf"))
-    for _ in range(ROUNDS):
-        for name, task in all_tasks.items():
-            begun = time.process_time()
-            for _ in range(calls):
-                task()
-            least[name] = min(least[name], (time.process_time() - begun) / calls)
-    return {name: seconds * 1e6 for name, seconds in least.items()}
+def images(types: Any) -> list[Row]:
+    pixels = bytes(range(256)) * 4096
+    items = numpy.frombuffer(pixels, numpy.uint8)
+    value = types.Image(1, pixels)
+    return [*copies(items), *ours("bytes", value), *peers(value)]
+
+
+def clouds(types: Any, count: int) -> list[Row]:
+    points = [types.Point(i / 7, i / 3, -i / 7, 0.5) for i in range(count)]
+    listed = types.Cloud(1, 0, points)
+    value = types.Cloud.from_cdr(listed.to_cdr())
+    assert value.points.dtype == idl.dtype(types.Point)
+    rows = [*copies(value.points), *ours("numpy", value)]
+    return rows if count > POINTS[0] else [*rows, *peers(listed)]
+
+
+def report(title: str, rows: list[Row]) -> None:
+    print(title)
+    encode = least_times([row[1] for row in rows], ROUNDS)
+    decode = least_times([row[2] for row in rows], ROUNDS)
+    for row, *both in zip(rows, encode, decode, strict=True):
+        texts = (
+            f"{taken / 1000:11.2f} {taken / least:8.2f}"
+            for taken, least in zip(both, (encode[0], decode[0]), strict=True)
+        )
+        print(f"  {row[0]:30}", *texts)
 
 
 def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
-        scan = scan_class(Path(folder))
-        rows: dict[str, list[float]] = {}
+        types = generated(Path(folder))
+        print(f"{'':33} encode [us]   copies  decode [us]   copies")
         for count in COUNTS:
-            calls = max(1, VALUES_PER_ROUND // count)
-            for name, least in measured(tasks(scan, count), calls).items():
-                rows.setdefault(name, []).append(least)
-    print(f"{'':26}" + "".join(f"{count:>13,}" for count in COUNTS))
-    for name, figures in rows.items():
-        print(f"{name:26}" + "".join(f"{figure:13,.2f}" for figure in figures))
+            report(f"scan of {count:,} doubles", scans(types, count))
+        report("image of 1 MB", images(types))
+        for count in POINTS:
+            report(f"cloud of {count:,} points", clouds(types, count))
 
 
 if __name__ == "__main__":

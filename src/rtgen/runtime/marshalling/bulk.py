@@ -15,6 +15,7 @@ from rtgen.runtime.marshalling.numeric import (
     is_swapped,
     octets_of,
     packed,
+    swapped,
 )
 from rtgen.runtime.marshalling.octets import exact, flat
 
@@ -70,13 +71,12 @@ class Structured:
 
 def _putter(atom: Atom, order: Order) -> _Put:
     code, size = atom.code, atom.size
-    swapped = is_swapped(order)
+    other = is_swapped(order)
 
     def put(items: Any) -> tuple[int, Any]:
         if items.__class__ is NumericArray and items.typecode == code and items:
-            if swapped:
-                items = items[:]
-                items.byteswap()
+            if other:
+                items = swapped(items[:], items)
             return -len(items), (items.tobytes(),)
         view = buffer_of(items, code, size)
         if view is None or not len(view):
@@ -88,7 +88,7 @@ def _putter(atom: Atom, order: Order) -> _Put:
 
 def _array_taker(atom: Atom, order: Order) -> _Take:
     code, size, padding = atom.code, atom.size, atom.align - 1
-    swapped = is_swapped(order)
+    other = is_swapped(order)
 
     def take(data: Buffer, offset: int, count: int) -> tuple[Any, int]:
         if not count:
@@ -97,14 +97,15 @@ def _array_taker(atom: Atom, order: Order) -> _Take:
         end = start + count * size
         if end > len(data):
             raise ValueError("a length beyond the end")
+        octets: Buffer
         if end - start <= _SLICED and type(data) is bytes:
-            made = NumericArray(code, data[start:end])
+            octets = data[start:end]
+            made = NumericArray(code, octets)
         else:
+            octets = memoryview(data)[start:end]
             made = NumericArray(code)
-            made.frombytes(memoryview(data)[start:end])
-        if swapped:
-            made.byteswap()
-        return made, end
+            made.frombytes(octets)
+        return (swapped(made, octets) if other else made), end
 
     return take
 
