@@ -13,6 +13,7 @@ import pytest
 from type_checkers import check_by_mypy
 from wires import Wires, agree, emit, marshalled, values_agree, wired, wired_text
 
+from rtgen.facts.numeric import Numeric
 from rtgen.runtime.marshalling.descriptors import StructDescriptor
 from rtgen.runtime.marshalling.dynamic import encoded
 from rtgen.runtime.values import AnyValue
@@ -83,6 +84,48 @@ def test_further_types(further: Wires) -> None:
     for kind in further.kinds:
         if not kind.descriptor.name.endswith("::Dynamic"):
             values_agree(kind, further.types)
+
+
+NUMBERS = """
+module WiredNumbers_{0} {{
+    struct Point {{ double x; float y; float z; octet rgb[8]; }};
+    typedef sequence<float> Floats;
+    union Choice switch (long) {{ case 1: Floats some; case 2: sequence<Point> points; }};
+    struct Scan {{
+        sequence<double> ranges; Floats intensities; sequence<long, 100> bounded;
+        sequence<Point> points; double matrix[2][3]; short row[80]; Choice chosen;
+    }};
+}};
+"""
+
+
+@pytest.mark.parametrize("numeric", ["array", "numpy"])
+def test_numbers_in_each_form(orb: Any, tmp_path: Path, numeric: Numeric) -> None:
+    text, stem = NUMBERS.format(numeric), f"wired_numbers_{numeric}"
+    wires = wired_text(tmp_path, text, stem, numeric)
+    types, kind = wires.declared(stem), wires.kind(f"WiredNumbers_{numeric}::Scan")
+    kept = kind.new()
+    for count in (0, 3, 100):
+        numbers = [*range(count)]
+        points = [types.Point(n / 3, n / 2, -n, bytes(8)) for n in numbers]
+        listed = types.Scan(
+            [n / 3 for n in numbers],
+            [n / 2 for n in numbers],
+            numbers,
+            points,
+            [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]],
+            [*range(80)],
+            types.Choice(2, points) if count else types.Choice(1, [0.5] * 70),
+        )
+        for little_endian in (True, False):
+            octets = listed.to_cdr(little_endian)
+            decoded = types.Scan.from_cdr(octets, little_endian)
+            agree(kind, decoded, kept, little_endian)
+            kind.fill(kept, listed)
+            for made in (kind.of(kept), kind.of(kind.to(listed))):
+                assert made == decoded
+                assert type(made.ranges) is type(decoded.ranges)
+                assert type(made.row) is type(decoded.row)
 
 
 def test_initial_values(constructs: Wires, further: Wires) -> None:

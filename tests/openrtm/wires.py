@@ -28,7 +28,10 @@ from rtgen.backends.openrtm.plan import Unit
 from rtgen.backends.openrtm.wire_idl import WireIdl
 from rtgen.backends.types import BACKEND
 from rtgen.diagnostics import has_errors
+from rtgen.facts.numeric import Numeric
 from rtgen.frontends.idl import load
+from rtgen.lowering.numeric import lower
+from rtgen.lowering.settings import Settings
 from rtgen.runtime.marshalling.descriptors import (
     ArrayDescriptor,
     Descriptor,
@@ -109,13 +112,14 @@ def _declared(module: ModuleType) -> Iterator[type[Any]]:
             yield value
 
 
-def emit(folder: Path, paths: Sequence[Path]) -> Unit:
+def emit(folder: Path, paths: Sequence[Path], numeric: Numeric = "array") -> Unit:
     """A package `wired_<number>` and a folder `idl` of what the back end makes of IDL files."""
     result = load(paths, root=paths[0].parent)
     assert not has_errors(result.diagnostics), result.diagnostics
     options = Options(f"wired_{next(_numbers)}", "skeletons", "0.0.0", "openrtm")
-    unit = Unit(result.model, options)
-    emission = BACKEND.emit(result.model, options)
+    model = lower(result.model, Settings(numeric=numeric)).model
+    unit = Unit(model, options)
+    emission = BACKEND.emit(model, options)
     assert not emission.diagnostics
     for artifact in (*emission.artifacts, *conversions(unit)):
         path = folder / artifact.path
@@ -129,9 +133,9 @@ def emit(folder: Path, paths: Sequence[Path]) -> Unit:
     return unit
 
 
-def wired(folder: Path, paths: Sequence[Path]) -> Wires:
+def wired(folder: Path, paths: Sequence[Path], numeric: Numeric = "array") -> Wires:
     """The same, compiled by omniidl and imported."""
-    unit = emit(folder, paths)
+    unit = emit(folder, paths, numeric)
     made = folder / "stubs"
     made.mkdir()
     files = [folder / "idl" / f"{file.stem}.idl" for file in unit.idl_files]
@@ -140,11 +144,11 @@ def wired(folder: Path, paths: Sequence[Path]) -> Wires:
     return imported(folder, unit.options.package)
 
 
-def wired_text(folder: Path, text: str, stem: str) -> Wires:
+def wired_text(folder: Path, text: str, stem: str, numeric: Numeric = "array") -> Wires:
     """The same for one IDL text; `stem` is a name that no other test has."""
     path = folder / f"{stem}.idl"
     path.write_text(text, encoding="utf-8")
-    return wired(folder, [path])
+    return wired(folder, [path], numeric)
 
 
 def imported(folder: Path, package: str) -> Wires:

@@ -152,7 +152,9 @@ class _Forms:
                 return
             case ArrayType(element):
                 inner = self._model.unalias(element)
-                if isinstance(inner, PrimitiveType) and inner.kind in NUMBERS:
+                flat = len(type_.dimensions) == 1
+                if _is_number(inner) or (flat and _is_octet(inner)):
+                    assert isinstance(inner, PrimitiveType)
                     scalar = NUMBERS[inner.kind]
                     yield scalar.size, scalar.align, _count(type_)
                     return
@@ -188,6 +190,10 @@ def _is_number(type_: Type) -> bool:
     if not isinstance(type_, PrimitiveType):
         return False
     return type_.kind in NUMBERS and type_.kind not in OCTET_TYPES
+
+
+def _is_octet(type_: Type) -> bool:
+    return isinstance(type_, PrimitiveType) and type_.kind in OCTET_TYPES
 
 
 def _count(type_: ArrayType) -> int:

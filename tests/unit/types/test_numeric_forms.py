@@ -379,6 +379,7 @@ def test_the_project_file_chooses(tmp_path: Path, monkeypatch: Any) -> None:
         ('@numeric("array") double a[2][2]', "NUM0001"),
         ('@numeric("array") sequence<P> a', "NUM0001"),
         ('@numeric("numpy") sequence<Q> a', "NUM0001"),
+        ('@numeric("numpy") sequence<R> a', "NUM0001"),
         ('@numeric("numpy") sequence<P> a', ""),
         ('@numeric("numpy") double a[2][2]', ""),
         ('@numeric("array") double a[2]', ""),
@@ -386,9 +387,8 @@ def test_the_project_file_chooses(tmp_path: Path, monkeypatch: Any) -> None:
 )
 def test_what_numeric_belongs_to(tmp_path: Path, member: str, code: str) -> None:
     file = tmp_path / "a.idl"
-    text = (
-        f"struct P {{ double x; }}; struct Q {{ string s; }}; struct S {{ {member}; }};"
-    )
+    text = f"""struct P {{ double x; }}; struct Q {{ string s; }};
+        struct R {{ octet table[2][2]; }}; struct S {{ {member}; }};"""
     file.write_text(text, encoding="utf-8")
     result = load([file], root=tmp_path)
     found = [d.code for d in result.diagnostics]

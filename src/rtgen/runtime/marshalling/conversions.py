@@ -118,8 +118,10 @@ class Conversions:
             return conversions[text]
         if text is Text.UNITS:
             return f"{name(unit_octets)}({value}, little_endian)"
-        function = text_octets if text is Text.STRING else wide_octets
-        return f"{name(function)}({value})"
+        if text is Text.STRING:
+            refused = f"{name(text_octets)}({value})"
+            return f'{value}.encode() if "\\0" not in {value} else {refused}'
+        return f"{name(wide_octets)}({value})"
 
     def unpacked_text(self, text: Text, raw: str, bound: int | None = None) -> str:
         """Inverse of `packed_text`; `bound` is that of a wide string, which may lack its BOM."""
@@ -129,7 +131,9 @@ class Conversions:
         if text is Text.CHARACTERS:
             return f'{raw}.decode("latin-1")'
         if text is Text.STRING:
-            return f"{name(text_value)}({raw})"
+            # As `text_value`, which is called to raise, since calls are most of the time.
+            whole = f"{raw}.find(0) == len({raw}) - 1"
+            return f"{raw}[:-1].decode() if {whole} else {name(text_value)}({raw})"
         if text is Text.UNITS:
             return f"{name(unit_text)}({raw}, little_endian)"
         return f"{name(wide_value)}({raw}{'' if bound is None else f', {bound}'})"

@@ -311,9 +311,10 @@ class Encoder:
         return octets
 
     def _text(self, node: TextSequence, path: Path) -> tuple[str, str]:
-        octets = self.convert.packed_text(node.text, self._value(path))
+        value = self._items(path) if node.text is Text.STRING else self._value(path)
+        octets = self.convert.packed_text(node.text, value)
         if not octets.isidentifier():
-            variable = self._locals.name(path)
+            variable = self._locals.name(path, "octets_")
             self.body.add(f"{variable} = {octets}")
             octets = variable
         nul = " + 1" if node.text is Text.STRING else ""

@@ -8,7 +8,12 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy
 
-from rtgen.runtime.marshalling.descriptors import Descriptor, StructDescriptor, plain
+from rtgen.runtime.marshalling.descriptors import (
+    ArrayDescriptor,
+    Descriptor,
+    StructDescriptor,
+    plain,
+)
 from rtgen.runtime.marshalling.errors import Buffer
 from rtgen.runtime.marshalling.formats import CLASSIC
 from rtgen.runtime.marshalling.nodes import (
@@ -166,6 +171,8 @@ def values_of(records: _Records, struct: Descriptor) -> list[Any]:
 
 def _value(row: Any, descriptor: Descriptor) -> Any:
     described = plain(descriptor)
+    if isinstance(described, ArrayDescriptor):
+        return row.tobytes() if row.dtype == numpy.uint8 else row.tolist()
     if not isinstance(described, StructDescriptor):
         return row
     members = zip(row, described.members, strict=True)
