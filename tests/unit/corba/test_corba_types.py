@@ -17,6 +17,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "types"))
 
 import emitted
 
+from rtgen.facts.numeric import Numeric
 from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.corba.objects import Objects
 from rtgen.runtime.corba.orb import Orb
@@ -111,6 +112,32 @@ def connect(m: Any, request: pytest.FixtureRequest) -> Iterator[Connect]:
 
         yield connected
     orb.close()
+
+
+@pytest.mark.parametrize("numeric", ["array", "numpy"])
+def test_numbers_in_each_form(
+    tmp_path: Path, connect: Connect, numeric: Numeric
+) -> None:
+    text = """module m {
+        struct Point { double x; octet rgb[8]; };
+        typedef sequence<double> Doubles;
+        typedef sequence<Point> Points;
+        struct Scan { Doubles ranges; Points cloud; long table[2][2]; };
+        typedef sequence<Scan> Scans;
+        interface Echo { Scans of_scans(in Scans a); Doubles of_doubles(in Doubles a); };
+    };"""
+    n = emitted.emit_text(tmp_path, text, numeric).m
+    stub = connect(n.Echo)
+    for count in (0, 3, 100):
+        numbers = [i / 3 for i in range(count)]
+        points = [n.Point(i, b"octets..") for i in numbers]
+        scan = n.Scan(numbers, points, [[1, 2], [3, 4]])
+        decoded = n.Scan.from_cdr(scan.to_cdr())
+        for given in (scan, decoded):
+            assert stub.of_scans([given, given]) == [decoded, decoded]
+            made = stub.of_doubles(given.ranges)
+            assert type(made) is type(decoded.ranges)
+            assert list(made) == numbers
 
 
 def test_what_is_converted(m: Any, connect: Connect) -> None:

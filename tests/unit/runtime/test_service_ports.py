@@ -6,6 +6,7 @@ import threading
 from abc import abstractmethod
 from typing import Any, ClassVar
 
+import numpy
 import pytest
 from runtime_samples import MS, SECOND, Actor, TimedList, activated
 
@@ -27,6 +28,7 @@ from rtgen.runtime import (
     UnknownPortError,
 )
 from rtgen.runtime.marshalling.descriptors import InterfaceDescriptor
+from rtgen.runtime.marshalling.numeric import NumericArray
 from rtgen.runtime.services.servants import operation
 
 
@@ -162,6 +164,19 @@ def test_arguments_and_results_are_copies() -> None:
     everything.append(TimedList())
     everything[0].data.append(6)
     assert servant.kept == [TimedList([3])]
+
+
+@pytest.mark.parametrize(
+    "numbers", [NumericArray("d", [1.0, 2.0]), numpy.array([1.0, 2.0])]
+)
+def test_numbers_are_copies_in_each_form(numbers: Any) -> None:
+    _, servant, end = connected()
+    servant.kept = [numbers]
+    first, everything = end.object.all()
+    assert type(first) is type(everything[0]) is type(numbers)
+    first[1] = everything[0][0] = 3.0
+    assert list(first) == [1.0, 3.0]
+    assert list(numbers) == [1.0, 2.0]
 
 
 def test_exceptions_of_the_idl_pass_and_others_become_unknown() -> None:

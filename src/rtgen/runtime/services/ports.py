@@ -6,8 +6,10 @@ caller's thread, concurrently with the provider's ticks.
 
 from __future__ import annotations
 
+from array import array
 from typing import Any, Generic, Protocol, TypeVar
 
+from rtgen.runtime.marshalling.numeric import copied
 from rtgen.runtime.services.servants import ObjectNotExist, Servant, Skeleton
 
 S = TypeVar("S", bound=Servant)
@@ -197,5 +199,7 @@ def _snapshot(value: object) -> Any:
         return [_snapshot(item) for item in value]
     if isinstance(value, tuple):
         return tuple(_snapshot(item) for item in value)
+    if isinstance(value, array) or hasattr(value, "dtype"):
+        return copied(value)
     copy = getattr(value, "_snapshot_", None)
     return value if copy is None else copy()
