@@ -1,7 +1,9 @@
 """`rtgen inspect --json` beside `omniidl -bdump`: whole processes, interleaved, medians.
 
 A large synthetic file, and the small ones of OpenRTM. Cold: no cache, bytecode there. Cached: the
-same run again, nothing changed. Below, where the time of a cold run of the large file goes.
+same run again, nothing changed. Then `inspect` and `generate` without cache, beside `omniidl
+-bdump` and `-bpython`, of files of several shapes (`idl_shapes.py`): least processor times. Below,
+where the time of a cold run of the large file goes.
 """
 
 from __future__ import annotations
@@ -13,73 +15,22 @@ import statistics
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+from idl_shapes import SHAPES, synthetic
+
 ROOT = Path(__file__).resolve().parent.parent
-ROUNDS = 7
+ROUNDS = 5
 BIG = "synthetic.idl"
 SMALL = ("BasicDataType.idl", "ExtendedDataTypes.idl", "InterfaceDataTypes.idl")
 LIMITS = {"cold": 3.0, "cached": 1.0, "small": 10.0}
 """How many times as long as omniidl a run may take."""
-
-STRUCTS, ENUMS, EXCEPTIONS, INTERFACES = 2000, 200, 100, 100
-TYPES = (
-    *("double", "long", "unsigned short", "float", "octet", "boolean", "string"),
-    *("long long", "char", "sequence<double>", "sequence<octet>", "string<16>"),
-)
-
-
-def synthetic() -> str:
-    """One module of 2,000 structs of 8 members, 200 enums, 100 exceptions and 100 interfaces."""
-    lines = ["module Synthetic {"]
-    for number in range(STRUCTS):
-        if number % (STRUCTS // ENUMS) == 0:
-            lines += _enum(number // (STRUCTS // ENUMS))
-        lines += _struct(number)
-        if number % (STRUCTS // INTERFACES) == 0:
-            lines += _interface(number // (STRUCTS // INTERFACES), number)
-    return "\n".join([*lines, "};", ""])
-
-
-def _enum(number: int) -> Iterator[str]:
-    names = ", ".join(f"STATE_{number}_{i}" for i in range(5))
-    yield f"  enum Mode{number} {{ {names} }};"
-
-
-def _struct(number: int) -> Iterator[str]:
-    yield f"  struct Record{number} {{"
-    for member in range(8):
-        kind = (number * 7 + member * 5) % (len(TYPES) + 3)
-        if kind < len(TYPES):
-            yield f"    {TYPES[kind]} field_{member};"
-        elif kind == len(TYPES) or not number:
-            yield f"    Mode{number // 10} field_{member};"
-        elif kind == len(TYPES) + 1:
-            yield f"    Record{number - 1} field_{member};"
-        else:
-            yield f"    sequence<Record{number - 1}> field_{member};"
-    yield "  };"
-
-
-def _interface(number: int, struct: int) -> Iterator[str]:
-    yield f"  exception Failure{number} {{"
-    yield "    string reason;"
-    yield "    long code;"
-    yield "  };"
-    yield ""
-    yield f"  interface Service{number} {{"
-    yield f"    readonly attribute Mode{struct // 10} mode;"
-    yield "    attribute double rate;"
-    yield f"    Record{struct} get(in long index) raises (Failure{number});"
-    yield f"    void put(in long index, in Record{struct} value);"
-    yield "    oneway void notify(in string text);"
-    yield "    boolean ready();"
-    yield "  };"
-    yield ""
+COLD_LIMITS = {"inspect": 1.2, "generate": 2.0}
+"""How many times omniidl's processor time a run without cache may take, of the large file."""
 
 
 @dataclass(slots=True)
@@ -154,6 +105,50 @@ def tell(file: str, lines: int, found: Mapping[str, Figures]) -> None:
         )
 
 
+def shapes(omniidl: str) -> None:
+    """Print the least processor times of `inspect` and `generate` for each shape."""
+    rtgen = [sys.executable, "-m", "rtgen"]
+    print(f"\nno cache, least processor times\n{'':<16}{'lines':>7}", end="")
+    print("   inspect   -bdump            generate -bpython")
+    for name, made in SHAPES.items():
+        texts = made()
+        folder = Path(name.replace(" ", "_"))
+        folder.mkdir()
+        for file, text in texts.items():
+            (folder / file).write_text(text, encoding="utf-8")
+        file = str(folder / next(iter(texts)))
+        output = str(folder / "output")
+        (folder / "python").mkdir()
+        found = figures(
+            {
+                "inspect": lambda f=file: (
+                    [*rtgen, "inspect", "--json", "--no-cache", f],
+                    os.environ,
+                ),
+                "-bdump": lambda f=file: ([omniidl, "-bdump", f], os.environ),
+                "generate": lambda f=file, o=output: (
+                    [*rtgen, "generate", "--no-cache", "-o", o, f],
+                    os.environ,
+                ),
+                "-bpython": lambda f=file, o=folder: (
+                    [omniidl, "-bpython", f"-C{o / 'python'}", f],
+                    os.environ,
+                ),
+            }
+        )
+        least = {key: min(each.processor) for key, each in found.items()}
+        print(f"{name:<16}{sum(t.count(chr(10)) for t in texts.values()):>7}", end="")
+        for ours, theirs in (("inspect", "-bdump"), ("generate", "-bpython")):
+            ratio = least[ours] / least[theirs]
+            missed = file.endswith(BIG) and ratio > COLD_LIMITS[ours]
+            print(
+                f"{least[ours]:>8.3f} s{least[theirs]:>7.3f} s{ratio:>6.2f} x"
+                f"{' MISSED' * missed}",
+                end="",
+            )
+        print()
+
+
 def stages(file: Path) -> dict[str, float]:
     """Processor time of each stage of a cold run, in this process."""
     spent: dict[str, float] = {}
@@ -225,6 +220,7 @@ def main() -> None:
         for file in (*SMALL, BIG):
             lines = Path(file).read_text(encoding="utf-8").count("\n")
             tell(file, lines, figures(cases(file, omniidl, folder)))
+        shapes(omniidl)
         empty = figures({"": lambda: ([sys.executable, "-c", ""], os.environ)})[""]
         spent = {"start of Python": statistics.median(empty.processor)} | stages(
             Path(BIG)

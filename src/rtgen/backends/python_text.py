@@ -26,6 +26,8 @@ SKIPPED = "  # fmt: skip"
 """Marks a line that black leaves unchanged."""
 
 _OFF, _ON = "# fmt: off", "# fmt: on"
+_SWITCH = "# fmt: o"
+"""The beginning of both."""
 _STEP = 4
 _CLOSING = {"(": ")", "[": "]", "{": "}"}
 _OPENING = {closing: opening for opening, closing in _CLOSING.items()}
@@ -99,6 +101,10 @@ def fit_text(text: str) -> str:
     lines: list[str] = []
     inside = off = False
     for text_line in text.split("\n"):
+        short = inside or len(text_line) <= WIDTH
+        if short and '"""' not in text_line and _SWITCH not in text_line:
+            lines.append(text_line)
+            continue
         bare = text_line.lstrip()
         begins = bare.startswith('"""') and not off
         quotes = text_line.count('"""') if inside or begins else 0

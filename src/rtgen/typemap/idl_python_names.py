@@ -391,9 +391,8 @@ class PythonNames:
         taken: set[str] = set()
         for name, text in wanted.items():
             chosen = identifier(text, reserved)
-            while chosen in taken or (
-                chosen != text and chosen in free - {identifier(text)}
-            ):
+            plain = identifier(text)
+            while chosen in taken or (chosen not in (text, plain) and chosen in free):
                 chosen += "_"
             taken.add(chosen)
             self._classes[name] = chosen
