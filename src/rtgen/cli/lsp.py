@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import logging
 import os
 import sys
@@ -36,13 +37,22 @@ def lsp(console: Console, log_level: str) -> int:
       args = ["lsp"]
     """
     logging.basicConfig(level=log_level.upper(), stream=sys.stderr)
+    if log_level != "debug":  # it logs each request that is refused with a traceback
+        logging.getLogger("pygls").setLevel(logging.CRITICAL)
     try:
+        from attrs import validators
+
         from rtgen.language_server.server import make_server
     except ModuleNotFoundError as error:
-        if (error.name or "").partition(".")[0] not in ("pygls", "lsprotocol"):
+        if (error.name or "").partition(".")[0] not in ("attrs", "pygls", "lsprotocol"):
             raise
         message = "the language server needs pygls"
         raise ToolError(message, 'pip install "rtgen[lsp]"') from None
+    # Answers come between the steps of an analysis, and large collections are rare.
+    sys.setswitchinterval(0.001)
+    gc.set_threshold(100_000, 20, 20)
+    # Features make positions of places in texts: checking each again takes a third of an answer.
+    validators.set_disabled(True)
     # The protocol has streams of its own: a stray print must not get between its messages.
     with (
         os.fdopen(os.dup(sys.stdin.fileno()), "rb") as requests,

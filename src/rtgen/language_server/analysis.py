@@ -22,6 +22,7 @@ from rtgen.frontends import FrontendResult
 from rtgen.frontends.cdl.names.table import Table
 from rtgen.frontends.cdl.syntax.unit import Unit as CdlUnit
 from rtgen.frontends.idl.names.tables import Tables
+from rtgen.language_server.documents import Snapshot
 from rtgen.language_server.indexing.cdl import CdlNames
 from rtgen.language_server.indexing.devices import BusNames, add_device
 from rtgen.language_server.indexing.idl import IdlNames
@@ -74,19 +75,19 @@ class _Names:
 
 def analyse(
     project: Project,
-    contents: Mapping[str, bytes],
+    snapshot: Snapshot,
     *,
     before: Analysis | None = None,
     is_superseded: Callable[[], bool] = lambda: False,
 ) -> Analysis:
-    """Analyse a project; `contents` stand for files on the disk, by absolute path.
+    """Analyse a project with the documents of a snapshot in place of files on the disk.
 
     Files that cannot be read now keep their names of `before`. Raises SupersededError when
     `is_superseded`.
     """
     collector = Collector()
     names = _Names(collector, is_superseded)
-    with overlaid(contents):
+    with overlaid(snapshot.contents):
         result = compiler.read(project, observer=names)
         findings = [*result.diagnostics]
         if not has_errors(findings):
@@ -97,12 +98,12 @@ def analyse(
                 options=project.plugins,
             )
         result = _with_systems(project, result, findings)
-        texts = _texts(project, result, before)
+        texts = _texts(project, result, before, snapshot)
         _add_unread(collector, texts)
     _add_others(collector, project, result.model, texts)
     files = {file.path: file for file in collector.indexes(texts)}
     for path, kept in (before.index.files if before is not None else {}).items():
-        if path not in files and (path in contents or Path(path).is_file()):
+        if path not in files and (path in snapshot.texts or Path(path).is_file()):
             files[path] = kept
     ignored = {code.upper() for code in project.ignored}
     return Analysis(
@@ -140,22 +141,24 @@ def _with_systems(
 
 
 def _texts(
-    project: Project, result: FrontendResult, before: Analysis | None
+    project: Project,
+    result: FrontendResult,
+    before: Analysis | None,
+    snapshot: Snapshot,
 ) -> dict[str, Text]:
-    """The texts that were read; one that is unchanged keeps its lines."""
+    """The texts that were read: those of open documents, or of before if they are unchanged."""
     sources = dict(result.sources)
     if project.file is not None:
         data = read_start(project.file, _MOST_OF_SETTINGS)
         sources[shown(project.file)] = data.decode("utf-8", "replace")
-    known = {} if before is None else before.texts
-    return {
-        name: (
-            known[name]
-            if name in known and known[name].source == source
-            else Text(source)
-        )
-        for name, source in sources.items()
-    }
+    texts = {}
+    for name, source in sources.items():
+        known = snapshot.texts.get(absolute_path(name))
+        if known is None and before is not None:
+            known = before.texts.get(name)
+        same = known is not None and known.source == source
+        texts[name] = known if known is not None and same else Text(source)
+    return texts
 
 
 def _add_unread(collector: Collector, texts: dict[str, Text]) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from pathlib import Path
@@ -16,7 +16,7 @@ from lsprotocol.types import (
 from pygls.uris import from_fs_path, to_fs_path
 
 from rtgen.files import absolute_path
-from rtgen.language_server.text import UTF_16, Text
+from rtgen.language_server.text import UTF_16, Shift, Shifts, Text
 from rtgen.project import FILE_NAME
 
 MOST_CHARACTERS = 8 * 1024 * 1024
@@ -72,15 +72,29 @@ def uri_of(path: str) -> str:
     return uri
 
 
+MOST_EDITS = 64
+"""How many edits are kept one by one; those before count as one."""
+
+
 @dataclass(frozen=True, slots=True)
 class Document:
-    """An open document as of a version."""
+    """An open document as of a version; `edits` led to it, each with the text before it."""
 
     uri: str
     path: str
     language: Language
     version: int
     text: Text
+    edits: tuple[tuple[Text, Shift], ...] = ()
+
+    def shift_from(self, text: Text) -> Shift | Shifts:
+        """The edits since the text was the document's, or what they come to."""
+        if text is self.text:
+            return Shifts(())
+        for number, (before, _) in enumerate(self.edits):
+            if before is text:
+                return Shifts([shift for _, shift in self.edits[number:]])
+        return Shift.between(text.source, self.text.source)
 
     @property
     def data(self) -> bytes:
@@ -94,6 +108,14 @@ class Document:
                 except (LookupError, UnicodeError):
                     pass  # the front end reports what does not fit
         return source.encode("utf-8", "replace")
+
+
+@dataclass(frozen=True, slots=True)
+class Snapshot:
+    """Open documents by absolute path: what stands for the files on the disk, and its texts."""
+
+    contents: Mapping[str, bytes]
+    texts: Mapping[str, Text]
 
 
 class Documents:
@@ -124,15 +146,21 @@ class Documents:
         if document is None:
             return None
         text = document.text
+        edits = [*document.edits]
         for change in changes:
+            before = text
             if isinstance(change, TextDocumentContentChangePartial):
-                text = text.replaced(change.range, change.text, self.encoding)
+                text, shift = text.replaced(change.range, change.text, self.encoding)
             else:
                 text = Text(change.text)
+                shift = Shift.between(before.source, text.source)
+            edits.append((before, shift))
         if len(text.source) > MOST_CHARACTERS:
             self.close(uri)
             return None
-        changed = replace(document, version=version, text=text)
+        changed = replace(
+            document, version=version, text=text, edits=tuple(edits[-MOST_EDITS:])
+        )
         self._open[document.path] = changed
         return changed
 
@@ -155,6 +183,10 @@ class Documents:
         """The open documents."""
         return tuple(self._open.values())
 
-    def contents(self) -> dict[str, bytes]:
-        """What stands for the files on the disk, by absolute path."""
-        return {document.path: document.data for document in self._open.values()}
+    def snapshot(self) -> Snapshot:
+        """The open documents as of now."""
+        documents = self.all
+        return Snapshot(
+            {document.path: document.data for document in documents},
+            {document.path: document.text for document in documents},
+        )

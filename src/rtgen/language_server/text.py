@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from bisect import bisect_right
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -47,6 +47,10 @@ class Text:
             return self._starts
         return [0, *(match.end() for match in _LINE_FEED.finditer(self.source))]
 
+    @cached_property
+    def _ascii(self) -> bool:
+        return self.source.isascii()
+
     @property
     def lines(self) -> int:
         """The number of lines, a last one without an end included."""
@@ -74,7 +78,7 @@ class Text:
         """The position of an offset."""
         line = bisect_right(self._starts, offset) - 1
         start = self._starts[line]
-        if encoding == UTF_32:
+        if self._ascii or encoding == UTF_32:
             return Position(line, offset - start)
         text = self.source[start:offset]
         return Position(line, len(text) if text.isascii() else _UNITS[encoding](text))
@@ -101,11 +105,14 @@ class Text:
             file, line, start - rows[line - 1] + 1, last, end - rows[last - 1] + 1
         )
 
-    def replaced(self, range_: Range, new: str, encoding: PositionEncodingKind) -> Text:
+    def replaced(
+        self, range_: Range, new: str, encoding: PositionEncodingKind
+    ) -> tuple[Text, Shift]:
         """The text with a range replaced; a range that ends before it starts is empty."""
         start = self.offset(range_.start, encoding)
         end = max(start, self.offset(range_.end, encoding))
-        return Text(self.source[:start] + new + self.source[end:])
+        text = Text(self.source[:start] + new + self.source[end:])
+        return text, Shift(start, end, start + len(new))
 
     def _line(self, line: int) -> tuple[int, int]:
         """A line without its end."""
@@ -118,9 +125,9 @@ class Text:
         rows = self._rows
         if line > len(rows):
             return len(self.source)
-        start = rows[max(line, 1) - 1]
-        end = rows[line] - 1 if 0 < line < len(rows) else len(self.source)
-        return min(start + max(column, 1) - 1, max(end, start))
+        end = rows[line] - 1 if line < len(rows) else len(self.source)
+        place = rows[line - 1] + column - 1
+        return place if place < end else end
 
 
 @dataclass(frozen=True, slots=True)
@@ -167,6 +174,34 @@ class Shift:
         if offset >= self.new:
             return offset + self.old - self.new
         return self.start
+
+
+class Shifts:
+    """What became of the places of a text by several edits, one after the other."""
+
+    def __init__(self, shifts: Sequence[Shift]) -> None:
+        self._shifts = shifts
+
+    def forward(self, start: int, end: int) -> tuple[int, int] | None:
+        """See Shift."""
+        place: tuple[int, int] | None = (start, end)
+        for shift in self._shifts:
+            if place is None:
+                return None
+            place = shift.forward(*place)
+        return place
+
+    def around(self, start: int, end: int) -> tuple[int, int]:
+        """See Shift."""
+        for shift in self._shifts:
+            start, end = shift.around(start, end)
+        return start, end
+
+    def back(self, offset: int) -> int:
+        """See Shift."""
+        for shift in reversed(self._shifts):
+            offset = shift.back(offset)
+        return offset
 
 
 _CHUNK = 4096

@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 from lsprotocol.types import Location, Position, Range
@@ -20,7 +21,7 @@ from rtgen.language_server.indexing.index import (
     Occurrence,
     Place,
 )
-from rtgen.language_server.text import Shift, Text
+from rtgen.language_server.text import Shift, Shifts, Text
 from rtgen.project import Project, load, shown, with_arguments
 
 
@@ -58,9 +59,8 @@ class Workspace:
             known = self._keys.get(path)
         if known is not None:
             return known
-        contents = self.documents.contents()
         folder = Path(path).parent
-        with overlaid(contents):
+        with overlaid(self.documents.snapshot().contents):
             try:
                 project = load(folder)
             except (InputError, ToolError):
@@ -104,10 +104,10 @@ class Workspace:
 
         Raises SupersededError when `is_superseded`.
         """
-        contents = self.documents.contents()
+        snapshot = self.documents.snapshot()
         with self._lock:
             state = self._states.setdefault(key, _State())
-        with overlaid(contents):
+        with overlaid(snapshot.contents):
             try:
                 state.project = _loaded(key)
                 state.problems = ()
@@ -118,7 +118,7 @@ class Workspace:
             before = state.analysis
             made = analyse(
                 state.project,
-                contents,
+                snapshot,
                 before=before,
                 is_superseded=is_superseded,
             )
@@ -171,11 +171,12 @@ class Workspace:
         """The place of a name as of now; None if it is being edited."""
         file = place.file
         document = self.documents.at(file.path)
-        text = file.text if document is None else document.text
-        moved = shift_of(file, text).forward(place.start, place.end)
+        if document is None:
+            return file.text.range(place.start, place.end, self.documents.encoding)
+        moved = document.shift_from(file.text).forward(place.start, place.end)
         if moved is None:
             return None
-        return text.range(*moved, self.documents.encoding)
+        return document.text.range(*moved, self.documents.encoding)
 
     def location_of(self, place: Place) -> Location | None:
         """The place of a name with its file."""
@@ -209,12 +210,12 @@ class View:
         """The document's language."""
         return self.document.language
 
-    @property
-    def shift(self) -> Shift:
+    @cached_property
+    def shift(self) -> Shift | Shifts:
         """The edits since the analysis."""
         if self.file is None:
-            return Shift(0, 0, 0)
-        return shift_of(self.file, self.document.text)
+            return Shifts(())
+        return self.document.shift_from(self.file.text)
 
     def offset(self, position: Position) -> int:
         """The offset of a position in the text of now."""
@@ -253,25 +254,6 @@ class View:
             if moved is not None:
                 first, last = shift.around(each.first, each.last)
                 yield *moved, min(first, moved[0]), max(last, moved[1]), each
-
-
-_SHIFTS: dict[tuple[int, int], tuple[FileIndex, Text, Shift]] = {}
-_MOST_SHIFTS = 64
-
-
-def shift_of(file: FileIndex, text: Text) -> Shift:
-    """The edits between the text of an index and another one."""
-    if file.text is text:
-        return Shift.between("", "")
-    key = id(file), id(text)
-    known = _SHIFTS.get(key)
-    if known is not None and known[0] is file and known[1] is text:
-        return known[2]
-    made = Shift.between(file.text.source, text.source)
-    if len(_SHIFTS) >= _MOST_SHIFTS:
-        _SHIFTS.clear()
-    _SHIFTS[key] = file, text, made
-    return made
 
 
 def _loaded(key: ProjectKey) -> Project:

@@ -110,7 +110,7 @@ class Editor:
                 key=lambda e: (e.range.start.line, e.range.start.character),
                 reverse=True,
             ):
-                text = text.replaced(
+                text, _ = text.replaced(
                     each.range, each.new_text, self.workspace.documents.encoding
                 )
             made[Path(path).name] = text.source

@@ -138,3 +138,15 @@ def test_answers_move_with_edits_that_are_not_analysed(editor: Editor) -> None:
     view = editor.open("drawing_idl")
     found = definition(view, editor.at(view, "consumes Shapes::Po^int"))
     assert [editor.shown(each) for each in found] == ["types.idl:6 Point"]
+
+
+def test_edits_far_apart_leave_what_is_between_them(editor: Editor) -> None:
+    editor.open("types_idl")
+    editor.edit("types_idl", "module Sha^^pes", "")
+    editor.edit("types_idl", "^^  /// A point", "  // first\n")
+    view = editor.edit("types_idl", "MOST = ^4^;", "12")
+    found = renamed(view, editor.at(view, "struct Po^int"), "Spot")
+    text = editor.applied(found)["types.idl"]
+    assert "struct Spot {" in text
+    assert "typedef sequence<Spot> Points;" in text
+    assert "MOST = 12;" in text

@@ -69,7 +69,9 @@ def test_replacing_a_range(before: str, old: str, new: str, after: str) -> None:
     if "\r\n" in (text.source[start - 1 : start + 1], text.source[end - 1 : end + 1]):
         return
     range_ = Range(text.position(start, UTF_16), text.position(end, UTF_16))
-    assert text.replaced(range_, new, UTF_16).source == before + new + after
+    replaced, shift = text.replaced(range_, new, UTF_16)
+    assert replaced.source == before + new + after
+    assert shift == Shift(start, end, start + len(new))
 
 
 @given(TEXTS, TEXTS, TEXTS, TEXTS)

@@ -21,7 +21,8 @@ from rtgen.model.canopen import Device, PdoEntry
 def inlay_hints(view: View, range_: Range) -> list[InlayHint]:
     """The hints in a range."""
     low, high = view.offset(range_.start), view.offset(range_.end)
-    found = _of_structs(view) if view.language is Language.IDL else _of_pdos(view)
+    structs = view.language is Language.IDL
+    found = _of_structs(view, low, high) if structs else _of_pdos(view)
     return [
         InlayHint(view.range(end, end).start, label, padding_left=True)
         for end, label in found
@@ -29,12 +30,12 @@ def inlay_hints(view: View, range_: Range) -> list[InlayHint]:
     ]
 
 
-def _of_structs(view: View) -> Iterator[tuple[int, str]]:
+def _of_structs(view: View, low: int, high: int) -> Iterator[tuple[int, str]]:
     if view.analysis is None:
         return
     places: dict[str, dict[str, str]] = {}
     for _, end, _, _, d in view.definitions():
-        if d.kind is not Kind.MEMBER or not d.key.startswith("idl "):
+        if d.kind is not Kind.MEMBER or not low <= end <= high:
             continue
         if d.container not in places:
             name = tuple(d.container.removeprefix("idl ").split("::"))

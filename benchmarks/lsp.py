@@ -1,0 +1,226 @@
+"""How long the language server takes to answer after an edit of a file of 5,000 lines.
+
+    python benchmarks/lsp.py
+
+A server as an editor starts it, driven over its pipes. Each request follows at once on an edit, so
+the server answers while it waits for the next edit, or analyses. Wall time from the request to the
+answer as parsed JSON, and from the last edit of five to its findings.
+"""
+
+from __future__ import annotations
+
+import json
+import random
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+LINES = 5000
+ROUNDS = 25
+LIMIT = 0.1
+"""Seconds for the median of each request."""
+
+
+def definitions(lines: int) -> str:
+    """IDL of so many lines: structs of structs, enums, sequences, an interface for each tenth."""
+    out = ["module Large {"]
+    number = 0
+    while len(out) < lines - 12:
+        before = f"S{number - 1}" if number % 20 else "short"
+        out += [
+            f"  /// The struct number {number}.",
+            f"  struct S{number} {{",
+            "    long count;",
+            '    @unit("m") double distance;  ///< To the wall.',
+            "    sequence<long, 8> numbers;",
+            f"    {before} inner;",
+            "  };",
+            f"  enum E{number} {{ FIRST{number}, LAST{number} }};",
+            f"  typedef sequence<S{number}> List{number};",
+            "",
+        ]
+        if number % 10 == 9:
+            out += [
+                f"  interface I{number} {{",
+                f"    S{number} get(in E{number} which, in List{number} all);",
+                "  };",
+            ]
+        number += 1
+    out += ["  // The end."] * (lines - 1 - len(out)) + ["};"]
+    return "\n".join(out) + "\n"
+
+
+class Client:
+    """A server process, and messages to and from it."""
+
+    def __init__(self, folder: Path) -> None:
+        self._process = subprocess.Popen(
+            [sys.executable, "-m", "rtgen", "lsp"],
+            cwd=folder,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+        )
+        self._number = 0
+        self.published: dict[str, Any] = {}
+
+    def notify(self, method: str, parameters: Mapping[str, Any]) -> None:
+        """Send a notification."""
+        self._send({"method": method, "params": parameters})
+
+    def ask(self, method: str, parameters: Mapping[str, Any] | None = None) -> Any:
+        """Send a request and wait for its answer."""
+        self._number += 1
+        message = {"id": self._number, "method": method}
+        self._send(message | ({} if parameters is None else {"params": parameters}))
+        while True:
+            answer = self._received()
+            if answer.get("id") == self._number:
+                if "error" in answer:
+                    raise RuntimeError(f"{method}: {answer['error']}")
+                return answer["result"]
+
+    def findings(self, version: int) -> None:
+        """Wait for the findings of a version."""
+        while self.published.get("version") != version:
+            self._received()
+
+    def close(self) -> None:
+        """End the server."""
+        self.ask("shutdown")
+        self.notify("exit", {})
+        self._process.wait(timeout=60)
+
+    def _send(self, message: Mapping[str, Any]) -> None:
+        body = json.dumps({"jsonrpc": "2.0", **message}).encode()
+        assert self._process.stdin is not None
+        self._process.stdin.write(b"Content-Length: %d\r\n\r\n" % len(body) + body)
+        self._process.stdin.flush()
+
+    def _received(self) -> Any:
+        stream = self._process.stdout
+        assert stream is not None
+        length = 0
+        while (line := stream.readline().strip()) or not length:
+            if line.lower().startswith(b"content-length:"):
+                length = int(line.partition(b":")[2])
+        message = json.loads(stream.read(length))
+        if message.get("method") == "textDocument/publishDiagnostics":
+            self.published = message["params"]
+        return message
+
+
+class Session:
+    """A file that is open in the server, and edits of it."""
+
+    def __init__(self, client: Client, path: Path, text: str) -> None:
+        self._client = client
+        self.document = {"uri": path.as_uri()}
+        self.lines = text.split("\n")
+        self.version = 1
+        self._draw = random.Random(1)
+        item = self.document | {"languageId": "idl", "version": 1, "text": text}
+        client.notify("textDocument/didOpen", {"textDocument": item})
+
+    def edit(self) -> int:
+        """Add a comment or a member to a struct; the line of the struct's name."""
+        numbers = [i for i, line in enumerate(self.lines) if "long count" in line]
+        line = self._draw.choice(numbers)
+        self.version += 1
+        kind = self._draw.randrange(2)
+        new = " // x" if kind else f"\n    long more{self.version};"
+        place = {"line": line, "character": len(self.lines[line])}
+        change = {"range": {"start": place, "end": place}, "text": new}
+        self._client.notify(
+            "textDocument/didChange",
+            {
+                "textDocument": self.document | {"version": self.version},
+                "contentChanges": [change],
+            },
+        )
+        self.lines[line : line + 1] = (self.lines[line] + new).split("\n")
+        return line - 1
+
+    def requests(self, line: int) -> dict[str, tuple[str, dict[str, Any]]]:
+        """The requests of an editor about the name of a struct."""
+        document = {"textDocument": self.document}
+        there = document | {"position": {"line": line, "character": 10}}
+        inside = document | {"position": {"line": line + 1, "character": 4}}
+        start = {"line": line, "character": 0}
+        end = {"line": line + 60, "character": 0}
+        screen = document | {"range": {"start": start, "end": end}}
+        return {
+            "hover": ("textDocument/hover", there),
+            "definition": ("textDocument/definition", there),
+            "references": (
+                "textDocument/references",
+                there | {"context": {"includeDeclaration": True}},
+            ),
+            "highlights": ("textDocument/documentHighlight", there),
+            "completion": ("textDocument/completion", inside),
+            "rename": ("textDocument/rename", there | {"newName": "Other"}),
+            "document symbols": ("textDocument/documentSymbol", document),
+            "workspace symbols": ("workspace/symbol", {"query": "s12"}),
+            "semantic tokens": ("textDocument/semanticTokens/full", document),
+            "semantic tokens, a screen": ("textDocument/semanticTokens/range", screen),
+            "folding": ("textDocument/foldingRange", document),
+            "inlay hints, a screen": ("textDocument/inlayHint", screen),
+            "code actions": (
+                "textDocument/codeAction",
+                screen | {"context": {"diagnostics": []}},
+            ),
+        }
+
+
+def measured(folder: Path) -> bool:
+    """Measure all requests and print them; whether each keeps to the limit."""
+    path = folder / "large.idl"
+    text = definitions(LINES)
+    path.write_text(text, encoding="utf-8")
+    client = Client(folder)
+    client.ask(
+        "initialize",
+        {"processId": None, "rootUri": folder.as_uri(), "capabilities": {}},
+    )
+    client.notify("initialized", {})
+    session = Session(client, path, text)
+    client.findings(session.version)
+    print(f"{LINES:,} lines of IDL, {ROUNDS} edits for each request; milliseconds")
+    print(f"{'request':<28}{'median':>8}{'most':>8}")
+    medians, analyses = [], []
+
+    def show(name: str, seconds: list[float]) -> None:
+        median = statistics.median(seconds)
+        print(f"{name:<28}{1000 * median:>8.1f}{1000 * max(seconds):>8.1f}")
+
+    for name in session.requests(0):
+        seconds = []
+        for number in range(ROUNDS):
+            method, parameters = session.requests(session.edit())[name]
+            begun = time.perf_counter()
+            client.ask(method, parameters)
+            seconds.append(time.perf_counter() - begun)
+            if number % 5 == 4:
+                client.findings(session.version)
+                analyses.append(time.perf_counter() - begun)
+        show(name, seconds)
+        medians.append(statistics.median(seconds))
+    show("findings of the edit", analyses)
+    client.close()
+    return max(medians) <= LIMIT
+
+
+def main() -> None:
+    """Exit code 1 where a median is beyond the limit."""
+    with tempfile.TemporaryDirectory() as folder:
+        fine = measured(Path(folder))
+    print(f"each median at most {1000 * LIMIT:.0f} ms: {'yes' if fine else 'no'}")
+    sys.exit(not fine)
+
+
+if __name__ == "__main__":
+    main()
