@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 import click
 
@@ -23,20 +23,13 @@ from rtgen.diagnostics import (
     Diagnostic,
     InputError,
     Severity,
-    Span,
     has_errors,
-    in_order,
 )
-from rtgen.diagnostics.explain import rules, similar
 from rtgen.project import Project, shown
 from rtgen.project.rewriting import rewrite
-from rtgen.project.rules import UNKNOWN_CODE
 
 MOST_ROUNDS = 10
 """How often --fix reads what it has changed, since a fix may make way for another."""
-
-_READ_AND_LINTED = ("IDL", "CDL0", "EDS", "LINT")
-"""What codes of findings begin with that this command finds."""
 
 
 @click.command(epilog="Example: rtgen lint --fix specs")
@@ -66,17 +59,15 @@ def lint(
     --fix changes the files that were given, --diff shows what it would change.
     `rtgen explain CODE` describes a rule.
     """
+    from rtgen.linting import unknown, unknown_codes
+
     project = project_of(definitions)
-    wrong = [*_unknown(ignore, "--ignore"), *_unknown(select, "--select")]
-    for key, codes in (("ignore", project.ignored), ("select", project.selected)):
-        wrong += _unknown(codes.keys(), f"[lint] {key}", codes)
-    in_files = {code: span for _, code, span in project.ignored_in_files}
-    wrong += _unknown(in_files, "[lint] per-file-ignores", in_files)
+    wrong = [*unknown(ignore, "--ignore"), *unknown(select, "--select")]
+    wrong += unknown_codes(project)
     if wrong:
         raise InputError(wrong)
-    ignored = {code.upper() for code in (*ignore, *project.ignored)}
     whole = not definitions.paths
-    found, sources = _findings(project, select, ignored, whole)
+    found, sources = _findings(project, select, ignore, whole)
     if as_diff and not has_errors(found):
         return _print_fixes(project, found)
     fixed = 0
@@ -89,7 +80,7 @@ def lint(
             rewrite(change.path, change.new)
             console.say(f"fixed {shown(change.path)}")
         fixed += 1
-        found, sources = _findings(project, select, ignored, whole)
+        found, sources = _findings(project, select, ignore, whole)
     console.findings(found, sources)
     if has_errors(found):
         return BAD_INPUT
@@ -97,32 +88,14 @@ def lint(
 
 
 def _findings(
-    project: Project, select: tuple[str, ...], ignored: Collection[str], whole: bool
+    project: Project, select: Sequence[str], ignore: Sequence[str], whole: bool
 ) -> tuple[list[Diagnostic], Mapping[str, str]]:
-    """The findings that are not silenced, with their fixes, and the texts that they are about."""
-    from rtgen.lint import ON_DEMAND, fixes
-    from rtgen.lint import lint as check
-    from rtgen.lint.suppressions import FilePattern, suppressed
+    """The findings that are not silenced, and the texts that they are about."""
+    from rtgen.linting import findings
 
     result = compiler.read(project)
-    found = list(result.diagnostics)
-    active = None
-    if not has_errors(found):
-        selected = {code.upper() for code in (*select, *project.selected)}
-        found += check(
-            result.model, result.sources, select=selected, options=project.plugins
-        )
-        idle = {rule.code for rule in ON_DEMAND} - selected
-        active = {c for c in rules() if c.startswith(_READ_AND_LINTED)} - idle
-    patterns = [
-        FilePattern(span, code, pattern=shown(project.root / pattern))
-        for pattern, code, span in project.ignored_in_files
-    ]
-    found = suppressed(
-        found, result.sources, patterns, known=rules(), active=active, whole=whole
-    )
-    left = (d for d in found if d.severity is Severity.ERROR or d.code not in ignored)
-    return fixes.attached(in_order(left), result.sources), result.sources
+    found = findings(project, result, select=select, ignore=ignore, whole=whole)
+    return found, result.sources
 
 
 def _print_fixes(project: Project, found: Sequence[Diagnostic]) -> int:
@@ -131,17 +104,3 @@ def _print_fixes(project: Project, found: Sequence[Diagnostic]) -> int:
     changes = changed_files(project, found)
     write_out(diff(changes))
     return NO if changes else OK
-
-
-def _unknown(
-    codes: Iterable[str], where: str, spans: dict[str, Span] | None = None
-) -> Iterator[Diagnostic]:
-    """Findings for codes that no rule has."""
-    for code in codes:
-        if code.upper() not in rules():
-            close = similar(code)
-            yield UNKNOWN_CODE.at(
-                spans[code] if spans else None,
-                f"{where}: no rule has the code {code!r}",
-                hint=f"did you mean {close[0]}?" if close else "see rtgen explain",
-            )

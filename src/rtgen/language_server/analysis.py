@@ -8,7 +8,7 @@ from pathlib import Path
 
 from msgspec.structs import replace
 
-from rtgen import compiler
+from rtgen import compiler, linting
 from rtgen.diagnostics import (
     Diagnostic,
     InputError,
@@ -30,7 +30,7 @@ from rtgen.language_server.indexing.index import Collector, FileIndex, Index
 from rtgen.language_server.indexing.profiles import ProfileNames
 from rtgen.language_server.indexing.project_file import add_project_file
 from rtgen.language_server.text import Text
-from rtgen.lint import lint
+from rtgen.linting import unknown_codes
 from rtgen.model import Model
 from rtgen.project import Project, shown
 from rtgen.systems import reading
@@ -77,26 +77,22 @@ def analyse(
     project: Project,
     snapshot: Snapshot,
     *,
+    whole: bool = True,
     before: Analysis | None = None,
     is_superseded: Callable[[], bool] = lambda: False,
 ) -> Analysis:
     """Analyse a project with the documents of a snapshot in place of files on the disk.
 
-    Files that cannot be read now keep their names of `before`. Raises SupersededError when
-    `is_superseded`.
+    `whole`: the files are all of the project. Files that cannot be read now keep their names of
+    `before`. Raises SupersededError when `is_superseded`.
     """
     collector = Collector()
     names = _Names(collector, is_superseded)
     with overlaid(snapshot.contents):
         result = compiler.read(project, observer=names)
-        findings = [*result.diagnostics]
+        findings = [*unknown_codes(project)]
         if not has_errors(findings):
-            findings += lint(
-                result.model,
-                result.sources,
-                select=set(project.selected),
-                options=project.plugins,
-            )
+            findings = linting.findings(project, result, whole=whole)
         result = _with_systems(project, result, findings)
         texts = _texts(project, result, before, snapshot)
         _add_unread(collector, texts)
@@ -105,17 +101,10 @@ def analyse(
     for path, kept in (before.index.files if before is not None else {}).items():
         if path not in files and (path in snapshot.texts or Path(path).is_file()):
             files[path] = kept
-    ignored = {code.upper() for code in project.ignored}
     return Analysis(
         project,
         result.model,
-        tuple(
-            in_order(
-                d
-                for d in findings
-                if d.severity is Severity.ERROR or d.code not in ignored
-            )
-        ),
+        tuple(in_order(findings)),
         texts,
         Index(files.values()),
     )

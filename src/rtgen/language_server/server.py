@@ -24,6 +24,7 @@ from rtgen.language_server.features.completion import completion
 from rtgen.language_server.features.definition import definition
 from rtgen.language_server.features.diagnostics import published
 from rtgen.language_server.features.folding import folding
+from rtgen.language_server.features.formatting import formatting
 from rtgen.language_server.features.hover import hover
 from rtgen.language_server.features.inlay_hints import inlay_hints
 from rtgen.language_server.features.references import highlights, references
@@ -367,8 +368,29 @@ def _add_outlines(server: Server) -> None:
 
     @server.feature(
         types.TEXT_DOCUMENT_CODE_ACTION,
-        types.CodeActionOptions(code_action_kinds=[types.CodeActionKind.QuickFix]),
+        types.CodeActionOptions(
+            code_action_kinds=[
+                types.CodeActionKind.QuickFix,
+                types.CodeActionKind.SourceFixAll,
+            ]
+        ),
     )
     def acted(params: types.CodeActionParams) -> list[types.CodeAction]:
         view = server.view(params.text_document)
-        return [] if view is None else code_actions(view, params.context.diagnostics)
+        if view is None:
+            return []
+        found = code_actions(view, params.range, params.context.diagnostics)
+        only = params.context.only
+        return [a for a in found if only is None or a.kind in only]
+
+    @server.feature(types.TEXT_DOCUMENT_FORMATTING)
+    def formatted(params: types.DocumentFormattingParams) -> list[types.TextEdit]:
+        view = server.view(params.text_document)
+        return [] if view is None else formatting(view)
+
+    @server.feature(types.TEXT_DOCUMENT_RANGE_FORMATTING)
+    def range_formatted(
+        params: types.DocumentRangeFormattingParams,
+    ) -> list[types.TextEdit]:
+        view = server.view(params.text_document)
+        return [] if view is None else formatting(view, params.range)

@@ -119,6 +119,7 @@ class Workspace:
             made = analyse(
                 state.project,
                 snapshot,
+                whole=not key.file,
                 before=before,
                 is_superseded=is_superseded,
             )

@@ -6,13 +6,22 @@ from pathlib import Path
 
 import pytest
 from editor import Editor
-from lsprotocol.types import DocumentSymbol, MarkupContent, Position, Range
+from lsprotocol.types import (
+    DocumentSymbol,
+    MarkupContent,
+    Position,
+    Range,
+    WorkspaceEdit,
+)
 from projects import PROJECT
 
+from rtgen.formatting import Language as Form
+from rtgen.formatting import format_text
 from rtgen.language_server.features.code_actions import code_actions
 from rtgen.language_server.features.completion import completion
 from rtgen.language_server.features.diagnostics import published
 from rtgen.language_server.features.folding import folding
+from rtgen.language_server.features.formatting import formatting
 from rtgen.language_server.features.hover import hover
 from rtgen.language_server.features.inlay_hints import inlay_hints
 from rtgen.language_server.features.semantic_tokens import LEGEND, semantic_tokens
@@ -219,7 +228,7 @@ def test_code_actions_of_hints(editor: Editor) -> None:
     view = editor.open("drawing_idl", text)
     findings = editor.findings("drawing_idl")["drawing.idl"]
     shown = published(editor.workspace, view.document.path, findings)
-    actions = code_actions(editor.view("drawing_idl"), shown)
+    actions = code_actions(editor.view("drawing_idl"), ALL, shown)
     assert [a.title for a in actions] == ["Change Pointsz to Points"]
     assert actions[0].edit is not None
     assert editor.applied(actions[0].edit)["drawing.idl"] == PROJECT["drawing_idl"]
@@ -230,5 +239,47 @@ def test_a_code_action_includes_a_file(editor: Editor) -> None:
     view = editor.open("drawing_idl", text.replace("Shapes::Point", "Point"))
     findings = editor.findings("drawing_idl")["drawing.idl"]
     shown = published(editor.workspace, view.document.path, findings)
-    titles = {a.title for a in code_actions(editor.view("drawing_idl"), shown)}
+    titles = {a.title for a in code_actions(editor.view("drawing_idl"), ALL, shown)}
     assert titles == {'Add #include "types.idl"'}
+
+
+def test_code_actions_of_safe_fixes(editor: Editor) -> None:
+    text = PROJECT["types_idl"].replace("octet quality;", "octet quality;;")
+    editor.open("types_idl", text)
+    view = editor.edit("types_idl", "^^module Shapes", "// moved\n")
+    actions = code_actions(view, ALL, [])
+    assert [a.title for a in actions] == [
+        "Remove the ';' (IDL0110)",
+        "Fix all that rtgen can fix safely",
+    ]
+    for action in actions:
+        assert action.edit is not None
+        fixed = editor.applied(action.edit)["types.idl"]
+        assert fixed == "// moved\n" + PROJECT["types_idl"]
+    assert code_actions(view, Range(Position(0, 0), Position(0, 0)), []) == actions[1:]
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+@pytest.mark.parametrize("file", ["drawing_idl", "board_cdl"])
+def test_formatting(editor: Editor, file: str, end: str) -> None:
+    untidy = PROJECT[file].replace("    ", "\t ").replace(" {", "   {")
+    view = editor.open(file, untidy.replace("\n", end))
+    form = Form.IDL if file == "drawing_idl" else Form.CDL
+    wanted = format_text(untidy, form).replace("\n", end)
+    edit = WorkspaceEdit(changes={view.document.uri: formatting(view)})
+    assert list(editor.applied(edit).values()) == [wanted]
+    assert formatting(editor.open(file, wanted)) == []
+
+
+def test_formatting_of_a_range(editor: Editor) -> None:
+    view = editor.open("board_cdl", PROJECT["board_cdl"].replace("    ", "  "))
+    lines = Range(Position(17, 0), Position(17, 99))
+    edit = WorkspaceEdit(changes={view.document.uri: formatting(view, lines)})
+    text = editor.applied(edit)["board.cdl"]
+    assert "    call sMotor cMotor;" in text
+    assert "\n  entry sMotor eMotor;" in text
+
+
+def test_what_has_no_form_is_left(editor: Editor) -> None:
+    assert formatting(editor.open("types_idl", 'struct A { "\n')) == []
+    assert formatting(editor.open("drive_eds")) == []

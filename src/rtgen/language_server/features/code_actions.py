@@ -1,4 +1,4 @@
-"""Code actions: the changes that a finding's hint proposes."""
+"""Code actions: safe fixes of findings, as `rtgen lint --fix`, and what their hints propose."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from lsprotocol.types import (
 )
 
 from rtgen.language_server.features.diagnostics import SOURCE
+from rtgen.language_server.indexing.index import path_of
 from rtgen.language_server.workspace import View
 
 _NEAR = re.compile(r"\nhint: did you mean (?:the keyword )?'?([\w:.]+)'?\?$")
@@ -26,8 +27,55 @@ _NAME = re.compile(r"[\w:.]+")
 _INCLUDED = re.compile(r"^[ \t]*#[ \t]*include\b[^\n]*\n", re.MULTILINE)
 
 
-def code_actions(view: View, diagnostics: Sequence[Diagnostic]) -> list[CodeAction]:
-    """The changes for findings of rtgen at a place."""
+def code_actions(
+    view: View, range_: Range, diagnostics: Sequence[Diagnostic]
+) -> list[CodeAction]:
+    """The changes for a range, and for the findings of rtgen that the editor has there."""
+    return [*_fixes(view, range_), *_hinted(view, diagnostics)]
+
+
+def _fixes(view: View, range_: Range) -> Iterator[CodeAction]:
+    """The fixes of findings in the document that begin or end in a range; and all of them."""
+    if view.analysis is None or view.file is None:
+        return
+    low, high = view.offset(range_.start), view.offset(range_.end)
+    everything: list[TextEdit] = []
+    for finding in view.analysis.findings:
+        if finding.fix is None or finding.span is None:
+            continue
+        if path_of(finding.span.file) != view.document.path:
+            continue
+        place = view.shift.forward(*view.file.text.offsets(finding.span))
+        moved = [
+            (view.shift.forward(*view.file.text.offsets(edit.span)), edit)
+            for edit in finding.fix.edits
+        ]
+        edits = [
+            TextEdit(view.range(*stretch), edit.new)
+            for stretch, edit in moved
+            if stretch is not None
+            and view.text.source[stretch[0] : stretch[1]] == edit.old
+        ]
+        if place is None or len(edits) < len(moved):
+            continue
+        if not any(edit in everything for edit in edits):
+            everything += edits
+        if place[0] <= high and place[1] >= low:
+            yield CodeAction(
+                title=f"{finding.fix.title[:1].upper()}{finding.fix.title[1:]} ({finding.code})",
+                kind=CodeActionKind.QuickFix,
+                edit=WorkspaceEdit(changes={view.document.uri: edits}),
+                is_preferred=True,
+            )
+    if everything:
+        yield CodeAction(
+            title="Fix all that rtgen can fix safely",
+            kind=CodeActionKind.SourceFixAll,
+            edit=WorkspaceEdit(changes={view.document.uri: everything}),
+        )
+
+
+def _hinted(view: View, diagnostics: Sequence[Diagnostic]) -> list[CodeAction]:
     return [
         CodeAction(
             title=title,

@@ -1,0 +1,73 @@
+"""The findings of `rtgen lint`: those of reading and of the rules, without what is silenced."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator
+
+from rtgen.diagnostics import Diagnostic, Severity, Span, has_errors, in_order
+from rtgen.diagnostics.explain import rules, similar
+from rtgen.frontends import FrontendResult
+from rtgen.lint import ON_DEMAND, fixes
+from rtgen.lint import lint as check
+from rtgen.lint.suppressions import FilePattern, suppressed
+from rtgen.project import Project, shown
+from rtgen.project.rules import UNKNOWN_CODE
+
+_READ_AND_LINTED = ("IDL", "CDL0", "EDS", "LINT")
+"""What codes of findings begin with that are found here."""
+
+
+def findings(
+    project: Project,
+    result: FrontendResult,
+    *,
+    select: Collection[str] = (),
+    ignore: Collection[str] = (),
+    whole: bool = True,
+) -> list[Diagnostic]:
+    """The findings about a result of reading that are not silenced, with their fixes, in order.
+
+    `select` and `ignore` are codes beside those of rtgen.toml. `whole`: the result has all files
+    of the project.
+    """
+    found = list(result.diagnostics)
+    active = None
+    if not has_errors(found):
+        selected = {code.upper() for code in (*select, *project.selected)}
+        found += check(
+            result.model, result.sources, select=selected, options=project.plugins
+        )
+        idle = {rule.code for rule in ON_DEMAND} - selected
+        active = {c for c in rules() if c.startswith(_READ_AND_LINTED)} - idle
+    patterns = [
+        FilePattern(span, code, pattern=shown(project.root / pattern))
+        for pattern, code, span in project.ignored_in_files
+    ]
+    found = suppressed(
+        found, result.sources, patterns, known=rules(), active=active, whole=whole
+    )
+    ignored = {code.upper() for code in (*ignore, *project.ignored)}
+    left = (d for d in found if d.severity is Severity.ERROR or d.code not in ignored)
+    return fixes.attached(in_order(left), result.sources)
+
+
+def unknown_codes(project: Project) -> Iterator[Diagnostic]:
+    """Findings for codes in rtgen.toml that no rule has."""
+    for key, codes in (("ignore", project.ignored), ("select", project.selected)):
+        yield from unknown(codes, f"[lint] {key}", codes)
+    in_files = {code: span for _, code, span in project.ignored_in_files}
+    yield from unknown(in_files, "[lint] per-file-ignores", in_files)
+
+
+def unknown(
+    codes: Iterable[str], where: str, spans: dict[str, Span] | None = None
+) -> Iterator[Diagnostic]:
+    """Findings for codes that no rule has."""
+    for code in codes:
+        if code.upper() not in rules():
+            close = similar(code)
+            yield UNKNOWN_CODE.at(
+                spans[code] if spans else None,
+                f"{where}: no rule has the code {code!r}",
+                hint=f"did you mean {close[0]}?" if close else "see rtgen explain",
+            )
