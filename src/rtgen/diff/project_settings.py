@@ -17,6 +17,7 @@ _DEFAULTS: dict[tuple[str, str], Any] = {
     ("output", "target"): "embedded",
     ("output", "representation"): "cdr",
     ("output", "extensibility"): "final",
+    ("python", "numeric"): "array",
     ("tecs", "corba"): False,
     ("small", "sequence"): 1024,
     ("small", "string"): 128,
@@ -29,6 +30,7 @@ _KINDS: dict[tuple[str, str], Kind] = {
     ("output", "target"): kinds.TARGET,
     ("output", "representation"): kinds.REPRESENTATION,
     ("output", "extensibility"): kinds.EXTENSIBILITY,
+    ("python", "numeric"): kinds.NUMERIC,
     ("tecs", "corba"): kinds.TECS_CORBA,
     ("sources", "paths"): kinds.SOURCES,
 }

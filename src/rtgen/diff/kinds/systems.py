@@ -248,6 +248,12 @@ TOOLS = Kind(
     _NONE,
     "definitions stay the same",
 )
+NUMERIC = Kind(
+    "DIF0714",
+    "form of numbers in Python changed",
+    _SOURCE,
+    "sequences and arrays of numbers are decoded as objects of another type",
+)
 
 KINDS = (
     SYSTEM_ADDED,
@@ -289,4 +295,5 @@ KINDS = (
     READING,
     SOURCES,
     TOOLS,
+    NUMERIC,
 )
