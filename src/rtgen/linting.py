@@ -35,7 +35,11 @@ def findings(
     if not has_errors(found):
         selected = {code.upper() for code in (*select, *project.selected)}
         found += check(
-            result.model, result.sources, select=selected, options=project.plugins
+            result.model,
+            result.sources,
+            select=selected,
+            options=project.plugins,
+            target=project.target,
         )
         idle = {rule.code for rule in ON_DEMAND} - selected
         active = {c for c in rules() if c.startswith(_READ_AND_LINTED)} - idle

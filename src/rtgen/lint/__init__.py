@@ -7,7 +7,7 @@ from typing import Any
 
 from rtgen import plugins
 from rtgen.diagnostics import Diagnostic, in_order
-from rtgen.lint import data, devices, python, style, usage
+from rtgen.lint import data, devices, portability, python, style, tecs, usage
 from rtgen.lint.context import Context
 from rtgen.lint.rules import ON_DEMAND
 from rtgen.model import Model
@@ -17,6 +17,8 @@ __all__ = ["ON_DEMAND", "lint"]
 _CHECKS: tuple[Callable[[Context], Iterator[Diagnostic]], ...] = (
     usage.includes,
     usage.typedefs,
+    usage.types,
+    portability.constructs,
     style.anonymous_types,
     style.naming,
     style.documentation,
@@ -24,11 +26,14 @@ _CHECKS: tuple[Callable[[Context], Iterator[Diagnostic]], ...] = (
     data.any_in_ports,
     data.times_of_ports,
     data.unbounded,
+    data.unbounded_on_boards,
     data.missing_enumerators,
     python.names,
     devices.heartbeats,
     devices.identities,
     devices.names,
+    devices.unreachable,
+    tecs.signatures,
 )
 
 
@@ -38,13 +43,15 @@ def lint(
     *,
     select: Collection[str] = (),
     options: Mapping[str, Mapping[str, Any]] | None = None,
+    target: str = "",
 ) -> list[Diagnostic]:
     """Diagnostics of the built-in checks and of plug-ins for the given files, in order.
 
     `sources` maps displayed paths to texts; `options` has the table `[plugin.NAME]` of rtgen.toml
-    for each name. Rules of ON_DEMAND only run if `select` has their codes.
+    for each name, `target` is what components run on. Rules of ON_DEMAND only run if `select`
+    has their codes.
     """
-    context = Context(model, sources, options or {})
+    context = Context(model, sources, options or {}, target)
     checks = (*_CHECKS, *(check for _, check in plugins.loaded(plugins.Group.LINT)))
     left_out = {rule.code for rule in ON_DEMAND} - set(select)
     return in_order(

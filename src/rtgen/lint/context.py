@@ -27,11 +27,12 @@ _WORD = re.compile(r"[^\W\d]\w*")
 
 @dataclass(frozen=True, eq=False)
 class Context:
-    """The model, the source texts by their displayed paths, and the options of plug-ins."""
+    """The model, source texts by displayed path, the options of plug-ins, and the target."""
 
     model: Model
     sources: Mapping[str, str]
     options: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    target: str = ""
 
     @cached_property
     def files(self) -> dict[str, SourceFile]:

@@ -30,6 +30,7 @@ from rtgen.model import (
 
 _DATA = (PortKind.INPORT, PortKind.OUTPORT)
 _FEW = 4
+_SMALL = "small"
 
 
 def _ports(context: Context) -> Iterator[tuple[Component, Port]]:
@@ -133,6 +134,43 @@ def _unbounded(context: Context, type_: Type) -> str | None:
             if bound is None:
                 return "map"
             return _unbounded(context, key) or _unbounded(context, value)
+    return None
+
+
+def unbounded_on_boards(context: Context) -> Iterator[Diagnostic]:
+    """Data ports without a bound where memory is set aside beforehand: the target small."""
+    if context.target != _SMALL:
+        return
+    for _, port in _ports(context):
+        found = _unbounded_in(context, port.type, set())
+        if found is not None:
+            what, field = found
+            inside = "" if field is None else f" in {field.name}"
+            yield rules.UNBOUNDED_ON_BOARD.at(
+                port.span,
+                f"the data of {port.name} holds a {what} without a bound{inside}",
+                related=[] if field is None else [Related(field.span, "here")],
+                hint="a board keeps room for as many elements as [small] says; declare a bound",
+            )
+
+
+def _unbounded_in(
+    context: Context, type_: Type, seen: set[ScopedName]
+) -> tuple[str, Member | Case | None] | None:
+    """What has no bound in a type, and the field that holds it, the type itself if None."""
+    what = _unbounded(context, type_)
+    if what is not None:
+        return what, None
+    plain = context.model.unalias(type_)
+    while isinstance(plain, SequenceType | ArrayType):
+        plain = context.model.unalias(plain.element)
+    if not isinstance(plain, NamedType) or plain.name in seen:
+        return None
+    seen.add(plain.name)
+    for field in fields(context.model.find(plain.name)):
+        found = _unbounded_in(context, field.type, seen)
+        if found is not None:
+            return found[0], found[1] or field
     return None
 
 

@@ -42,6 +42,30 @@ def identities(context: Context) -> Iterator[Diagnostic]:
             )
 
 
+def unreachable(context: Context) -> Iterator[Diagnostic]:
+    """Application objects that SDO may only write, and no PDO maps."""
+    for device in context.model.devices:
+        mapped = {
+            (entry.index, entry.subindex)
+            for pdo in device.pdos
+            for entry in (*pdo.entries, *pdo.default_entries)
+        }
+        for variable in device.variables:
+            place = (variable.index, variable.subindex)
+            if (
+                variable.index >= _FIRST_OF_DEVICE
+                and not variable.access.readable
+                and not variable.domain
+                and place not in mapped
+            ):
+                yield rules.UNREACHABLE.at(
+                    variable.span,
+                    f"no SDO may read {variable.name} ({place[0]:04X}:{place[1]:X}),"
+                    " and no PDO has it",
+                    hint="with AccessType=rw a manager can check what it has written",
+                )
+
+
 def names(context: Context) -> Iterator[Diagnostic]:
     """Application objects with equal names, whose fields are numbered."""
     for device in context.model.devices:

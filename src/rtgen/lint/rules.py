@@ -19,6 +19,13 @@ NO_HEARTBEAT = Rule("LINT0012", "device without heartbeat", Severity.WARNING)
 NO_VENDOR = Rule("LINT0013", "device without a vendor number", Severity.WARNING)
 SAME_NAME = Rule("LINT0014", "objects of one name", Severity.NOTE)
 NO_EFFECT = Rule("LINT0015", "suppression without effect", Severity.WARNING)
+NOT_CARRIED = Rule("LINT0016", "function that no transport can carry", Severity.NOTE)
+UNREACHABLE = Rule("LINT0017", "object that nobody can read", Severity.NOTE)
+UNBOUNDED_ON_BOARD = Rule(
+    "LINT0018", "data without a bound on a board", Severity.WARNING
+)
+UNUSED_TYPE = Rule("LINT0019", "unused type", Severity.NOTE)
+NOT_PORTABLE = Rule("LINT0020", "IDL that other compilers refuse", Severity.NOTE)
 
 RULES: tuple[Rule, ...] = (
     UNUSED_INCLUDE,
@@ -36,7 +43,12 @@ RULES: tuple[Rule, ...] = (
     NO_VENDOR,
     SAME_NAME,
     NO_EFFECT,
+    NOT_CARRIED,
+    UNREACHABLE,
+    UNBOUNDED_ON_BOARD,
+    UNUSED_TYPE,
+    NOT_PORTABLE,
 )
 
-ON_DEMAND: tuple[Rule, ...] = (UNDOCUMENTED, UNBOUNDED)
+ON_DEMAND: tuple[Rule, ...] = (UNDOCUMENTED, UNBOUNDED, NOT_PORTABLE)
 """Rules that only run if selected."""

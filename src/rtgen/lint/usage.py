@@ -1,4 +1,4 @@
-"""Lint checks of unused includes and typedefs."""
+"""Lint checks of unused includes, typedefs and types."""
 
 from __future__ import annotations
 
@@ -10,9 +10,21 @@ from pathlib import PurePosixPath
 from rtgen.diagnostics import Diagnostic, Span
 from rtgen.lint import rules
 from rtgen.lint.context import Context
-from rtgen.model import Bitmask, Enum, SourceFile, Typedef
+from rtgen.model import (
+    Bitmask,
+    Bitset,
+    Component,
+    Enum,
+    ExceptionDecl,
+    Interface,
+    SourceFile,
+    Struct,
+    Typedef,
+    Union,
+)
 
 _INCLUDE = re.compile(r"^[ \t]*#[ \t]*include[ \t]*[\"<]([^\">\n]+)[\">]", re.MULTILINE)
+_TYPES = (Struct, Union, Enum, Bitmask, Bitset, ExceptionDecl, Interface)
 _DEFINE = re.compile(r"^[ \t]*#[ \t]*define[ \t]+(\w+)", re.MULTILINE)
 
 
@@ -70,6 +82,28 @@ def _include_of(context: Context, file: SourceFile, included: str) -> Span | Non
             column = match.start(1) - begin + 1
             return Span(file.name, line, column, line, column + len(match[1]))
     return None
+
+
+def types(context: Context) -> Iterator[Diagnostic]:
+    """Types of files with components whose name is never used.
+
+    Files of types alone are there for others.
+    """
+    own = {d.file for d in context.declarations if isinstance(d, Component)}
+    count: Counter[str] = Counter()
+    for words in context.words.values():
+        count.update(words)
+    for declaration in context.declarations:
+        is_type = isinstance(declaration, _TYPES) and declaration.file in own
+        if not is_type or count[declaration.name[-1]] != 1:
+            continue
+        members = declaration.members if isinstance(declaration, Enum) else ()
+        if all(count[member.name] == 1 for member in members):
+            yield rules.UNUSED_TYPE.at(
+                declaration.span,
+                f"{declaration.scoped} is used nowhere",
+                hint="remove it, unless it is meant for others",
+            )
 
 
 def typedefs(context: Context) -> Iterator[Diagnostic]:
