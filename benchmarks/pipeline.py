@@ -1,9 +1,9 @@
 """How much faster than real time the navigation pipeline runs in simulated time.
 
-Four figures: the system as specified; the same system with behaviours that do nothing (ports,
+Five figures: the system as specified; the same system with behaviours that do nothing (ports,
 rates and connections as they are), which is the runtime's share; the difference, which is that of
 the behaviours with their ports' traffic; and the system as specified with a log of all samples, as
-`rtgen run --log` writes it.
+`rtgen run --log` writes it, and with a recording, as `--record` writes it.
 """
 
 from __future__ import annotations
@@ -14,13 +14,15 @@ import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
-from tempfile import TemporaryFile
+from tempfile import TemporaryDirectory, TemporaryFile
 
 from rtgen import runtime
 from rtgen.cli.assembly import assemble
 from rtgen.cli.factories import Factories
 from rtgen.model import System
 from rtgen.project import load
+from rtgen.recording.mcap_writer import McapWriter
+from rtgen.recording.recorder import Recorder
 from rtgen.runtime import RTC_OK, Component, ReturnCode_t
 from rtgen.systems.reading import read_file
 
@@ -31,6 +33,7 @@ ROUNDS = 5
 SECONDS = 10
 """Simulated time of a round; the robot is under way all the while."""
 LOGGED = "with a log"
+RECORDED = "with a recording"
 
 
 class IdleFactories(Factories):
@@ -50,14 +53,18 @@ def _nothing(self: Component, *ec_id: int) -> ReturnCode_t:
     return RTC_OK
 
 
-def ratio(profile: System, factories: Factories, *, logged: bool = False) -> float:
+def ratio(profile: System, factories: Factories, form: str = "") -> float:
     """Simulated over real time of one run."""
     with (
+        TemporaryDirectory() as folder,
+        McapWriter(Path(folder, "run.mcap")) as recording,
         assemble(profile, factories, runtime.SimulatedClock(), (), ()) as system,
         TemporaryFile("w", encoding="utf-8") as log,
     ):
-        if logged:
+        if form == LOGGED:
             system.add_listener(runtime.JsonLinesRecorder(log))
+        elif form == RECORDED:
+            Recorder(system, recording)
         begun = time.perf_counter()
         system.run(SECONDS * runtime.SECOND)
         return SECONDS / (time.perf_counter() - begun)
@@ -74,12 +81,14 @@ def main() -> None:
         "as specified": Factories(project),
         "idle behaviours": IdleFactories(project),
     }
-    ratios: dict[str, list[float]] = {name: [] for name in (*kinds, LOGGED)}
+    ratios: dict[str, list[float]] = {name: [] for name in (*kinds, LOGGED, RECORDED)}
     for _ in range(ROUNDS):
         for name, factories in kinds.items():
             ratios[name].append(ratio(profile, factories))
-        ratios[LOGGED].append(ratio(profile, kinds["as specified"], logged=True))
-    whole, idle, logged = (statistics.median(values) for values in ratios.values())
+        for form in (LOGGED, RECORDED):
+            ratios[form].append(ratio(profile, kinds["as specified"], form))
+    medians = {name: statistics.median(values) for name, values in ratios.items()}
+    whole, idle = (medians[name] for name in kinds)
     rates = ", ".join(
         f"{c.instance} {c.rate:g} Hz" for c in profile.components if c.rate
     )
@@ -88,7 +97,9 @@ def main() -> None:
     )
     print(f"as specified     {whole:8.1f} x real time  (goal {GOAL:g}, bound 50)")
     print(f"idle behaviours  {idle:8.1f} x real time")
-    print(f"{LOGGED}       {logged:8.1f} x real time  ({whole / logged - 1:+.0%} time)")
+    for form in (LOGGED, RECORDED):
+        time_more = whole / medians[form] - 1
+        print(f"{form:<16} {medians[form]:8.1f} x real time  ({time_more:+.0%} time)")
     share = whole / idle
     print(
         f"share            runtime {share:.0%}, behaviours and their traffic {1 - share:.0%}"

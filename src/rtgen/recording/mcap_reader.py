@@ -14,15 +14,16 @@ from functools import cached_property
 from importlib.util import find_spec
 from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO, Final
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 from rtgen.recording.errors import RecordingError
+from rtgen.recording.mcap_writer import MAGIC as MAGIC
 from rtgen.recording.schemas import Schema
 
 if TYPE_CHECKING:
     from mcap.records import Chunk, McapRecord
 
-MAGIC: Final = b"\x89MCAP0\r\n"
+
 _FRAMING = struct.Struct("<BQ")
 _LARGEST = 1 << 28
 """Octets of the largest chunk or record that is read, without compression."""

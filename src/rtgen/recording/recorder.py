@@ -90,7 +90,7 @@ class Recorder:
         schema, encoding, encode = self._encoding(port.type)
         address = port.owner, port.name
         unit = self._unit(port)
-        start, message, lock = self._start, self._writer.message, self._writer.lock
+        start, put, lock = self._start, self._writer.put, self._writer.lock
         channels: dict[str, int] = {}
 
         def channel_of(during: str) -> int:
@@ -124,7 +124,7 @@ class Recorder:
                 channel = channels.get(during)
                 if channel is None:
                     channel = channel_of(during)
-                message(channel, start + elapsed(), data)
+                put(channel, start + elapsed(), data)
 
         return write
 
