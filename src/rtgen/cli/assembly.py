@@ -67,12 +67,14 @@ def assemble(
     transport: ProcessTransport | None = None,
     patience: float = 0.0,
     report: FailureReport | None = None,
+    prepare: Callable[[runtime.System], None] | None = None,
 ) -> runtime.System:
     """Assemble the system: all components INACTIVE, their start scheduled on its timeline.
 
     A component that calls providers of other processes is activated once the components before it
-    in the order of activation are ACTIVE, after `patience` [s] at the latest. Raises InputError
-    with all inconsistencies, ToolError if a factory cannot be loaded or the transport fails.
+    in the order of activation are ACTIVE, after `patience` [s] at the latest. `prepare` is called
+    when all components are added, before they are connected. Raises InputError with all
+    inconsistencies, ToolError if a factory cannot be loaded or the transport fails.
     """
     findings = [
         UNKNOWN_TYPE.at(
@@ -88,24 +90,24 @@ def assemble(
     system = runtime.System(clock, transport)
     system.on_failure = report
     try:
-        _fill(system, profile, factories, settings, steps, transport, patience, report)
+        _add_all(system, profile, factories, settings, report)
+        if prepare is not None:
+            prepare(system)
+        _fill(system, profile, steps, transport, patience)
     except BaseException:
         system.close()
         raise
     return system
 
 
-def _fill(
+def _add_all(
     system: runtime.System,
     profile: System,
     factories: Factories,
     settings: Sequence[SetParameter],
-    steps: Sequence[Step],
-    transport: ProcessTransport | None,
-    patience: float,
     report: FailureReport,
 ) -> None:
-    """Gives the system its components, connections and timeline. Raises as `assemble` does."""
+    """Gives the system its components. Raises as `assemble` does."""
     findings: list[Diagnostic] = []
     folder = Path(profile.file).absolute().parent
     for c in profile.components:
@@ -122,6 +124,17 @@ def _fill(
         raise report.interrupt
     if report.raised:
         raise ReportedError(BAD_INPUT)
+
+
+def _fill(
+    system: runtime.System,
+    profile: System,
+    steps: Sequence[Step],
+    transport: ProcessTransport | None,
+    patience: float,
+) -> None:
+    """Gives the system its connections and timeline. Raises as `assemble` does."""
+    findings: list[Diagnostic] = []
     profile = with_definition_names(
         profile, {name: _ports(system.component(name)) for name in system.instances}
     )

@@ -34,7 +34,7 @@ from rtgen.cli.recording_options import RecordingOptions, with_recording
 from rtgen.cli.run_view import View
 from rtgen.cli.summary import summary
 from rtgen.diagnostics import Span, has_errors, in_order
-from rtgen.model import System, SystemComponent
+from rtgen.model import Connection, PortReference, System, SystemComponent
 from rtgen.project import Project, load_around
 from rtgen.recording.events import Log
 from rtgen.recording.mcap_reader import McapFile
@@ -124,7 +124,8 @@ def replay(
     steps = _steps(steps, profile, present)
     with reported():
         course = course_of(McapFile(file))
-    profile = _with_players(profile, course, present)
+    player = Replay(course, present)
+    profile = _with_players(profile, course, player, present)
     clock = runtime.SimulatedClock()
     report = FailureReport(console, shown_failures, simulated=True)
     factories = _Factories(load_around(path))
@@ -132,11 +133,18 @@ def replay(
         ExitStack() as files,
         logged(report, console, shown_failures),
         ending(report.waiting) as end,
-        assemble(profile, factories, clock, values, steps, report=report) as running,
         reported(),
+        assemble(
+            profile,
+            factories,
+            clock,
+            values,
+            steps,
+            report=report,
+            prepare=player.prepare,
+        ) as running,
     ):
         report.end_run = running.end_run
-        player = Replay(running, course, present)
         if (stream := opened(files, log)) is not None:
             running.add_listener(JsonLinesRecorder(stream))
         recorder = recording.begin(files, running)
@@ -175,10 +183,12 @@ class _Factories(Factories):
         return Player if type_name == _PLAYER else super().__getitem__(type_name)
 
 
-def _with_players(profile: System, course: Course, present: Collection[str]) -> System:
+def _with_players(
+    profile: System, course: Course, player: Replay, present: Collection[str]
+) -> System:
     """The system with players for the recorded components that are not present.
 
-    All are in the recorded order, in which they tick; what was not recorded comes last.
+    Components and connections are in the recorded order; what was not recorded comes last.
     """
     own = {c.instance: c for c in profile.components if c.instance in present}
     recorded = {
@@ -188,13 +198,39 @@ def _with_players(profile: System, course: Course, present: Collection[str]) -> 
     return replace(
         profile,
         components=tuple((recorded | own).values()),
-        connections=tuple(
-            c
-            for c in profile.connections
-            if c.source.instance in present and c.target.instance in present
-        ),
+        connections=tuple(_connections(profile, course, player, present)),
         activation=tuple(a for a in profile.activation if a.instance in present),
     )
+
+
+def _connections(
+    profile: System, course: Course, player: Replay, present: Collection[str]
+) -> Iterator[Connection]:
+    own = {
+        c.name: c
+        for c in profile.connections
+        if c.source.instance in present and c.target.instance in present
+    }
+    for recorded in course.beginning(present):
+        source, target = map(_reference, (recorded.source, recorded.target))
+        if source.instance in present and target.instance in present:
+            if recorded.name in own:
+                yield own.pop(recorded.name)
+        else:
+            yield Connection(
+                name=recorded.name,
+                source=source,
+                target=target,
+                service=False,
+                span=_NOWHERE,
+                properties=tuple(player.properties(recorded).items()),
+            )
+    yield from own.values()
+
+
+def _reference(text: str) -> PortReference:
+    instance, _, port = text.partition(".")
+    return PortReference(instance=instance, port=port)
 
 
 def _plain(profile: System) -> System:

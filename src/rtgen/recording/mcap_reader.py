@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from mcap.records import Chunk, McapRecord
 
 
+_DAMAGE = (ValueError, OverflowError, struct.error)
+"""What readers of records raise for octets that are none, beside `McapError`."""
 _FRAMING = struct.Struct("<BQ")
 _LARGEST = 1 << 28
 """Octets of the largest chunk or record that is read, without compression."""
@@ -132,7 +134,7 @@ class McapFile:
                 record.data = _content(record)
                 record.compression = ""
                 inside = breakup_chunk(record)
-            except (ValueError, struct.error, McapError):
+            except (*_DAMAGE, McapError):
                 self.damaged += 1
                 continue
             yield from inside
@@ -199,7 +201,7 @@ def _records(stream: BinaryIO) -> Iterator[McapRecord]:
                 yield records.Message.read(data, length)
             else:
                 yield known[opcode].read(data)
-        except (ValueError, struct.error, McapError):
+        except (*_DAMAGE, McapError):
             continue
         if opcode == Opcode.DATA_END:
             return

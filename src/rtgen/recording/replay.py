@@ -43,16 +43,31 @@ class Course:
     end: int = 0
     through: bool = True
 
-    def connections_with(
+    def beginning(self, present: Collection[str]) -> list[messages.Connection]:
+        """The connections at the start that a component has that is present, in their order."""
+        return [
+            connection
+            for time, connection in self.connections
+            if time == 0
+            and connection.connected
+            and (self._is_between(connection, present) or _inside(connection, present))
+        ]
+
+    def changes(
         self, present: Collection[str]
     ) -> Iterator[tuple[int, messages.Connection]]:
-        """The changes of data connections between components that are present and others."""
+        """All changes of data connections between components that are present and others."""
         for time, connection in self.connections:
-            source, target = _address(connection.source), _address(connection.target)
-            if source in self.channels and (source[0] in present) != (
-                target[0] in present
-            ):
+            if self._is_between(connection, present):
                 yield time, connection
+
+    def _is_between(
+        self, connection: messages.Connection, present: Collection[str]
+    ) -> bool:
+        source, target = _ends(connection)
+        return source in self.channels and (source[0] in present) != (
+            target[0] in present
+        )
 
 
 def course_of(file: McapFile) -> Course:
@@ -92,38 +107,46 @@ class Player(Component):
 
 
 class Replay:
-    """Plays a recording into a system in simulated time, in which players wait for it."""
+    """Plays a recording into a system in simulated time.
 
-    def __init__(
-        self, system: System, course: Course, present: Collection[str]
-    ) -> None:
-        """Connect the players. Raises RecordingError if a port has another type now."""
-        clock = system.clock
-        assert isinstance(clock, SimulatedClock)
-        assert isinstance(clock.instants, SimulatedScheduler)
-        self._system = system
+    First its components and players for the others are added, in the recorded order; then
+    `prepare` gives players their ports; then ports are connected, as `Course.beginning` says; then
+    it can `run`.
+    """
+
+    def __init__(self, course: Course, present: Collection[str]) -> None:
         self._course = course
-        self._scheduler = clock.instants
         self._present = present
         self._ports: dict[Address, OutPort[Any]] = {}
         self._samples = self._of_ports()
+
+    def prepare(self, system: System) -> None:
+        """Give players their ports. Raises RecordingError if a port has another type now."""
+        self._system = system
         self._players = {
             name
             for name in system.instances
             if isinstance(system.component(name), Player)
         }
-        for name in self._players:
-            system.context(name).stop()
-        for time, connection in course.connections_with(present):
-            self._prepare(connection)
-            if time == 0 and connection.connected:
-                self._connect(connection)
-            elif time < course.end:
+        for time, connection in self._course.changes(self._present):
+            source, target = _ends(connection)
+            if source[0] in self._present:
+                self._add_sink(source, target)
+            else:
+                self._add_source(source, target)
+            at_start = time == 0 and connection.connected
+            if not at_start and time < self._course.end:
                 system.at(time, self._changing(connection))
-        self._schedule(next(self._samples, None))
+
+    def properties(self, connection: messages.Connection) -> dict[str, str]:
+        """The properties of a connection with a player; one that reads takes every sample."""
+        if _ends(connection)[0][0] in self._present:
+            return {"dataport.allow_dup_connection": "YES"}
+        return {each.name: each.value for each in connection.properties}
 
     def run(self, until: int | None = None) -> None:
         """Run to the end of the recording, or until an instant [ns] before it."""
+        self._schedule(next(self._samples, None))
         end = self._course.end
         if until is not None and until < end:
             self._system.run(until)
@@ -133,28 +156,25 @@ class Replay:
             self._system.at(end, lambda: None)
             self._system.run(until=lambda system: system.time >= end)
 
-    def _prepare(self, connection: messages.Connection) -> None:
-        """The player's port, of the type of the port that it is connected to."""
-        address, target = _address(connection.source), _address(connection.target)
-        if address[0] in self._present:
-            self._prepare_sink(address, target)
-            return
+    def _add_source(self, source: Address, target: Address) -> None:
+        """The player's OutPort, of the type of the port that it is connected to."""
+        where = ".".join(target)
         component = self._system.component(target[0])
         if target[1] not in component.in_ports:
-            raise RecordingError(f"{connection.target}: there is no such InPort now")
+            raise RecordingError(f"{where}: there is no such InPort now")
         in_port: InPort[Any] = component.in_ports[target[1]]
-        channel = self._course.channels[address]
+        channel = self._course.channels[source]
         if (channel.encoding, channel.schema_encoding) != ("cdr", ENCODING):
             raise RecordingError(
-                f"{connection.source} is recorded as {channel.encoding}: it cannot be replayed"
+                f"{'.'.join(source)} is recorded as {channel.encoding}: it cannot be replayed"
             )
         _check(channel.schema, in_port)
-        if address not in self._ports:
-            player = self._system.component(address[0])
-            self._ports[address] = player.add_out_port(address[1], in_port.type)
+        if source not in self._ports:
+            player = self._system.component(source[0])
+            self._ports[source] = player.add_out_port(source[1], in_port.type)
 
-    def _prepare_sink(self, source: Address, target: Address) -> None:
-        """The player's InPort, which takes all samples, so that the writer has a reader."""
+    def _add_sink(self, source: Address, target: Address) -> None:
+        """The player's InPort, so that the writer has a reader."""
         out_ports = self._system.component(source[0]).out_ports
         player = self._system.component(target[0])
         if source[1] not in out_ports:
@@ -162,17 +182,11 @@ class Replay:
         if target[1] not in player.in_ports:
             player.add_in_port(target[1], out_ports[source[1]].type)
 
-    def _connect(self, connection: messages.Connection) -> None:
-        source, target = _address(connection.source), _address(connection.target)
-        properties: dict[str, str] = {}
-        if source[0] not in self._present:
-            properties = {each.name: each.value for each in connection.properties}
-        self._system.connect(source, target, properties, connection.name)
-
     def _changing(self, connection: messages.Connection) -> Callable[[], None]:
         def change() -> None:
             if connection.connected:
-                self._connect(connection)
+                properties = self.properties(connection)
+                self._system.connect(*_ends(connection), properties, connection.name)
             else:
                 self._system.disconnect(connection.name)
 
@@ -204,12 +218,15 @@ class Replay:
                 following = next(self._samples, None)
             self._schedule(following)
 
+        clock = self._system.clock
+        assert isinstance(clock, SimulatedClock)
+        assert isinstance(clock.instants, SimulatedScheduler)
         time, during = sample.place
         if during in self._players:
             context = self._system.context(during)
-            self._scheduler.in_turn_of(context, time, write)
+            clock.instants.in_turn_of(context, time, write)
         else:
-            later = self._scheduler.behind_ticks
+            later = clock.instants.behind_ticks
             self._system.at(time, lambda: later(write))
 
 
@@ -239,6 +256,14 @@ class _Sample:
 def _address(text: str) -> Address:
     instance, _, port = text.partition(".")
     return instance, port
+
+
+def _ends(connection: messages.Connection) -> tuple[Address, Address]:
+    return _address(connection.source), _address(connection.target)
+
+
+def _inside(connection: messages.Connection, present: Collection[str]) -> bool:
+    return all(end[0] in present for end in _ends(connection))
 
 
 def _check(recorded: Schema, port: InPort[Any]) -> None:

@@ -68,7 +68,7 @@ class SimulatedScheduler:
     def in_turn_of(
         self, context: ExecutionContext, instant: int, action: Action
     ) -> None:
-        """Call an action once, where the context would tick: of a context that has stopped."""
+        """Call an action once, before the tick that the context has, or would have, then."""
         self._leave_table()
         order = self._orders[context]
         heappush(self._heap, (max(instant, self._clock.time), order, Task(action, 0)))

@@ -19,6 +19,10 @@ class Task:
         self.action = action
         self.period = period
 
+    def __lt__(self, other: Task) -> bool:
+        """What is called once goes before what is called again and again in the same turn."""
+        return self.period < other.period
+
 
 Due: TypeAlias = tuple[int, int, Task]
 """When a task is due next, its order among those of one instant, the task."""
