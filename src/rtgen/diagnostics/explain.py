@@ -24,6 +24,7 @@ MODULES = (
     "rtgen.frontends.eds.rules",
     "rtgen.frontends.idl.rules",
     "rtgen.frontends.openrtm_python.rules",
+    "rtgen.frontends.rosidl.rules",
     "rtgen.typemap.profile_rules",
     "rtgen.frontends.rts_profile",
     "rtgen.formatting.rules",

@@ -10,6 +10,7 @@ import msgspec
 from msgspec.structs import replace
 
 from rtgen import plugins
+from rtgen.facts.ros import INTERFACE_SUFFIXES
 from rtgen.frontends import FrontendResult, together
 from rtgen.frontends.kit.library import VirtualFile
 from rtgen.model import Model
@@ -98,11 +99,18 @@ def _boards(paths: Sequence[Path], settings: Settings) -> FrontendResult:
     )
 
 
+def _interfaces(paths: Sequence[Path], settings: Settings) -> FrontendResult:
+    from rtgen.frontends import rosidl
+
+    return rosidl.load(paths, root=settings.root, include=settings.include)
+
+
 FRONTENDS: Final[tuple[tuple[tuple[str, ...], Read], ...]] = (
     ((".xml", ".yaml", ".yml"), _profiles),
     ((".eds", ".dcf"), _devices),
     ((".toml",), _buses),
     ((".cdl", ".cde"), _boards),
+    (INTERFACE_SUFFIXES, _interfaces),
 )
 """The front ends but that of IDL, which comes last: other definitions name IDL files."""
 

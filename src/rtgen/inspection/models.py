@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from rtgen.diagnostics import Diagnostic
 from rtgen.diagnostics.report import as_json
+from rtgen.facts.ros import INTERFACE_SUFFIXES
 from rtgen.inspection import indented_json
 from rtgen.model import (
     Attribute,
@@ -116,10 +117,8 @@ def _body(d: Declaration, model: Model) -> Json:
     identity = {"repository_id": d.repository_id}
     match d:
         case Struct():
-            return identity | {
-                "base": _scoped(d.base),
-                "members": [*map(_member, d.members)],
-            }
+            body = {"base": _scoped(d.base), "members": [*map(_member, d.members)]}
+            return identity | body | _ros(d, model)
         case ExceptionDecl():
             return identity | {"base": None, "members": [*map(_member, d.members)]}
         case Union():
@@ -279,6 +278,15 @@ def _system(s: System) -> Json:
         "doc": s.abstract,
         "annotations": [],
     }
+
+
+def _ros(d: Struct, model: Model) -> Json:
+    """The hash of a type that an interface file of ROS 2 defines."""
+    if not d.file.lower().endswith(INTERFACE_SUFFIXES):
+        return {}
+    from rtgen.layouts.ros_types import type_hash
+
+    return {"ros_type_hash": type_hash(model, d)}
 
 
 def _documented(d: Documented) -> Json:

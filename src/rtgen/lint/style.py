@@ -7,6 +7,7 @@ from collections import Counter
 from collections.abc import Iterator
 
 from rtgen.diagnostics import Diagnostic, Span
+from rtgen.facts.ros import INTERFACE_SUFFIXES
 from rtgen.lint import rules
 from rtgen.lint.context import Context, fields
 from rtgen.model import (
@@ -43,8 +44,10 @@ Named = list[tuple[str, Span]]
 
 
 def anonymous_types(context: Context) -> Iterator[Diagnostic]:
-    """Sequences, arrays and maps without a typedef."""
+    """Sequences, arrays and maps without a typedef, which interface files of ROS 2 have none of."""
     for declaration in context.declarations:
+        if declaration.file.lower().endswith(INTERFACE_SUFFIXES):
+            continue
         for field in fields(declaration):
             if isinstance(field.type, SequenceType | ArrayType | MapType):
                 yield rules.ANONYMOUS_TYPE.at(

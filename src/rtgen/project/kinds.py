@@ -8,11 +8,12 @@ from functools import cache
 from pathlib import Path
 
 from rtgen import plugins
+from rtgen.facts.ros import INTERFACE_SUFFIXES
 from rtgen.files import read_start
 
 FILE_NAME = "rtgen.toml"
 
-SUFFIXES = (".idl", ".cdl", ".eds", ".dcf")
+SUFFIXES = (".idl", ".cdl", ".eds", ".dcf", *INTERFACE_SUFFIXES)
 """Suffixes of definitions, in lower case."""
 
 XML_DEVICES = (".xdd", ".xdc", ".xpd")

@@ -1,0 +1,100 @@
+"""From messages to declarations, named as ROS 2 names them in IDL.
+
+`package::msg::Name`; constants in `package::msg::Name_Constants` (rosidl_adapter's mapping to
+OMG IDL 4.2).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Final
+
+from rtgen.facts.primitives import Primitive
+from rtgen.frontends.rosidl.interfaces import Message
+from rtgen.frontends.rosidl.syntax import PRIMITIVES, Field, FieldType
+from rtgen.frontends.rosidl.types import scoped
+from rtgen.model import (
+    Annotation,
+    ArrayType,
+    Const,
+    Declaration,
+    Member,
+    NamedType,
+    PrimitiveType,
+    ScopedName,
+    SequenceType,
+    StringType,
+    Struct,
+    Type,
+)
+
+_FILLER: Final = "structure_needs_at_least_one_member"
+"""The member of a message without fields, of one octet."""
+
+
+def declarations(message: Message, file: str) -> Iterator[Declaration]:
+    """The constants and the struct of a message. Its types are known."""
+    constants = (*message.name[:-1], f"{message.name[-1]}_Constants")
+    for constant in message.part.constants:
+        name = (*constants, constant.name)
+        assert constant.value is not None
+        assert not isinstance(constant.value, tuple)
+        yield Const(
+            name=name,
+            repository_id=_repository_id(name),
+            file=file,
+            span=constant.span,
+            doc=constant.doc,
+            type=_type(constant.type, message.name[0]),
+            value=constant.value,
+        )
+    members = tuple(_member(field, message.name[0]) for field in message.part.fields)
+    yield Struct(
+        name=message.name,
+        repository_id=_repository_id(message.name),
+        file=file,
+        span=message.span,
+        doc=message.part.doc,
+        members=members or (_filler(message),),
+    )
+
+
+def _repository_id(name: ScopedName) -> str:
+    return f"IDL:{'/'.join(name)}:1.0"
+
+
+def _member(field: Field, package: str) -> Member:
+    default = field.value
+    annotations: tuple[Annotation, ...] = ()
+    if default is not None and not isinstance(default, tuple):
+        annotations = (Annotation("default", (("value", default),)),)
+    return Member(
+        span=field.span,
+        doc=field.doc,
+        annotations=annotations,
+        name=field.name,
+        type=_type(field.type, package),
+    )
+
+
+def _filler(message: Message) -> Member:
+    type_ = PrimitiveType(Primitive.UINT8)
+    return Member(span=message.span, name=_FILLER, type=type_)
+
+
+def _type(type_: FieldType, package: str) -> Type:
+    element: Type
+    if type_.is_message:
+        name = scoped(type_.base, package)
+        assert name is not None, "the pipeline has looked for it"
+        element = NamedType(name)
+    elif type_.base in PRIMITIVES:
+        element = PrimitiveType(PRIMITIVES[type_.base])
+    else:
+        element = StringType(type_.base == "wstring", type_.length)
+    if type_.is_sequence:
+        return SequenceType(element, type_.size)
+    if type_.is_array:
+        assert type_.size is not None
+        return ArrayType(element, (type_.size,))
+    return element

@@ -1,0 +1,214 @@
+"""Reads interface files and those that they name, and makes declarations of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from hashlib import sha256
+from pathlib import Path
+from typing import Final
+
+import msgspec
+
+from rtgen.diagnostics import Span, in_order
+from rtgen.frontends import FrontendResult
+from rtgen.frontends.kit.findings import Findings
+from rtgen.frontends.kit.library import Library, absolute_path
+from rtgen.frontends.kit.main_files import open_main
+from rtgen.frontends.kit.suggestions import nearest
+from rtgen.frontends.rosidl import rules
+from rtgen.frontends.rosidl.interfaces import PARTS, Message, messages_of
+from rtgen.frontends.rosidl.lowering import declarations
+from rtgen.frontends.rosidl.packages import candidates, identity
+from rtgen.frontends.rosidl.syntax import PRIMITIVES, STRINGS, FieldType, parts_of
+from rtgen.frontends.rosidl.types import scoped
+from rtgen.model import Declaration, Model, ScopedName, SourceFile
+
+_MOST_FILES: Final = 10_000
+
+
+class InterfaceFile(msgspec.Struct, frozen=True):
+    """An interface file as read; `data` is None for a file that is too large."""
+
+    name: str
+    key: str
+    path: Path
+    data: bytes | None
+
+
+def load(
+    paths: Sequence[Path], *, root: Path, include: Sequence[Path] = ()
+) -> FrontendResult:
+    """Read interface files into one model, with the messages that they contain.
+
+    `root` is the project's folder, which keys of files are relative to; `include` are folders of
+    packages. All problems of the input are in the diagnostics; no exception is raised for them.
+    """
+    shown = {absolute_path(path): path.as_posix() for path in reversed(paths)}
+    run = _Run(Library(InterfaceFile, root, include, shown))
+    for absolute in dict.fromkeys(map(absolute_path, paths)):
+        run.read_main(Path(absolute), shown[absolute])
+    return run.result()
+
+
+class _Run:
+    def __init__(self, library: Library[InterfaceFile]) -> None:
+        self._library = library
+        self._findings = Findings(rules.TOO_MANY)
+        self._files: list[SourceFile] = []
+        self._declarations: list[Declaration] = []
+        self._texts: dict[str, str] = {}
+        self._known: dict[ScopedName, bool] = {}
+        """Messages by name: whether they are complete (else they are being read)."""
+        self._names: dict[ScopedName, str] = {}
+        """The files of messages, by displayed name."""
+        self._places: set[ScopedName] = set()
+        """Messages whose files were found."""
+        self._read: set[str] = set()
+
+    def result(self) -> FrontendResult:
+        model = Model(files=tuple(self._files), declarations=tuple(self._declarations))
+        return FrontendResult(
+            model=Model() if self._findings.errors else model,
+            diagnostics=tuple(in_order(self._findings.diagnostics)),
+            sources=self._texts,
+            dependencies=self._library.dependencies,
+        )
+
+    def read_main(self, path: Path, shown: str) -> None:
+        if absolute_path(path) in self._read:
+            self._mark_main(shown)
+            return
+        file = open_main(
+            self._library,
+            path,
+            shown,
+            self._findings.report,
+            missing=rules.MISSING_FILE,
+            unreadable=rules.UNREADABLE,
+            beside=f"*{path.suffix}",
+        )
+        if file is not None:
+            self._interface(file, main=True)
+
+    def _mark_main(self, shown: str) -> None:
+        self._files = [
+            msgspec.structs.replace(file, main=True) if file.name == shown else file
+            for file in self._files
+        ]
+
+    def _interface(self, file: InterfaceFile, *, main: bool) -> None:
+        self._read.add(absolute_path(file.path))
+        start = Span(file.name, 1, 1, 1, 1)
+        text = self._text(file, start)
+        names = identity(file.path, self._findings, start)
+        if text is None or names is None:
+            return
+        package, kind, stem = names
+        parts = parts_of(text, file.name, self._findings)
+        expected = len(PARTS[kind])
+        if len(parts) != expected:
+            text = f"number of parts: {len(parts)}; a .{kind} file has {expected}"
+            hint = "a line --- stands between two parts"
+            self._findings.add(rules.SECTIONS, start, text, hint=hint)
+            return
+        messages = list(messages_of(package, kind, stem, parts, start))
+        for message in messages:
+            self._known[message.name] = False
+            self._names[message.name] = file.name
+        included = self._referenced(messages, file)
+        for message in messages:
+            self._known[message.name] = True
+        assert file.data is not None
+        self._files.append(
+            SourceFile(
+                name=file.name,
+                key=file.key,
+                sha256=sha256(file.data).hexdigest(),
+                main=main,
+                includes=tuple(included),
+            )
+        )
+        if not self._findings.errors:
+            for message in messages:
+                self._declarations += declarations(message, file.name)
+
+    def _text(self, file: InterfaceFile, start: Span) -> str | None:
+        if file.data is None:
+            self._findings.add(rules.UNREADABLE, start, f"{file.name} is too large")
+            return None
+        try:
+            text = file.data.decode("utf-8-sig")
+        except UnicodeDecodeError as error:
+            line = file.data.count(b"\n", 0, error.start) + 1
+            place = Span(file.name, line, 1, line, 1)
+            self._texts[file.name] = file.data.decode("utf-8", "replace")
+            self._findings.add(rules.UNREADABLE, place, "the text is not UTF-8")
+            return None
+        self._texts[file.name] = text
+        return text
+
+    def _referenced(
+        self, messages: Sequence[Message], file: InterfaceFile
+    ) -> dict[str, None]:
+        """Read what the fields name; returns the files, by displayed name."""
+        files: dict[str, None] = {}
+        own: set[ScopedName] = set()
+        for message in messages:
+            for field in message.part.fields:
+                if not field.type.is_message:
+                    continue
+                name = scoped(field.type.base, message.name[0])
+                if name in own:
+                    continue
+                if name is None or name[1] != "msg":
+                    self._report_spelling(field.type)
+                    continue
+                found = self._message(name, field.type, file)
+                if found is not None:
+                    files[found] = None
+            if message.name[1] != "msg":
+                own.add(message.name)
+        return files
+
+    def _report_spelling(self, type_: FieldType) -> None:
+        near = nearest(type_.base, (*PRIMITIVES, *STRINGS))
+        hint = f"did you mean {near}?" if near else "types are Name or package/Name"
+        message = f"{type_.base} is no type"
+        self._findings.add(rules.BAD_TYPE, type_.span, message, hint=hint)
+
+    def _message(
+        self, name: ScopedName, type_: FieldType, file: InterfaceFile
+    ) -> str | None:
+        """Read the file of a message, unless it is read; its displayed name, None if missing."""
+        if name not in self._known:
+            self._find(name, file)
+        if name not in self._known:
+            if name not in self._places:
+                where = "/".join((name[0], "msg", name[2] + ".msg"))
+                message = f"{'/'.join(name)} is not found"
+                hint = (
+                    f"{where} is looked for beside the package and in [sources] include"
+                )
+                self._findings.add(rules.UNKNOWN_TYPE, type_.span, message, hint=hint)
+            return None
+        if not self._known[name]:
+            message = f"{'/'.join(name)} contains itself"
+            self._findings.add(rules.RECURSIVE, type_.span, message)
+        return self._names.get(name)
+
+    def _find(self, name: ScopedName, file: InterfaceFile) -> None:
+        """Read the file of a message, if there is one."""
+        if len(self._read) >= _MOST_FILES:
+            return
+        for path in candidates(name[0], name[2], file.path, self._library.include):
+            try:
+                found = self._library.open(path)
+            except OSError as error:
+                span = Span(file.name, 1, 1, 1, 1)
+                self._findings.add(rules.UNREADABLE, span, f"{path.name}: {error}")
+                return
+            if found is not None:
+                self._places.add(name)
+                if absolute_path(path) not in self._read:
+                    self._interface(found, main=False)
+                return
