@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from bisect import bisect_right
 from collections.abc import Iterator
 
 from lsprotocol.types import FoldingRange, FoldingRangeKind
@@ -36,8 +37,6 @@ def folding(view: View) -> list[FoldingRange]:
 
 
 def _line(text: Text, offset: int) -> int:
-    from bisect import bisect_right
-
     return bisect_right(text.whole_lines, offset) - 1
 
 
@@ -85,6 +84,8 @@ def _sections(text: Text) -> Iterator[FoldingRange]:
     """From each header in brackets to the last line before the next one that is not empty."""
     lines = [_line(text, match.end()) for match in _HEADER.finditer(text.source)]
     starts = text.whole_lines
+    if not lines:
+        return
     for start, following in zip(lines, [*lines[1:], text.lines], strict=True):
         last = following - 1
         while last > start:
