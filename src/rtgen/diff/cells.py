@@ -9,6 +9,7 @@ from rtgen.diff.kinds import signatures as kinds
 from rtgen.diff.matching import matching
 from rtgen.diff.signatures import declared
 from rtgen.diff.versions import Version
+from rtgen.lowering.tecs.options import TECSGEN_OPTIONS
 from rtgen.model.tecs import (
     Cell,
     Celltype,
@@ -17,6 +18,7 @@ from rtgen.model.tecs import (
     Region,
     TecsPort,
     TecsVariable,
+    Through,
 )
 
 
@@ -184,7 +186,17 @@ def _join(old: Join, new: Join, name: str, names: Names) -> Iterator[Change]:
                 f"join {name}: {other.plugin} has the argument "
                 f'"{other.argument.text}", had "{one.argument.text}"'
             )
-            yield change(kinds.JOIN_OPTIONS, name, text, one.span, other.span)
+            wires = None if _on_the_wire(one, other) else ()
+            spans = one.span, other.span
+            yield change(kinds.JOIN_OPTIONS, name, text, *spans, wires=wires)
+
+
+def _on_the_wire(old: Through, new: Through) -> bool:
+    """Whether an option changed that is not for tecsgen's half alone."""
+    options = ({o.name: o.value for o in t.options} for t in (old, new))
+    before, after = options
+    changed = (k for k in {**before, **after} if before.get(k) != after.get(k))
+    return any(key not in TECSGEN_OPTIONS for key in changed)
 
 
 def _regions(old: Version, new: Version) -> Iterator[Change]:

@@ -16,6 +16,7 @@ _COMPARED_ELSEWHERE = frozenset(
         *("value", "bit_bound", "data_representation", "try_construct", "unit"),
         *("default", "name", "port", "instance", "type_name", "rtc", *_RANGES),
         *("default_nested", "constraint", "widget", "verbatim", "oneway"),
+        "numeric",
     )
 )
 
@@ -49,6 +50,10 @@ def other_annotations(
     """The annotations that rtgen makes nothing of."""
     before = {a for a in old.annotations if a.name not in _COMPARED_ELSEWHERE}
     after = {a for a in new.annotations if a.name not in _COMPARED_ELSEWHERE}
+    forms = argument(old, "numeric"), argument(new, "numeric")
+    if forms[0] != forms[1]:
+        now, was = (_said("form of numbers", form) for form in forms[::-1])
+        yield kinds.NUMERIC, f"{name} has {now}, had {was}"
     changed = sorted({a.name for a in before ^ after})
     if changed:
         words = ", ".join(f"@{each}" for each in changed)

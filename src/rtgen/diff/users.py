@@ -20,10 +20,12 @@ from rtgen.model import (
     Type,
     Typedef,
 )
+from rtgen.model.c_types import CArrayType, CPointerType, CStructType, resolve
+from rtgen.model.tecs import Cell, Celltype, Signature
 
 _KINDS = (
     *("type", "operation", "component", "port", "instance", "connection", "system"),
-    *("celltype", "cell", "join", "node", "link"),
+    *("signature", "celltype", "cell", "join", "node", "link"),
 )
 """The kinds of users in the order of messages."""
 
@@ -78,13 +80,16 @@ def with_users(changes: Iterable[Change], users: Users) -> Iterator[Change]:
         yield replace(each, users=tuple(order))
 
 
+_OF_PORTS = "DIF032"
+"""Codes of changes of ports, which break the connections of the port alone."""
+
+
 def _names_of(each: Change) -> Iterator[str]:
     """The names by which users refer to the subject: itself, and what it is part of."""
-    yield each.subject
-    whole, dot, _ = each.subject.rpartition(".")
-    if dot and not each.kind.code.startswith(("DIF03", "DIF05")):
-        yield whole.partition("(")[0]
-        yield whole.partition(".")[0]
+    subject = each.subject.partition("(")[0]
+    yield subject
+    if "." in subject and not each.kind.code.startswith(_OF_PORTS):
+        yield subject.rpartition(".")[0]
 
 
 def _of_interfaces(model: Model, users: Users) -> None:
@@ -143,11 +148,12 @@ def _of_system(system: System, users: Users) -> None:
 
 
 def _of_boards(model: Model, users: Users) -> None:
-    from rtgen.model.tecs import Cell, Celltype
-
     for unit in model.tecs:
         for declaration in unit.declarations:
-            if isinstance(declaration, Celltype):
+            if isinstance(declaration, Signature):
+                for tag in _structs(declaration):
+                    users.direct[tag].add(User("signature", declaration.scoped))
+            elif isinstance(declaration, Celltype):
                 for port in declaration.ports:
                     signature = "::".join(port.signature)
                     users.direct[signature].add(User("celltype", declaration.scoped))
@@ -156,10 +162,24 @@ def _of_boards(model: Model, users: Users) -> None:
                 users.direct[celltype].add(User("cell", declaration.scoped))
 
 
+def _structs(signature: Signature) -> Iterator[str]:
+    """The tags of the structs that functions of a signature transfer."""
+    for function in signature.functions:
+        for type_ in (function.returns, *(p.type for p in function.parameters)):
+            inner = resolve(type_)
+            while isinstance(inner, CPointerType | CArrayType):
+                inner = resolve(
+                    inner.target if isinstance(inner, CPointerType) else inner.element
+                )
+            if isinstance(inner, CStructType):
+                yield "::".join(inner.tag)
+
+
 def _of_buses(model: Model, users: Users) -> None:
     for bus in model.buses:
         for node in bus.nodes:
             user = User("node", f"{bus.name}.{node.name}")
+            users.direct[bus.name].add(user)
             described = node.kind.described or node.kind.device
             users.direct[described.name].add(user)
             for pdo in node.device.pdos:

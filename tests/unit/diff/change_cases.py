@@ -14,6 +14,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from difflib import unified_diff
+from functools import cache
 from pathlib import Path
 
 from rtgen.diff.changes import Change
@@ -65,6 +66,7 @@ class Case:
             return compare(old, new)
 
 
+@cache
 def cases() -> list[Case]:
     """All cases, by code."""
     found = []

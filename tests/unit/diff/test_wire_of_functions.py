@@ -191,6 +191,11 @@ def changed(found: Sample, random: Random) -> tuple[TecsUnit, Signature]:
     return replace(found.unit, declarations=(*declared, signature)), signature
 
 
+def _same(read: object, written: object) -> bool:
+    """Whether values are equal, and of the same types: a truth value is no number."""
+    return repr(plain(read)) == repr(plain(written))
+
+
 def readings(
     old: Function, new: Function, calls: Iterator[Call]
 ) -> Iterator[tuple[bool, object]]:
@@ -203,7 +208,7 @@ def readings(
         except RpcError as error:
             yield False, (values, error)
             continue
-        yield plain(read) == plain(values), (values, read)
+        yield _same(read, values), (values, read)
         if old.oneway or new.oneway:
             yield old.oneway == new.oneway, "oneway"
             continue
@@ -216,7 +221,7 @@ def readings(
         except (RpcError, KeyError, ValueError) as error:
             yield False, (reply, error)
             continue
-        yield plain((returned, results)) == plain(before), (reply, returned, results)
+        yield _same((returned, results), before), (reply, returned, results)
 
 
 def _breaks(changes: Sequence[Change], function: str) -> bool:

@@ -188,6 +188,12 @@ MEMBER_DEFAULT = Kind(
     _SOURCE,
     "code that sets no value gets another one",
 )
+NUMERIC = Kind(
+    "DIF0135",
+    "form of numbers in Python changed",
+    _SOURCE,
+    "lists, arrays and numpy arrays have other operations",
+)
 CASE_ADDED = Kind(
     "DIF0140",
     "branch added to a union",
@@ -340,6 +346,7 @@ KINDS = (
     MEMBER_RANGE_NARROWED,
     MEMBER_RANGE_WIDENED,
     MEMBER_DEFAULT,
+    NUMERIC,
     CASE_ADDED,
     CASE_REMOVED,
     CASE_RENAMED,
