@@ -19,7 +19,6 @@ _DEFAULTS: dict[tuple[str, str], Any] = {
     ("output", "extensibility"): "final",
     ("python", "numeric"): "array",
     ("tecs", "corba"): False,
-    ("python", "numeric"): "array",
     ("small", "sequence"): 1024,
     ("small", "string"): 128,
     ("small", "buffer"): 2,
