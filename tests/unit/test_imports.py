@@ -54,3 +54,8 @@ def test_running_components_needs_no_compiler(code: str) -> None:
 def test_the_command_line_loads_no_heavy_library_by_itself() -> None:
     heavy = {*COMPILER_LIBRARIES, *DEVICE_LIBRARIES} - {"click"}
     assert not loaded_by("import rtgen.cli, rtgen.cli.rpc, rtgen.cli.can") & heavy
+
+
+def test_recordings_load_mcap_when_a_file_is_opened() -> None:
+    code = "import rtgen.cli.run, rtgen.cli.replay, rtgen.cli.log.cat_command"
+    assert not loaded_by(code) & {"mcap", "lz4", "zstandard"}

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import io
 import json
+import random
+import tracemalloc
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -267,3 +269,29 @@ def test_two_components_that_tick_at_one_instant_keep_their_order(
     order = [(e["t"], e["instance"]) for e in events(path, "sample")]
     assert order[:2] == [(0, "Adder0"), (0, "Counter0")]
     assert isinstance(Adder("a"), Adder)
+
+
+def test_without_mcap_the_message_says_what_to_install(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("rtgen.recording.mcap_writer.find_spec", lambda name: None)
+    with pytest.raises(RecordingError, match="mcap, which is not installed") as caught:
+        McapWriter(tmp_path / "a.mcap")
+    assert caught.value.hint == "pip install 'rtgen[record]'"
+    assert not (tmp_path / "a.mcap").exists()
+
+
+def test_memory_does_not_grow_with_the_file(tmp_path: Path) -> None:
+    data = random.Random(1).randbytes(1 << 13)
+    path = tmp_path / "a.mcap"
+    with McapWriter(path, "none") as writer:
+        channel = writer.channel("/x", "json", 0, {})
+        tracemalloc.start()
+        try:
+            for number in range(4096):
+                writer.message(channel, number, data)
+            _, peak = tracemalloc.get_traced_memory()
+        finally:
+            tracemalloc.stop()
+    assert path.stat().st_size > 4096 << 13
+    assert peak < 2 << 20
