@@ -52,10 +52,6 @@ def docs(
     The pages are Markdown, for MkDocs with the theme Material (pip install 'rtgen[docs]'), which
     --build runs. The built site needs no server and no network: open FOLDER/site/index.html.
     FOLDER belongs to rtgen: files of an earlier run that are no longer made are removed.
-
-    \b
-    Example:
-      rtgen docs --build
     """
     from rtgen import compiler
     from rtgen.documentation.site import site

@@ -8,6 +8,8 @@ from typing import Any
 
 import click
 
+from rtgen.cli.examples import EXAMPLES
+
 
 class LazyGroup(click.Group):
     """A group of commands with their help lines; `target` maps a command to `module:function`."""
@@ -28,6 +30,9 @@ class LazyGroup(click.Group):
         module, _, function = self._target.format(cmd_name).partition(":")
         command = getattr(import_module(module), function)
         assert isinstance(command, click.Command)
+        path = f"{ctx.command_path} {cmd_name}".removeprefix("rtgen ")
+        if path in EXAMPLES:
+            command.epilog = f"\b\nExample:\n  {EXAMPLES[path]}"
         return command
 
     def resolve_command(

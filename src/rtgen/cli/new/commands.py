@@ -27,13 +27,7 @@ if TYPE_CHECKING:  # loaded by the commands that need it
 )
 @with_console
 def project(console: Console, name: str, source: str | None) -> int:
-    """Make the folder NAME with a component, a system of two, and their tests.
-
-    \b
-    Example:
-      rtgen new project my-robot
-      rtgen new project rh3 --from rh3
-    """
+    """Make the folder NAME with a component, a system of two, and their tests."""
     from rtgen.scaffold import starters, writing
     from rtgen.scaffold.names import names
 
@@ -59,12 +53,7 @@ def project(console: Console, name: str, source: str | None) -> int:
 @click.argument("name", metavar="NAME")
 @with_console
 def component(console: Console, name: str) -> int:
-    """Add a component: its definition, behaviour and test.
-
-    \b
-    Example:
-      rtgen new component Arm
-    """
+    """Add a component: its definition, behaviour and test."""
     from rtgen.scaffold import starters
 
     return _add(console, name, starters.component)
@@ -74,12 +63,7 @@ def component(console: Console, name: str) -> int:
 @click.argument("name", metavar="NAME")
 @with_console
 def device(console: Console, name: str) -> int:
-    """Add a CANopen device: its EDS, a bus with it, behaviour and test.
-
-    \b
-    Example:
-      rtgen new device Drive
-    """
+    """Add a CANopen device: its EDS, a bus with it, behaviour and test."""
     from rtgen.scaffold import starters
 
     return _add(console, name, starters.device)
@@ -89,12 +73,7 @@ def device(console: Console, name: str) -> int:
 @click.argument("name", metavar="NAME")
 @with_console
 def board(console: Console, name: str) -> int:
-    """Add a TECS board: CDL with a signature and a join, and a test over TCP.
-
-    \b
-    Example:
-      rtgen new board Lamp
-    """
+    """Add a TECS board: CDL with a signature and a join, and a test over TCP."""
     from rtgen.scaffold import starters
 
     return _add(console, name, starters.board)
@@ -110,10 +89,6 @@ def system(console: Console, name: str, components: tuple[str, ...]) -> int:
     COMPONENT can stand several times; without any, there is one of each that needs neither a bus
     nor a board. Data flows in this order: an InPort is connected to the nearest OutPort of its
     type before it, a consumer to the nearest provider of its interface.
-
-    \b
-    Example:
-      rtgen new system bench Arm Arm
     """
     from rtgen.scaffold import starters
 
@@ -128,12 +103,7 @@ def system(console: Console, name: str, components: tuple[str, ...]) -> int:
 @click.argument("name", metavar="NAME")
 @with_console
 def backend(console: Console, name: str) -> int:
-    """Make the folder NAME with a back end: a package that extends rtgen once installed.
-
-    \b
-    Example:
-      rtgen new backend struct-list
-    """
+    """Make the folder NAME with a back end: a package that extends rtgen once installed."""
     from rtgen.scaffold import starters, writing
     from rtgen.scaffold.names import names
 
