@@ -117,8 +117,9 @@ class Descriptions:
     def _member(self, member: Member, attribute: str) -> str:
         """A member as an argument."""
         more = _differing(member, attribute)
-        for flag in ("optional", "key", "must_understand", "external"):
-            more += [f"{flag}=True"] * getattr(member, flag)
+        if member.optional or member.key or member.must_understand or member.external:
+            for flag in ("optional", "key", "must_understand", "external"):
+                more += [f"{flag}=True"] * getattr(member, flag)
         if isinstance(member, StateMember) and not member.public:
             more.append("private=True")
         type_ = self.of(member.type)

@@ -39,8 +39,9 @@ class Scope:
                 yield self.alias(name)
 
     def __getattr__(self, name: str) -> str:
-        """`py.dataclass` in a template: the name as spelled in the module."""
-        return self.support(name)
+        """`py.dataclass` in a template: the name as spelled in the module, found once."""
+        spelled = self.__dict__[name] = self.support(name)
+        return spelled
 
     @property
     def class_variable(self) -> str:

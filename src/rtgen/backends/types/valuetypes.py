@@ -51,6 +51,7 @@ class Valuetypes:
         self._mapping = mapping
         self._describe = describe
         self._interfaces = interfaces
+        self._fields: dict[tuple[Type, bool], str] = {}
 
     def text(self, declaration: Valuetype, nested: list[str]) -> str:
         """The class of a valuetype: its state as fields, its operations for the user."""
@@ -112,6 +113,12 @@ class Valuetypes:
 
     def field(self, type_: Type, dataclass: bool = True) -> str:
         """Annotation and initial value of a field, of a `dataclass` or a `msgspec.Struct`."""
+        found = self._fields.get((type_, dataclass))
+        if found is None:
+            found = self._fields[type_, dataclass] = self._field(type_, dataclass)
+        return found
+
+    def _field(self, type_: Type, dataclass: bool) -> str:
         annotation = self._mapping.annotation(type_)
         if self._mapping.immutable(type_):
             return f"{annotation} = {self._mapping.default(type_)}"
