@@ -24,6 +24,7 @@ SAME_COMPONENT = Rule("RTC0544", "component defined twice", Severity.ERROR)
 FACTS = Rule("RTC0546", "property of rtgen that cannot be used", Severity.WARNING)
 LOST = Rule("RTC0547", "nothing can be made of it", Severity.WARNING)
 BAD_WIDGET = Rule("RTC0548", "widget that cannot be had", Severity.WARNING)
+DISAGREES = Rule("RTC0549", "profile and IDL disagree", Severity.WARNING)
 
 RULES = (
     NOT_A_PROFILE,
@@ -44,4 +45,5 @@ RULES = (
     FACTS,
     LOST,
     BAD_WIDGET,
+    DISAGREES,
 )

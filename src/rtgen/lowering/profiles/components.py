@@ -12,6 +12,7 @@ from msgspec.structs import replace
 from rtgen.diagnostics import Diagnostic, Related, Rule, Span
 from rtgen.facts.constraints import Constraint, text_of
 from rtgen.lowering.profiles.definitions import Definitions, identifier_of
+from rtgen.lowering.profiles.disagreements import disagreements
 from rtgen.model import (
     Annotation,
     Component,
@@ -114,6 +115,10 @@ class Lowering:
             other_file="" if other is None else other.file,
         )
         made = self._definitions.component(made, profile)
+        before = self._by_name.get(made.name)
+        other_file = isinstance(before, Component) and before.file != made.file
+        if isinstance(before, Component) and other_file and not profile.implements:
+            self.diagnostics += disagreements(made, before)
         self._by_name[made.name] = made
         return made
 
