@@ -9,6 +9,7 @@ from rtgen.diagnostics import Span
 from rtgen.diff.changes import Change, Kind, change
 from rtgen.diff.kinds import systems as kinds
 from rtgen.diff.versions import Version
+from rtgen.project import FILE_NAME
 
 _DEFAULTS: dict[tuple[str, str], Any] = {
     ("output", "package"): "robots",
@@ -75,5 +76,5 @@ def _place(version: Version, key: tuple[str, str]) -> Span:
     found = version.places.get(key)
     if found is not None:
         return found
-    file = next(iter(version.places.values())).file
+    file = next((span.file for span in version.places.values()), FILE_NAME)
     return Span(file, 1, 1, 1, 2)

@@ -165,6 +165,22 @@ def test_wrong_settings_are_errors(
     assert "rtgen.toml:" in capfd.readouterr().err
 
 
+def test_a_project_without_keys_gets_some(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for name, text in (("old", "[tecs]\n"), ("new", "[tecs]\ncorba = true\n")):
+        Path(name).mkdir()
+        Path(name, "rtgen.toml").write_text(f'[sources]\npaths = ["."]\n{text}')
+        Path(name, "pose.idl").write_text(OLD)
+    assert run(["diff", "old", "new", "--json"]) == 1
+    [change] = changes(capfd)
+    assert change["subject"] == "tecs.corba"
+    old = change["old"]
+    assert isinstance(old, dict)
+    assert (old["file"], old["line"]) == ("old/rtgen.toml", 1)
+
+
 @pytest.mark.usefixtures("project")
 def test_settings_choose_the_classes() -> None:
     with Path("rtgen.toml").open("a") as stream:

@@ -17,6 +17,12 @@ DOCS = Path(__file__).parents[3] / "docs" / "diff.md"
 BEGIN, END = "<!-- table of changes -->\n\n", "\n<!-- end of the table -->"
 
 
+@pytest.fixture(autouse=True)
+def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """No project is around the versions."""
+    monkeypatch.chdir(tmp_path)
+
+
 @pytest.mark.parametrize("case", cases(), ids=lambda case: case.name)
 def test_a_change_is_found_with_its_classes(case: Case, tmp_path: Path) -> None:
     found = case.changes(tmp_path)
