@@ -18,8 +18,9 @@ from rtgen.runtime.marshalling.formats import Format, UnsupportedError
 from rtgen.runtime.marshalling.trees import parts, tree_of
 from rtgen.runtime.ports.data_ports import OutPort
 from rtgen.runtime.system.json_printers import json_printer
+from rtgen.runtime.system.observation import connection_change
 from rtgen.runtime.system.records import Record, StateRecord
-from rtgen.runtime.system.system import System, connection_change
+from rtgen.runtime.system.system import System
 from rtgen.runtime.timing.clocks import SimulatedClock
 from rtgen.runtime.timing.traffic import (
     BoardCall,

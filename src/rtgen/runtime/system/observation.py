@@ -16,6 +16,7 @@ from rtgen.runtime.system.records import (
     SampleWriter,
     StateRecord,
 )
+from rtgen.runtime.timing.traffic import ConnectionChange
 
 
 class Observation:
@@ -123,3 +124,10 @@ class Observation:
                 listener(record)
             except BaseException as error:
                 self._end_run(error)
+
+
+def connection_change(connector: Any, *, connected: bool) -> ConnectionChange:
+    """A connection of any kind as a recorder gets it."""
+    properties = getattr(connector, "properties", {})
+    source, target = str(connector.source), str(connector.target)
+    return ConnectionChange(connector.name, source, target, properties, connected)

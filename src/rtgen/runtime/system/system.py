@@ -36,7 +36,7 @@ from rtgen.runtime.services.connectors import ServiceConnector
 from rtgen.runtime.services.ports import ServicePort
 from rtgen.runtime.services.transports import RemoteConnector, RemotePort, Transport
 from rtgen.runtime.system.dependencies import Dependencies
-from rtgen.runtime.system.observation import Observation
+from rtgen.runtime.system.observation import Observation, connection_change
 from rtgen.runtime.system.port_names import cannot_join, kinds, port_names, unknown_port
 from rtgen.runtime.system.real_time import RealTimeScheduler
 from rtgen.runtime.system.records import (
@@ -47,7 +47,6 @@ from rtgen.runtime.system.scheduling import Scheduler
 from rtgen.runtime.system.simulated_time import SimulatedScheduler
 from rtgen.runtime.system.watchdog import calling
 from rtgen.runtime.timing.clocks import SECOND, Clock, RealClock, SimulatedClock
-from rtgen.runtime.timing.traffic import ConnectionChange
 
 Connector = DataConnector[Any] | ServiceConnector | RemoteConnector
 PortAddress = tuple[str, str]
@@ -481,13 +480,6 @@ class System:
                 f"there is no component {instance!r}; known: {known}"
             )
         return self._participants[instance]
-
-
-def connection_change(connector: Connector, *, connected: bool) -> ConnectionChange:
-    """A connection as a recorder gets it."""
-    properties = getattr(connector, "properties", {})
-    source, target = str(connector.source), str(connector.target)
-    return ConnectionChange(connector.name, source, target, properties, connected)
 
 
 def _scheduler(clock: Clock) -> Scheduler:
