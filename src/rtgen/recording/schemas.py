@@ -269,5 +269,7 @@ def _label(union: UnionDescriptor, label: int | str | bool) -> ConstantValue:
     switch = plain(union.switch)
     if isinstance(switch, EnumDescriptor):
         name = next(name for name, number in switch.members if number == int(label))
-        return EnumeratorName((*_scoped(switch)[:-1], name))
+        scope = _scoped(switch)[:-1]
+        # In one scope by its name alone, since Foxglove's parser knows no other.
+        return EnumeratorName((*(() if scope == _scoped(union)[:-1] else scope), name))
     return label
