@@ -141,3 +141,15 @@ def test_findings_are_valid(
     validator("findings.schema.json").validate(without_place)
     findings[0]["severity"] = "bad"
     assert not validator("findings.schema.json").is_valid(findings)
+
+
+def test_fixes_are_valid(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("a.idl").write_text("struct S { long n;; };\n")
+    _, [finding] = printed(capfd, "lint", "a.idl")
+    assert finding["fix"]["edits"][0]["text"] == ""
+    validator("findings.schema.json").validate([finding])
+    finding["fix"]["edits"][0]["line"] = 0
+    assert not validator("findings.schema.json").is_valid([finding])
