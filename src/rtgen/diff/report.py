@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from itertools import groupby
 from typing import Any
 
 from msgspec.structs import replace
@@ -12,7 +13,7 @@ from rtgen.diff.allowances import Allowance
 from rtgen.diff.changes import Break, Change, User
 
 FORMAT = "rtgen-diff/1"
-_MOST_USERS = 6
+_MOST_OF_KIND = 3
 
 
 def is_asked(change: Change, use: Collection[Break]) -> bool:
@@ -52,12 +53,19 @@ def classes_text(change: Change) -> str:
 def _hint(change: Change, allowance: Allowance | None) -> str:
     text = change.kind.why
     if change.users:
-        shown = ", ".join(_user_text(u) for u in change.users[:_MOST_USERS])
-        more = len(change.users) - _MOST_USERS
-        text += f"; breaks {shown}" + (f" and {more} more" if more > 0 else "")
+        text += f"; breaks {', '.join(_users_texts(change.users))}"
     if allowance is not None:
         text += f"; allowed: {allowance.reason}"
     return text
+
+
+def _users_texts(users: Sequence[User]) -> Iterator[str]:
+    """The users, a few of each kind; they are in the order of kinds."""
+    for kind, group in groupby(users, key=lambda user: user.kind):
+        listed = [*group]
+        yield from (_user_text(user) for user in listed[:_MOST_OF_KIND])
+        if (more := len(listed) - _MOST_OF_KIND) > 0:
+            yield f"{more} more {kind}{'s' * (more > 1)}"
 
 
 def _user_text(user: User) -> str:
