@@ -115,7 +115,9 @@ def test_random_edits(
                 feature(view, position)
         if edit % 5:
             continue
-        found = editor.findings(name)
+        found = editor.findings(
+            "rtgen_toml"
+        )  # of the project, which a file may have left
         if edit % 10:
             continue
         for each in names:
