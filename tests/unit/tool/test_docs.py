@@ -5,6 +5,8 @@ from __future__ import annotations
 import posixpath
 import re
 import shutil
+import subprocess
+import sys
 from contextlib import chdir
 from html.parser import HTMLParser
 from pathlib import Path
@@ -96,6 +98,22 @@ def test_the_site_of_a_golden_project_is_whole(
     include = ["-I", str(GOLDEN), "-I", str(ROOT / "specs" / "idl")]
     assert run(["docs", *include, definition.name, "--build", "-q"]) == 0
     assert check_links(tmp_path / "build" / "docs" / "site") > 100
+
+
+@pytest.mark.slow
+def test_the_documentation_of_rtgen_is_a_site(tmp_path: Path) -> None:
+    pytest.importorskip("material")
+    command = [sys.executable, "-m", "mkdocs", "build", "--strict", "-q", "-d"]
+    done = subprocess.run(
+        [*command, str(tmp_path)], cwd=ROOT, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    pages = {page.stem for page in tmp_path.rglob("*.html")}
+    assert pages >= {page.stem for page in (ROOT / "docs").glob("[a-z]*.md")}
+    commands = (tmp_path / "reference" / "commands.html").read_text("utf-8")
+    assert "rtgen can timing net.toml" in commands
+    diagnostics = (tmp_path / "reference" / "diagnostics.html").read_text("utf-8")
+    assert all(code in diagnostics for code in ("IDL0101", "CDL0009", "EDS0402"))
 
 
 @pytest.fixture(scope="module")
