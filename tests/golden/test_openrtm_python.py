@@ -8,7 +8,7 @@ import pytest
 from msgspec.structs import replace
 from test_rtc_profiles import SPECS, shown
 
-from rtgen.backends.idl_text import idl_text
+from rtgen.backends.kit.idl_text import idl_text
 from rtgen.diagnostics import Diagnostic, in_order
 from rtgen.frontends import idl, openrtm_python
 from rtgen.frontends.openrtm_python import rules

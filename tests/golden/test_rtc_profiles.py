@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from msgspec.structs import replace
 
-from rtgen.backends.idl_text import idl_text
+from rtgen.backends.kit.idl_text import idl_text
 from rtgen.cli import run
 from rtgen.diagnostics import Diagnostic, has_errors, in_order
 from rtgen.frontends import idl, rtc_profile

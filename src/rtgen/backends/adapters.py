@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from rtgen.backends import Artifact, Emission, Options
 from rtgen.backends.components.imports import Imports
 from rtgen.backends.components.locations import source_of
-from rtgen.backends.python_text import fit_text, header_comment
-from rtgen.backends.quoting.python import docstring
+from rtgen.backends.kit.python_text import fit_text, header_comment
+from rtgen.backends.kit.quoting.python import docstring
 from rtgen.model import Adapter, Component, Model, NamedType, ScopedName, Struct
 from rtgen.typemap.idl_python_names import PythonNames
 from rtgen.typemap.python_names import module_name

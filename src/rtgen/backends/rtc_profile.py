@@ -13,8 +13,8 @@ import msgspec
 from rtgen.backends import Artifact, Emission, Options
 from rtgen.backends.components.checks import check, components_of
 from rtgen.backends.components.locations import package_folder, source_of, summary
-from rtgen.backends.python_text import header
-from rtgen.backends.rendering import render
+from rtgen.backends.kit.python_text import header
+from rtgen.backends.kit.rendering import render
 from rtgen.diagnostics import has_errors
 from rtgen.facts.constraints import (
     AllOf,

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from msgspec.structs import replace
 
-from rtgen.backends.rendering import render
+from rtgen.backends.kit.rendering import render
 from rtgen.model import Connection, PortReference, System
 
 _ATTRIBUTES = {

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from pathlib import PurePosixPath
 
 from rtgen.backends import Options, rtc_profile
-from rtgen.backends.idl_text import idl_text
+from rtgen.backends.kit.idl_text import idl_text
 from rtgen.facts.version import __version__
 from rtgen.model import Component, Declaration, Model, ScopedName
 from rtgen.model.declarations import OPAQUE

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from rtgen.backends.quoting.markdown import Markdown, code
+from rtgen.backends.kit.quoting.markdown import Markdown, code
 from rtgen.documentation.pages import Content, Page
 from rtgen.documentation.places import Kind
 from rtgen.model import Component, ConfigurationParameter, Port, PortKind

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from rtgen.backends.quoting.markdown import Markdown, code, paragraphs, table, text
+from rtgen.backends.kit.quoting.markdown import Markdown, code, paragraphs, table, text
 from rtgen.diagnostics import Span
 from rtgen.documentation.places import Places
 from rtgen.layouts.representations import Representations

@@ -6,7 +6,7 @@ import posixpath
 import re
 from enum import StrEnum
 
-from rtgen.backends.quoting.markdown import Markdown, code, link, text
+from rtgen.backends.kit.quoting.markdown import Markdown, code, link, text
 from rtgen.model import ArrayType, MapType, NamedType, SequenceType, Type
 
 _NOT_IN_PATHS = re.compile(r"[^A-Za-z0-9_-]+")

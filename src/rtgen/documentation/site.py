@@ -6,7 +6,7 @@ import json
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
-from rtgen.backends.quoting.markdown import Markdown, link
+from rtgen.backends.kit.quoting.markdown import Markdown, link
 from rtgen.documentation import canopen, components, systems, tecs, types
 from rtgen.documentation.pages import Content, File, Page
 from rtgen.documentation.places import Places

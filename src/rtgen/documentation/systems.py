@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from rtgen.backends.quoting.markdown import Markdown, code, text
+from rtgen.backends.kit.quoting.markdown import Markdown, code, text
 from rtgen.backends.wiring import render, view_of
 from rtgen.documentation.pages import Content, File, Page
 from rtgen.documentation.places import Kind

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from rtgen.backends.quoting.markdown import code
+from rtgen.backends.kit.quoting.markdown import code
 from rtgen.documentation.pages import Content, Page
 from rtgen.documentation.places import Kind
 from rtgen.layouts.tdr import (

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from rtgen.backends.idl_text import idl_text
+from rtgen.backends.kit.idl_text import idl_text
 from rtgen.diagnostics import Span
 from rtgen.facts.primitives import Primitive
 from rtgen.model import (

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from rtgen.backends.rendering import render
+from rtgen.backends.kit.rendering import render
 from rtgen.backends.rts_profile import system_text
 from rtgen.diagnostics import InputError
 from rtgen.model import Model

@@ -9,7 +9,7 @@ import msgspec
 import programs
 import pytest
 
-from rtgen.backends.idl_text import idl_text
+from rtgen.backends.kit.idl_text import idl_text
 from rtgen.diagnostics import has_errors
 from rtgen.frontends.idl import load
 from rtgen.model import Component, Declaration, Home, Model

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 from jinja2 import DictLoader, Environment
 
-from rtgen.backends import compiled_templates
-from rtgen.backends.compiled_templates import CompiledTemplates
+from rtgen.backends.kit import compiled_templates
+from rtgen.backends.kit.compiled_templates import CompiledTemplates
 
 
 def rendered(folder: Path, source: str, environment: str = ".py") -> str:

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rtgen.backends.python_text import fit, fit_text
-from rtgen.backends.quoting.python import docstring, string_literal
+from rtgen.backends.kit.python_text import fit, fit_text
+from rtgen.backends.kit.quoting.python import docstring, string_literal
 
 WORDS = (" | ", ": ", " if ", " else ", " for ", ", ", " = ", "(", ")", "[", "{", "#")
 texts = st.lists(

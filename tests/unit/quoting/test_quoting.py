@@ -14,8 +14,8 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from rtgen.backends.python_text import fit_text
-from rtgen.backends.quoting import (
+from rtgen.backends.kit.python_text import fit_text
+from rtgen.backends.kit.quoting import (
     UnquotableError,
     idl,
     properties,

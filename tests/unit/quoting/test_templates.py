@@ -7,10 +7,10 @@ from pathlib import Path, PurePosixPath
 import pytest
 from jinja2 import DictLoader, nodes
 
-from rtgen.backends import rendering
-from rtgen.backends.quoting import UnquotableError
+from rtgen.backends.kit import rendering
+from rtgen.backends.kit.quoting import UnquotableError
 
-TEMPLATES = Path(rendering.__file__).parents[1] / "templates"
+TEMPLATES = Path(rendering.__file__).parents[2] / "templates"
 TEXT = "x\nimport os; os.system('id') # \"$(id)\" %PATH% <a> & -- \\"
 
 

@@ -212,7 +212,7 @@ def test_a_key_depends_on_every_file_of_the_compiler() -> None:
     }
     assert found >= {
         "compiler.py",
-        "backends/python_text.py",
+        "backends/kit/python_text.py",
         "frontends/idl/pipeline.py",
         "templates/components/base.py.j2",
     }

@@ -17,7 +17,7 @@ import yaml
 from lxml import etree
 
 import rtgen
-from rtgen.backends.quoting.markdown import code, paragraphs, table, text
+from rtgen.backends.kit.quoting.markdown import code, paragraphs, table, text
 from rtgen.cli import run
 from rtgen.documentation.places import Kind, Places
 from rtgen.documentation.site import site

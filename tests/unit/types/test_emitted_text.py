@@ -11,8 +11,8 @@ import pytest
 from type_checkers import check_by_mypy
 
 from rtgen.backends import Emission, Options
-from rtgen.backends.python_text import fit
-from rtgen.backends.quoting.python import docstring, string_literal
+from rtgen.backends.kit.python_text import fit
+from rtgen.backends.kit.quoting.python import docstring, string_literal
 from rtgen.backends.types import BACKEND
 from rtgen.frontends.idl import load
 

@@ -13,7 +13,7 @@ from rtgen.backends.canopen.network_files import network_files
 from rtgen.backends.canopen.objects_module import objects_text
 from rtgen.backends.canopen.proxy_module import proxy_text
 from rtgen.backends.canopen.shared_files import shared_files
-from rtgen.backends.python_text import header, header_comment
+from rtgen.backends.kit.python_text import header, header_comment
 from rtgen.lowering.canopen.kinds import file_name, folder_of, kinds_of
 from rtgen.model import Component, Model
 from rtgen.typemap.canopen_ports import DevicePorts

@@ -9,8 +9,8 @@ from rtgen.backends.canopen.conversions import from_codec, from_object, is_plain
 from rtgen.backends.canopen.literals import call
 from rtgen.backends.components.imports import Imports, import_from
 from rtgen.backends.components.members import attributes_of
-from rtgen.backends.python_text import fit_text
-from rtgen.backends.quoting.python import docstring
+from rtgen.backends.kit.python_text import fit_text
+from rtgen.backends.kit.quoting.python import docstring
 from rtgen.model import Component, Model, NamedType, ScopedName, Struct
 from rtgen.model.canopen import PdoDirection
 from rtgen.typemap.canopen_ports import DevicePorts, ObjectPort, PdoSample, Quantity

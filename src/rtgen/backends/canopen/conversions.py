@@ -7,7 +7,7 @@ Each function maps a Python expression to the converted one; `time` is the class
 
 from __future__ import annotations
 
-from rtgen.backends.quoting.python import number_literal, string_literal
+from rtgen.backends.kit.quoting.python import number_literal, string_literal
 from rtgen.model.canopen import DataType
 from rtgen.typemap.canopen_ports import Quantity
 

@@ -9,7 +9,7 @@ from rtgen.backends.canopen.component_module import ComponentModule
 from rtgen.backends.canopen.conversions import to_object
 from rtgen.backends.canopen.literals import items, number
 from rtgen.backends.canopen.objects_module import class_name
-from rtgen.backends.quoting.python import docstring, string_literal
+from rtgen.backends.kit.quoting.python import docstring, string_literal
 from rtgen.model import Component, Model
 from rtgen.model.canopen import PdoDirection
 from rtgen.typemap.canopen_ports import DevicePorts, ObjectPort, PdoSample, Quantity

@@ -12,7 +12,7 @@ import struct
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TypeAlias
 
-from rtgen.backends.quoting.properties import eds_line
+from rtgen.backends.kit.quoting.properties import eds_line
 from rtgen.model.canopen import (
     SIGNED,
     Commissioning,

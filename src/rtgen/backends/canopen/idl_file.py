@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable
 from functools import partial
 
-from rtgen.backends.idl_text import idl_text
+from rtgen.backends.kit.idl_text import idl_text
 from rtgen.lowering.canopen.kinds import file_name, kinds_of
 from rtgen.lowering.canopen.types import declarations
 from rtgen.model import Model

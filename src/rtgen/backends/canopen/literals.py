@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from rtgen.backends.quoting.python import number_literal, string_literal
+from rtgen.backends.kit.quoting.python import number_literal, string_literal
 
 
 def literal(value: bool | int | float | str | bytes | None) -> str:

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 from rtgen.backends import Options
 from rtgen.backends.components.imports import Imports
-from rtgen.backends.python_text import fit_text
-from rtgen.backends.quoting.python import docstring, string_literal
+from rtgen.backends.kit.python_text import fit_text
+from rtgen.backends.kit.quoting.python import docstring, string_literal
 from rtgen.model import Model
 from rtgen.typemap.idl_python_names import PythonNames
 

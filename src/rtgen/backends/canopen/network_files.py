@@ -12,7 +12,7 @@ from rtgen.backends.canopen.eds_text import eds_text
 from rtgen.backends.canopen.network_module import network_text
 from rtgen.backends.canopen.reports import start_up_text, timing_text
 from rtgen.backends.canopen.rules import NOT_WRITABLE
-from rtgen.backends.python_text import header, header_comment
+from rtgen.backends.kit.python_text import header, header_comment
 from rtgen.diagnostics import Diagnostic
 from rtgen.layouts.can_startup import concise_dcf, start_up
 from rtgen.layouts.can_values import CanValueError

@@ -6,8 +6,8 @@ from msgspec.structs import replace
 
 from rtgen.backends.canopen.literals import call, items
 from rtgen.backends.canopen.objects_module import identity_of, pdo_text, write_text
-from rtgen.backends.python_text import fit
-from rtgen.backends.quoting.python import docstring, string_literal
+from rtgen.backends.kit.python_text import fit
+from rtgen.backends.kit.quoting.python import docstring, string_literal
 from rtgen.layouts.can_startup import start_up
 from rtgen.layouts.can_supervision import guard_time, heartbeat, heartbeat_timeout
 from rtgen.model.can_bus import Bus, BusNode

@@ -15,8 +15,8 @@ from rtgen.backends.canopen.literals import (
     octets_literal,
 )
 from rtgen.backends.components.imports import import_from
-from rtgen.backends.python_text import fit
-from rtgen.backends.quoting.python import docstring, string_literal
+from rtgen.backends.kit.python_text import fit
+from rtgen.backends.kit.quoting.python import docstring, string_literal
 from rtgen.layouts.can_startup import StartWrite, configuration, configured
 from rtgen.model.can_bus import DeviceKind
 from rtgen.model.canopen import (

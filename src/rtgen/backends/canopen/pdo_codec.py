@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from rtgen.backends.python_text import fit
-from rtgen.backends.quoting.python import docstring
+from rtgen.backends.kit.python_text import fit
+from rtgen.backends.kit.quoting.python import docstring
 from rtgen.layouts.pdo import Kind, Part, PdoField, PdoLayout, Slot
 
 _TYPES = {

@@ -15,7 +15,7 @@ from rtgen.backends.canopen.objects_module import (
     is_remapped,
 )
 from rtgen.backends.canopen.pdo_codec import IMPORTS, PdoCodec, codecs_text
-from rtgen.backends.quoting.python import docstring, number_literal, string_literal
+from rtgen.backends.kit.quoting.python import docstring, number_literal, string_literal
 from rtgen.layouts.can_startup import configuration
 from rtgen.lowering.canopen.components import SERVICE_PORT
 from rtgen.lowering.canopen.kinds import service_of

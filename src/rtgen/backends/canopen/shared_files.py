@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from rtgen.backends import Artifact, Options
 from rtgen.backends.canopen.manager_module import manager_text
-from rtgen.backends.python_text import header, header_comment
+from rtgen.backends.kit.python_text import header, header_comment
 from rtgen.model import Model
 from rtgen.resources import idl_file
 from rtgen.typemap.idl_python_names import PythonNames

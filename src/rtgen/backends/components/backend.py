@@ -15,8 +15,8 @@ from rtgen.backends.components.locations import (
     source_of,
 )
 from rtgen.backends.components.skeleton import skeleton_module
-from rtgen.backends.python_text import header_comment
-from rtgen.backends.rendering import render
+from rtgen.backends.kit.python_text import header_comment
+from rtgen.backends.kit.rendering import render
 from rtgen.diagnostics import has_errors
 from rtgen.model import Component, Model, SourceFile
 from rtgen.typemap.idl_python_names import PythonNames

@@ -9,9 +9,9 @@ from rtgen.backends import Options
 from rtgen.backends.components.imports import Imports, import_from
 from rtgen.backends.components.locations import heading, source_of, summary
 from rtgen.backends.components.members import Attributes, attributes_of
-from rtgen.backends.python_text import fit_text, header_comment
-from rtgen.backends.quoting.python import docstring, number_literal, string_literal
-from rtgen.backends.rendering import render
+from rtgen.backends.kit.python_text import fit_text, header_comment
+from rtgen.backends.kit.quoting.python import docstring, number_literal, string_literal
+from rtgen.backends.kit.rendering import render
 from rtgen.facts.constraints import parse, text_of
 from rtgen.model import (
     Component,

@@ -11,9 +11,9 @@ from rtgen.backends.components.base_module import class_names
 from rtgen.backends.components.imports import Imports, import_from
 from rtgen.backends.components.locations import heading, source_of
 from rtgen.backends.components.members import attributes_of
-from rtgen.backends.python_text import fit_text, header_comment
-from rtgen.backends.quoting.python import docstring
-from rtgen.backends.rendering import render
+from rtgen.backends.kit.python_text import fit_text, header_comment
+from rtgen.backends.kit.quoting.python import docstring
+from rtgen.backends.kit.rendering import render
 from rtgen.model import (
     VOID,
     Attribute,

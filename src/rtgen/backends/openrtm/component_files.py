@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from rtgen.backends import Artifact
+from rtgen.backends.kit.python_text import header_comment
+from rtgen.backends.kit.quoting.python import number_literal
+from rtgen.backends.kit.rendering import render
 from rtgen.backends.openrtm.component_module import component_module
 from rtgen.backends.openrtm.plan import ComponentPlan
-from rtgen.backends.python_text import header_comment
-from rtgen.backends.quoting.python import number_literal
-from rtgen.backends.rendering import render
 from rtgen.backends.rtc_profile import profile_text
 from rtgen.typemap.parameters import Parameters
 

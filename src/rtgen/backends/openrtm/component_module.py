@@ -8,6 +8,9 @@ from pathlib import PurePosixPath
 
 from rtgen.backends.components.imports import import_from
 from rtgen.backends.components.locations import heading, summary
+from rtgen.backends.kit.python_text import fit_text, header_comment
+from rtgen.backends.kit.quoting.python import docstring, number_literal, string_literal
+from rtgen.backends.kit.rendering import render
 from rtgen.backends.openrtm.plan import (
     ComponentPlan,
     DataPort,
@@ -16,9 +19,6 @@ from rtgen.backends.openrtm.plan import (
     ServicePort,
 )
 from rtgen.backends.openrtm.wire_names import WireNames
-from rtgen.backends.python_text import fit_text, header_comment
-from rtgen.backends.quoting.python import docstring, number_literal, string_literal
-from rtgen.backends.rendering import render
 from rtgen.facts.constraints import text_of
 from rtgen.model import Interface, SequenceType, StringType
 from rtgen.typemap.component_actions import ACTIONS

@@ -13,10 +13,10 @@ from typing import Protocol
 
 from msgspec.structs import replace
 
+from rtgen.backends.kit.quoting.python import number_literal, string_literal
 from rtgen.backends.openrtm.classic import Classic
 from rtgen.backends.openrtm.wire_names import WireNames, mangled
 from rtgen.backends.openrtm.wire_scope import WireScope
-from rtgen.backends.quoting.python import number_literal, string_literal
 from rtgen.facts.primitives import NUMBERS
 from rtgen.model import (
     ArrayType,

@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 
 from rtgen.backends import Artifact
+from rtgen.backends.kit.python_text import fit_text, header_comment
+from rtgen.backends.kit.quoting.python import docstring
+from rtgen.backends.kit.rendering import render
 from rtgen.backends.openrtm.classic import Classic
 from rtgen.backends.openrtm.conversion_code import ConversionCode
 from rtgen.backends.openrtm.plan import IdlFile, Unit
 from rtgen.backends.openrtm.wire_names import CORBA_PACKAGE, WireNames
 from rtgen.backends.openrtm.wire_scope import WireScope
 from rtgen.backends.openrtm.wire_services import WireServices
-from rtgen.backends.python_text import fit_text, header_comment
-from rtgen.backends.quoting.python import docstring
-from rtgen.backends.rendering import render
 from rtgen.model import (
     Declaration,
     ExceptionDecl,

@@ -13,8 +13,8 @@ from rtgen.backends import Options
 from rtgen.backends.components.checks import components_of
 from rtgen.backends.components.locations import factory, imported_from, source_of
 from rtgen.backends.components.members import attributes_of
+from rtgen.backends.kit.quoting.properties import is_conf_key, is_conf_value
 from rtgen.backends.openrtm import rules
-from rtgen.backends.quoting.properties import is_conf_key, is_conf_value
 from rtgen.diagnostics import Diagnostic, Related
 from rtgen.model import (
     Component,

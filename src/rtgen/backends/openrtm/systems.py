@@ -10,17 +10,17 @@ from math import isfinite
 from msgspec.structs import replace
 
 from rtgen.backends import Artifact
+from rtgen.backends.kit.python_text import fit, header, header_comment
+from rtgen.backends.kit.quoting.code import HashComment
+from rtgen.backends.kit.quoting.properties import Conf, is_conf_key, is_conf_value
+from rtgen.backends.kit.quoting.python import number_literal, string_literal
+from rtgen.backends.kit.rendering import render
 from rtgen.backends.openrtm import system_rules as rules
 from rtgen.backends.openrtm.plan import (
     ROOT,
     ComponentPlan,
 )
 from rtgen.backends.openrtm.rules import CONF_TEXT
-from rtgen.backends.python_text import fit, header, header_comment
-from rtgen.backends.quoting.code import HashComment
-from rtgen.backends.quoting.properties import Conf, is_conf_key, is_conf_value
-from rtgen.backends.quoting.python import number_literal, string_literal
-from rtgen.backends.rendering import render
 from rtgen.backends.rts_profile import InstancePorts, system_text
 from rtgen.diagnostics import Diagnostic, Span, has_errors
 from rtgen.facts.connector_properties import (

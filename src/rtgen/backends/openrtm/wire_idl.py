@@ -9,14 +9,14 @@ from sys import stdlib_module_names
 from msgspec.structs import replace
 
 from rtgen.backends import Artifact
-from rtgen.backends.idl_text import idl_text
+from rtgen.backends.kit.idl_text import idl_text
+from rtgen.backends.kit.python_text import header, header_comment
+from rtgen.backends.kit.rendering import render
 from rtgen.backends.openrtm import rules
 from rtgen.backends.openrtm.classic import Classic
 from rtgen.backends.openrtm.conversion_code import STAND_IN
 from rtgen.backends.openrtm.plan import ComponentPlan, IdlFile, Unit
 from rtgen.backends.openrtm.wire_names import wire_id
-from rtgen.backends.python_text import header, header_comment
-from rtgen.backends.rendering import render
 from rtgen.diagnostics import Diagnostic
 from rtgen.model import (
     Component,

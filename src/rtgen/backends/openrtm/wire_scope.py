@@ -5,9 +5,9 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
+from rtgen.backends.kit.quoting.python import string_literal
 from rtgen.backends.openrtm.plan import Unit
 from rtgen.backends.openrtm.wire_names import CORBA_PACKAGE, WireNames, wire_id
-from rtgen.backends.quoting.python import string_literal
 from rtgen.model import Declaration, Enum, ExceptionDecl, ScopedName
 from rtgen.typemap.python_names import identifier
 

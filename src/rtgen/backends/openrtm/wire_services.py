@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from rtgen.backends.kit.quoting.python import string_literal
+from rtgen.backends.kit.rendering import render
 from rtgen.backends.openrtm.conversion_code import ConversionCode
 from rtgen.backends.openrtm.wire_names import WireNames, mangled
 from rtgen.backends.openrtm.wire_scope import WireScope
-from rtgen.backends.quoting.python import string_literal
-from rtgen.backends.rendering import render
 from rtgen.model import (
     VOID,
     Attribute,

@@ -8,7 +8,7 @@ from importlib.resources import files
 
 from rtgen.backends import Artifact, Emission, Options
 from rtgen.backends.components.checks import check, components_of
-from rtgen.backends.python_text import header_comment
+from rtgen.backends.kit.python_text import header_comment
 from rtgen.backends.small import modules
 from rtgen.backends.small.forms import Forms, Limits, NoFormError, reachable
 from rtgen.backends.small.rules import LEFT_OUT

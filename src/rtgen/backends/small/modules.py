@@ -7,8 +7,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from rtgen.backends import Options
 from rtgen.backends.components.base_module import attribute_names, class_names
 from rtgen.backends.components.locations import heading
-from rtgen.backends.python_text import fit_text
-from rtgen.backends.quoting.python import docstring, number_literal, string_literal
+from rtgen.backends.kit.python_text import fit_text
+from rtgen.backends.kit.quoting.python import docstring, number_literal, string_literal
 from rtgen.backends.small.forms import Forms, members_of
 from rtgen.model import (
     Component,

@@ -8,10 +8,10 @@ from rtgen.backends import Artifact, Emission, Options, Owner, rtc_profile
 from rtgen.backends.components.checks import check, components_of
 from rtgen.backends.components.locations import factory
 from rtgen.backends.components.skeleton import skeleton_module
-from rtgen.backends.idl_text import idl_text
-from rtgen.backends.python_text import header, header_comment
-from rtgen.backends.quoting.python import docstring
-from rtgen.backends.rendering import render
+from rtgen.backends.kit.idl_text import idl_text
+from rtgen.backends.kit.python_text import header, header_comment
+from rtgen.backends.kit.quoting.python import docstring
+from rtgen.backends.kit.rendering import render
 from rtgen.backends.tecs.build_files import (
     build_scripts,
     communication_conf,

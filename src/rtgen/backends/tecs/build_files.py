@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from rtgen.backends import Options
-from rtgen.backends.python_text import header, header_comment
-from rtgen.backends.rendering import render
+from rtgen.backends.kit.python_text import header, header_comment
+from rtgen.backends.kit.rendering import render
 from rtgen.layouts.signature_digest import DIGITS, SPELLINGS, signature_digest
 from rtgen.lowering.tecs.options import NETWORK_WIDTHS, PC_OPTIONS, RtcOptions
 from rtgen.lowering.tecs.plan import RtcJoin, TecsPackage

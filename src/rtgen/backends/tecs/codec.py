@@ -11,9 +11,9 @@ from collections.abc import Iterable, Sequence
 
 from msgspec.structs import replace
 
-from rtgen.backends.python_text import fit_text
-from rtgen.backends.quoting.python import string_literal
-from rtgen.backends.rendering import render
+from rtgen.backends.kit.python_text import fit_text
+from rtgen.backends.kit.quoting.python import string_literal
+from rtgen.backends.kit.rendering import render
 from rtgen.backends.tecs.codec_classes import CodecClass, FunctionCodec, record_codec
 from rtgen.backends.tecs.function_text import (
     function_names,

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 import msgspec
 
-from rtgen.backends.quoting.python import docstring, string_literal
+from rtgen.backends.kit.quoting.python import docstring, string_literal
 from rtgen.backends.tecs.codec_parts import (
     Attributes,
     Environment,

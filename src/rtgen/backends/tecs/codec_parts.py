@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import count as numbers
 
-from rtgen.backends.python_text import SKIPPED, WIDTH
+from rtgen.backends.kit.python_text import SKIPPED, WIDTH
 from rtgen.backends.tecs.expressions import expression_text, is_simple
 from rtgen.backends.tecs.values import kinds_text
 from rtgen.layouts.tdr import (

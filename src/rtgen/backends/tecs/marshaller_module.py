@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 from rtgen.backends.components.imports import Imports, import_from
 from rtgen.backends.components.members import attributes_of
-from rtgen.backends.python_text import fit_text
-from rtgen.backends.quoting.python import docstring, string_literal
-from rtgen.backends.rendering import render
+from rtgen.backends.kit.python_text import fit_text
+from rtgen.backends.kit.quoting.python import docstring, string_literal
+from rtgen.backends.kit.rendering import render
 from rtgen.backends.tecs.function_text import LOCALS, tuple_type
 from rtgen.backends.tecs.proxies import proxy_class
 from rtgen.backends.tecs.rtc_text import RUNTIME, rtc_class

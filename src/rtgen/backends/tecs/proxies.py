@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rtgen.backends.rendering import render
+from rtgen.backends.kit.rendering import render
 from rtgen.backends.tecs.service_text import ServiceText
 
 

@@ -6,9 +6,9 @@ from rtgen.backends.components.base_module import class_names, port_profile
 from rtgen.backends.components.imports import Imports, import_from
 from rtgen.backends.components.locations import heading, summary
 from rtgen.backends.components.members import attributes_of
-from rtgen.backends.python_text import fit_text
-from rtgen.backends.quoting.python import docstring, number_literal, string_literal
-from rtgen.backends.rendering import render
+from rtgen.backends.kit.python_text import fit_text
+from rtgen.backends.kit.quoting.python import docstring, number_literal, string_literal
+from rtgen.backends.kit.rendering import render
 from rtgen.model import Component, Model, NamedType, PortKind
 from rtgen.typemap.idl_python_names import PythonNames
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from rtgen.backends.components.imports import import_from
-from rtgen.backends.python_text import fit_text
-from rtgen.backends.quoting.python import docstring
-from rtgen.backends.rendering import render
+from rtgen.backends.kit.python_text import fit_text
+from rtgen.backends.kit.quoting.python import docstring
+from rtgen.backends.kit.rendering import render
 from rtgen.backends.tecs.service_text import ServiceText, standard_imports
 
 

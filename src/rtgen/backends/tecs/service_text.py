@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from rtgen.backends.components.imports import import_from
-from rtgen.backends.python_text import WIDTH
-from rtgen.backends.quoting.python import docstring, string_literal
+from rtgen.backends.kit.python_text import WIDTH
+from rtgen.backends.kit.quoting.python import docstring, string_literal
 from rtgen.backends.tecs.function_text import (
     LOCALS,
     function_names,

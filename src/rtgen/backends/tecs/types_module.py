@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
-from rtgen.backends.python_text import fit_text
-from rtgen.backends.quoting.python import (
+from rtgen.backends.kit.python_text import fit_text
+from rtgen.backends.kit.quoting.python import (
     docstring,
     number_literal,
     string_literal,
 )
-from rtgen.backends.rendering import render
+from rtgen.backends.kit.rendering import render
 from rtgen.layouts.tdr import Node, Record, SignatureLayout
 from rtgen.model.c_types import CStructType, resolve
 from rtgen.model.tecs import TecsConst, TecsTypedef, TecsUnit

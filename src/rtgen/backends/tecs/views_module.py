@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from rtgen.backends.components.imports import Imports
-from rtgen.backends.python_text import fit_text
-from rtgen.backends.rendering import render
+from rtgen.backends.kit.python_text import fit_text
+from rtgen.backends.kit.rendering import render
 from rtgen.backends.tecs.views import struct_views
 from rtgen.layouts.tdr import Record
 from rtgen.lowering.tecs.idl_model import IdlSide

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from msgspec.structs import replace
 
 from rtgen.backends import Artifact, Emission, Options
-from rtgen.backends.python_text import header_comment
-from rtgen.backends.quoting.python import docstring
+from rtgen.backends.kit.python_text import header_comment
+from rtgen.backends.kit.quoting.python import docstring
 from rtgen.backends.types.calls import Calls
 from rtgen.backends.types.module import TypesModule
 from rtgen.backends.types.packages import Package, package_text, packages

@@ -15,7 +15,7 @@ from pathlib import PurePosixPath
 
 from msgspec.structs import replace
 
-from rtgen.backends.quoting.python import string_literal
+from rtgen.backends.kit.quoting.python import string_literal
 from rtgen.backends.types.scope import Scope
 from rtgen.layouts.cdr_types import CdrTypes, NotMarshalledError
 from rtgen.layouts.representations import Representations

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from rtgen.backends.quoting.python import string_literal
+from rtgen.backends.kit.quoting.python import string_literal
 from rtgen.backends.types.scope import Scope
 from rtgen.layouts.cdr_types import CdrTypes, bit_count
 from rtgen.layouts.representations import Representations

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import msgspec
 
-from rtgen.backends.quoting.python import docstring, string_literal
-from rtgen.backends.rendering import render
+from rtgen.backends.kit.quoting.python import docstring, string_literal
+from rtgen.backends.kit.rendering import render
 from rtgen.backends.types.calls import Calls
 from rtgen.backends.types.descriptions import Descriptions, attribute_text
 from rtgen.backends.types.scope import Scope

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from decimal import Decimal
 from math import isfinite
 
-from rtgen.backends.python_text import fit_text
-from rtgen.backends.quoting.code import HashComment
-from rtgen.backends.quoting.python import docstring, number_literal, string_literal
-from rtgen.backends.rendering import render
+from rtgen.backends.kit.python_text import fit_text
+from rtgen.backends.kit.quoting.code import HashComment
+from rtgen.backends.kit.quoting.python import docstring, number_literal, string_literal
+from rtgen.backends.kit.rendering import render
 from rtgen.backends.types.calls import Calls, CallTable
 from rtgen.backends.types.descriptions import Descriptions
 from rtgen.backends.types.interfaces import Interfaces

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from rtgen.backends.python_text import fit_text
-from rtgen.backends.quoting.python import docstring, string_literal
-from rtgen.backends.rendering import render
+from rtgen.backends.kit.python_text import fit_text
+from rtgen.backends.kit.quoting.python import docstring, string_literal
+from rtgen.backends.kit.rendering import render
 from rtgen.model import (
     Declaration,
     Enum,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from rtgen.backends.quoting.python import comment_text, string_literal
+from rtgen.backends.kit.quoting.python import comment_text, string_literal
 from rtgen.backends.types.descriptions import Descriptions
 from rtgen.backends.types.scope import Scope
 from rtgen.facts.primitives import INTEGER_RANGES

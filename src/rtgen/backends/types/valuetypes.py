@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import msgspec
 
-from rtgen.backends.quoting.python import docstring, string_literal
-from rtgen.backends.rendering import render
+from rtgen.backends.kit.quoting.python import docstring, string_literal
+from rtgen.backends.kit.rendering import render
 from rtgen.backends.types.descriptions import Descriptions, attribute_text, signature
 from rtgen.backends.types.interfaces import Interfaces
 from rtgen.backends.types.scope import Scope

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from rtgen.backends.rendering import render as render_template
+from rtgen.backends.kit.rendering import render as render_template
 from rtgen.backends.wiring.diagram import (
     ComponentView,
     Diagram,

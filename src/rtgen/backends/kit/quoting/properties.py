@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import re
 
-from rtgen.backends.quoting.code import Code, HashComment, UnquotableError
-from rtgen.backends.quoting.python import comment_text
+from rtgen.backends.kit.quoting.code import Code, HashComment, UnquotableError
+from rtgen.backends.kit.quoting.python import comment_text
 
 _VALUE = re.compile(r"(?:[^\s\\](?:[^\\]*[^\s\\])?)?")
 _KEY = re.compile(r"(?:[^\s\\:=#!](?:[^\\:=]*[^\s\\:=])?)?")

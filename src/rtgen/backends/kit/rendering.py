@@ -16,12 +16,12 @@ from typing import TYPE_CHECKING
 
 from markupsafe import Markup
 
-from rtgen.backends.quoting import names, properties, python, scripts, xml
+from rtgen.backends.kit.quoting import names, properties, python, scripts, xml
 
 if TYPE_CHECKING:
     from jinja2 import Environment, Template
 
-_FOLDER = Path(__file__).resolve().parents[1] / "templates"
+_FOLDER = Path(__file__).resolve().parents[2] / "templates"
 
 
 @dataclass(frozen=True)
@@ -93,7 +93,7 @@ def _template(name: str) -> tuple[Template, Language]:
 def _environment(suffix: str) -> Environment:
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-    from rtgen.backends.compiled_templates import CompiledTemplates
+    from rtgen.backends.kit.compiled_templates import CompiledTemplates
 
     language = LANGUAGES[suffix]
     environment = Environment(

@@ -9,8 +9,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Sequence
 
-from rtgen.backends.quoting.code import Code
-from rtgen.backends.quoting.python import comment_text
+from rtgen.backends.kit.quoting.code import Code
+from rtgen.backends.kit.quoting.python import comment_text
 
 _MARKUP = re.compile(r"[\\`*_{}\[\]<>#|~^=$@&\"'!+()]|://|www\.")
 _FIRST = re.compile(r"\A(?:[^A-Za-z0-9&]|\d(?=\d*[.)]))")

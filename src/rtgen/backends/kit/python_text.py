@@ -16,8 +16,8 @@ from typing import TypeAlias
 import msgspec
 
 from rtgen.backends import Owner
-from rtgen.backends.quoting.code import HashComment
-from rtgen.backends.quoting.python import comment_text
+from rtgen.backends.kit.quoting.code import HashComment
+from rtgen.backends.kit.quoting.python import comment_text
 
 WIDTH = 88
 """Maximum line length of black."""

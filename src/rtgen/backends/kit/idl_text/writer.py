@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Sequence
 
-from rtgen.backends.idl_text.literals import literal
-from rtgen.backends.idl_text.scopes import ScopedNames
-from rtgen.backends.quoting.idl import (
+from rtgen.backends.kit.idl_text.literals import literal
+from rtgen.backends.kit.idl_text.scopes import ScopedNames
+from rtgen.backends.kit.quoting.idl import (
     comment_lines,
     readable_string,
     repository_id,

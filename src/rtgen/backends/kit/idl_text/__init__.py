@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 
-from rtgen.backends.idl_text.scopes import ScopedNames
-from rtgen.backends.idl_text.writer import STEP, Writer
+from rtgen.backends.kit.idl_text.scopes import ScopedNames
+from rtgen.backends.kit.idl_text.writer import STEP, Writer
 from rtgen.model import Declaration, Home, Model, ScopedName
 from rtgen.model.components import Component
 from rtgen.typemap.idl_keywords import escaped

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from rtgen.backends.quoting.code import Code, UnquotableError
+from rtgen.backends.kit.quoting.code import Code, UnquotableError
 
 _NAME = re.compile(r"[A-Za-z0-9_./:-]*")
 

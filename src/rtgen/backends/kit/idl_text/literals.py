@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from decimal import Decimal
 
-from rtgen.backends.quoting.idl import (
+from rtgen.backends.kit.quoting.idl import (
     characters,
 )
 from rtgen.model import (

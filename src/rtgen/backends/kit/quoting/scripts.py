@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 import shlex
 
-from rtgen.backends.quoting.code import Code, HashComment, UnquotableError
-from rtgen.backends.quoting.python import comment_text
+from rtgen.backends.kit.quoting.code import Code, HashComment, UnquotableError
+from rtgen.backends.kit.quoting.python import comment_text
 
 _BATCH = re.compile(r"[A-Za-z0-9_.,:\\/ -]*")
 _NOT_IN_REM = re.compile(r"[^A-Za-z0-9_.,:;()\[\]/ @+-]")

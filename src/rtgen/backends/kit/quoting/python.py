@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from rtgen.backends.quoting.code import Code, HashComment, UnquotableError
+from rtgen.backends.kit.quoting.code import Code, HashComment, UnquotableError
 
 _CONTROL = re.compile(
     r"[\x00-\x09\x0b-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff\ufeff"

@@ -1,10 +1,10 @@
 """Quoting of texts for each place of each output language.
 
 Templates use the functions as filters; a text inserted without a filter is quoted or rejected by
-the language of the file (`rtgen.backends.rendering`). Back ends that print without templates call
-the functions.
+the language of the file (`rtgen.backends.kit.rendering`). Back ends that print without templates
+call the functions.
 """
 
-from rtgen.backends.quoting.code import Code, HashComment, UnquotableError
+from rtgen.backends.kit.quoting.code import Code, HashComment, UnquotableError
 
 __all__ = ["Code", "HashComment", "UnquotableError"]
