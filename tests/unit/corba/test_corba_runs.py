@@ -465,7 +465,8 @@ def test_a_call_takes_no_longer_than_the_time_out_and_is_sent_once(
     here.connect()
     assert here.adder.add(2, 3) == 5
     with pytest.raises(runtime.CallTimeout):
-        here.adder.nap(1.0)
+        # Long enough that a starved caller notices the end of its time before the answer.
+        here.adder.nap(4.0)
     wait_for(lambda: answers(here) and here.adder.naps == 1)
     here.adder.nap(0.0)
     assert here.adder.naps == 2
