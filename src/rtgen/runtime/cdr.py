@@ -81,6 +81,8 @@ def _register(cls: type[Any]) -> None:
     if "_descriptor_" not in cls.__dict__:
         return
     register(cls, cls._descriptor_)
+    if not hasattr(super(cls, cls), "_descriptor_"):
+        return
     for kind, method in _COMPILED.items():
         if any(vars(base).get(kind) is method for base in cls.__mro__[2:]):
             setattr(cls, kind, method)
@@ -334,6 +336,11 @@ class AliasCodec(Generic[_T]):
             """The value of an XCDR2 body; raises CdrError."""
 
     else:
+
+        def __class_getitem__(cls, item):
+            """The class: only type checkers need the values, and `typing` makes imports slow."""
+            return cls
+
         to_cdr = _COMPILED["to_cdr"]
         from_cdr = _COMPILED["from_cdr"]
         to_xcdr2 = _COMPILED["to_xcdr2"]

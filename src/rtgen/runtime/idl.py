@@ -173,7 +173,7 @@ def struct(
     return StructDescriptor(
         _id(name, traits.repository_id),
         name,
-        (*inherited, *_members(members)),
+        _numbered(members, inherited),
         traits.extensibility,
         traits.nested,
         traits.opaque,
@@ -188,7 +188,7 @@ def exception(
     return ExceptionDescriptor(
         _id(name, traits.repository_id),
         name,
-        _members(members),
+        _numbered(members),
         representation=traits.representation,
     )
 
@@ -337,6 +337,25 @@ def _members(members: Mapping[str, Described]) -> tuple[MemberDescriptor, ...]:
         )
         for attribute, described in members.items()
     )
+
+
+def _numbered(
+    members: Mapping[str, Described], inherited: tuple[MemberDescriptor, ...] = ()
+) -> tuple[MemberDescriptor, ...]:
+    """The inherited members and these with their ids: none has to be made twice at import."""
+    entries = [*inherited]
+    following = inherited[-1].id + 1 if inherited else 0
+    for attribute, described in members.items():
+        if isinstance(described, MemberDescriptor):
+            entry = _named(described, attribute)
+            if entry.id == NEXT:
+                object.__setattr__(entry, "id", following)
+        else:
+            type_: Any = getattr(described, "_descriptor_", described)
+            entry = MemberDescriptor(attribute, type_, attribute, following)
+        following = entry.id + 1
+        entries.append(entry)
+    return tuple(entries)
 
 
 _E = TypeVar("_E", MemberDescriptor, BranchDescriptor, BitfieldDescriptor)

@@ -213,7 +213,8 @@ class MemberDescriptor:
     private: bool = False
 
     def __post_init__(self) -> None:
-        _name_attribute(self)
+        if not self.attribute:
+            object.__setattr__(self, "attribute", self.name)
 
 
 @dataclass(frozen=True, slots=True)
@@ -375,6 +376,11 @@ _E = TypeVar("_E", MemberDescriptor, BranchDescriptor)
 
 def _numbered(entries: tuple[_E, ...], first: int) -> tuple[_E, ...]:
     """The members with their ids settled."""
+    for entry in entries:
+        if entry.id == NEXT:
+            break
+    else:
+        return entries
     numbered = []
     following = first
     for entry in entries:
