@@ -115,6 +115,7 @@ class Objects:
         self._orb = orb.orb
         self._poa = orb.poa
         self._busy = orb.busy
+        self._limit = orb.limit
         self.types = WireTypes(self)
         self._operations: dict[type[Servant], Operations] = {}
         self._classes: dict[type[Servant], type[Any]] = {}
@@ -151,6 +152,7 @@ class Objects:
 
     def remote(self, interface: type[Servant], reference: Any) -> Remote:
         """A caller of the object, using an interface."""
+        self._limit(reference)
         return Remote(reference, self.operations(interface))
 
     def stub(self, interface: type[_S], reference: Any) -> _S:

@@ -20,12 +20,13 @@ class Orb:
     """omniORB with a separate object adapter; `timeout` [s] bounds every call.
 
     It listens at `host` (default: the loopback interface only) on a free port. omniORB allows one
-    ORB for each process, so a running ORB is used unchanged. Raises TransportError.
+    ORB for each process, so a running ORB is used as it is. Raises TransportError.
     """
 
     def __init__(self, host: str = LOOPBACK, timeout: float = 2.0) -> None:
         self._owned = omniORB.orb is None
-        milliseconds = str(max(1, round(timeout * 1000)))
+        self._milliseconds = max(1, round(timeout * 1000))
+        milliseconds = str(self._milliseconds)
         options = {
             "-ORBnativeCharCodeSet": "UTF-8",
             "-ORBendPoint": f"giop:tcp:{host}:",
@@ -48,6 +49,10 @@ class Orb:
             if self._owned and self.orb is not None:
                 self.orb.destroy()
             raise TransportError(f"omniORB cannot listen at {host}: {error}") from error
+
+    def limit(self, reference: Any) -> None:
+        """Bound the calls of a reference, which the options of a running ORB may not do."""
+        omniORB.setClientCallTimeout(reference, self._milliseconds)
 
     def close(self) -> None:
         """Remove all objects, and shut down the ORB if it was started here.
