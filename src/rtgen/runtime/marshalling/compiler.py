@@ -6,7 +6,6 @@ it. Compiled functions are cached in the descriptor.
 
 from __future__ import annotations
 
-import linecache
 from collections.abc import Callable
 from threading import RLock
 from typing import Any
@@ -17,6 +16,7 @@ from rtgen.runtime.marshalling.fault_search import fault_in_body
 from rtgen.runtime.marshalling.formats import CLASSIC, Format, UnsupportedError
 from rtgen.runtime.marshalling.functions import FUNCTIONS
 from rtgen.runtime.marshalling.references import References
+from rtgen.runtime.marshalling.text import entered
 from rtgen.runtime.marshalling.trees import can_evolve, unsupported
 
 _LOCK = RLock()
@@ -123,19 +123,9 @@ def _function(
     references = References(format_, decoded_again)
     head, lines = FUNCTIONS[kind](descriptor, references)
     text = "".join(f"{line}\n" for line in [head, *(f"    {x}" for x in lines)])
-    file = _unused(f"<{format_} {kind} of {descriptor.name}>")
-    linecache.cache[file] = (len(text), None, text.splitlines(keepends=True), file)
+    file = entered(text, f"<{format_} {kind} of {descriptor.name}>")
     namespace = references.namespace.values
     namespace["__name__"] = __name__
     exec(compile(text, file, "exec"), namespace)
     function: Callable[..., Any] = namespace[head.split("(")[0].removeprefix("def ")]  # type: ignore[assignment]
     return function, references
-
-
-def _unused(file: str) -> str:
-    number = 1
-    name = file
-    while name in linecache.cache:
-        number += 1
-        name = f"{file[:-1]} {number}>"
-    return name

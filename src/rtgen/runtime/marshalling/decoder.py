@@ -40,6 +40,7 @@ from rtgen.runtime.marshalling.nodes import (
 )
 from rtgen.runtime.marshalling.octets import nested, read_reference
 from rtgen.runtime.marshalling.references import References
+from rtgen.runtime.marshalling.repeated import Repeated
 from rtgen.runtime.marshalling.shapes import Layouts
 from rtgen.runtime.marshalling.text import Body, Locals
 
@@ -81,6 +82,15 @@ class Decoder:
         self.body.add('raise ValueError("octets too many")')
         self.body.end()
         return self._returning(self.value(node, (), True))
+
+    def repeated(self, lines: list[str], run: Step, title: str) -> list[str]:
+        """The body of `whole` for one run, with readers of the shapes that repeat."""
+        assert isinstance(run, Run)
+        value = lines[-1].removeprefix("return ")
+        layout = self._layouts.of(run)
+        title = f"{self._refer.format} from_cdr of {title}"
+        readers = Repeated(run, layout, self._name, value, self._refer.namespace, title)
+        return readers.lines(lines)
 
     def parts(self, steps: tuple[Step, ...], node: Node) -> list[str]:
         """The body for a value within other data; its end offset is returned too."""
@@ -413,12 +423,15 @@ class Decoder:
     def _targets(self, entries: tuple[Entry, ...], prefix: Path) -> str:
         names = []
         for entry in entries:
-            path = (*prefix, *entry.field.path)
-            name = self._locals.name(path, "n_" if entry.count else "")
+            name = self._name(entry, prefix)
             names.append(f"*{name}" if entry.star else name)
         if len(names) > 1:
             return ", ".join(names)
         return f"({names[0]},)"
+
+    def _name(self, entry: Entry, prefix: Path = ()) -> str:
+        path = (*prefix, *entry.field.path)
+        return self._locals.name(path, "n_" if entry.count else "")
 
     def _check(self, entry: Entry, prefix: Path) -> None:
         """Check of the bound, directly after reading the count."""

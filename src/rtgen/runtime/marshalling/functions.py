@@ -30,6 +30,7 @@ from rtgen.runtime.marshalling.nodes import (
     Node,
 )
 from rtgen.runtime.marshalling.references import References
+from rtgen.runtime.marshalling.repeated import is_repeatable
 from rtgen.runtime.marshalling.trees import (
     body_of,
     has_headers,
@@ -147,7 +148,10 @@ def _decoding(descriptor: Any, decoder: Decoder, refer: References) -> list[str]
     steps = steps_of(node, ORIGIN)
     if len(steps) == 1 and isinstance(steps[0], Run) and _is_fixed(steps[0]):
         return decoder.fixed(steps[0], node)
-    return [*first, *decoder.whole(steps, node)]
+    lines = [*first, *decoder.whole(steps, node)]
+    if not first and is_repeatable(steps):
+        return decoder.repeated(lines, steps[0], str(descriptor.name))
+    return lines
 
 
 def _node(descriptor: Any, refer: References) -> Node:

@@ -143,6 +143,10 @@ class _Table(dict[Any, _V], ABC):
     def _made(self, key: Any) -> _V:
         """The value of a key that is not in the cache."""
 
+    def shape(self, counts: Iterable[int]) -> Struct:
+        """The shape of those counts, from offset 0."""
+        return self._struct(0, counts)
+
     def _struct(self, phase: int, counts: Iterable[int]) -> Struct:
         arranged = _arranged(self._sections, phase, iter(counts), self.skipped)
         return Struct(self._order + arranged)

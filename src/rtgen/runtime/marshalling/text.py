@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import linecache
 from keyword import iskeyword
 from typing import Any
 
@@ -34,6 +35,17 @@ _FIXED = frozenset(
         "range",
     }
 )
+
+
+def entered(text: str, file: str) -> str:
+    """Enter source text in `linecache` as a file `<name>`; its name, with a number if taken."""
+    number = 1
+    name = file
+    while name in linecache.cache:
+        number += 1
+        name = f"{file[:-1]} {number}>"
+    linecache.cache[name] = (len(text), None, text.splitlines(keepends=True), name)
+    return name
 
 
 class Namespace:
