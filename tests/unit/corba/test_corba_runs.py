@@ -459,13 +459,14 @@ def test_a_process_that_is_killed_and_started_again(
 
 @pytest.fixture(params=["an ORB of its own", "a running ORB"])
 def orb_before(request: pytest.FixtureRequest) -> Iterator[None]:
-    """Perhaps an ORB, whose options say nothing of the time-out."""
+    """Perhaps an ORB with another time-out."""
     import omniORB
 
     if request.param != "a running ORB" or omniORB.orb is not None:
         yield
         return
-    running = omniORB.CORBA.ORB_init([], omniORB.CORBA.ORB_ID)
+    options = ["test", "-ORBclientCallTimeOutPeriod", "10000"]
+    running = omniORB.CORBA.ORB_init(options, omniORB.CORBA.ORB_ID)
     yield
     running.destroy()
 
