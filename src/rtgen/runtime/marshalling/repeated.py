@@ -34,13 +34,18 @@ _Reader: TypeAlias = Callable[[type[Any], Any], Any]
 
 
 def is_repeatable(steps: tuple[Step, ...]) -> bool:
-    """Whether the shape of a value follows from the counts in one run, of texts and lists."""
+    """Whether the shape of a value follows from the counts in one run, of numbers and texts.
+
+    Lengths of texts alone repeat too seldom: a search in vain costs more than a reader saves.
+    """
     if len(steps) != 1 or not isinstance(steps[0], Run):
         return False
     sections = steps[0].sections
     nodes = [entry.field.node for section in sections for entry in section.entries]
     counted = [section.counted for section in sections if section.counted is not None]
-    if not steps[0].known or not counted or any(section.bulk for section in sections):
+    if not steps[0].known or any(section.bulk for section in sections):
+        return False
+    if not any(isinstance(field.node, AtomSequence) for field in counted):
         return False
     return not any(
         isinstance(n, AtomArray) and n.form != "list" for n in nodes
