@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from msgspec.structs import replace
 
+from rtgen import stages
 from rtgen.backends import Artifact
 from rtgen.backends import stage as backends
 from rtgen.diagnostics import has_errors, in_order
@@ -59,7 +60,10 @@ def compile_project(project: Project) -> Compilation:
     artifacts: list[Artifact] = []
     if not has_errors(diagnostics):
         for backend in backends.backends():
-            emission = backend.emit(result.model, project.options)
+            with stages.stage(f"back end {backend.name}"):
+                emission = backend.emit(result.model, project.options)
+                for artifact in emission.artifacts:
+                    stages.file(artifact.path)
             artifacts += emission.artifacts
             diagnostics += emission.diagnostics
     model = result.model

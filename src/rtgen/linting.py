@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator
 
+from rtgen import stages
 from rtgen.diagnostics import Diagnostic, Severity, Span, has_errors, in_order
 from rtgen.diagnostics.explain import rules, similar
 from rtgen.frontends import FrontendResult
@@ -34,13 +35,14 @@ def findings(
     active = None
     if not has_errors(found):
         selected = {code.upper() for code in (*select, *project.selected)}
-        found += check(
-            result.model,
-            result.sources,
-            select=selected,
-            options=project.plugins,
-            target=project.target,
-        )
+        with stages.stage("lint rules"):
+            found += check(
+                result.model,
+                result.sources,
+                select=selected,
+                options=project.plugins,
+                target=project.target,
+            )
         idle = {rule.code for rule in ON_DEMAND} - selected
         active = {c for c in rules() if c.startswith(_READ_AND_LINTED)} - idle
     patterns = [

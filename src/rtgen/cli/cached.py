@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rtgen import plugins
+from rtgen import plugins, stages
 from rtgen.project import Project
 from rtgen.project.cache import Cache
 from rtgen.project.compilation import Compilation
@@ -20,13 +20,16 @@ def build(project: Project, cache: Cache | None) -> Compilation:
     """The project's artifacts."""
 
     def made() -> Compilation:
-        from rtgen.compiler import compile_project
+        with stages.stage("import the compiler"):
+            from rtgen.compiler import compile_project
 
         return compile_project(project)
 
     if cache is None:
         return made()
-    return cache.kept(cache.key(project, plugins.announced(*plugins.Group)), made)
+    with stages.stage("cache"):
+        key = cache.key(project, plugins.announced(*plugins.Group))
+    return cache.kept(key, made)
 
 
 def inspect(
@@ -42,11 +45,12 @@ def inspect(
     """
     if cache is None or project is None or profiles:
         return _inspected(project, profiles, as_json)
-    key = cache.key(
-        project,
-        plugins.announced(plugins.Group.FRONTENDS),
-        made="json" if as_json else "text",
-    )
+    with stages.stage("cache"):
+        key = cache.key(
+            project,
+            plugins.announced(plugins.Group.FRONTENDS),
+            made="json" if as_json else "text",
+        )
     return cache.kept(key, lambda: _inspected(project, (), as_json))
 
 
@@ -77,7 +81,8 @@ def _inspected(
             diagnostics += seen
     model = replace(result.model, systems=tuple(systems))
     diagnostics = in_order(diagnostics)
-    text = json_text(model, diagnostics) if as_json else tree(model)
+    with stages.stage("print"):
+        text = json_text(model, diagnostics) if as_json else tree(model)
     return Compilation(
         artifacts=(Artifact("model", text, ()),),
         inputs={},

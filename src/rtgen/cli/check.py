@@ -21,6 +21,7 @@ from rtgen.cli.common import (
     with_target,
     write_out,
 )
+from rtgen.cli.stages import with_stages
 from rtgen.project import behaviours, cache, shown
 from rtgen.project import output as writer
 
@@ -31,6 +32,7 @@ from rtgen.project import output as writer
 @with_node_id
 @with_target
 @with_console
+@with_stages
 def check(
     console: Console,
     definitions: Definitions,
@@ -54,7 +56,7 @@ def check(
     if run.failed:
         return BAD_INPUT
     planned = writer.plan(project, run.artifacts, run.inputs)
-    found = [*behaviours.check(project, run.artifacts)]
+    found = behaviours.check(project, run.artifacts)
     console.findings(found)
     strays = (*planned.strays, *planned.leftovers)
     if not planned.changes and not strays:

@@ -13,6 +13,7 @@ from typing import Any, Concatenate, ParamSpec
 
 import click
 
+from rtgen import stages
 from rtgen.diagnostics import Diagnostic, InputError, ToolError
 from rtgen.project import (
     AVAILABLE_TARGETS,
@@ -62,11 +63,12 @@ class ReportedError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Console:
-    """Standard error with the options for it: form of diagnostics, colour, quiet."""
+    """Standard error with the options for it: form of diagnostics, colour, quiet, verbose."""
 
     form: str
     colour: bool
     quiet: bool
+    verbose: bool = False
     _held: list[Sequence[Diagnostic]] = field(default_factory=list)
 
     def findings(
@@ -99,7 +101,7 @@ class Console:
 
     def say(self, text: str) -> None:
         """Print a line for people, unless quiet or in a machine-readable form."""
-        if not self.quiet and self.form == "text":
+        if text and not self.quiet and self.form == "text":
             sys.stderr.write(f"{text}\n")
 
 
@@ -299,20 +301,21 @@ def project_of(
 
     `add`: the paths are read in addition to the project's sources instead of replacing them.
     """
-    project = with_arguments(
-        load(),
-        paths=definitions.paths,
-        include=definitions.include,
-        define=definitions.define,
-        ignore_case_clashes=definitions.ignore_case_clashes,
-        prelude=definitions.prelude,
-        kcode=definitions.kcode,
-        output=output,
-        add=add,
-        node_id=node_id,
-        target=target,
-    )
-    require_sources(project)
+    with stages.stage("find definitions"):
+        project = with_arguments(
+            load(),
+            paths=definitions.paths,
+            include=definitions.include,
+            define=definitions.define,
+            ignore_case_clashes=definitions.ignore_case_clashes,
+            prelude=definitions.prelude,
+            kcode=definitions.kcode,
+            output=output,
+            add=add,
+            node_id=node_id,
+            target=target,
+        )
+        require_sources(project)
     return project
 
 
@@ -340,5 +343,7 @@ def _macros(
 def _in_colour(choice: str) -> bool:
     if choice != "auto":
         return choice == "always"
-    plain: Any = os.environ.get("NO_COLOR") or os.environ.get("TERM") == "dumb"
-    return sys.stderr.isatty() and not plain
+    if os.environ.get("NO_COLOR") or os.environ.get("TERM") == "dumb":
+        return False
+    forced = os.environ.get("FORCE_COLOR")
+    return sys.stderr.isatty() if forced is None else forced != ""

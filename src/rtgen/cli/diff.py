@@ -7,7 +7,9 @@ from pathlib import Path
 
 import click
 
+from rtgen import stages
 from rtgen.cli.common import NO, OK, Console, Refusal, with_console, write_out
+from rtgen.cli.stages import with_stages
 from rtgen.diff.changes import Break
 from rtgen.diff.reading import Source, at_revision, opened, source_of
 
@@ -29,6 +31,7 @@ _CLASSES = [str(each) for each in Break]
 )
 @click.option("--json", "json_wanted", is_flag=True, help="Print JSON (rtgen-diff/1).")
 @with_console
+@with_stages
 def diff(
     console: Console,
     versions: tuple[str, ...],
@@ -56,7 +59,8 @@ def diff(
     asked = _asked(use, chosen.use)
     with ExitStack() as stack:
         old, new = (stack.enter_context(opened(each)) for each in sources)
-        changes = compare(old, new)
+        with stages.stage("compare"):
+            changes = compare(old, new)
     reasons, unused = allowed(changes, chosen.allowances)
     if json_wanted:
         from rtgen.inspection.indented_json import dumps

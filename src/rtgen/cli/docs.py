@@ -9,6 +9,7 @@ from pathlib import Path
 import click
 from msgspec.structs import replace
 
+from rtgen import stages
 from rtgen.backends import Artifact
 from rtgen.cli.common import (
     BAD_INPUT,
@@ -19,6 +20,7 @@ from rtgen.cli.common import (
     with_console,
     with_definitions,
 )
+from rtgen.cli.stages import with_stages
 from rtgen.diagnostics import ToolError, has_errors, in_order
 from rtgen.project import is_system, output, shown
 
@@ -40,6 +42,7 @@ _DEFAULT = "build/docs"
     "--build", "building", is_flag=True, help="Build the site, too, in FOLDER/site."
 )
 @with_console
+@with_stages
 def docs(
     console: Console,
     definitions: Definitions,
@@ -69,20 +72,22 @@ def docs(
     console.findings(in_order(result.diagnostics), result.sources)
     if has_errors(result.diagnostics):
         return BAD_INPUT
-    files = site(
-        title or project.package,
-        result.model,
-        result.model.systems,
-        xcdr2=project.representation == "xcdr2",
-        extensibility=project.extensibility,
-    )
+    with stages.stage("pages"):
+        files = site(
+            title or project.package,
+            result.model,
+            result.model.systems,
+            xcdr2=project.representation == "xcdr2",
+            extensibility=project.extensibility,
+        )
     target = Path(folder)
     place = target.absolute()
     owned = replace(project, base=place, output=place, skeletons=place)
     output.write(owned, [Artifact(f.path, f.text, ()) for f in files], {})
     console.say(f"{shown(target)}: {len(files)} files")
     if building:
-        _build(target)
+        with stages.stage("mkdocs build"):
+            _build(target)
         console.say(f"open {shown(target / 'site' / 'index.html')}")
     return OK
 

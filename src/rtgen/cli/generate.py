@@ -14,6 +14,7 @@ from rtgen.cli.common import (
     with_target,
 )
 from rtgen.cli.generation import Request, generate_once
+from rtgen.cli.stages import with_stages
 
 
 @click.command()
@@ -33,6 +34,7 @@ from rtgen.cli.generation import Request, generate_once
     "--watch", "watching", is_flag=True, help="Go on, and run again on every change."
 )
 @with_console
+@with_stages
 def generate(
     console: Console,
     definitions: Definitions,

@@ -20,6 +20,7 @@ from rtgen.cli.common import (
     with_node_id,
     write_out,
 )
+from rtgen.cli.stages import with_stages
 from rtgen.project import cache, is_component_profile, is_system
 
 
@@ -35,6 +36,7 @@ def _is_system(path: Path) -> bool:
 @with_node_id
 @click.option("--json", "as_json", is_flag=True, help="Print JSON (rtgen-inspect/1).")
 @with_console
+@with_stages
 def inspect(
     console: Console,
     definitions: Definitions,

@@ -19,6 +19,7 @@ from rtgen.cli.common import (
     write_out,
 )
 from rtgen.cli.fixing import changed_files
+from rtgen.cli.stages import with_stages
 from rtgen.diagnostics import (
     Diagnostic,
     InputError,
@@ -43,6 +44,7 @@ MOST_ROUNDS = 10
 @click.option("--fix", is_flag=True, help="Carry out the safe fixes of findings.")
 @click.option("--diff", "as_diff", is_flag=True, help="Print the fixes as a diff.")
 @with_console
+@with_stages
 def lint(
     console: Console,
     definitions: Definitions,

@@ -12,6 +12,7 @@ from typing import TypeAlias
 
 from rtgen.cli.common import OK, Console
 from rtgen.cli.generation import Request, generate_once
+from rtgen.cli.stages import shown
 from rtgen.diagnostics import InputError, ToolError
 from rtgen.project import FILE_NAME, find
 
@@ -63,7 +64,8 @@ def _attempt(console: Console, request: Request) -> tuple[Path, ...]:
     Errors are reported and do not end the watch.
     """
     try:
-        return tuple(generate_once(console, request)[1])
+        with shown(console):
+            return tuple(generate_once(console, request)[1])
     except InputError as error:
         console.findings(error.diagnostics)
     except ToolError as error:

@@ -11,7 +11,7 @@ from typing import Any
 import msgspec
 from msgspec.structs import replace
 
-from rtgen import compiler
+from rtgen import compiler, stages
 from rtgen.diagnostics import Diagnostic, InputError, Related, Span, has_errors
 from rtgen.diff.kinds.catalogue import NO_VERSION
 from rtgen.diff.revisions import commit_of, extract, top_level, unknown_revision
@@ -84,7 +84,8 @@ def opened(source: Source) -> Iterator[Version]:
     assert source.repository is not None
     with TemporaryDirectory(prefix="rtgen-diff-") as name:
         folder = Path(name).resolve()
-        extract(source.repository, source.commit, folder)
+        with stages.stage(f"extract {source.label}"):
+            extract(source.repository, source.commit, folder)
         relabel = _relabelling(folder, source.label)
         try:
             project = _project_at(source, folder)
@@ -164,11 +165,12 @@ def _project_at(source: Source, folder: Path) -> Project:
 def _read(source: Source, project: Project, relabel: Relabel) -> Version:
     if not project.systems:
         require_sources(project)
-    result = compiler.read(project, lowered=True)
-    if project.systems and not has_errors(result.diagnostics):
-        result = systems.added(
-            result, project.systems, root=project.root, output=project.output
-        )
+    with stages.stage(f"version {source.label}"):
+        result = compiler.read(project, lowered=True)
+        if project.systems and not has_errors(result.diagnostics):
+            result = systems.added(
+                result, project.systems, root=project.root, output=project.output
+            )
     if has_errors(result.diagnostics):
         raise InputError(_relabelled(result.diagnostics, relabel))
     content: dict[str, Any] = {}

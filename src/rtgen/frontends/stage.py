@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final, Protocol, TypeAlias
 import msgspec
 from msgspec.structs import replace
 
-from rtgen import plugins
+from rtgen import plugins, stages
 from rtgen.facts.ros import INTERFACE_SUFFIXES
 from rtgen.frontends import FrontendResult, together
 from rtgen.frontends.kit.library import VirtualFile
@@ -71,7 +71,10 @@ def _devices(paths: Sequence[Path], settings: Settings) -> FrontendResult:
 def _buses(paths: Sequence[Path], settings: Settings) -> FrontendResult:
     from rtgen.frontends import bus
 
-    found = [bus.load(path, root=settings.root) for path in paths]
+    found = []
+    for path in paths:
+        stages.file(path.as_posix())
+        found.append(bus.load(path, root=settings.root))
     return together(
         [
             FrontendResult(
@@ -105,31 +108,38 @@ def _interfaces(paths: Sequence[Path], settings: Settings) -> FrontendResult:
     return rosidl.load(paths, root=settings.root, include=settings.include)
 
 
-FRONTENDS: Final[tuple[tuple[tuple[str, ...], Read], ...]] = (
-    ((".xml", ".yaml", ".yml"), _profiles),
-    ((".eds", ".dcf"), _devices),
-    ((".toml",), _buses),
-    ((".cdl", ".cde"), _boards),
-    (INTERFACE_SUFFIXES, _interfaces),
+FRONTENDS: Final[tuple[tuple[str, tuple[str, ...], Read], ...]] = (
+    ("profiles", (".xml", ".yaml", ".yml"), _profiles),
+    ("EDS and DCF", (".eds", ".dcf"), _devices),
+    ("bus files", (".toml",), _buses),
+    ("CDL", (".cdl", ".cde"), _boards),
+    ("ROS 2 interfaces", INTERFACE_SUFFIXES, _interfaces),
 )
-"""The front ends but that of IDL, which comes last: other definitions name IDL files."""
+"""The front ends with what they read and the ends of its files' names.
+
+That of IDL is missing, which comes last: other definitions name IDL files.
+"""
 
 _IDL: Final = (".idl",)
 
 
 def read(paths: Sequence[Path], settings: Settings) -> Iterator[FrontendResult]:
     """What each front end but that of IDL makes of its files. Raises ToolError for a plug-in."""
-    for suffixes, load in FRONTENDS:
+    for name, suffixes, load in FRONTENDS:
         if chosen := ending_with(paths, suffixes):
-            yield load(chosen, settings)
+            with stages.stage(f"read {name}"):
+                result = load(chosen, settings)
+            yield result
     for name, frontend in plugins.loaded(plugins.Group.FRONTENDS):
         if chosen := ending_with(paths, frontend.suffixes):
-            yield frontend.load(
-                chosen,
-                root=settings.root,
-                include=settings.include,
-                options=settings.plugins.get(name, {}),
-            )
+            with stages.stage(f"read {name}"):
+                result = frontend.load(
+                    chosen,
+                    root=settings.root,
+                    include=settings.include,
+                    options=settings.plugins.get(name, {}),
+                )
+            yield result
 
 
 def read_idl(
@@ -157,15 +167,16 @@ def read_idl(
         **{name: VirtualFile(name, make) for name, make in (printed or {}).items()},
         **({} if text is None else {text.key: text}),
     }
-    found = idl.load(
-        chosen,
-        root=settings.root,
-        include=settings.include,
-        define=settings.define,
-        ignore_case_clashes=settings.ignore_case_clashes,
-        virtual=virtual,
-        observe=None if settings.observer is None else settings.observer.idl,
-    )
+    with stages.stage("read IDL"):
+        found = idl.load(
+            chosen,
+            root=settings.root,
+            include=settings.include,
+            define=settings.define,
+            ignore_case_clashes=settings.ignore_case_clashes,
+            virtual=virtual,
+            observe=None if settings.observer is None else settings.observer.idl,
+        )
     shipped = library.dependencies(found.model.files)
     return replace(found, dependencies=(*found.dependencies, *shipped))
 

@@ -8,7 +8,7 @@ from typing import Final, TypeAlias
 
 import msgspec
 
-from rtgen import plugins
+from rtgen import plugins, stages
 from rtgen.diagnostics import Diagnostic
 from rtgen.lowering.settings import Settings
 from rtgen.model import Model
@@ -40,6 +40,11 @@ class Lowering(msgspec.Struct, frozen=True):
     needed: Callable[[Model, Settings], bool]
     idl: Callable[[Model], list[str]] = _no_idl
     definitions: bool = False
+
+    @property
+    def name(self) -> str:
+        """The name of its module or package."""
+        return self.module.removeprefix("rtgen.lowering.").partition(".")[0]
 
     def __call__(self, model: Model, settings: Settings) -> Lowered:
         """The lowered model; the model itself if it has nothing to lower."""
@@ -106,14 +111,16 @@ def lowered(model: Model, settings: Settings, *, complete: bool = True) -> Lower
     Raises ToolError for a plug-in that cannot be imported.
     """
     found: list[Diagnostic] = []
-    steps: Iterable[Lower] = lowerings(complete=complete)
-    for lower in (*steps, *(_of_plugins() if complete else ())):
-        made = lower(model, settings)
+    steps: Iterable[tuple[str, Lower]] = (
+        (lowering.name, lowering) for lowering in lowerings(complete=complete)
+    )
+    for name, lower in (*steps, *(_of_plugins() if complete else ())):
+        with stages.stage(f"lowering {name}"):
+            made = lower(model, settings)
         model = made.model
         found += made.diagnostics
     return Lowered(model, tuple(found))
 
 
-def _of_plugins() -> Iterator[Lower]:
-    for _, lower in plugins.loaded(plugins.Group.LOWERINGS):
-        yield lower
+def _of_plugins() -> Iterator[tuple[str, Lower]]:
+    yield from plugins.loaded(plugins.Group.LOWERINGS)

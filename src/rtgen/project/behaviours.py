@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import PurePosixPath
 
+from rtgen import stages
 from rtgen.backends import Artifact, Owner
 from rtgen.diagnostics import Diagnostic, Span, ToolError
 from rtgen.project import Project, shown
@@ -17,13 +18,18 @@ _NAMED = re.compile(r"^ +(?:def )?(\w+) *[:(=]", re.M)
 _CLASS = re.compile(r"^class \w+\(([^)]*)\):", re.M)
 
 
-def check(project: Project, artifacts: Sequence[Artifact]) -> Iterator[Diagnostic]:
+def check(project: Project, artifacts: Sequence[Artifact]) -> list[Diagnostic]:
     """Diagnostics for the modules in the folders of skeletons.
 
     Raises ToolError if one is unreadable.
 
     `artifacts` are those of the current definitions.
     """
+    with stages.stage("check behaviours"):
+        return [*_findings(project, artifacts)]
+
+
+def _findings(project: Project, artifacts: Sequence[Artifact]) -> Iterator[Diagnostic]:
     base = f"{project.package}/components/*/__init__.py"
     bases = {
         path.parts[2]: artifact.text

@@ -17,6 +17,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from rtgen import stages
 from rtgen.backends import Artifact, Owner
 from rtgen.diagnostics import Diagnostic, Related, Severity, Span
 from rtgen.project.compilation import Compilation
@@ -92,11 +93,14 @@ class Cache:
 
     def kept(self, key: str, make: Callable[[], Compilation]) -> Compilation:
         """The entry of a key; else what `make` gives, which is stored unless it has errors."""
-        found = self.load(key)
+        with stages.stage("cache"):
+            found = self.load(key)
+            stages.note("miss" if found is None else "hit")
         if found is None:
             found = make()
             if not found.failed:
-                self.store(key, found)
+                with stages.stage("store in cache"):
+                    self.store(key, found)
         return found
 
     def load(self, key: str) -> Compilation | None:

@@ -20,6 +20,7 @@ from pathlib import Path, PurePosixPath
 
 import msgspec
 
+from rtgen import stages
 from rtgen.backends import Artifact, Owner
 from rtgen.diagnostics import Diagnostic, InputError, Rule, ToolError
 from rtgen.facts.version import __version__
@@ -86,6 +87,13 @@ def plan(
 
     Raises InputError if a file would leave its folder, ToolError if the disk fails.
     """
+    with stages.stage("compare with the tree"):
+        return _plan(project, artifacts, inputs)
+
+
+def _plan(
+    project: Project, artifacts: Sequence[Artifact], inputs: Mapping[str, str]
+) -> Plan:
     _check(project, artifacts)
     own = [a for a in artifacts if a.owner is Owner.RTGEN]
     users = [(_place(project, a), a) for a in artifacts if a.owner is Owner.USER]
@@ -148,7 +156,8 @@ def write(
             project.output.mkdir(parents=True, exist_ok=True)
         with _lock(project.output):
             planned = plan(project, artifacts, inputs)
-            _apply(project, planned)
+            with stages.stage("write"):
+                _apply(project, planned)
     return planned
 
 
@@ -168,6 +177,7 @@ def _apply(project: Project, planned: Plan) -> None:
     lasting = {manifest, *(skeleton.path for skeleton in planned.skeletons)}
     for change in wanted:
         if change.new is not None:
+            stages.file(shown(change.path))
             _write_whole(change.path, change.new, lasting=change.path in lasting)
     for folder in sorted({c.path.parent for c in wanted if c.path in lasting}):
         _sync_folder(folder)

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from msgspec.structs import replace
 
+from rtgen import stages
 from rtgen.diagnostics import Diagnostic, has_errors
 from rtgen.files import read_start
 from rtgen.frontends import (
@@ -45,6 +46,7 @@ def read(paths: Sequence[Path], *, root: Path, output: Path) -> Systems:
     found = Systems()
     for path in paths:
         file = path.as_posix()
+        stages.file(file)
         data = profile_tree.read(path, file, found.diagnostics.append)
         if data is None:
             found.dependencies.append(Dependency(path, None))
@@ -88,8 +90,9 @@ def added(
     result: FrontendResult, paths: Sequence[Path], *, root: Path, output: Path
 ) -> FrontendResult:
     """The result with systems, which are checked against its definitions; see `read`."""
-    found = read(paths, root=root, output=output)
-    named, diagnostics = against(found.systems, result)
+    with stages.stage("systems"):
+        found = read(paths, root=root, output=output)
+        named, diagnostics = against(found.systems, result)
     return replace(
         result,
         model=replace(result.model, systems=tuple(named)),

@@ -7,6 +7,7 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
+from rtgen import stages
 from rtgen.diagnostics import Diagnostic, in_order
 from rtgen.frontends import FrontendResult
 from rtgen.frontends.cdl.c_headers.file import HeaderFile
@@ -135,13 +136,16 @@ class _Run:
 
     def unit(self, source: Source) -> TecsUnit:
         """The unit of a main file."""
+        stages.file(source.name)
         before = self.found.errors
         names = frozenset(kernel.TYPES) if self._with_prelude else frozenset[str]()
         reader = Reader(self._library, self._headers, self._define, names, self._report)
-        unit = reader.read(source)
+        with stages.stage("parse"):
+            unit = reader.read(source)
         table = Table(self._report, with_prelude=self._with_prelude)
         table.lacking = reader.incomplete
-        Analysis(table).run(unit)
+        with stages.stage("analyse"):
+            Analysis(table).run(unit)
         if self._observe is not None:
             self._observe(table, reader.units)
         self._note_prelude(table)

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from msgspec.structs import replace
 
+from rtgen import stages
 from rtgen.diagnostics import Diagnostic, in_order
 from rtgen.frontends import FrontendResult
 from rtgen.frontends.eds import ini, keys, lists
@@ -78,6 +79,7 @@ class _Run:
         )
 
     def read(self, path: Path, shown: str) -> None:
+        stages.file(shown)
         file = open_main(
             self._library,
             path,

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from rtgen import stages
 from rtgen.diagnostics import Diagnostic, Related, in_order
 from rtgen.frontends import FrontendResult
 from rtgen.frontends.idl.lowering.lower import Lowering
@@ -160,23 +161,28 @@ class _Run:
         return self._trees[unit]
 
     def _translate(self, source: Source, macros: Mapping[str, Macro]) -> None:
-        unit = self._preprocessor.translation_unit(source, macros)
-        tables = Resolver(
-            self._items, self._report, self._declares, self._ignore_case_clashes
-        ).run(unit)
+        stages.file(source.name)
+        with stages.stage("preprocess"):
+            unit = self._preprocessor.translation_unit(source, macros)
+        with stages.stage("parse and resolve"):
+            tables = Resolver(
+                self._items, self._report, self._declares, self._ignore_case_clashes
+            ).run(unit)
         if self._observe is not None:
             self._observe(tables)
         types = Types(tables, self._report)
-        lowering = Lowering(types, self._report)
         made: dict[ScopedName, Declaration] = {}
-        for entity in tables.declared:
-            declaration = lowering.declaration(entity)
-            if declaration is not None:
-                made[declaration.name] = declaration
-        made = levels.checked(made, self._report)
-        checks.run(tables, types, made, self._report)
-        if not self._found.errors:
-            checks.left_out(tables, types, made, self._report)
+        with stages.stage("make the model"):
+            lowering = Lowering(types, self._report)
+            for entity in tables.declared:
+                declaration = lowering.declaration(entity)
+                if declaration is not None:
+                    made[declaration.name] = declaration
+        with stages.stage("check"):
+            made = levels.checked(made, self._report)
+            checks.run(tables, types, made, self._report)
+            if not self._found.errors:
+                checks.left_out(tables, types, made, self._report)
         self._undefined |= {found: name for name, found in tables.undefined.items()}
         self._defined.update(e.path for e in tables.declared if e.node is not None)
         self._note_files(tables)

@@ -9,6 +9,7 @@ from typing import Final
 
 import msgspec
 
+from rtgen import stages
 from rtgen.diagnostics import Span, in_order
 from rtgen.frontends import FrontendResult
 from rtgen.frontends.kit.findings import Findings
@@ -75,6 +76,7 @@ class _Run:
         )
 
     def read_main(self, path: Path, shown: str) -> None:
+        stages.file(shown)
         if absolute_path(path) in self._read:
             self._mark_main(shown)
             return

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from hashlib import sha256
 from pathlib import Path
 
+from rtgen import stages
 from rtgen.diagnostics import Diagnostic
 from rtgen.files import is_file
 from rtgen.frontends import Dependency, FrontendResult, key_of, profile_tree
@@ -36,6 +37,7 @@ def load(
     idl: dict[Path, None] = {}
     for path in paths:
         file = path.as_posix()
+        stages.file(file)
         findings = profile_tree.sink()
         data = profile_tree.read(path, file, findings.report)
         if data is None:
