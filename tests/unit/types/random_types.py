@@ -362,7 +362,7 @@ class Values:
                 return draw.choice(self._anys)
             case "ValueBase":
                 values = [t for t in self._anys if isinstance(t, ValueDescriptor)]
-                return self._valued(draw.choice(values), depth)
+                return self._valued(draw.choice(values), depth) if values else None
             case "Object":
                 return draw.choice(self._references)
         return None
