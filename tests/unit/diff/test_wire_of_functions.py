@@ -35,6 +35,11 @@ from rtgen.model.tecs import (
 from rtgen.runtime.opaque_rpc import RpcError, make_tdr
 
 MOST_WITNESSES = 60
+TDRS = (
+    make_tdr("network"),
+    make_tdr("network", short_bits=32, int_bits=64, long_bits=64, intptr_bits=64),
+)
+"""What breaks may do so for other widths of `short`, `int`, `long` and `intptr_t` alone."""
 _OTHER = {
     Scalar.INT8: Scalar.UINT8,
     Scalar.UINT8: Scalar.INT16,
@@ -233,6 +238,13 @@ def _breaks(changes: Sequence[Change], function: str) -> bool:
     )
 
 
+def _calls(
+    found: Sample, random: Random, service: Service, name: str, count: int
+) -> Iterator[Call]:
+    function = service.functions[name].layout.function
+    return (found.call(random, function, service.types) for _ in range(count))
+
+
 @settings(
     deadline=None,
     database=None,
@@ -247,20 +259,26 @@ def test_tdr_is_as_diff_says(random: Random) -> None:
     unit, signature = changed(found, random)
     versions = [Version(Model(tecs=(each,))) for each in (found.unit, unit)]
     changes = [*compare_signatures(*versions)]
-    tdr = make_tdr("network")
     try:
-        old = Service(found.unit, found.signature, tdr)
-        new = Service(unit, signature, tdr)
+        services = [
+            (Service(found.unit, found.signature, tdr), Service(unit, signature, tdr))
+            for tdr in TDRS
+        ]
     except TransferError:
         return  # no OpaqueRPC for a signature that cannot be transferred
+    old, new = services[0]
     for name in old.functions.keys() & new.functions.keys():
-        before, after = old.functions[name], new.functions[name]
         broken = _breaks(changes, name)
         count = MOST_WITNESSES if broken else 5
-        calls = (
-            found.call(random, before.layout.function, old.types) for _ in range(count)
+        compared = (
+            reading
+            for one, other in services
+            for reading in readings(
+                one.functions[name],
+                other.functions[name],
+                _calls(found, random, one, name, count),
+            )
         )
-        compared = readings(before, after, calls)
         if broken:
             assert any(not same for same, _ in compared), (name, changes)
         else:

@@ -66,6 +66,8 @@ _SETTING_UP: Final = frozenset(
     }
 )
 
+_UNFIT_ANSWERS: Final = (sdo.TIMED_OUT, sdo.TOGGLE_ERROR, sdo.COMMAND_UNKNOWN)
+"""How a transfer ends whose answers are missing, or are of another transfer."""
 _ASKED_STATES: Final = {
     NmtCommand.START: NmtState.OPERATIONAL,
     NmtCommand.STOP: NmtState.STOPPED,
@@ -356,8 +358,8 @@ class ManagedNode:
             if isinstance(outcome, SdoAbort):
                 verb = "read" if octets is None else "written"
                 what = f"{number_text(index, subindex)} cannot be {verb}: {outcome}"
-                timed_out = outcome.code == sdo.TIMED_OUT
-                doubled = self._second_node.evidence if timed_out else ""
+                unfit = outcome.code in _UNFIT_ANSWERS
+                doubled = self._second_node.evidence if unfit else ""
                 if doubled:
                     self._two_nodes(f"{what}, and {doubled}")
                 else:
