@@ -101,7 +101,9 @@ class Wire:
                         continue
             elif parameter.sizes.nullable:
                 given = args[parameter.name]
-                if given is None or given is False:
+                # Of an out the argument is whether there is room; an inout may be a false bool.
+                is_out = parameter.direction is TecsDirection.OUT
+                if given is None or (is_out and not given):
                     continue
             self._sized(type_, parameter.sizes, value, {**args, **outs})
 
