@@ -325,6 +325,11 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
         "IDL0200: bolean is unknown",
         "did you mean boolean?",
     ),
+    "type like a parameter": (
+        "interface I { void f(in §B b); };",
+        "IDL0200: B is unknown",
+        "declare it before its use, or include the file that declares it",
+    ),
     "typo user": (
         "struct Position { long a; };\nstruct S { §Positon p; };",
         "IDL0200: Positon is unknown",

@@ -171,5 +171,5 @@ class Repeated:
         values = {**self._namespace.values, "unpack": unpack}
         values["little_endian"] = little_endian
         exec(compile(text, file, "exec"), values)
-        read: Any = values["read"]
-        return read  # type: ignore[no-any-return]
+        read: _Reader = values["read"]
+        return read

@@ -276,7 +276,8 @@ class Lookup:
         from rtgen.frontends.idl.syntax.foreign_words import TYPES, VALUES
 
         text, scope = unknown.text, unknown.scope
-        elsewhere = [e for e in _everything(self._top) if e.name == text]
+        anywhere = [e for e in _everything(self._top) if e.kind in _NAMEABLE]
+        elsewhere = [e for e in anywhere if e.name == text]
         if elsewhere:
             found = [e.scoped for e in elsewhere[:MOST_ELSEWHERE]]
             return f"did you mean {' or '.join(found)}?"
@@ -289,10 +290,15 @@ class Lookup:
         word = FOLDED.get(text.lower())
         if word is not None:
             return f"did you mean the keyword '{word}'?"
-        visible = [e.name for place in scope.outward() for e in place.names.values()]
+        visible = [
+            entity.name
+            for place in scope.outward()
+            for entity in place.names.values()
+            if entity.kind in _NAMEABLE
+        ]
         near = nearest(text, [*visible, *RESERVED])
         if near is None:
-            far = {e.name: e.scoped for e in _everything(self._top)}
+            far = {e.name: e.scoped for e in anywhere}
             name = nearest(text, far)
             near = far[name] if name else None
         if near is None:

@@ -202,7 +202,7 @@ class _Run:
         for match in _ENUMERATORS.finditer(self._text, start, end):
             names += _NAME.findall(match[1])
         self._unit.maybe_declared.update(
-            name.removeprefix("_").lower() for name in names
+            name.removeprefix("_").lower() for name in names if name not in RESERVED
         )
 
     def _bad_character(self) -> None:
