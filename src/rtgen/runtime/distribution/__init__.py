@@ -1,0 +1,1 @@
+"""Transports between processes: one contract of engines (`medium`), everything else above it."""

@@ -1,0 +1,198 @@
+"""What a messaging engine (DDS, Zenoh) must give so that systems can be spread over processes.
+
+An engine is a `Medium`; data ports, service calls, presence and steering are written once above it
+(`rtgen.runtime.distribution.transport`). One medium is one process's part in one system: the
+systems of one network do not see each other (a partition, a prefix of key expressions).
+
+Names consist of letters, digits, `_`, `-` and `/`, at most 200 characters, and do not begin or end
+with `/`.
+
+Callbacks (`on_sample`, `on_request`, `on_change`) are called in threads of the engine, for one
+subscription, service or watch by one thread at a time. They return soon and raise nothing. After
+`close` of what they belong to, at most the call under way ends.
+
+Octets of samples are serialized payloads with their encapsulation header of four octets (DDSI-RTPS
+2.5, 10.2; `rtgen.runtime.xcdr.serialize`), so that programs without rtgen can decode them. Octets
+of requests and replies are opaque.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable
+from dataclasses import dataclass
+from typing import Any, Protocol, TypeAlias
+
+from rtgen.runtime.marshalling.descriptors import DataType
+
+LONGEST_NAME = 200
+"""Characters of a name."""
+
+
+class MediumError(Exception):
+    """The engine cannot work as configured; the message says why."""
+
+
+class NotServedError(MediumError):
+    """Nobody serves the service: the call was not carried out."""
+
+
+class PeerLostError(MediumError):
+    """The server was lost before its reply: the call may have been carried out."""
+
+
+class ReplyTimeoutError(MediumError):
+    """No reply in time: the call may have been carried out, or be in progress."""
+
+
+@dataclass(frozen=True, slots=True)
+class Topic:
+    """A topic of samples: its name, and the generated type, whose `_descriptor_` describes it."""
+
+    name: str
+    type: type[DataType]
+
+
+@dataclass(frozen=True, slots=True)
+class Qos:
+    """Quality of service of a publisher (what it offers) or a subscription (what it asks for).
+
+    `reliable`: samples are sent again until they arrive; `depth`: samples that the engine keeps for
+    each publisher, None for all of them (a slow subscription then slows the publisher down);
+    `durable`: the last `depth` samples are sent to subscriptions that come later, as long as the
+    publisher lives; `deadline`: the longest time between two samples in seconds, None for any;
+    `lease`: seconds without a sign of life after which a publisher counts as lost, None for the
+    engine's own.
+    """
+
+    reliable: bool = True
+    depth: int | None = 8
+    durable: bool = False
+    deadline: float | None = None
+    lease: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Sample:
+    """A sample as received.
+
+    `source` identifies the publisher: a process that is started again has new ones. `sequence` is
+    the number that was given to `publish`; None for publishers without rtgen, or if the engine
+    does not carry it.
+    """
+
+    octets: bytes
+    source: Hashable
+    sequence: int | None = None
+
+
+OnSample: TypeAlias = Callable[[Sample], None]
+Reply: TypeAlias = Callable[[bytes], None]
+"""Sends the reply to a request, once, from any thread; without effect if the client is gone."""
+OnRequest: TypeAlias = Callable[[bytes, Reply], None]
+OnChange: TypeAlias = Callable[[str, bool], None]
+"""A name whose presence begins (True) or ends (False)."""
+
+
+class Publisher(Protocol):
+    """The sending end of a topic."""
+
+    def publish(self, octets: bytes, sequence: int) -> None:
+        """Send a sample; `sequence` counts from 1 for each publisher.
+
+        From any thread, one at a time. Waits only if `depth` is None. Raises MediumError.
+        """
+
+    @property
+    def matched(self) -> bool:
+        """Whether a subscription is known; samples of a durable publisher need none."""
+
+    def close(self) -> None:
+        """Withdraw the publisher."""
+
+
+class Subscription(Protocol):
+    """The receiving end of a topic."""
+
+    @property
+    def lost(self) -> int:
+        """Samples that the engine knows to have lost, if it carries no sequence numbers; else 0."""
+
+    @property
+    def missed_deadlines(self) -> int:
+        """How often no sample came within `Qos.deadline`; 0 if the engine does not watch it."""
+
+    def close(self) -> None:
+        """Receive no more samples."""
+
+
+class Client(Protocol):
+    """The calling end of a service."""
+
+    def call(self, octets: bytes, timeout: float) -> bytes:
+        """Send a request and wait for its reply for at most `timeout` seconds; from any thread.
+
+        A request is delivered to one server, at most once, and never repeated. Raises
+        NotServedError if there is no server, PeerLostError if the server is lost meanwhile (an
+        engine that does not notice raises ReplyTimeoutError), and ReplyTimeoutError.
+        """
+
+    def close(self) -> None:
+        """Calls under way raise PeerLostError."""
+
+
+class Token(Protocol):
+    """Something that lasts until it is closed: a service, a presence, a watch."""
+
+    def close(self) -> None:
+        """End it. A second call has no effect."""
+
+
+class Medium(Protocol):
+    """One process's part in one system, over one engine. Methods raise MediumError."""
+
+    def publisher(self, topic: Topic, qos: Qos) -> Publisher:
+        """A publisher of a topic; other processes find it by themselves."""
+
+    def subscribe(self, topic: Topic, qos: Qos, on_sample: OnSample) -> Subscription:
+        """Receive the samples of all publishers of a topic, each publisher's in their order.
+
+        Publishers whose type or offered QoS does not fit are not received.
+        """
+
+    def serve(self, service: str, on_request: OnRequest) -> Token:
+        """Serve a service. `on_request` hands the work to another thread and returns."""
+
+    def client(self, service: str) -> Client:
+        """A client of a service, which need not exist yet and may come and go."""
+
+    def announce(self, name: str) -> Token:
+        """Show other processes that something is present, until the token is closed.
+
+        If this process ends in any way they notice, at the latest after the engine's lease.
+        """
+
+    def watch(self, prefix: str, on_change: OnChange) -> Token:
+        """Notify of names that begin with a prefix: first of those present, then of each change.
+
+        A presence announced by two processes ends with the last of them. Names announced by this
+        process are reported, too.
+        """
+
+    def close(self) -> None:
+        """End everything of this medium. A second call has no effect."""
+
+
+def check_name(name: str) -> str:
+    """The name, if it is one that every engine takes. Raises MediumError."""
+    plain = name.isascii() and all(c.isalnum() or c in "_-/" for c in name)
+    if not plain or not name or name != name.strip("/") or len(name) > LONGEST_NAME:
+        raise MediumError(
+            f"{name!r} cannot be a name between processes: letters, digits, '_', '-' and '/', "
+            f"at most {LONGEST_NAME} characters"
+        )
+    return name
+
+
+def type_name(type_: type[Any]) -> str:
+    """The name of a topic's type in IDL, with `::` between modules."""
+    return str(type_._descriptor_.name)
