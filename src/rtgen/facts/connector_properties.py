@@ -154,11 +154,22 @@ DATA: Final[Mapping[str, Check]] = {
 }
 """The properties of data connectors, as OpenRTM takes them."""
 
+QOS: Final[Mapping[str, Check]] = {
+    "dataport.qos.reliability": _one_of("reliable", "best_effort"),
+    "dataport.qos.durability": _one_of("volatile", "transient_local"),
+    "dataport.qos.history": _one_of("keep_last", "keep_all"),
+    "dataport.qos.depth": _integer(1),
+    "dataport.qos.deadline": _number("a time in seconds, above 0", positive=True),
+    "dataport.qos.lease": _number("a time in seconds, above 0", positive=True),
+}
+"""Quality of service between processes, in the words of DDS 1.4, 2.2.3."""
+
 EMBEDDED_DATA: Final[Mapping[str, Check]] = {
     **DATA,
+    **QOS,
     "dataport.dataflow_type": _one_of(*Dataflow),
 }
-"""The same for the embedded runtime, which has no `duplex`."""
+"""The same for the embedded runtime, which has no `duplex`, but QoS between processes."""
 
 SERVICE: Final[Mapping[str, Check]] = {STRICTNESS: _one_of("strict", "best_effort")}
 """The properties of service connectors, beside the pairs of interfaces."""

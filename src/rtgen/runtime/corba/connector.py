@@ -12,15 +12,10 @@ from omniORB import CORBA
 from rtgen.runtime.corba.faults import caught, is_inactive, is_unsent
 from rtgen.runtime.corba.naming import Naming, is_alive
 from rtgen.runtime.corba.objects import Objects, Remote, signatures
-from rtgen.runtime.errors import (
-    ConnectorPropertyError,
-    DuplicateConnectionError,
-    PortTypeError,
-    TransportError,
-)
+from rtgen.runtime.errors import PortTypeError, TransportError
 from rtgen.runtime.marshalling.descriptors import InterfaceDescriptor
-from rtgen.runtime.services.connectors import end, read_properties
 from rtgen.runtime.services.ports import Consumer, ServicePort
+from rtgen.runtime.services.remote_connectors import RemoteServiceConnector
 from rtgen.runtime.services.servants import (
     CommunicationFailure,
     ObjectNotExist,
@@ -28,7 +23,6 @@ from rtgen.runtime.services.servants import (
 )
 from rtgen.runtime.services.transports import RemotePort
 
-_LOOK_AGAIN = 0.05
 _PAUSE = 0.2
 """Seconds between two attempts to reach a provider that did not answer."""
 
@@ -182,12 +176,8 @@ class RemoteProvider:
         return descriptor
 
 
-class RemoteConnector:
-    """A connection between a local service port and one of another process.
-
-    `providers` are called by the consumers of the local port; those of the other port look up the
-    providers of the local port.
-    """
+class RemoteConnector(RemoteServiceConnector[RemoteProvider]):
+    """A connection between a local service port and one of another process, by omniORB."""
 
     def __init__(
         self,
@@ -198,89 +188,15 @@ class RemoteConnector:
         objects: Objects,
         naming: Naming,
     ) -> None:
-        self.name = name
-        self._naming = naming
-        self.source = source
-        self.target = target
-        self.connected = False
-        named, self.strict = read_properties(properties)
-        kinds = [consumer.interface for consumer in source.consumers]
-        self.providers = [
-            RemoteProvider(
-                objects,
-                naming,
-                consumer,
-                target,
-                _selected(named, source, target, consumer),
-                alone=kinds.count(consumer.interface) == 1,
-            )
-            for consumer in source.consumers
-        ]
-        there = f"{target.instance}.port.{target.port}.required."
-        unknown = next((key for key in named if not key.startswith(there)), None)
-        if unknown is not None:
-            raise ConnectorPropertyError(
-                f"connector property {unknown!r} names no consumer"
+        def made(
+            consumer: Consumer[Any], selected: str | None, alone: bool
+        ) -> RemoteProvider:
+            return RemoteProvider(
+                objects, naming, consumer, target, selected, alone=alone
             )
 
-    def attach(self) -> None:
-        """Establish the connection. Raises DuplicateConnectionError."""
-        for provider in self.providers:
-            if provider.consumer.connected:
-                raise DuplicateConnectionError(
-                    f"{provider.consumer} is connected already"
-                )
-        self.connected = True
-        for provider in self.providers:
-            provider.consumer._provider = provider
-
-    def await_providers(self, deadline: float) -> None:
-        """Wait for all providers, until an instant of `time.monotonic`.
-
-        Raises TransportError after the deadline, PortTypeError for incompatible types: with
-        `strict` all interfaces must match, else at least one, as for a connection within a
-        process.
-        """
-        lonely: list[PortTypeError] = []
-        for provider in self.providers:
-            try:
-                self._await(provider, deadline)
-            except PortTypeError as error:
-                lonely.append(error)
-        pairs = len(self.providers) - len(lonely) + len(self.source.providers)
-        if lonely and (self.strict or not pairs):
-            raise lonely[0]
-
-    def _await(self, provider: RemoteProvider, deadline: float) -> None:
-        while not provider.find():
-            if time.monotonic() > deadline:
-                raise TransportError(
-                    f"{provider.consumer} waits for {self.target}, "
-                    f"which nobody serves by the naming service {self._naming.address}"
-                )
-            time.sleep(_LOOK_AGAIN)
-
-    def detach(self) -> None:
-        """Remove the connection; later calls raise ObjectNotExist."""
-        self.connected = False
-        for provider in self.providers:
-            provider.consumer._provider = None
-
-
-def _selected(
-    named: dict[str, str], here: ServicePort, there: RemotePort, consumer: Consumer[Any]
-) -> str | None:
-    """The instance name of the provider that the properties select for a consumer."""
-    wish = end(here, "required", consumer)
-    selected = named.pop(wish, None)
-    if selected is None:
-        return None
-    prefix = f"{there.instance}.port.{there.port}.provided."
-    if not selected.startswith(prefix):
-        raise ConnectorPropertyError(
-            f"connector property {wish!r}: {selected!r} is no provider of {there}"
-        )
-    return selected.rpartition(".")[2]
+        where = f"by the naming service {naming.address}"
+        super().__init__(name, source, target, properties, made, where)
 
 
 _LOST = (

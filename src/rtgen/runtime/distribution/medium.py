@@ -5,15 +5,16 @@ An engine is a `Medium`; data ports, service calls, presence and steering are wr
 systems of one network do not see each other (a partition, a prefix of key expressions).
 
 Names consist of letters, digits, `_`, `-` and `/`, at most 200 characters, and do not begin or end
-with `/`.
+with `/`. Topics, services and presences have separate name spaces.
 
-Callbacks (`on_sample`, `on_request`, `on_change`) are called in threads of the engine, for one
-subscription, service or watch by one thread at a time. They return soon and raise nothing. After
-`close` of what they belong to, at most the call under way ends.
+Callbacks (`on_sample`, `on_request`, `on_change`) are called in threads of the engine, or in that
+of a sender in the same process; for one subscription, service or watch by one thread at a time.
+They return soon and raise nothing. After `close` of what they belong to, at most the call under
+way ends.
 
 Octets of samples are serialized payloads with their encapsulation header of four octets (DDSI-RTPS
-2.5, 10.2; `rtgen.runtime.xcdr.serialize`), so that programs without rtgen can decode them. Octets
-of requests and replies are opaque.
+2.5, 10.2) in the form that `representation` gives, so that programs without rtgen can decode them;
+received ones have any form. Octets of requests and replies are opaque.
 """
 
 from __future__ import annotations
@@ -22,7 +23,16 @@ from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 from typing import Any, Protocol, TypeAlias
 
-from rtgen.runtime.marshalling.descriptors import DataType
+from rtgen.runtime.marshalling.descriptors import (
+    ArrayDescriptor,
+    DataType,
+    MapDescriptor,
+    SequenceDescriptor,
+    StructDescriptor,
+    UnionDescriptor,
+    plain,
+)
+from rtgen.runtime.xcdr import Representation, representation_of
 
 LONGEST_NAME = 200
 """Characters of a name."""
@@ -34,6 +44,10 @@ class MediumError(Exception):
 
 class NotServedError(MediumError):
     """Nobody serves the service: the call was not carried out."""
+
+
+class PublishTimeoutError(MediumError):
+    """No room for a sample within `Qos.patience`: it was not sent."""
 
 
 class PeerLostError(MediumError):
@@ -57,7 +71,8 @@ class Qos:
     """Quality of service of a publisher (what it offers) or a subscription (what it asks for).
 
     `reliable`: samples are sent again until they arrive; `depth`: samples that the engine keeps for
-    each publisher, None for all of them (a slow subscription then slows the publisher down);
+    each publisher, None for all of them: a slow subscription then slows the publisher down, which
+    waits for at most `patience` seconds, and its `on_sample` may wait itself;
     `durable`: the last `depth` samples are sent to subscriptions that come later, as long as the
     publisher lives; `deadline`: the longest time between two samples in seconds, None for any;
     `lease`: seconds without a sign of life after which a publisher counts as lost, None for the
@@ -66,6 +81,7 @@ class Qos:
 
     reliable: bool = True
     depth: int | None = 8
+    patience: float = 1.0
     durable: bool = False
     deadline: float | None = None
     lease: float | None = None
@@ -99,7 +115,8 @@ class Publisher(Protocol):
     def publish(self, octets: bytes, sequence: int) -> None:
         """Send a sample; `sequence` counts from 1 for each publisher.
 
-        From any thread, one at a time. Waits only if `depth` is None. Raises MediumError.
+        From any thread, one at a time. Waits only if `depth` is None: then it raises
+        PublishTimeoutError after `patience`. Raises MediumError.
         """
 
     @property
@@ -191,6 +208,39 @@ def check_name(name: str) -> str:
             f"at most {LONGEST_NAME} characters"
         )
     return name
+
+
+def representation(type_: type[Any]) -> Representation:
+    """In which form samples of a type are sent, little-endian.
+
+    Plain XCDR1, which every DDS reads, and ROS 2 writes; XCDR2 for types with appendable or mutable
+    parts or optional members, for which XCDR1 has forms that few implement.
+    """
+    version = 1 if _is_plain(type_._descriptor_, set()) else 2
+    return representation_of(type_, version)
+
+
+def _is_plain(descriptor: Any, seen: set[str]) -> bool:
+    descriptor = plain(descriptor)
+    match descriptor:
+        case StructDescriptor() | UnionDescriptor():
+            if descriptor.repository_id in seen:
+                return True
+            seen.add(descriptor.repository_id)
+            parts = (
+                descriptor.members
+                if isinstance(descriptor, StructDescriptor)
+                else descriptor.branches
+            )
+            return descriptor.extensibility == "final" and all(
+                not getattr(part, "optional", False) and _is_plain(part.type, seen)
+                for part in parts
+            )
+        case SequenceDescriptor(element=element) | ArrayDescriptor(element=element):
+            return _is_plain(element, seen)
+        case MapDescriptor():
+            return _is_plain(descriptor.value, seen)
+    return True
 
 
 def type_name(type_: type[Any]) -> str:

@@ -86,7 +86,17 @@ def difference(a: Descriptor, b: Descriptor) -> str | None:
             return f"  the definition of {one.name} was not found; generate with its IDL file"
     if a == b:
         return None
-    left, right = list(_lines(a)), list(_lines(b))
+    return text_difference(definition(a), definition(b))
+
+
+def definition(descriptor: Descriptor) -> str:
+    """Name, repository id and structure of a type as text, in lines; equal for equal types."""
+    return "\n".join(_lines(descriptor))
+
+
+def text_difference(a: str, b: str) -> str | None:
+    """None for equal definitions, else both, as `difference` gives them."""
+    left, right = a.split("\n"), b.split("\n")
     if left == right:
         return None
     height = max(len(left), len(right))

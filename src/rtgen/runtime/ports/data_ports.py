@@ -194,6 +194,7 @@ class OutPort(Generic[T]):
 
     __slots__ = (
         "_connectors",
+        "_outlets",
         "_record",
         "_ways",
         "_write",
@@ -210,6 +211,8 @@ class OutPort(Generic[T]):
         self.unsent = 0
         """Samples written while there was no connection."""
         self._connectors: tuple[DataConnector[T], ...] = ()
+        self._outlets: tuple[Callable[[T], PortStatus], ...] = ()
+        """Ways of samples out of this process; they keep no sample."""
         self._record: Callable[[T], None] | None = None
         self._ways: tuple[Callable[[T], PortStatus], ...] = ()
         self._write: Callable[[T], PortStatus] = self._write_to_nobody
@@ -237,6 +240,7 @@ class OutPort(Generic[T]):
             and sys.getrefcount(value) <= _GIVEN_AWAY
             and value.__class__ is self.type
             and self._connectors
+            and not self._outlets
         ):
             return self._give(value)
         return self._write(value)
@@ -250,6 +254,16 @@ class OutPort(Generic[T]):
         self._record = record
         self._rewire()
 
+    def add_outlet(self, way: Callable[[T], PortStatus]) -> None:
+        """Call a function with every sample, which stays the writer's; it raises nothing."""
+        self._outlets += (way,)
+        self._rewire()
+
+    def remove_outlet(self, way: Callable[[T], PortStatus]) -> None:
+        """Call the function no more."""
+        self._outlets = tuple(outlet for outlet in self._outlets if outlet != way)
+        self._rewire()
+
     def _attach(self, connector: DataConnector[T]) -> None:
         self._connectors += (connector,)
         self._rewire()
@@ -259,7 +273,8 @@ class OutPort(Generic[T]):
         self._rewire()
 
     def _rewire(self) -> None:
-        self._ways = tuple(connector.short_way() for connector in self._connectors)
+        ways = (connector.short_way() for connector in self._connectors)
+        self._ways = (*ways, *self._outlets)
         write: Callable[[T], PortStatus]
         if not self._ways:
             write = self._write_to_nobody

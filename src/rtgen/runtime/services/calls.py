@@ -25,6 +25,7 @@ from rtgen.runtime.services.servants import (
     BadOperation,
     CallTimeout,
     CommunicationFailure,
+    Invoker,
     MarshalError,
     ObjectNotExist,
     Servant,
@@ -171,8 +172,17 @@ class Server:
         objects: Objects | None = None,
     ) -> None:
         self._calls = calls_of(interface)
-        self._skeleton = interface._skeleton_(servant)
+        self._invoke: Invoker = interface._skeleton_(servant).dispatch
         self._objects = objects
+
+    @classmethod
+    def of(cls, interface: type[Servant], invoke: Invoker) -> Server:
+        """A server that carries out requests by an invoker. Raises as `calls_of`."""
+        server = cls.__new__(cls)
+        server._calls = calls_of(interface)
+        server._invoke = invoke
+        server._objects = None
+        return server
 
     def handle(
         self, operation: str, body: bytes, little_endian: bool = True
@@ -183,7 +193,7 @@ class Server:
             reply = self._answer(operation, body, little_endian)
         except ServiceError as error:
             log.warning("%s: %s", operation, error, exc_info=error.__cause__)
-            reply = _failure(error, little_endian)
+            reply = failure(error, little_endian)
         return None if call is not None and call.oneway else reply
 
     def _answer(self, operation: str, body: bytes, little_endian: bool) -> Reply:
@@ -194,7 +204,7 @@ class Server:
             raise MarshalError(f"the request is wrong: {error}") from error
         arguments = _stubs(values, call.request_objects, self._objects)
         try:
-            result = self._skeleton.dispatch(operation, arguments)
+            result = self._invoke(operation, arguments)
         except UserException as error:
             return self._raised(call, error, little_endian)
         try:
@@ -348,7 +358,7 @@ def kind_of(error: ServiceError) -> type[ServiceError]:
     return next((k for k in REPORTED_AS if isinstance(error, k)), UnknownException)
 
 
-def _failure(error: ServiceError, little_endian: bool) -> Reply:
+def failure(error: ServiceError, little_endian: bool = True) -> Reply:
     """The reply for an error (CORBA 3.3 part 2, 9.4.3.2, SystemExceptionReplyBody)."""
     name = REPORTED_AS[kind_of(error)]
     identity = f"IDL:omg.org/CORBA/{name}:1.0\0".encode()

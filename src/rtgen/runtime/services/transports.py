@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
+from rtgen.runtime.ports.data_ports import DataConnector, InPort, OutPort
 from rtgen.runtime.services.ports import Carrier, PortOwner, Provider, ServicePort
+from rtgen.runtime.timing.guards import Guard
 
 
 @dataclass(frozen=True, slots=True)
 class RemotePort:
-    """A service port of a component in another process."""
+    """A port of a component in another process."""
 
     instance: str
     port: str
@@ -55,6 +57,49 @@ class Transport(Protocol):
         properties: Mapping[str, str],
     ) -> RemoteConnector:
         """A connection to a port of another process, not established yet. Raises ConnectError."""
+
+
+class RemoteDataConnector(Protocol):
+    """A connection from an OutPort of this process to an InPort of another one."""
+
+    name: str
+    source: OutPort[Any]
+    target: RemotePort
+    properties: Mapping[str, str]
+    connected: bool
+
+    def attach(self) -> None:
+        """Establish the connection."""
+
+    def detach(self) -> None:
+        """Remove the connection."""
+
+
+@runtime_checkable
+class DataTransport(Protocol):
+    """A transport that carries samples between processes, too."""
+
+    def sending(
+        self,
+        name: str,
+        here: OutPort[Any],
+        there: RemotePort,
+        properties: Mapping[str, str],
+    ) -> RemoteDataConnector:
+        """A connection to an InPort of another process, not established. Raises ConnectError."""
+
+    def receiving(
+        self,
+        name: str,
+        here: InPort[Any],
+        there: RemotePort,
+        properties: Mapping[str, str],
+        guard: Callable[[], Guard],
+    ) -> DataConnector[Any]:
+        """A connection from an OutPort of another process, not established.
+
+        Buffers and policies of the connection are at this end. Raises ConnectError.
+        """
 
 
 class ProcessTransport(Transport, Protocol):

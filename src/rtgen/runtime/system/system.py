@@ -13,7 +13,6 @@ from rtgen.runtime.errors import (
     DuplicateInstanceError,
     InitializationError,
     ObservableError,
-    PolarityError,
     UnknownComponentError,
     UnknownConnectionError,
     UnknownObservableError,
@@ -32,12 +31,16 @@ from rtgen.runtime.rtc.component import Component
 from rtgen.runtime.rtc.configuration import DEFAULT_SET
 from rtgen.runtime.rtc.execution_context import ExecutionContext
 from rtgen.runtime.rtc.participant import Participant
-from rtgen.runtime.services.connectors import ServiceConnector
-from rtgen.runtime.services.ports import ServicePort
-from rtgen.runtime.services.transports import RemoteConnector, RemotePort, Transport
+from rtgen.runtime.services.transports import Transport
 from rtgen.runtime.system.dependencies import Dependencies
+from rtgen.runtime.system.joining import (
+    Connector,
+    Joining,
+    PortAddress,
+    instances_of,
+)
 from rtgen.runtime.system.observation import Observation, connection_change
-from rtgen.runtime.system.port_names import cannot_join, kinds, port_names, unknown_port
+from rtgen.runtime.system.port_names import unknown_port
 from rtgen.runtime.system.real_time import RealTimeScheduler
 from rtgen.runtime.system.records import (
     Listener,
@@ -47,9 +50,6 @@ from rtgen.runtime.system.scheduling import Scheduler
 from rtgen.runtime.system.simulated_time import SimulatedScheduler
 from rtgen.runtime.system.watchdog import calling
 from rtgen.runtime.timing.clocks import SECOND, Clock, RealClock, SimulatedClock
-
-Connector = DataConnector[Any] | ServiceConnector | RemoteConnector
-PortAddress = tuple[str, str]
 
 
 class System:
@@ -79,6 +79,9 @@ class System:
         self._participants: dict[str, Participant] = {}
         self._connectors: dict[str, Connector] = {}
         self._connecting = threading.RLock()
+        self._joining = Joining(
+            self._participants, self.component, self.clock.guard, transport
+        )
         self._dependencies = Dependencies(self._participants, self._connectors)
         self._observation = Observation(self.clock.elapsed, self.end_run)
         self.on_failure: Callable[[Failure], None] = log_failure
@@ -155,7 +158,7 @@ class System:
             component.exit()
         finally:
             for connector in list(self._connectors.values()):
-                if instance in _instances(connector):
+                if instance in instances_of(connector):
                     self.disconnect(connector)
         if self._transport is not None:
             self._transport.withdraw(component)
@@ -291,7 +294,8 @@ class System:
         name the connection is called `<instance>.<port>_<instance>.<port>`. Raises
         UnknownComponentError, or the ConnectError that says why the ports do not fit.
         """
-        connector = self._make(source, target, properties or {}, name)
+        name = name or f"{'.'.join(source)}_{'.'.join(target)}"
+        connector = self._joining.made(source, target, properties or {}, name)
         if connector.name in self._connectors:
             raise DuplicateConnectionError(
                 f"there is a connection {connector.name!r} already"
@@ -300,9 +304,11 @@ class System:
         self._connectors[connector.name] = connector
         self._report_connection(connector, connected=True)
         if isinstance(connector, DataConnector) and connector.publisher is not None:
-            writer = self.component(connector.source.owner)
+            # The writer of a connection from another process is not here.
+            ends = connector.source.owner, connector.target.owner
+            driver = next(self.component(e) for e in ends if e in self._participants)
             connector.end_publishing = self._scheduler.drive(
-                connector.publisher, writer
+                connector.publisher, driver
             )
         return connector
 
@@ -324,47 +330,6 @@ class System:
         traffic = self.clock.traffic
         if traffic.watchers:
             traffic.report(connection_change(connector, connected=connected))
-
-    def _make(
-        self,
-        source: PortAddress,
-        target: PortAddress,
-        properties: Mapping[str, str],
-        name: str,
-    ) -> Connector:
-        name = name or f"{'.'.join(source)}_{'.'.join(target)}"
-        if self._transport is not None:
-            for one, other in ((source, target), (target, source)):
-                if one[0] in self._participants and other[0] not in self._participants:
-                    here = self._service_port(one)
-                    return self._transport.connector(
-                        name, here, RemotePort(*other), properties
-                    )
-        for one, other in ((source, target), (target, source)):
-            out_port = self.component(one[0]).out_ports.get(one[1])
-            in_port = self.component(other[0]).in_ports.get(other[1])
-            if out_port is not None and in_port is not None:
-                return DataConnector(
-                    name, out_port, in_port, properties, self.clock.guard
-                )
-        ends = [ServicePort(self.component(end[0]), end[1]) for end in (source, target)]
-        if all(ends):
-            return ServiceConnector(name, ends[0], ends[1], properties, self._transport)
-        raise cannot_join(
-            self.component(source[0]), source[1], self.component(target[0]), target[1]
-        )
-
-    def _service_port(self, address: PortAddress) -> ServicePort:
-        component = self.component(address[0])
-        port = ServicePort(component, address[1])
-        if port:
-            return port
-        if address[1] not in port_names(component):
-            raise unknown_port(component, address[1])
-        raise PolarityError(
-            f"{'.'.join(address)} cannot be connected with another process: "
-            f"it is {kinds(component, address[1])}, and only service ports can"
-        )
 
     # Time.
 
@@ -488,9 +453,3 @@ def _scheduler(clock: Clock) -> Scheduler:
     if isinstance(clock, RealClock):
         return RealTimeScheduler(clock)
     raise TypeError(f"a system needs a SimulatedClock or a RealClock, not {clock!r}")
-
-
-def _instances(connector: Connector) -> tuple[str, str]:
-    if isinstance(connector, DataConnector):
-        return connector.source.owner, connector.target.owner
-    return connector.source.instance, connector.target.instance

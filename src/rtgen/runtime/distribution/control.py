@@ -1,0 +1,209 @@
+"""The control service of an instance: what it is, its state and parameters; from other processes.
+
+Requests and replies are JSON. A request is an object with `do` and further members; a reply has
+`result`, or `error` with the kind of error.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import msgspec
+
+from rtgen.runtime.distribution import descriptions
+from rtgen.runtime.distribution.descriptions import Description, describe
+from rtgen.runtime.distribution.medium import Medium, MediumError, Reply, Token
+from rtgen.runtime.distribution.workers import Workers
+from rtgen.runtime.errors import RtcError
+from rtgen.runtime.failures import log
+from rtgen.runtime.rtc.component import Component
+
+if TYPE_CHECKING:
+    from rtgen.runtime.system.system import System
+
+_T = TypeVar("_T")
+
+_LONGEST = 1 << 20
+"""Octets of a request."""
+
+
+class ControlError(RtcError):
+    """Another process did not answer, or refused; the message says why."""
+
+
+class State(msgspec.Struct, frozen=True):
+    """The state of an instance in its own context, by RTC's name, and its counts."""
+
+    state: str
+    reason: str
+    ticks: int
+    overruns: int
+
+
+class Parameters(msgspec.Struct, frozen=True):
+    """The active configuration set, and the values of all sets as texts."""
+
+    active: str
+    sets: dict[str, dict[str, str]]
+
+
+class _Request(msgspec.Struct):
+    do: str
+    arguments: dict[str, str] = {}
+
+
+class _Answer(msgspec.Struct, omit_defaults=True):
+    result: Any = None
+    error: str = ""
+
+
+def control_name(instance: str) -> str:
+    """The name of the control service of an instance."""
+    return f"{instance}/control"
+
+
+class Served:
+    """The control service of a component of this process. Raises MediumError.
+
+    `system` gives the system that the component is part of, None before it is known.
+    """
+
+    def __init__(
+        self,
+        medium: Medium,
+        workers: Workers,
+        component: Component,
+        system: Callable[[], System | None],
+    ) -> None:
+        self._workers = workers
+        self._component = component
+        self._system = system
+        name = control_name(component.instance_name)
+        self._token: Token = medium.serve(name, self._on_request)
+
+    def close(self) -> None:
+        """Serve no more."""
+        self._token.close()
+
+    def _on_request(self, octets: bytes, reply: Reply) -> None:
+        if not self._workers.submit(partial(self._answer, octets, reply)):
+            reply(msgspec.json.encode(_Answer(error="too many requests wait")))
+
+    def _answer(self, octets: bytes, reply: Reply) -> None:
+        instance = self._component.instance_name
+        try:
+            if len(octets) > _LONGEST:
+                raise ValueError(f"a request of {len(octets)} octets")
+            request = msgspec.json.decode(octets, type=_Request)
+            answer = _Answer(self._result(request))
+        except RtcError as error:
+            answer = _Answer(error=str(error))
+        except (ValueError, KeyError) as error:
+            log.warning("%s: a request cannot be carried out: %r", instance, error)
+            answer = _Answer(error=f"the request is wrong: {error!r}")
+        reply(msgspec.json.encode(answer))
+
+    def _result(self, request: _Request) -> Any:
+        if request.do == "describe":
+            return describe(self._component)
+        system = self._system()
+        if system is None:
+            raise ControlError("the process is not running its system yet")
+        return _ACTIONS[request.do](
+            system, self._component.instance_name, request.arguments
+        )
+
+
+def _state(system: System, instance: str, _: Mapping[str, str]) -> State:
+    found = system.statistics(instance)
+    return State(found.state.name, found.reason, found.ticks, found.overruns)
+
+
+def _parameters(system: System, instance: str, _: Mapping[str, str]) -> Parameters:
+    sets = system.component(instance).configuration_sets
+    return Parameters(sets.active, {name: dict(sets.texts(name)) for name in sets.ids})
+
+
+def _set(system: System, instance: str, arguments: Mapping[str, str]) -> None:
+    sets = system.component(instance).configuration_sets
+    set_id = arguments.get("set", sets.active)
+    system.configure(instance, arguments["parameter"], arguments["value"], set_id)
+
+
+_ACTIONS: dict[str, Callable[[System, str, Mapping[str, str]], Any]] = {
+    "state": _state,
+    "parameters": _parameters,
+    "activate": lambda system, instance, _: system.activate(instance).name,
+    "deactivate": lambda system, instance, _: system.deactivate(instance).name,
+    "reset": lambda system, instance, _: system.reset(instance).name,
+    "set": _set,
+    "activate_set": lambda system, instance, arguments: system.activate_set(
+        instance, arguments["set"]
+    ),
+}
+
+
+class Asker:
+    """Another process's instance, to be watched and steered. Methods raise ControlError."""
+
+    def __init__(self, medium: Medium, instance: str, timeout: float) -> None:
+        self.instance = instance
+        self._client = medium.client(control_name(instance))
+        self._timeout = timeout
+
+    def close(self) -> None:
+        """Ask no more."""
+        self._client.close()
+
+    def describe(self) -> Description:
+        """Its ports, types and interfaces."""
+        return self._asked("describe", Description)
+
+    def state(self) -> State:
+        """Its state in its own context."""
+        return self._asked("state", State)
+
+    def parameters(self) -> Parameters:
+        """Its configuration sets."""
+        return self._asked("parameters", Parameters)
+
+    def activate(self) -> str:
+        """Request ACTIVE; the name of the return code (`System.activate`)."""
+        return self._asked("activate", str)
+
+    def deactivate(self) -> str:
+        """Request INACTIVE, as `activate`."""
+        return self._asked("deactivate", str)
+
+    def reset(self) -> str:
+        """Request INACTIVE after an ERROR, as `activate`."""
+        return self._asked("reset", str)
+
+    def set(self, parameter: str, value: str, set_id: str | None = None) -> None:
+        """Set a parameter, in the active configuration set by default."""
+        chosen = {} if set_id is None else {"set": set_id}
+        self._asked("set", None, parameter=parameter, value=value, **chosen)
+
+    def activate_set(self, set_id: str) -> None:
+        """Make a configuration set the active one."""
+        self._asked("activate_set", None, set=set_id)
+
+    def _asked(self, do: str, type_: type[_T] | None, **arguments: str) -> _T:
+        request = msgspec.json.encode(_Request(do, arguments))
+        try:
+            octets = self._client.call(request, self._timeout)
+            if len(octets) > descriptions.LONGEST:
+                raise ControlError(
+                    f"{self.instance}: an answer of {len(octets)} octets"
+                )
+            answer = msgspec.json.decode(octets, type=_Answer)
+            if answer.error:
+                raise ControlError(f"{self.instance}: {answer.error}")
+            return msgspec.convert(answer.result, type_)
+        except MediumError as error:
+            raise ControlError(f"{self.instance}: {error}") from error
+        except ValueError as error:
+            message = f"{self.instance}: the answer is wrong: {error}"
+            raise ControlError(message) from error

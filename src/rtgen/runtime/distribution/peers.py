@@ -1,0 +1,120 @@
+"""The instances of other processes: their presence, and what they say of themselves."""
+
+from __future__ import annotations
+
+import threading
+import time
+
+from rtgen.runtime.distribution import control
+from rtgen.runtime.distribution.descriptions import Description
+from rtgen.runtime.distribution.medium import Medium, Token
+from rtgen.runtime.failures import log
+
+_PAUSE = 0.2
+"""Seconds between two attempts to ask an instance that did not answer."""
+
+
+def presence_name(instance: str, process: str) -> str:
+    """The name by which an instance of a process is announced."""
+    return f"{instance}/{process}"
+
+
+class Peers:
+    """Follows the presence of all instances of the system, those of this process, too.
+
+    `timeout` [s] of a question to another process. Raises MediumError.
+    """
+
+    def __init__(self, medium: Medium, process: str, timeout: float) -> None:
+        self._medium = medium
+        self._process = process
+        self._timeout = timeout
+        self._changed = threading.Condition()
+        self._present: dict[str, list[str]] = {}
+        self._lost: set[str] = set()
+        self._descriptions: dict[str, Description] = {}
+        self._silent: dict[str, float] = {}
+        self._askers: dict[str, control.Asker] = {}
+        self._watch: Token = medium.watch("", self._on_change)
+
+    def close(self) -> None:
+        """Follow no more."""
+        self._watch.close()
+        for asker in self._askers.values():
+            asker.close()
+        self._askers.clear()
+
+    def is_present(self, instance: str) -> bool:
+        """Whether a process has the instance."""
+        return instance in self._present
+
+    def is_lost(self, instance: str) -> bool:
+        """Whether a process had the instance, and none has it now."""
+        return instance in self._lost
+
+    def is_elsewhere(self, instance: str) -> bool:
+        """Whether another process has the instance."""
+        processes = self._present.get(instance, ())
+        return any(process != self._process for process in processes)
+
+    @property
+    def instances(self) -> list[str]:
+        """The names of all instances that are present, sorted."""
+        with self._changed:
+            return sorted(self._present)
+
+    def asker(self, instance: str) -> control.Asker:
+        """A client of the instance's control service. Raises MediumError."""
+        with self._changed:
+            found = self._askers.get(instance)
+            if found is None:
+                found = control.Asker(self._medium, instance, self._timeout)
+                self._askers[instance] = found
+            return found
+
+    def description(self, instance: str) -> Description | None:
+        """What an instance says of itself, asked once; None if it is not there."""
+        return self._descriptions.get(instance) or self.fresh(instance)
+
+    def fresh(self, instance: str) -> Description | None:
+        """The same, asked again."""
+        if not self.is_present(instance):
+            return None
+        if time.monotonic() < self._silent.get(instance, 0.0) + _PAUSE:
+            return None
+        processes = self._present.get(instance)
+        try:
+            found = self.asker(instance).describe()
+        except control.ControlError as error:
+            log.debug("%s does not answer: %s", instance, error)
+            self._silent[instance] = time.monotonic()
+            return None
+        with self._changed:
+            if self._present.get(instance) is processes:
+                self._descriptions[instance] = found
+        return found
+
+    def wait(self, seconds: float) -> None:
+        """Wait for a change of presence, for so many seconds at most."""
+        with self._changed:
+            self._changed.wait(seconds)
+
+    def _on_change(self, name: str, present: bool) -> None:
+        instance, _, process = name.rpartition("/")
+        with self._changed:
+            before = self._present.get(instance, [])
+            after = [p for p in before if p != process] + [process] * present
+            self._descriptions.pop(instance, None)
+            self._silent.pop(instance, None)
+            was_lost = instance in self._lost
+            if after:
+                self._present[instance] = after
+                self._lost.discard(instance)
+            elif before:
+                del self._present[instance]
+                self._lost.add(instance)
+            self._changed.notify_all()
+        if not after and before and process != self._process:
+            log.warning("%s is lost: its process ended or is out of reach", instance)
+        elif after and was_lost:
+            log.warning("%s is there again", instance)

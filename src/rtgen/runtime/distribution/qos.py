@@ -1,0 +1,77 @@
+"""Quality of service of connections: the one table from connector properties to `Qos`.
+
+What OpenRTM's words mean between processes, and the words of DDS, which go first. Buffers and push
+policies of a connection are at its receiving end, as within a process.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from rtgen.facts.connector_properties import Dataflow, FullPolicy
+from rtgen.runtime.distribution.medium import Qos
+from rtgen.runtime.ports.connector_properties import parse
+
+LEAST_DEPTH = 64
+"""Samples kept on the way for a burst of writes, if the properties ask for fewer."""
+
+DEFAULT = Qos(depth=LEAST_DEPTH)
+"""Of a port without connections."""
+
+
+def qos_of(properties: Mapping[str, str]) -> Qos:
+    """The QoS of a connection. Raises ConnectorPropertyError.
+
+    `dataport.qos.*` in the words of DDS, by default:
+    `reliability`: `reliable`; `durability`: `transient_local` for
+    `dataport.dataflow_type = pull`, else `volatile`; `history`: `keep_all` for
+    `buffer.write.full_policy = block`, else `keep_last`; `depth`: `buffer.length`, but at least 64;
+    `deadline` and `lease` [s]: none. `patience` is `buffer.write.timeout`.
+    """
+    settings = parse(properties)
+    texts = {key: str(value).strip() for key, value in properties.items()}
+
+    def word(key: str, default: str) -> str:
+        return texts.get(f"dataport.qos.{key}", default)
+
+    def seconds(key: str) -> float | None:
+        text = word(key, "")
+        return float(text) if text else None
+
+    pull = settings.dataflow is Dataflow.PULL
+    blocks = settings.inport_buffer.full_policy is FullPolicy.BLOCK
+    durability = word("durability", "transient_local" if pull else "volatile")
+    history = word("history", "keep_all" if blocks else "keep_last")
+    length = max(settings.inport_buffer.length, settings.outport_buffer.length)
+    depth = int(word("depth", str(max(length, LEAST_DEPTH))))
+    return Qos(
+        reliable=word("reliability", "reliable") == "reliable",
+        depth=None if history == "keep_all" else depth,
+        patience=settings.inport_buffer.write_timeout,
+        durable=durability == "transient_local",
+        deadline=seconds("deadline"),
+        lease=seconds("lease"),
+    )
+
+
+def strongest(one: Qos, other: Qos) -> Qos:
+    """What a publisher offers so that both are served."""
+    return Qos(
+        reliable=one.reliable or other.reliable,
+        depth=(
+            None if None in (one.depth, other.depth) else _most(one.depth, other.depth)
+        ),
+        patience=max(one.patience, other.patience),
+        durable=one.durable or other.durable,
+        deadline=_least(one.deadline, other.deadline),
+        lease=_least(one.lease, other.lease),
+    )
+
+
+def _most(one: int | None, other: int | None) -> int:
+    return max(one or 1, other or 1)
+
+
+def _least(one: float | None, other: float | None) -> float | None:
+    given = [each for each in (one, other) if each is not None]
+    return min(given, default=None)

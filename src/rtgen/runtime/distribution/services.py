@@ -1,0 +1,246 @@
+"""Service calls over a medium: providers of this process, and carriers to those of others."""
+
+from __future__ import annotations
+
+import os
+import threading
+from _thread import interrupt_main
+from collections.abc import Callable
+from functools import partial
+from itertools import count
+from typing import Any
+
+from rtgen.runtime.distribution import envelope
+from rtgen.runtime.distribution.descriptions import Description, Interface
+from rtgen.runtime.distribution.medium import (
+    Client,
+    Medium,
+    MediumError,
+    NotServedError,
+    PeerLostError,
+    Reply,
+    ReplyTimeoutError,
+    Token,
+)
+from rtgen.runtime.distribution.workers import Workers
+from rtgen.runtime.errors import PortTypeError, TransportError
+from rtgen.runtime.failures import described, ends_run, log
+from rtgen.runtime.marshalling.descriptors import InterfaceDescriptor
+from rtgen.runtime.services import calls
+from rtgen.runtime.services.ports import Consumer, Provider
+from rtgen.runtime.services.servants import (
+    CallTimeout,
+    CommunicationFailure,
+    MarshalError,
+    ObjectNotExist,
+    ServiceError,
+    UnknownException,
+)
+from rtgen.runtime.services.transports import RemotePort
+
+
+def service_name(instance: str, port: str, interface: str) -> str:
+    """The name of the service of a provider."""
+    return f"{instance}/{port}/{interface}"
+
+
+class ServedProvider:
+    """A provider of this process as a service. Raises MediumError, ServiceError."""
+
+    def __init__(
+        self, medium: Medium, workers: Workers, provider: Provider[Any]
+    ) -> None:
+        self._workers = workers
+        self._server = calls.Server.of(provider.interface, provider.carry_out)
+        self._doubles = envelope.Doubles()
+        self._name = str(provider)
+        name = service_name(provider.owner, provider.port, provider.instance)
+        self._token: Token = medium.serve(name, self._on_request)
+
+    def close(self) -> None:
+        """Serve no more."""
+        self._token.close()
+
+    def _on_request(self, octets: bytes, reply: Reply) -> None:
+        try:
+            request = envelope.read_request(octets)
+        except envelope.EnvelopeError as error:
+            log.warning("%s: a request cannot be read: %s", self._name, error)
+            return
+        if self._doubles.is_double(request):
+            return
+        if request.oneway:
+            reply(envelope.reply_octets(None))
+        if not self._workers.submit(partial(self._answer, request, reply)):
+            log.warning("%s: too many calls wait", self._name)
+            if not request.oneway:
+                failure = CommunicationFailure("too many calls wait")
+                reply(envelope.reply_octets(calls.failure(failure)))
+
+    def _answer(self, request: envelope.Request, reply: Reply) -> None:
+        try:
+            answer = self._server.handle(
+                request.operation, request.body, request.little_endian
+            )
+        except BaseException as error:
+            if not ends_run(error):
+                raise
+            # This is no thread of the run; that ends in the main thread.
+            interrupt_main()
+            answer = calls.failure(UnknownException(described(error)))
+        if not request.oneway:
+            reply(envelope.reply_octets(answer))
+
+
+class RemoteCalls:
+    """Calls of one interface to one service; every client has an identity of its own."""
+
+    def __init__(
+        self, medium: Medium, interface: type[Any], service: str, timeout: float
+    ) -> None:
+        self._client: Client = medium.client(service)
+        self._identity = os.urandom(16)
+        self._numbers = count(1)
+        self._timeout = timeout
+        self.invoke = calls.Client(interface, self._send)
+
+    def close(self) -> None:
+        """Calls under way raise CommunicationFailure."""
+        self._client.close()
+
+    def _send(self, operation: str, body: bytes, oneway: bool) -> calls.Reply | None:
+        number = next(self._numbers)
+        request = envelope.Request(
+            self._identity, number, operation, body, True, oneway
+        )
+        try:
+            octets = self._client.call(envelope.request_octets(request), self._timeout)
+        except NotServedError as error:
+            raise ObjectNotExist(f"{operation}: {error}") from error
+        except PeerLostError as error:
+            raise CommunicationFailure(f"{operation}: {error}") from error
+        except ReplyTimeoutError as error:
+            raise CallTimeout(f"{operation}: {error}") from error
+        except MediumError as error:
+            raise CommunicationFailure(f"{operation}: {error}") from error
+        try:
+            return envelope.read_reply(octets)
+        except envelope.EnvelopeError as error:
+            raise MarshalError(f"{operation}: the reply is wrong: {error}") from error
+
+
+class RemoteProvider:
+    """The provider in another process that a consumer is connected to.
+
+    It is looked up at the first call, and again after its process was lost: it may have been
+    started again. A call that may have been carried out is not repeated.
+    """
+
+    def __init__(
+        self,
+        medium: Medium,
+        described: Callable[[str], Description | None],
+        timeout: float,
+        consumer: Consumer[Any],
+        port: RemotePort,
+        selected: str | None,
+        *,
+        alone: bool,
+    ) -> None:
+        self.consumer = consumer
+        self.port = port
+        self._medium = medium
+        self._described = described
+        self._timeout = timeout
+        self._selected = selected
+        self._alone = alone
+        self._calls: RemoteCalls | None = None
+        self._chosen: str | None = None
+        self._looking = threading.Lock()
+
+    @property
+    def reachable(self) -> bool:
+        """See `Carrier`."""
+        return True
+
+    def call(self, operation: str, arguments: tuple[object, ...]) -> object:
+        """Make a call. Raises what the operation declares, CdrError and ServiceError."""
+        try:
+            found = self.find()
+        except (TransportError, PortTypeError) as error:
+            raise CommunicationFailure(f"{operation}: {error}") from error
+        carrier = self._calls
+        if not found or carrier is None:
+            raise ObjectNotExist(
+                f"{operation}: nobody serves {self.port}, to which {self.consumer} is connected"
+            )
+        return carrier.invoke(operation, arguments)
+
+    def find(self) -> bool:
+        """Look up the provider; return whether it exists. Raises TransportError, PortTypeError."""
+        description = self._described(self.port.instance)
+        if description is None:
+            return False
+        with self._looking:
+            chosen = self._choice(description)
+            if chosen is None:
+                return False
+            if chosen.instance != self._chosen:
+                self.close()
+                service = service_name(
+                    self.port.instance, self.port.port, chosen.instance
+                )
+                try:
+                    self._calls = RemoteCalls(
+                        self._medium, self.consumer.interface, service, self._timeout
+                    )
+                except (MediumError, ServiceError) as error:
+                    raise TransportError(str(error)) from error
+                self._chosen = chosen.instance
+            return True
+
+    def close(self) -> None:
+        """Forget the provider."""
+        if self._calls is not None:
+            self._calls.close()
+        self._calls = None
+        self._chosen = None
+
+    def _choice(self, description: Description) -> Interface | None:
+        """The provider; None if the port has none at all. Raises PortTypeError."""
+        found = {
+            p.instance: p for p in description.providers if p.port == self.port.port
+        }
+        if not found:
+            return None
+        wanted = self._wanted
+        chosen = self._fitting(found, wanted.repository_id)
+        if chosen is None:
+            raise PortTypeError(
+                f"{self.port} has no provider for {self.consumer}, which asks for "
+                f"{wanted.repository_id}; it has: {', '.join(found)}"
+            )
+        missing = [s for s in wanted.operations if s not in chosen.operations]
+        if missing:
+            raise PortTypeError(
+                f"{self.consumer} and {self.port} were generated from different definitions "
+                f"of {wanted.name}; the provider has no {', '.join(missing)}"
+            )
+        return chosen
+
+    def _fitting(self, found: dict[str, Interface], identity: str) -> Interface | None:
+        """The provider selected by a property, else of equal name and type, else the only one."""
+        name = self.consumer.instance if self._selected is None else self._selected
+        if name in found and identity in found[name].lineage:
+            return found[name]
+        fitting = [
+            each
+            for each in found.values()
+            if self._selected is None and identity in each.lineage
+        ]
+        return fitting[0] if self._alone and len(fitting) == 1 else None
+
+    @property
+    def _wanted(self) -> InterfaceDescriptor:
+        descriptor: InterfaceDescriptor = self.consumer.interface._descriptor_
+        return descriptor

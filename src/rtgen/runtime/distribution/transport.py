@@ -1,0 +1,297 @@
+"""The transport of a system's samples and calls over a medium, between processes."""
+
+from __future__ import annotations
+
+import os
+import threading
+import time
+from collections.abc import Callable, Collection, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from types import TracebackType
+from typing import TYPE_CHECKING, Any
+
+from rtgen.runtime.distribution.control import Served
+from rtgen.runtime.distribution.data import (
+    OutTopic,
+    OwnTopic,
+    ReceivingConnector,
+    SendingConnector,
+)
+from rtgen.runtime.distribution.descriptions import DataPort
+from rtgen.runtime.distribution.medium import Medium, MediumError
+from rtgen.runtime.distribution.peers import Peers, presence_name
+from rtgen.runtime.distribution.services import RemoteProvider, ServedProvider
+from rtgen.runtime.distribution.workers import Workers
+from rtgen.runtime.errors import (
+    PortTypeError,
+    ServedElsewhereError,
+    TransportError,
+)
+from rtgen.runtime.marshalling.comparison import definition, text_difference
+from rtgen.runtime.ports.data_ports import InPort, OutPort
+from rtgen.runtime.rtc.component import Component
+from rtgen.runtime.services.ports import (
+    Carrier,
+    Consumer,
+    PortOwner,
+    Provider,
+    ServicePort,
+)
+from rtgen.runtime.services.remote_connectors import RemoteServiceConnector
+from rtgen.runtime.services.servants import ServiceError
+from rtgen.runtime.services.transports import RemotePort
+from rtgen.runtime.timing.guards import Guard
+
+if TYPE_CHECKING:
+    from rtgen.runtime.system.system import System
+
+_LOOK_AGAIN = 0.05
+
+
+@dataclass(slots=True)
+class _Published:
+    """What there is of a component of this process; `tokens` are closed in reverse order."""
+
+    topics: dict[str, OutTopic] = field(default_factory=dict)
+    tokens: list[Any] = field(default_factory=list)
+
+    def close(self) -> None:
+        while self.tokens:
+            self.tokens.pop().close()
+
+
+class DistributedTransport:
+    """Carries samples and service calls to other processes over a medium, which it owns.
+
+    `timeout` [s] of every call. Calls and samples within the process do not leave it; every data
+    port has its topic, all the same. All methods raise TransportError.
+    """
+
+    def __init__(self, medium: Medium, *, timeout: float = 2.0) -> None:
+        self._medium = medium
+        self._timeout = timeout
+        self._process = os.urandom(8).hex()
+        self._workers = Workers()
+        self._published: dict[str, _Published] = {}
+        self._calls: list[RemoteServiceConnector[RemoteProvider]] = []
+        self._data: list[SendingConnector | ReceivingConnector] = []
+        self._system: System | None = None
+        self._closing = threading.Lock()
+        try:
+            with _reported():
+                self.peers = Peers(medium, self._process, timeout)
+        except TransportError:
+            medium.close()
+            raise
+
+    def __enter__(self) -> DistributedTransport:
+        return self
+
+    def __exit__(
+        self,
+        exc_type: type[BaseException] | None,
+        exc_val: BaseException | None,
+        exc_tb: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Withdraw everything, and close the medium. A second call has no effect."""
+        with self._closing:
+            for published in self._published.values():
+                published.close()
+            self._published.clear()
+            self.peers.close()
+            for connector in self._calls:
+                for provider in connector.providers:
+                    provider.close()
+            self._workers.close()
+            self._medium.close()
+
+    def steered(self, system: System) -> None:
+        """Let other processes watch and steer the components of a system."""
+        self._system = system
+
+    # Interface to the system
+
+    def serve(self, component: PortOwner) -> None:
+        """Publish ports and providers of a component, then its presence."""
+        assert isinstance(component, Component)
+        instance = component.instance_name
+        published = self._published[instance] = _Published()
+        medium = self._medium
+        try:
+            with _reported():
+                for out_port in component.out_ports.values():
+                    topic = OutTopic(medium, out_port)
+                    published.topics[out_port.name] = topic
+                    published.tokens.append(topic)
+                for in_port in component.in_ports.values():
+                    published.tokens.append(OwnTopic(medium, in_port))
+                for provider in component.providers.values():
+                    served = ServedProvider(medium, self._workers, provider)
+                    published.tokens.append(served)
+                published.tokens.append(
+                    Served(medium, self._workers, component, lambda: self._system)
+                )
+                presence = presence_name(instance, self._process)
+                published.tokens.append(medium.announce(presence))
+        except TransportError:
+            self.withdraw(component)
+            raise
+
+    def withdraw(self, component: PortOwner) -> None:
+        """Withdraw a component: first its presence."""
+        published = self._published.pop(component.instance_name, None)
+        if published is not None:
+            published.close()
+
+    def reach(self, interface: Any, provider: Provider[Any]) -> Carrier:
+        """The provider itself: calls within a process do not leave it."""
+        return provider
+
+    def connector(
+        self,
+        name: str,
+        here: ServicePort,
+        there: RemotePort,
+        properties: Mapping[str, str],
+    ) -> RemoteServiceConnector[RemoteProvider]:
+        """A connection to a service port of another process. Raises ConnectError."""
+
+        def made(
+            consumer: Consumer[Any], selected: str | None, alone: bool
+        ) -> RemoteProvider:
+            return RemoteProvider(
+                self._medium,
+                self.peers.description,
+                self._timeout,
+                consumer,
+                there,
+                selected,
+                alone=alone,
+            )
+
+        connector = RemoteServiceConnector(
+            name, here, there, properties, made, "in this system"
+        )
+        self._calls.append(connector)
+        return connector
+
+    def sending(
+        self,
+        name: str,
+        here: OutPort[Any],
+        there: RemotePort,
+        properties: Mapping[str, str],
+    ) -> SendingConnector:
+        """A connection to an InPort of another process. Raises ConnectError."""
+        topic = self._published[here.owner].topics[here.name]
+
+        def is_lost() -> bool:
+            return self.peers.is_lost(there.instance)
+
+        made = SendingConnector(name, topic, here, there, properties, is_lost)
+        self._data.append(made)
+        return made
+
+    def receiving(
+        self,
+        name: str,
+        here: InPort[Any],
+        there: RemotePort,
+        properties: Mapping[str, str],
+        guard: Callable[[], Guard],
+    ) -> ReceivingConnector:
+        """A connection from an OutPort of another process. Raises ConnectError."""
+        made = ReceivingConnector(name, self._medium, there, here, properties, guard)
+        self._data.append(made)
+        return made
+
+    # Other processes
+
+    def await_others(self, seconds: float) -> None:
+        """Wait for all connected ports of other processes.
+
+        Raises PortTypeError for incompatible types, ServedElsewhereError.
+        """
+        deadline = time.monotonic() + seconds
+        with _reported():
+            for published in self._published.values():
+                for topic in published.topics.values():
+                    topic.open()
+            for connection in self._calls:
+                if connection.connected:
+                    connection.await_providers(deadline)
+            for connector in self._data:
+                if connector.connected:
+                    self._await_port(connector, deadline)
+        for instance in self._published:
+            if self.peers.is_elsewhere(instance):
+                raise ServedElsewhereError(
+                    f"another process of this system runs {instance}, too"
+                )
+
+    def is_ready(self, instance: str, before: Collection[str]) -> bool:
+        """Whether the providers are ACTIVE that other processes activate before an instance."""
+        return all(
+            self._exists(provider)
+            for connector in self._calls
+            if connector.connected
+            for provider in connector.providers
+            if provider.consumer.owner == instance and provider.port.instance in before
+        )
+
+    def _exists(self, provider: RemoteProvider) -> bool:
+        description = self.peers.fresh(provider.port.instance)
+        if description is None:
+            return False
+        return any(
+            each.exists
+            for each in description.providers
+            if each.port == provider.port.port
+        )
+
+    def _await_port(
+        self, connector: SendingConnector | ReceivingConnector, deadline: float
+    ) -> None:
+        here, there = connector.ends
+        while not (self._fits(here, there) and connector.matched):
+            if time.monotonic() > deadline:
+                raise TransportError(
+                    f"{here} waits for {there}, which no process of this system has"
+                )
+            self.peers.wait(_LOOK_AGAIN)
+
+    def _fits(self, here: InPort[Any] | OutPort[Any], there: RemotePort) -> bool:
+        """Whether the other end is there. Raises PortTypeError if it does not fit."""
+        description = self.peers.description(there.instance)
+        if description is None:
+            return False
+        sends = isinstance(here, OutPort)
+        ports = description.in_ports if sends else description.out_ports
+        port = ports.get(there.port)
+        if port is None:
+            kind = "InPort" if sends else "OutPort"
+            known = ", ".join(ports) or "none"
+            raise PortTypeError(f"{there} is no {kind}; known: {known}")
+        _check_type(here, there, port)
+        return True
+
+
+def _check_type(
+    here: InPort[Any] | OutPort[Any], there: RemotePort, port: DataPort
+) -> None:
+    differs = text_difference(definition(here.type._descriptor_), port.definition)
+    if differs is not None:
+        raise PortTypeError(f"{here} and {there} have different types\n{differs}")
+
+
+@contextmanager
+def _reported() -> Iterator[None]:
+    """Turn the errors of engines and of codecs of calls into TransportError."""
+    try:
+        yield
+    except (MediumError, ServiceError) as error:
+        raise TransportError(str(error)) from error

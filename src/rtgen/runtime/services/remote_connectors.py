@@ -1,0 +1,131 @@
+"""Connections of a service port of this process to one of another, for every transport."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+from typing import Any, Generic, Protocol, TypeVar
+
+from rtgen.runtime.errors import (
+    ConnectorPropertyError,
+    DuplicateConnectionError,
+    PortTypeError,
+    TransportError,
+)
+from rtgen.runtime.services.connectors import end, read_properties
+from rtgen.runtime.services.ports import Carrier, Consumer, ServicePort
+from rtgen.runtime.services.transports import RemotePort
+
+_LOOK_AGAIN = 0.05
+
+
+class FoundProvider(Carrier, Protocol):
+    """The provider in another process that a consumer is connected to."""
+
+    consumer: Consumer[Any]
+
+    def find(self) -> bool:
+        """Look it up; return whether it exists. Raises TransportError, PortTypeError."""
+
+
+P = TypeVar("P", bound=FoundProvider)
+
+
+class RemoteServiceConnector(Generic[P]):
+    """A connection between a local service port and one of another process.
+
+    `providers` are called by the consumers of the local port; those of the other port look up the
+    providers of the local port. `make` gives the provider for a consumer, the instance name that
+    properties select, and whether the consumer is the only one of its interface; `where` says in
+    messages where providers are looked up. Raises ConnectorPropertyError.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        source: ServicePort,
+        target: RemotePort,
+        properties: Mapping[str, str],
+        make: Callable[[Consumer[Any], str | None, bool], P],
+        where: str,
+    ) -> None:
+        self.name = name
+        self.source = source
+        self.target = target
+        self.connected = False
+        self._where = where
+        named, self.strict = read_properties(properties)
+        kinds = [consumer.interface for consumer in source.consumers]
+        self.providers = [
+            make(
+                consumer,
+                _selected(named, source, target, consumer),
+                kinds.count(consumer.interface) == 1,
+            )
+            for consumer in source.consumers
+        ]
+        there = f"{target.instance}.port.{target.port}.required."
+        unknown = next((key for key in named if not key.startswith(there)), None)
+        if unknown is not None:
+            raise ConnectorPropertyError(
+                f"connector property {unknown!r} names no consumer"
+            )
+
+    def attach(self) -> None:
+        """Establish the connection. Raises DuplicateConnectionError."""
+        for provider in self.providers:
+            if provider.consumer.connected:
+                raise DuplicateConnectionError(
+                    f"{provider.consumer} is connected already"
+                )
+        self.connected = True
+        for provider in self.providers:
+            provider.consumer._provider = provider
+
+    def await_providers(self, deadline: float) -> None:
+        """Wait for all providers, until an instant of `time.monotonic`.
+
+        Raises TransportError after the deadline, PortTypeError for incompatible types: with
+        `strict` all interfaces must match, else at least one, as for a connection within a
+        process.
+        """
+        lonely: list[PortTypeError] = []
+        for provider in self.providers:
+            try:
+                self._await(provider, deadline)
+            except PortTypeError as error:
+                lonely.append(error)
+        pairs = len(self.providers) - len(lonely) + len(self.source.providers)
+        if lonely and (self.strict or not pairs):
+            raise lonely[0]
+
+    def _await(self, provider: P, deadline: float) -> None:
+        while not provider.find():
+            if time.monotonic() > deadline:
+                raise TransportError(
+                    f"{provider.consumer} waits for {self.target}, "
+                    f"which nobody serves {self._where}"
+                )
+            time.sleep(_LOOK_AGAIN)
+
+    def detach(self) -> None:
+        """Remove the connection; later calls raise ObjectNotExist."""
+        self.connected = False
+        for provider in self.providers:
+            provider.consumer._provider = None
+
+
+def _selected(
+    named: dict[str, str], here: ServicePort, there: RemotePort, consumer: Consumer[Any]
+) -> str | None:
+    """The instance name of the provider that the properties select for a consumer."""
+    wish = end(here, "required", consumer)
+    selected = named.pop(wish, None)
+    if selected is None:
+        return None
+    prefix = f"{there.instance}.port.{there.port}.provided."
+    if not selected.startswith(prefix):
+        raise ConnectorPropertyError(
+            f"connector property {wish!r}: {selected!r} is no provider of {there}"
+        )
+    return selected.rpartition(".")[2]

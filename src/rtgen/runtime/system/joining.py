@@ -1,0 +1,107 @@
+"""Makes the connection of two ports of a system, within the process or to another one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping
+from typing import Any
+
+from rtgen.runtime.errors import PolarityError
+from rtgen.runtime.ports.data_ports import DataConnector, InPort, OutPort
+from rtgen.runtime.rtc.component import Component
+from rtgen.runtime.services.connectors import ServiceConnector
+from rtgen.runtime.services.ports import ServicePort
+from rtgen.runtime.services.transports import (
+    DataTransport,
+    RemoteConnector,
+    RemoteDataConnector,
+    RemotePort,
+    Transport,
+)
+from rtgen.runtime.system.port_names import cannot_join, kinds, port_names, unknown_port
+from rtgen.runtime.timing.guards import Guard
+
+Connector = (
+    DataConnector[Any] | RemoteDataConnector | ServiceConnector | RemoteConnector
+)
+PortAddress = tuple[str, str]
+
+
+class Joining:
+    """Makes connections; `here` are the names of the instances of this process."""
+
+    def __init__(
+        self,
+        here: Collection[str],
+        component: Callable[[str], Component],
+        guard: Callable[[], Guard],
+        transport: Transport | None,
+    ) -> None:
+        self._here = here
+        self._component = component
+        self._guard = guard
+        self._transport = transport
+
+    def made(
+        self,
+        source: PortAddress,
+        target: PortAddress,
+        properties: Mapping[str, str],
+        name: str,
+    ) -> Connector:
+        """The connection of two ports, not established.
+
+        Raises UnknownComponentError, or the ConnectError that says why the ports do not fit.
+        """
+        if self._transport is not None:
+            for one, other in ((source, target), (target, source)):
+                if one[0] in self._here and other[0] not in self._here:
+                    there = RemotePort(*other)
+                    return self._between(self._transport, one, there, properties, name)
+        first, second = self._component(source[0]), self._component(target[0])
+        ways = (
+            (first, source[1], second, target[1]),
+            (second, target[1], first, source[1]),
+        )
+        for writer, sending, reader, receiving in ways:
+            out_port = writer.out_ports.get(sending)
+            in_port = reader.in_ports.get(receiving)
+            if out_port is not None and in_port is not None:
+                return DataConnector(name, out_port, in_port, properties, self._guard)
+        ends = ServicePort(first, source[1]), ServicePort(second, target[1])
+        if all(ends):
+            return ServiceConnector(name, *ends, properties, self._transport)
+        raise cannot_join(first, source[1], second, target[1])
+
+    def _between(
+        self,
+        transport: Transport,
+        here: PortAddress,
+        there: RemotePort,
+        properties: Mapping[str, str],
+        name: str,
+    ) -> Connector:
+        component = self._component(here[0])
+        if isinstance(transport, DataTransport):
+            if here[1] in component.out_ports:
+                source = component.out_ports[here[1]]
+                return transport.sending(name, source, there, properties)
+            if here[1] in component.in_ports:
+                target = component.in_ports[here[1]]
+                return transport.receiving(name, target, there, properties, self._guard)
+        port = ServicePort(component, here[1])
+        if port:
+            return transport.connector(name, port, there, properties)
+        if here[1] not in port_names(component):
+            raise unknown_port(component, here[1])
+        raise PolarityError(
+            f"{'.'.join(here)} cannot be connected with another process: "
+            f"it is {kinds(component, here[1])}, and only service ports can"
+        )
+
+
+def instances_of(connector: Connector) -> tuple[str, str]:
+    """The instances of the two ends of a connection."""
+    source, target = connector.source, connector.target
+    first = source.owner if isinstance(source, OutPort) else source.instance
+    second = target.owner if isinstance(target, InPort) else target.instance
+    return first, second

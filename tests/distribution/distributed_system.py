@@ -1,0 +1,138 @@
+"""Components of the tests, and a system as a process of its own would have it."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from contextlib import ExitStack
+from types import TracebackType
+from typing import Any
+
+from patience import PATIENCE
+
+from refrobots._idl.basic_data_type import Time, TimedDouble
+from rtgen import runtime
+from rtgen.runtime.distribution.medium import Medium
+from rtgen.runtime.distribution.transport import DistributedTransport
+from rtgen.runtime.opaque_rpc.interface import OpaqueRpc, OpaqueRpcFailed
+
+
+def sample(number: float) -> TimedDouble:
+    """A sample with a number."""
+    return TimedDouble(Time(1, 2), number)
+
+
+def wait_for(condition: Callable[[], object]) -> Any:
+    """What a condition gives, once it is true."""
+    deadline = time.monotonic() + PATIENCE
+    while not (found := condition()):
+        assert time.monotonic() < deadline
+        time.sleep(0.005)
+    return found
+
+
+class Servant(OpaqueRpc):
+    """Replies with what it is given; `wait` holds the operation `more`."""
+
+    def __init__(self) -> None:
+        self.calls: list[str] = []
+        self.wait = threading.Event()
+
+    def begin(self, request: bytes, first: int) -> bytes:
+        self.calls.append("begin")
+        if not request:
+            raise OpaqueRpcFailed(first, "nothing was given")
+        if request == b"defect":
+            raise KeyError(request)
+        return request * first
+
+    def more(self, count: int) -> bytes:
+        self.wait.wait(PATIENCE)
+        return bytes(count)
+
+    def end(self) -> None:
+        self.calls.append("end")
+
+    def reset(self) -> None:
+        self.calls.append("reset")
+
+
+class Node(runtime.Component):
+    """An OutPort, an InPort, a provider and a consumer, and a parameter."""
+
+    profile = runtime.ComponentProfile("Node", rate=100.0)
+
+    def __init__(self, instance: str) -> None:
+        super().__init__(instance)
+        self.out = self.add_out_port("out", TimedDouble)
+        self.inward = self.add_in_port("in", TimedDouble)
+        self.provider = self.add_provider("given", "rpc", OpaqueRpc)
+        self.consumer = self.add_consumer("taken", "rpc", OpaqueRpc)
+        self.servant = Servant()
+        self.received: list[float] = []
+
+    def on_initialize(self) -> runtime.ReturnCode_t:
+        self.provider.set_servant(self.servant)
+        return runtime.RTC_OK
+
+    def take(self) -> list[float]:
+        """The numbers that have come so far."""
+        while self.inward.is_new():
+            value = self.inward.read()
+            assert value is not None
+            self.received.append(value.data)
+        return self.received
+
+
+class Process:
+    """A system in real time over a medium; its components tick from `run` on."""
+
+    def __init__(self, medium: Medium, *instances: str, timeout: float = 10.0) -> None:
+        self._stack = ExitStack()
+        self.medium = medium
+        self.transport = DistributedTransport(medium, timeout=timeout)
+        self._stack.callback(self.transport.close)
+        self.system = runtime.System(runtime.RealClock(), self.transport)
+        self._stack.callback(self.system.close)
+        self.transport.steered(self.system)
+        self.nodes = {name: Node(name) for name in instances}
+        for node in self.nodes.values():
+            self.system.add(node)
+
+    def __enter__(self) -> Process:
+        return self
+
+    def __exit__(
+        self,
+        exc_type: type[BaseException] | None,
+        exc_val: BaseException | None,
+        exc_tb: TracebackType | None,
+    ) -> None:
+        self._stack.close()
+
+    close = __exit__
+
+    def node(self, name: str) -> Any:
+        """A component of this process."""
+        return self.nodes[name]
+
+    def connect(self, source: str, target: str, **properties: str) -> Any:
+        """Connects two ports, `INSTANCE.PORT`; `__` stands for a dot in a property."""
+        texts = {
+            f"dataport.{key.replace('__', '.')}": value
+            for key, value in properties.items()
+        }
+        one, other = source.split("."), target.split(".")
+        return self.system.connect((one[0], one[1]), (other[0], other[1]), texts)
+
+    def ready(self) -> None:
+        """Waits for the other processes."""
+        self.transport.await_others(PATIENCE)
+
+    def activate(self, instance: str) -> None:
+        """Makes a component ACTIVE."""
+        self.system.activate(instance)
+        active = runtime.LifeCycleState.ACTIVE_STATE
+        self.system.run(PATIENCE * 1_000_000_000, lambda s: s.state(instance) is active)
+        assert self.system.state(instance) is active

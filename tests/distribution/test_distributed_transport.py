@@ -1,0 +1,291 @@
+"""Samples, calls, presence and steering between processes, over the medium of one process."""
+
+from __future__ import annotations
+
+import logging
+import threading
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from distributed_system import Process, sample, wait_for
+
+from rtgen import runtime
+from rtgen.runtime.cdr import CdrError
+from rtgen.runtime.distribution import envelope
+from rtgen.runtime.distribution.control import ControlError
+from rtgen.runtime.distribution.data import Arrivals, encoder, in_topic, out_topic
+from rtgen.runtime.distribution.in_process import Network
+from rtgen.runtime.distribution.medium import Qos, Sample
+from rtgen.runtime.opaque_rpc.interface import OpaqueRpcFailed
+from rtgen.runtime.xcdr import deserialize
+
+Start = Callable[..., Process]
+
+
+@pytest.fixture
+def pair(start: Start) -> tuple[Process, Process]:
+    return start("a"), start("b")
+
+
+def connect(here: Process, there: Process, **properties: str) -> Any:
+    """Connects a.out with b.in, as both processes do; the receiving connector."""
+    here.connect("a.out", "b.in", **properties)
+    made = there.connect("a.out", "b.in", **properties)
+    here.ready()
+    there.ready()
+    return made
+
+
+# Data ports.
+
+
+def test_samples_arrive_in_order(pair: tuple[Process, Process]) -> None:
+    here, there = pair
+    connector = connect(here, there, buffer__length="100")
+    for number in range(100):
+        assert here.node("a").out.write(sample(number)) is runtime.PORT_OK
+    assert there.node("b").take() == list(range(100))
+    assert connector.lost == 0
+
+
+@pytest.mark.parametrize("policy", ["overwrite", "do_nothing"])
+def test_full_buffers_are_those_of_the_receiving_end(
+    pair: tuple[Process, Process], policy: str
+) -> None:
+    connector = connect(*pair, buffer__length="2", buffer__write__full_policy=policy)
+    for number in range(5):
+        pair[0].node("a").out.write(sample(number))
+    kept = {"overwrite": [3, 4], "do_nothing": [0, 1]}[policy]
+    assert pair[1].node("b").take() == kept
+    assert connector.lost == 3
+
+
+def test_a_pulled_connection_serves_late_readers(start: Start) -> None:
+    here = start("a")
+    here.connect("a.out", "b.in", dataflow_type="pull")
+    for number in range(3):
+        here.node("a").out.write(sample(number))
+    there = start("b")
+    there.connect("a.out", "b.in", dataflow_type="pull")
+    assert there.node("b").take() == [0, 1, 2]
+
+
+def test_what_is_lost_or_doubled_or_garbage_is_counted(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    arrivals = Arrivals("a connection", type(sample(0)))
+    octets = encoder(type(sample(0)))(sample(7))
+
+    def take(number: int, source: str = "one", body: bytes = octets) -> Any:
+        return arrivals.taken(Sample(body, source, number))
+
+    assert take(5) == sample(7)
+    assert take(6) == sample(7)
+    assert take(6) is None
+    assert take(9) == sample(7)
+    assert take(1, "another") == sample(7)
+    with caplog.at_level(logging.WARNING):
+        assert take(10, body=b"\0\1\0\0garbage") is None
+        assert take(11, body=b"") is None
+    assert (arrivals.missed, arrivals.doubles, arrivals.invalid) == (2, 1, 2)
+    assert caplog.text.count("cannot be decoded") == 1
+
+
+def test_programs_without_rtgen_read_and_write_ports(
+    start: Start, network: Network
+) -> None:
+    node = start("a").node("a")
+    medium = network.medium()
+    type_ = type(sample(0))
+    read: list[Sample] = []
+    medium.subscribe(out_topic("a", "out", type_), Qos(), read.append)
+    node.out.write(sample(3))
+    assert [deserialize(type_, each.octets) for each in read] == [sample(3)]
+    writer = medium.publisher(in_topic("a", "in", type_), Qos())
+    writer.publish(encoder(type_)(sample(4)), 1)
+    assert node.take() == [4]
+
+
+def test_a_foreign_sample_is_refused(pair: tuple[Process, Process]) -> None:
+    connect(*pair)
+    with pytest.raises(runtime.SampleTypeError):
+        pair[0].node("a").out.write(object())
+
+
+def test_a_moved_sample_goes_both_ways(start: Start) -> None:
+    here, there = start("a", "c"), start("b")
+    here.connect("a.out", "c.in")
+    connect(here, there)
+    here.node("a").out.write(sample(1), move=True)
+    assert here.node("c").take() == there.node("b").take() == [1]
+
+
+# Calls.
+
+
+@pytest.fixture
+def called(pair: tuple[Process, Process]) -> tuple[Process, Process]:
+    """The first process calls the second one, which is ACTIVE."""
+    here, there = pair
+    here.connect("a.taken", "b.given")
+    there.activate("b")
+    here.ready()
+    return here, there
+
+
+def test_a_call_returns_or_raises_what_is_declared(
+    called: tuple[Process, Process],
+) -> None:
+    rpc = called[0].node("a").consumer.object
+    assert rpc.begin(b"ab", 2) == b"abab"
+    with pytest.raises(OpaqueRpcFailed) as failure:
+        rpc.begin(b"", 7)
+    assert (failure.value.code, failure.value.reason) == (7, "nothing was given")
+    rpc.end()
+    assert called[1].node("b").servant.calls == ["begin", "begin", "end"]
+
+
+def test_a_defect_of_the_servant_is_unknown_to_the_client(
+    called: tuple[Process, Process],
+) -> None:
+    here, there = called
+    failures: list[Any] = []
+    there.system.on_failure = failures.append
+    with pytest.raises(runtime.UnknownException):
+        here.node("a").consumer.object.begin(b"defect", 1)
+    assert [type(failure.error) for failure in failures] == [KeyError]
+
+
+def test_arguments_are_checked_before_they_are_sent(
+    called: tuple[Process, Process],
+) -> None:
+    with pytest.raises(CdrError):
+        called[0].node("a").consumer.object.begin(b"ab", -1)
+    assert called[1].node("b").servant.calls == []
+
+
+def test_a_provider_that_is_not_active_does_not_exist(
+    pair: tuple[Process, Process],
+) -> None:
+    here, _ = pair
+    here.connect("a.taken", "b.given")
+    here.ready()
+    with pytest.raises(runtime.ObjectNotExist):
+        here.node("a").consumer.object.end()
+    assert not here.transport.is_ready("a", ["b"])
+
+
+def test_a_call_that_takes_too_long_times_out(start: Start, network: Network) -> None:
+    there = start("b")
+    there.activate("b")
+    with Process(network.medium(), "a", timeout=0.01) as here:
+        here.connect("a.taken", "b.given")
+        wait_for(lambda: here.transport.peers.description("b"))
+        here.ready()
+        rpc = here.node("a").consumer.object
+        with pytest.raises(runtime.CallTimeout):
+            rpc.more(1)
+    there.node("b").servant.wait.set()
+
+
+def test_a_process_that_dies_fails_the_call_and_is_found_again(
+    called: tuple[Process, Process], start: Start
+) -> None:
+    here, there = called
+    rpc = here.node("a").consumer.object
+    raised: list[BaseException] = []
+
+    def call() -> None:
+        try:
+            rpc.more(1)
+        except runtime.ServiceError as error:
+            raised.append(error)
+
+    caller = threading.Thread(target=call)
+    caller.start()
+    there.medium.close()
+    caller.join()
+    assert [type(error) for error in raised] == [runtime.CommunicationFailure]
+    there.node("b").servant.wait.set()
+    with pytest.raises(runtime.ObjectNotExist):
+        rpc.end()
+    again = start("b")
+    again.activate("b")
+    assert rpc.begin(b"x", 3) == b"xxx"
+
+
+def test_requests_are_carried_out_once(
+    called: tuple[Process, Process], network: Network
+) -> None:
+
+    client = network.medium().client("b/given/rpc")
+    request = envelope.Request(b"0" * 16, 1, "end", b"", True, True)
+    octets = envelope.request_octets(request)
+    client.call(octets, 1)
+    with pytest.raises(Exception, match="no reply"):
+        client.call(octets, 0.001)
+    with pytest.raises(Exception, match="no reply"):
+        client.call(b"garbage", 0.001)
+    servant = called[1].node("b").servant
+    wait_for(lambda: servant.calls)
+    assert servant.calls == ["end"]
+
+
+# Presence.
+
+
+def test_a_lost_process_is_a_lost_connection(
+    pair: tuple[Process, Process], start: Start
+) -> None:
+    here, there = pair
+    connect(here, there)
+    out = here.node("a").out
+    assert out.write(sample(1)) is runtime.PORT_OK
+    there.medium.close()
+    assert out.write(sample(2)) is runtime.PortStatus.CONNECTION_LOST
+    again = start("b")
+    again.connect("a.out", "b.in")
+    assert out.write(sample(3)) is runtime.PORT_OK
+    assert again.node("b").take() == [3]
+
+
+def test_who_is_missing_is_named(start: Start) -> None:
+    here = start("a")
+    here.connect("a.out", "b.in")
+    with pytest.raises(runtime.TransportError, match=r"a.out waits for b.in"):
+        here.transport.await_others(0)
+
+
+def test_two_processes_do_not_run_one_instance(start: Start) -> None:
+    here, _ = start("a"), start("a")
+    with pytest.raises(runtime.TransportError, match="runs a, too"):
+        here.transport.await_others(0)
+
+
+def test_ports_of_other_processes_are_checked(pair: tuple[Process, Process]) -> None:
+    here, _ = pair
+    here.connect("a.out", "b.nowhere")
+    with pytest.raises(runtime.ConnectError, match=r"b.nowhere is no InPort"):
+        here.transport.await_others(1)
+
+
+# Steering.
+
+
+def test_another_process_is_watched_and_steered(pair: tuple[Process, Process]) -> None:
+    here, there = pair
+    asker = here.transport.peers.asker("b")
+    assert asker.state().state == "INACTIVE_STATE"
+    described = asker.describe()
+    assert described.type == "Node"
+    assert described.out_ports["out"].type == "RTC::TimedDouble"
+    assert asker.activate() == "RTC_OK"
+    there.system.run(
+        10**10, lambda s: s.state("b") is runtime.LifeCycleState.ACTIVE_STATE
+    )
+    assert asker.state().state == "ACTIVE_STATE"
+    assert asker.activate() == "PRECONDITION_NOT_MET"
+    with pytest.raises(ControlError, match="no configuration parameter"):
+        asker.set("speed", "1")
+    assert asker.parameters().active == "default"
