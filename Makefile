@@ -5,6 +5,9 @@ VENV := .venv
 BIN := $(VENV)/bin
 DEMO := build/demo
 PIP := --quiet --disable-pip-version-check --no-compile
+# `make test LOCKED=1` installs the versions of this file, which a release was tested with.
+LOCK := requirements/locked.txt
+PIP += $(if $(LOCKED),--constraint $(LOCK))
 # Tests start many processes: bytecode is written once, by the first that imports something.
 unexport PYTHONDONTWRITEBYTECODE
 
@@ -26,7 +29,7 @@ endif
 endif
 endif
 
-.PHONY: demo gallery test check format lint types pyright imports drift pytest test-openrtm interpreters fuzz bench clean
+.PHONY: demo gallery test check format lint types pyright imports drift pytest test-openrtm interpreters lowest lock licences wheels fuzz bench clean
 
 demo: $(VENV)/demo.stamp
 	$(BIN)/rtgen generate
@@ -47,8 +50,8 @@ test: $(VENV)/test.stamp
 	$(MAKE) --no-print-directory -j 2 pytest lint types imports drift interpreters SELECTED='$(SELECTED)'
 
 lint: $(VENV)/test.stamp
-	$(BIN)/black --check --quiet src tests benchmarks
-	$(BIN)/ruff check src tests benchmarks
+	$(BIN)/black --check --quiet src tests benchmarks requirements
+	$(BIN)/ruff check src tests benchmarks requirements
 
 types: mypy-3.11 mypy-3.12 mypy-3.13 pyright
 
@@ -81,6 +84,29 @@ test-openrtm: $(VENV)/test.stamp
 interpreters: $(VENV)/test.stamp
 	nice -n 5 $(BIN)/python tests/interpreters.py
 
+# The same on this interpreter with the lowest versions that pyproject.toml allows.
+lowest: $(VENV)/release.stamp
+	$(BIN)/python tests/interpreters.py --lowest
+
+# The newest versions that pyproject.toml allows, for each platform and interpreter.
+lock: $(VENV)/release.stamp
+	$(BIN)/uv pip compile --quiet --universal --upgrade --no-header --no-annotate \
+	    --python-version 3.11 --extra plot --extra test pyproject.toml --output-file $(LOCK)
+
+# What rtgen and its extras require, with the licence that each package states.
+licences: $(VENV)/release.stamp
+	$(BIN)/python requirements/licences.py > requirements/licences.md
+
+# Both wheels and the bill of materials of an environment that has rtgen alone, in dist/.
+wheels: $(VENV)/release.stamp
+	rm -rf dist build/bare
+	$(BIN)/python -m pip wheel $(filter-out --no-compile,$(PIP)) --no-deps --wheel-dir dist . ./runtime
+	$(PYTHON) -m venv build/bare
+	$(BIN)/python -m pip --python build/bare/bin/python install $(PIP) dist/rtgen-*.whl
+	$(BIN)/python -m pip --python build/bare/bin/python uninstall --quiet --yes setuptools pip
+	$(BIN)/cyclonedx-py environment --output-reproducible --pyproject pyproject.toml \
+	    --output-file dist/rtgen.cdx.json build/bare/bin/python
+
 # The random tests with thirty times their inputs, others each time: `make fuzz RTGEN_SEED=7` repeats them.
 # Those of `make test` are drawn by the commit; `make test RTGEN_SEED=7` by another seed.
 fuzz: export RTGEN_SEED ?= $(shell date +%s)
@@ -92,8 +118,8 @@ bench: $(VENV)/bench.stamp
 	for script in benchmarks/*.py; do $(BIN)/python $$script || exit 1; done
 
 format: $(VENV)/test.stamp
-	$(BIN)/black --quiet src tests benchmarks
-	$(BIN)/ruff check --fix src tests benchmarks
+	$(BIN)/black --quiet src tests benchmarks requirements
+	$(BIN)/ruff check --fix src tests benchmarks requirements
 
 clean:
 	rm -rf build dist $(VENV)
@@ -109,6 +135,10 @@ $(VENV)/demo.stamp: pyproject.toml $(wildcard grammars/*.lark) | $(VENV)/bin/pyt
 
 $(VENV)/test.stamp: pyproject.toml $(wildcard grammars/*.lark) | $(VENV)/bin/python
 	$(BIN)/python -m pip install $(PIP) --editable ".[plot,test]"
+	touch $@
+
+$(VENV)/release.stamp: $(VENV)/test.stamp
+	$(BIN)/python -m pip install $(PIP) --editable ".[plot,test,release]"
 	touch $@
 
 $(VENV)/bench.stamp: pyproject.toml $(wildcard grammars/*.lark) | $(VENV)/bin/python

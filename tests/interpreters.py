@@ -1,6 +1,7 @@
 """Builds the wheel and runs the fast tests on it with another interpreter.
 
 One of those found, chosen by the commit, so that commits try them in turn; `--all` tries each.
+`--lowest` uses this interpreter and the lowest versions that pyproject.toml allows.
 """
 
 from __future__ import annotations
@@ -60,14 +61,21 @@ def build(folder: Path) -> Path:
     return next(folder.glob("rtgen-*.whl"))
 
 
-def make(interpreter: str, folder: Path) -> None:
-    """An environment of its own for an interpreter, with the wheel and the reference build."""
+def make(interpreter: str, folder: Path, *, lowest: bool = False) -> None:
+    """An environment of its own for an interpreter, with the wheel and the reference build.
+
+    `lowest`: with the lowest versions of the requirements, which uv finds.
+    """
     shutil.rmtree(folder, ignore_errors=True)
     subprocess.run([interpreter, "-m", "venv", str(folder)], check=True)
     python = str(folder / "bin" / "python")
-    install = [python, "-m", "pip", "install", "--quiet", "--no-compile"]
-    install += ["--disable-pip-version-check", f"{build(folder)}[plot,test]"]
-    subprocess.run(install, check=True)
+    if lowest:
+        install = [sys.executable, "-m", "uv", "pip", "install", "--quiet"]
+        install += ["--python", python, "--resolution", "lowest-direct"]
+    else:
+        install = [python, "-m", "pip", "install", "--quiet", "--no-compile"]
+        install += ["--disable-pip-version-check"]
+    subprocess.run([*install, f"{build(folder)}[plot,test]"], check=True)
     _install_application(python, folder)
 
 
@@ -127,12 +135,18 @@ def chosen(found: Sequence[str], commit: str | None) -> str:
 
 
 def main() -> int:
-    """Exit code 0 if the tests pass on the interpreter of this commit, with `--all` on each.
+    """Exit code 0 if the tests pass on the interpreter of this commit, or as the options say.
 
     The one that runs this has had them already, so the wheel is tried on it only if there is no
     other.
     """
     own = f"{sys.version_info.major}.{sys.version_info.minor}"
+    if "--lowest" in sys.argv[1:]:
+        folder = ENVIRONMENTS / "lowest"
+        make(sys.executable, folder, lowest=True)
+        code, output = run_tests(folder, measured=False)
+        print(f"Python {own}, lowest requirements: the fast tests\n{output}")
+        return code
     found = {
         version: path
         for version in SUPPORTED

@@ -53,11 +53,11 @@ except ModuleNotFoundError:
 pytestmark = pytest.mark.slow
 
 
-def build(source: Path, folder: Path) -> Path:
+def build(source: Path, folder: Path, **environment: str) -> Path:
     """The wheel of a project."""
     command = [sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps"]
     command += ["--disable-pip-version-check", "--wheel-dir", str(folder), str(source)]
-    subprocess.run(command, check=True)
+    subprocess.run(command, check=True, env={**os.environ, **environment})
     [wheel] = folder.glob("*.whl")
     return wheel
 
@@ -83,6 +83,18 @@ def whole(source: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def runtime(source: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return build(source / "runtime", tmp_path_factory.mktemp("runtime"))
+
+
+def test_a_second_build_gives_the_same_octets(
+    source: Path, whole: Path, runtime: Path, tmp_path: Path
+) -> None:
+    """In another folder, with files of another time, and hashes that differ."""
+    again = shutil.copytree(
+        source, tmp_path / "elsewhere", copy_function=shutil.copyfile
+    )
+    for first, project in ((whole, again), (runtime, again / "runtime")):
+        second = build(project, tmp_path / first.name, PYTHONHASHSEED="4711")
+        assert second.read_bytes() == first.read_bytes()
 
 
 def contents(wheel: Path) -> dict[str, bytes]:

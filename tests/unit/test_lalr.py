@@ -156,3 +156,16 @@ def test_every_definition_file_has_the_tree_that_lark_gives(
         source, predefined({})
     )
     assert lalr.Parser(ours, unit.text).run() == plain(peer.parse(unit.text))
+
+
+@pytest.mark.parametrize("name", ["idl", "cdl"])
+def test_tables_do_not_depend_on_hashes(name: str) -> None:
+    """States are numbered in the order of a walk; lark's numbers follow the order of a set."""
+    tables = lalr_tables.make(grammar_file(f"{name}.lark").read_text("utf-8"))
+    met = [tables["start"]]
+    for state in met:
+        for _, arg in sorted(tables["actions"][state].items()):
+            if arg >= 0 and arg not in met:
+                met.append(arg)
+    final = len(tables["actions"]) - 1
+    assert [state for state in met if state != final] == list(range(final))

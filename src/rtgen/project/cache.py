@@ -2,7 +2,7 @@
 
 The key covers the tool and the options; an entry lists all files that the run read or searched
 for, which must be unchanged. An entry is a JSON text after a line with its hash: damaged entries
-are ignored.
+are ignored, and so are those that another user can have written.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+import stat
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from hashlib import sha256
@@ -107,6 +108,8 @@ class Cache:
         """The entry of a key, if it exists and its dependencies are unchanged."""
         file = self._file(key)
         try:
+            if not (_is_own(self._folder) and _is_own(file)):
+                return None
             digest, _, payload = file.read_bytes().partition(b"\n")
             if digest != sha256(payload).hexdigest().encode():
                 return None
@@ -130,7 +133,7 @@ class Cache:
         )
 
     def store(self, key: str, run: Compilation) -> None:
-        """Store a run without errors. A folder that is not writable is ignored."""
+        """Store a run without errors, unless the folder is read-only or another user's."""
         entry = {
             "artifacts": [[a.path, a.text, a.origin, a.owner] for a in run.artifacts],
             "inputs": dict(run.inputs),
@@ -142,7 +145,11 @@ class Cache:
         file = self._file(key)
         temporary = file.with_name(f"{key}.{os.getpid()}.tmp")
         with contextlib.suppress(OSError):
-            self._folder.mkdir(parents=True, exist_ok=True)
+            self._folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+            if not _is_own(self._folder, sole_writer=False):
+                return
+            self._folder.chmod(0o700)
+            temporary.touch(mode=0o600)
             temporary.write_bytes(
                 sha256(payload).hexdigest().encode() + b"\n" + payload
             )
@@ -174,6 +181,15 @@ def default() -> Cache:
 
         folder = user_cache_dir("rtgen", appauthor=False)
     return Cache(Path(folder).absolute() / "runs")
+
+
+def _is_own(path: Path, *, sole_writer: bool = True) -> bool:
+    """Whether a path is this user's, and nobody else can write to it. Raises OSError."""
+    if sys.platform == "win32":  # folders of a user's profile are the user's there
+        return True
+    status = path.stat()
+    shared = sole_writer and status.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
+    return status.st_uid == os.geteuid() and not shared
 
 
 def _files_told(run: Compilation) -> set[str]:

@@ -121,6 +121,28 @@ def test_a_folder_that_cannot_be_written_is_passed_over(
     assert not build(project(), cache.default()).failed
 
 
+def test_an_entry_that_another_user_could_have_written_is_not_read(
+    pipeline: Pipeline, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    build(project(), cache.default())
+    [entry] = entries(tmp_path)
+    assert (entry.stat().st_mode & 0o777, entry.parent.stat().st_mode & 0o777) == (
+        0o600,
+        0o700,
+    )
+    for path, mode in ((entry, 0o620), (entry.parent, 0o770), (entry, 0o602)):
+        path.chmod(mode)
+        reads = pipeline.reads
+        build(project(), cache.default())
+        assert pipeline.reads == reads + 1
+        build(project(), cache.default())
+        assert pipeline.reads == reads + 1, "stored anew, and closed to others"
+    monkeypatch.setattr(os, "geteuid", lambda: entry.stat().st_uid + 1)
+    build(project(), cache.default())
+    build(project(), cache.default())
+    assert pipeline.reads == reads + 3, "the folder of another user is left alone"
+
+
 def test_the_number_of_entries_is_bounded(
     pipeline: Pipeline, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

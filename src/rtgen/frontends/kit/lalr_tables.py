@@ -49,24 +49,38 @@ def make(text: str) -> dict[str, Any]:
             tables["terminals"][terminal.name] = pattern.to_regexp()
     ignored = [terminals[name].pattern.to_regexp() for name in parser.ignore_tokens]
     rules = {rule: number for number, rule in enumerate(parser.rules)}
-    actions = [_row(table.states[state], rules) for state in range(len(table.states))]
-    actions[table.end_states[_START]][END] = len(actions)
+    numbers = _numbers(table)
+    actions = [_row(table.states[state], rules, numbers) for state in numbers]
+    actions[numbers[table.end_states[_START]]][END] = len(actions)
     return tables | {
         "key": key(text),
         "ignored": f"(?:{'|'.join(ignored)})?",
         "rules": [_rule(rule) for rule in parser.rules],
         "actions": [*actions, {}],
-        "start": table.start_states[_START],
+        "start": numbers[table.start_states[_START]],
     }
 
 
 _START = "specification"
 
 
-def _row(row: dict[str, Any], rules: dict[Any, int]) -> dict[str, int]:
+def _numbers(table: Any) -> dict[int, int]:
+    """The number of each state, in the order of a walk from the start: lark's depend on hashes."""
+    found = {table.start_states[_START]: 0}
+    for state in (waiting := [*found]):
+        for _, (_, arg) in sorted(table.states[state].items()):
+            if isinstance(arg, int) and arg not in found:
+                found[arg] = len(found)
+                waiting.append(arg)
+    return found
+
+
+def _row(
+    row: dict[str, Any], rules: dict[Any, int], numbers: dict[int, int]
+) -> dict[str, int]:
     """The actions of a state: the next state, or a rule's number complemented."""
     return {
-        symbol: arg if isinstance(arg, int) else ~rules[arg]
+        symbol: numbers[arg] if isinstance(arg, int) else ~rules[arg]
         for symbol, (_, arg) in sorted(row.items())
     }
 

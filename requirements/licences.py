@@ -1,0 +1,71 @@
+"""Prints the licences of what rtgen and each of its extras require directly, as Markdown.
+
+pip-licenses reads what the installed packages state; a package that is not installed is an error.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+NAME = re.compile(r"[\w.-]+")
+WORKSHOP = ("test", "bench", "release")
+"""The extras of those who change rtgen; users install none of them."""
+
+HEAD = """# Licences of requirements
+
+rtgen is under Apache-2.0. It contains none of the packages below: they are installed beside it, the extras' ones where asked for.
+`make licences` makes this page of what the packages state.
+
+| extra | package | licence |
+|---|---|---|
+"""
+
+
+def required() -> dict[str, list[str]]:
+    """The names of the required packages by extra, `""` for those of rtgen itself."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+    groups = {"": project["dependencies"], **project["optional-dependencies"]}
+    return {
+        extra: [found[0] for need in needs if (found := NAME.match(need))]
+        for extra, needs in groups.items()
+        if extra not in WORKSHOP
+    }
+
+
+def main() -> int:
+    """Exit code 1 if a package is not installed."""
+    groups = required()
+    names = sorted({name for group in groups.values() for name in group})
+    command = [sys.executable, "-m", "piplicenses", "--format", "json", "--from=all"]
+    answer = subprocess.run(
+        [*command, "--packages", *names], check=True, capture_output=True, text=True
+    )
+    stated = {entry["Name"].lower(): entry for entry in json.loads(answer.stdout)}
+    lines = []
+    for extra, group in groups.items():
+        for name in group:
+            entry = stated.get(name.lower())
+            if entry is None:
+                print(f"{name} is not installed", file=sys.stderr)
+                return 1
+            lines.append(f"| {extra or '(always)'} | {name} | {licence(entry)} |")
+    sys.stdout.write(HEAD + "\n".join(lines) + "\n")
+    return 0
+
+
+def licence(entry: dict[str, str]) -> str:
+    """The SPDX expression that a package states, else its classifier, else its metadata."""
+    fields = ("License-Expression", "License-Classifier", "License-Metadata")
+    stated = (entry.get(field, "UNKNOWN") for field in fields)
+    found = next((text for text in stated if text != "UNKNOWN"), "UNKNOWN")
+    return found.splitlines()[0].replace("|", "/")
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,109 @@
+"""What a release is made of: requirements with bounds, locked versions, licences, the workflow."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+import yaml
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
+
+ROOT = Path(__file__).parents[2]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+EXTRAS: dict[str, list[str]] = PROJECT["optional-dependencies"]
+TESTED = [*PROJECT["dependencies"], *EXTRAS["plot"], *EXTRAS["test"]]
+WORKSHOP = {"test", "bench", "release"}
+
+
+@pytest.mark.parametrize("group", ["", *EXTRAS])
+def test_each_requirement_has_a_lower_bound(group: str) -> None:
+    needs = EXTRAS[group] if group else PROJECT["dependencies"]
+    for need in map(Requirement, needs):
+        bounds = {each.operator for each in need.specifier}
+        assert bounds & {">=", "=="}, f"{need} has no lower bound"
+
+
+def test_a_requirement_has_one_bound_in_all_extras() -> None:
+    found: dict[str, set[str]] = {}
+    for needs in (PROJECT["dependencies"], *EXTRAS.values()):
+        for need in map(Requirement, needs):
+            name = canonicalize_name(need.name)
+            found.setdefault(name, set()).add(str(need.specifier))
+    assert {name: bounds for name, bounds in found.items() if len(bounds) > 1} == {}
+
+
+def test_locked_versions_fit_the_requirements() -> None:
+    """`make lock` renews them."""
+    locked: dict[str, list[Requirement]] = {}
+    text = (ROOT / "requirements" / "locked.txt").read_text("utf-8")
+    for line in text.splitlines():
+        entry = Requirement(line)
+        locked.setdefault(canonicalize_name(entry.name), []).append(entry)
+    for need in map(Requirement, TESTED):
+        entries = locked.get(canonicalize_name(need.name), [])
+        assert entries, f"{need.name} is not locked"
+        for entry in entries:
+            [pinned] = entry.specifier
+            assert pinned.operator == "=="
+            assert need.specifier.contains(pinned.version), f"{entry} is not {need}"
+
+
+def test_licences_are_those_of_the_requirements() -> None:
+    """`make licences` renews the page."""
+    text = (ROOT / "requirements" / "licences.md").read_text("utf-8")
+    rows = re.findall(r"^\| (\S+) \| (\S+) \| (.+) \|$", text, re.MULTILINE)
+    listed = {(extra, name) for extra, name, _ in rows if not extra.startswith("-")}
+    groups = {"(always)": PROJECT["dependencies"], **EXTRAS}
+    assert listed - {("extra", "package")} == {
+        (extra, Requirement(need).name)
+        for extra, needs in groups.items()
+        if extra not in WORKSHOP
+        for need in needs
+    }
+    assert not [row for row in rows if "UNKNOWN" in row[2]]
+
+
+def test_the_workflow_of_a_release_calls_what_there_is() -> None:
+    text = (ROOT / ".github" / "workflows" / "release.yml").read_text("utf-8")
+    workflow = yaml.safe_load(text)
+    jobs = workflow["jobs"]
+    assert [jobs[name].get("needs") for name in ("test", "build", "publish")] == [
+        None,
+        "test",
+        "build",
+    ]
+    runs = [
+        step["run"] for job in jobs.values() for step in job["steps"] if "run" in step
+    ]
+    commands = jobs["test"]["strategy"]["matrix"]["command"]
+    runs = [
+        run.replace("${{ matrix.command }}", command)
+        for run in runs
+        for command in commands
+    ]
+    called = {found[1] for run in runs for found in re.finditer(r"\bmake (\S+)", run)}
+    assert called == {"test", "lowest", "wheels"}
+    for target in called:
+        subprocess.run(
+            ["make", "--dry-run", target], cwd=ROOT, check=True, capture_output=True
+        )
+    assert jobs["publish"]["permissions"]["id-token"] == "write"
+    assert workflow["permissions"] == {"contents": "read"}
+
+
+def test_the_version_that_a_tag_is_compared_with(tmp_path: Path) -> None:
+    """The command of the workflow needs nothing but the sources."""
+    code = "from rtgen.facts.version import __version__; print(__version__)"
+    done = subprocess.run(
+        [sys.executable, "-S", "-c", code],
+        env={"PYTHONPATH": str(ROOT / "src")},
+        check=True,
+        capture_output=True,
+        text=True,
+    )
+    assert re.fullmatch(r"\d+\.\d+\.\d+\n", done.stdout)
