@@ -19,7 +19,9 @@ WORKSHOP = ("test", "bench", "release")
 
 HEAD = """# Licences of requirements
 
-rtgen is under Apache-2.0. It contains none of the packages below: they are installed beside it, the extras' ones where asked for.
+rtgen is under Apache-2.0. It contains none of the packages below: they are installed beside it,
+those of extras where asked for. What a package states covers its own code, not always the
+libraries that its wheel brings (omniORB, SDL): read theirs before you pass them on.
 `make licences` makes this page of what the packages state.
 
 | extra | package | licence |
