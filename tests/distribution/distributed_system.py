@@ -37,6 +37,7 @@ class Servant(OpaqueRpc):
 
     def __init__(self) -> None:
         self.calls: list[str] = []
+        self.held = threading.Event()
         self.wait = threading.Event()
 
     def begin(self, request: bytes, first: int) -> bytes:
@@ -48,6 +49,7 @@ class Servant(OpaqueRpc):
         return request * first
 
     def more(self, count: int) -> bytes:
+        self.held.set()
         self.wait.wait(PATIENCE)
         return bytes(count)
 
@@ -85,6 +87,12 @@ class Node(runtime.Component):
         return self.received
 
 
+def arrived(node: Node, numbers: list[float]) -> None:
+    """Waits until a component has received these numbers, and asserts that it got no others."""
+    wait_for(lambda: len(node.take()) >= len(numbers))
+    assert node.take() == numbers
+
+
 class Process:
     """A system in real time over a medium; its components tick from `run` on."""
 
@@ -109,9 +117,11 @@ class Process:
         exc_val: BaseException | None,
         exc_tb: TracebackType | None,
     ) -> None:
-        self._stack.close()
+        self.close()
 
-    close = __exit__
+    def close(self) -> None:
+        """Ends the system in order, then its transport."""
+        self._stack.close()
 
     def node(self, name: str) -> Any:
         """A component of this process."""

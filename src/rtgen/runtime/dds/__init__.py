@@ -1,0 +1,1 @@
+"""DDS by Eclipse Cyclone DDS: a medium of `rtgen.runtime.distribution` (extra `dds`)."""

@@ -1,0 +1,106 @@
+"""A thread that waits for the conditions of readers and writers and calls their handlers.
+
+cyclonedds's listeners are not used: they run in the threads that receive, which must not wait for
+Python, and must not write.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import threading
+from collections.abc import Callable
+from itertools import count
+from typing import Any
+
+from cyclonedds.core import Entity, GuardCondition, WaitSet
+from cyclonedds.domain import DomainParticipant
+
+from rtgen.runtime.failures import log
+
+_FOREVER = (1 << 63) - 1
+_AT_ONCE = 64
+"""Conditions that one wait reports."""
+
+
+class Dispatcher:
+    """Calls handlers in a thread of its own; the first one added starts it."""
+
+    def __init__(self, participant: DomainParticipant, name: str) -> None:
+        self._set = WaitSet(participant)
+        self._wake = GuardCondition(participant)
+        self._entries: dict[int, Entry] = {}
+        self._numbers = count(1)
+        self._closed = False
+        self._attach(self._wake, 0)
+        self._thread = threading.Thread(target=self._run, name=name, daemon=True)
+
+    def add(self, condition: Entity, handler: Callable[[], None]) -> Entry:
+        """Call the handler whenever the condition is true. It must make it false."""
+        number = next(self._numbers)
+        entry = Entry(self, number, condition, handler)
+        self._entries[number] = entry
+        self._attach(condition, number)
+        if not self._thread.is_alive():
+            self._thread.start()
+        return entry
+
+    def close(self) -> None:
+        """End the thread."""
+        self._closed = True
+        self._wake.set(True)
+        if self._thread.is_alive() and threading.current_thread() is not self._thread:
+            self._thread.join()
+
+    def _attach(self, condition: Any, number: int) -> None:
+        self._set._waitset_attach(
+            self._set._ref, condition._ref, ctypes.c_void_p(number)
+        )
+
+    def _remove(self, entry: Entry) -> None:
+        if self._entries.pop(entry.number, None) is not None:
+            self._set._waitset_detach(self._set._ref, entry.condition._ref)
+
+    def _run(self) -> None:
+        triggered = (ctypes.c_void_p * _AT_ONCE)()
+        while not self._closed:
+            number = self._set._waitset_wait(
+                self._set._ref, triggered, _AT_ONCE, _FOREVER
+            )
+            for place in range(min(number, _AT_ONCE)):
+                entry = self._entries.get(triggered[place] or 0)
+                if entry is not None:
+                    entry.call()
+
+
+class Entry:
+    """A condition with its handler; after `close` the handler is called no more."""
+
+    def __init__(
+        self,
+        dispatcher: Dispatcher,
+        number: int,
+        condition: Any,
+        handler: Callable[[], None],
+    ) -> None:
+        self.number = number
+        self.condition = condition
+        self._dispatcher = dispatcher
+        self._handler = handler
+        self._lock = threading.RLock()
+        self._closed = False
+
+    def call(self) -> None:
+        """Call the handler, unless closed. A defect of it is logged: the thread serves others."""
+        with self._lock:
+            if self._closed:
+                return
+            try:
+                self._handler()
+            except Exception:
+                log.exception("a message cannot be handled")
+
+    def close(self) -> None:
+        """Wait for the call under way; call no more."""
+        self._dispatcher._remove(self)
+        with self._lock:
+            self._closed = True

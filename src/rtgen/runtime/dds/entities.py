@@ -1,0 +1,165 @@
+"""Readers and writers of one participant: QoS, partition, samples as octets."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from cyclonedds import _clayer
+from cyclonedds.core import (
+    DDSException,
+    InstanceState,
+    ReadCondition,
+    SampleState,
+    ViewState,
+)
+from cyclonedds.domain import DomainParticipant
+from cyclonedds.pub import DataWriter, Publisher
+from cyclonedds.qos import Policy
+from cyclonedds.qos import Qos as DdsQos
+from cyclonedds.sub import DataReader, Subscriber
+from cyclonedds.topic import Topic
+
+from rtgen.runtime.dds.types import idl_class
+from rtgen.runtime.distribution.medium import (
+    MediumError,
+    PublishTimeoutError,
+    Qos,
+    representation,
+)
+
+ANY = SampleState.Any | ViewState.Any | InstanceState.Any
+_SECOND = 1_000_000_000
+_AT_ONCE = 256
+"""Samples that are taken at a time."""
+_MOST_UNREAD = 1024
+"""Samples that a reader keeps at most before it slows its writers down."""
+_PAUSE = 0.0005
+_TIMEOUT = -10
+
+
+@contextmanager
+def reported(what: str) -> Iterator[None]:
+    """Turn errors of cyclonedds into MediumError."""
+    try:
+        yield
+    except DDSException as error:
+        raise MediumError(f"{what}: {error.msg}") from error
+    except TypeError as error:
+        raise MediumError(f"{what}: {error}") from error
+
+
+class Entities:
+    """Makes the readers and writers of a participant in one partition."""
+
+    def __init__(self, participant: DomainParticipant, partition: str) -> None:
+        self._participant = participant
+        scope = DdsQos(Policy.Partition([partition]))
+        self._publisher = Publisher(participant, scope)
+        self._subscriber = Subscriber(participant, scope)
+        self._topics: dict[tuple[str, int], tuple[Topic[Any], Any]] = {}
+        self._lock = threading.Lock()
+
+    def writer(self, name: str, type_: type[Any], qos: Qos) -> DataWriter[Any]:
+        """A writer of a topic. Raises MediumError."""
+        with reported(f"the writer of {name}"):
+            policies = [*_policies(qos), _sent(type_)]
+            return DataWriter(
+                self._publisher, self._topic(name, type_), DdsQos(*policies)
+            )
+
+    def reader(self, name: str, type_: type[Any], qos: Qos) -> DataReader[Any]:
+        """A reader of a topic. Raises MediumError."""
+        with reported(f"the reader of {name}"):
+            policies = [*_policies(qos), Policy.DataRepresentation(True, True)]
+            if qos.depth is None:
+                policies.append(Policy.ResourceLimits(_MOST_UNREAD, -1, -1))
+            return DataReader(
+                self._subscriber, self._topic(name, type_), DdsQos(*policies)
+            )
+
+    def _topic(self, name: str, type_: type[Any]) -> Topic[Any]:
+        class_ = idl_class(type_)
+        with self._lock:
+            known = self._topics.get((name, id(class_)))
+            if known is None:
+                known = Topic(self._participant, name, class_), class_
+                self._topics[name, id(class_)] = known
+            return known[0]
+
+
+def _policies(qos: Qos) -> list[Any]:
+    reliable = Policy.Reliability.Reliable(0)
+    policies: list[Any] = [
+        reliable if qos.reliable else Policy.Reliability.BestEffort,
+        Policy.Durability.TransientLocal if qos.durable else Policy.Durability.Volatile,
+        (
+            Policy.History.KeepAll
+            if qos.depth is None
+            else Policy.History.KeepLast(qos.depth)
+        ),
+    ]
+    if qos.durable:
+        policies.append(_durability_service(qos))
+    if qos.deadline is not None:
+        policies.append(Policy.Deadline(round(qos.deadline * _SECOND)))
+    if qos.lease is not None:
+        policies.append(Policy.Liveliness.Automatic(round(qos.lease * _SECOND)))
+    return policies
+
+
+def _durability_service(qos: Qos) -> Any:
+    """How many samples late readers get."""
+    history = (
+        Policy.History.KeepAll
+        if qos.depth is None
+        else Policy.History.KeepLast(qos.depth)
+    )
+    return Policy.DurabilityService(0, history, -1, -1, -1)
+
+
+def _sent(type_: type[Any]) -> Any:
+    version = representation(type_).version
+    return Policy.DataRepresentation(version == 1, version == 2)
+
+
+def condition(reader: DataReader[Any]) -> ReadCondition:
+    """True while the reader has samples that were not taken."""
+    return ReadCondition(reader, ANY)
+
+
+def taken(reader: DataReader[Any]) -> Iterator[tuple[bytes, Any]]:
+    """Take all samples, each with cyclonedds's information on it."""
+    while True:
+        found = _clayer.ddspy_take(reader._ref, ANY, _AT_ONCE)
+        if isinstance(found, int):
+            raise MediumError(f"samples cannot be taken: {DDSException(found).msg}")
+        yield from found
+        if len(found) < _AT_ONCE:
+            return
+
+
+def write(writer: DataWriter[Any], octets: bytes, patience: float = 0.0) -> None:
+    """Write a serialized sample; wait for room for so many seconds at most.
+
+    cyclonedds does not release Python's lock while it writes, so it must not wait itself.
+    Raises PublishTimeoutError, MediumError.
+    """
+    code = _clayer.ddspy_write(writer._ref, octets)
+    if code == _TIMEOUT and patience > 0:
+        deadline = time.monotonic() + patience
+        while code == _TIMEOUT and time.monotonic() < deadline:
+            time.sleep(_PAUSE)
+            code = _clayer.ddspy_write(writer._ref, octets)
+    if code == _TIMEOUT:
+        raise PublishTimeoutError(f"no room for a sample of {writer.topic.name}")
+    if code < 0:
+        raise MediumError(f"{writer.topic.name}: {DDSException(code).msg}")
+
+
+def delete(entity: Any) -> None:
+    """Delete an entity of cyclonedds now, not when Python forgets it."""
+    entity.__del__()

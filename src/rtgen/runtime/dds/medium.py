@@ -1,0 +1,270 @@
+"""A medium over Eclipse Cyclone DDS: one participant, a partition for each system."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar
+from xml.sax.saxutils import quoteattr
+
+from cyclonedds.domain import Domain, DomainParticipant
+
+from rtgen.runtime.dds import entities
+from rtgen.runtime.dds.dispatcher import Dispatcher
+from rtgen.runtime.dds.entities import Entities
+from rtgen.runtime.dds.presence import Presences
+from rtgen.runtime.dds.rpc import DdsClient, DdsService
+from rtgen.runtime.distribution.medium import (
+    MediumError,
+    OnChange,
+    OnRequest,
+    OnSample,
+    Qos,
+    Sample,
+    Token,
+    Topic,
+    check_name,
+)
+
+_T = TypeVar("_T", bound=Token)
+
+LEASE = 2.0
+"""Seconds without a sign of life after which a process counts as lost."""
+
+_LOOPBACK = """<CycloneDDS><Domain><General><Interfaces>
+<NetworkInterface address="127.0.0.1" multicast="false"/></Interfaces>
+<AllowMulticast>false</AllowMulticast></General>
+<Discovery><ParticipantIndex>auto</ParticipantIndex>
+<MaxAutoParticipantIndex>99</MaxAutoParticipantIndex>
+<LeaseDuration>{lease}s</LeaseDuration>
+<Peers><Peer address="127.0.0.1"/></Peers></Discovery></Domain></CycloneDDS>"""
+_INTERFACE = """<CycloneDDS><Domain><General><Interfaces>
+<NetworkInterface {kind}={name}/></Interfaces></General>
+<Discovery><LeaseDuration>{lease}s</LeaseDuration></Discovery></Domain></CycloneDDS>"""
+
+
+def configuration(interface: str | None, lease: float = LEASE) -> str:
+    """The configuration of Cyclone DDS for an interface, by name or address.
+
+    None is loopback: unicast among at most 100 participants of this machine.
+    """
+    if interface is None:
+        return _LOOPBACK.format(lease=lease)
+    kind = "address" if interface[:1].isdigit() or ":" in interface else "name"
+    return _INTERFACE.format(kind=kind, name=quoteattr(interface), lease=lease)
+
+
+class _Domains:
+    """The domains of this process: cyclonedds configures each once."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._open: dict[int, tuple[Domain, str, int]] = {}
+
+    def open(self, number: int, config: str) -> None:
+        """Open a domain once more. Raises MediumError."""
+        with self._lock:
+            known = self._open.get(number)
+            if known is None:
+                with entities.reported(f"domain {number}"):
+                    known = Domain(number, config), config, 0
+            elif known[1] != config:
+                raise MediumError(f"domain {number} is open with other options")
+            self._open[number] = *known[:2], known[2] + 1
+
+    def close(self, number: int) -> None:
+        """Close it once; the last time it ends."""
+        with self._lock:
+            domain, config, users = self._open.pop(number)
+            if users > 1:
+                self._open[number] = domain, config, users - 1
+            else:
+                entities.delete(domain)
+
+
+_DOMAINS = _Domains()
+
+
+class DdsMedium:
+    """See `rtgen.runtime.distribution.medium.Medium`. Raises MediumError.
+
+    `system` is the partition; `domain` 0 to 232; `interface` by name or address, loopback by
+    default; `config` a file of Cyclone DDS in place of these, with its interfaces and security.
+    """
+
+    def __init__(
+        self,
+        system: str,
+        *,
+        domain: int = 0,
+        interface: str | None = None,
+        config: Path | None = None,
+    ) -> None:
+        self._domain = domain
+        self._closed = False
+        self._open: list[Token] = []
+        self._lock = threading.Lock()
+        text = configuration(interface) if config is None else _read(config)
+        _DOMAINS.open(domain, text)
+        try:
+            with entities.reported(f"domain {domain}"):
+                self._participant = DomainParticipant(domain)
+                self._made = Entities(self._participant, system)
+                self._data = Dispatcher(self._participant, "rtgen dds data")
+                self._control = Dispatcher(self._participant, "rtgen dds control")
+            self._presences = Presences(self._made, self._control)
+        except MediumError:
+            _DOMAINS.close(domain)
+            raise
+
+    def publisher(self, topic: Topic, qos: Qos) -> DdsPublisher:
+        """See `Medium`."""
+        return self._kept(DdsPublisher(self._made, topic, qos))
+
+    def subscribe(self, topic: Topic, qos: Qos, on_sample: OnSample) -> DdsSubscription:
+        """See `Medium`."""
+        dispatcher = self._data
+        if qos.depth is None:
+            name = f"rtgen dds {topic.name}"
+            dispatcher = self._kept(Dispatcher(self._participant, name))
+        return self._kept(
+            DdsSubscription(self._made, dispatcher, topic, qos, on_sample)
+        )
+
+    def serve(self, service: str, on_request: OnRequest) -> Token:
+        """See `Medium`."""
+        name = check_name(service)
+        return self._kept(DdsService(self._made, self._control, name, on_request))
+
+    def client(self, service: str) -> DdsClient:
+        """See `Medium`."""
+        return self._kept(DdsClient(self._made, self._control, check_name(service)))
+
+    def announce(self, name: str) -> Token:
+        """See `Medium`."""
+        return self._kept(_Once(self._presences.announce(check_name(name))))
+
+    def watch(self, prefix: str, on_change: OnChange) -> Token:
+        """See `Medium`."""
+        return self._kept(_Once(self._presences.watch(prefix, on_change)))
+
+    def close(self) -> None:
+        """See `Medium`."""
+        with self._lock:
+            if self._closed:
+                return
+            self._closed = True
+            opened, self._open = self._open, []
+        for entity in reversed(opened):
+            entity.close()
+        self._presences.close()
+        self._data.close()
+        self._control.close()
+        entities.delete(self._participant)
+        _DOMAINS.close(self._domain)
+
+    def _kept(self, made: _T) -> _T:
+        with self._lock:
+            if not self._closed:
+                self._open.append(made)
+                return made
+        made.close()
+        raise MediumError("the medium is closed")
+
+
+def _read(config: Path) -> str:
+    try:
+        return config.read_text(encoding="ascii")
+    except (OSError, UnicodeDecodeError) as error:
+        raise MediumError(f"{config} cannot be read: {error}") from error
+
+
+class _Once:
+    """A token that calls a function at its first `close`."""
+
+    def __init__(self, end: Callable[[], None]) -> None:
+        self._end: Callable[[], None] | None = end
+
+    def close(self) -> None:
+        end, self._end = self._end, None
+        if end is not None:
+            end()
+
+
+class DdsPublisher:
+    """See `medium.Publisher`: the writer of a topic."""
+
+    def __init__(self, made: Entities, topic: Topic, qos: Qos) -> None:
+        name = check_name(topic.name)
+        self._patience = qos.patience if qos.depth is None else 0.0
+        self._writer = made.writer(name, topic.type, qos)
+        self._closed = False
+
+    def publish(self, octets: bytes, sequence: int) -> None:
+        """See `medium.Publisher`; DDS numbers samples itself."""
+        if self._closed:
+            raise MediumError("the publisher is closed")
+        entities.write(self._writer, octets, self._patience)
+
+    @property
+    def matched(self) -> bool:
+        """See `medium.Publisher`."""
+        return not self._closed and bool(self._writer.get_matched_subscriptions())
+
+    def close(self) -> None:
+        """See `medium.Publisher`."""
+        if not self._closed:
+            self._closed = True
+            entities.delete(self._writer)
+
+
+class DdsSubscription:
+    """See `medium.Subscription`: a reader of a topic."""
+
+    def __init__(
+        self,
+        made: Entities,
+        dispatcher: Dispatcher,
+        topic: Topic,
+        qos: Qos,
+        on_sample: OnSample,
+    ) -> None:
+        self._on_sample = on_sample
+        self._closed = False
+        self._counted = 0, 0
+        self._reader = made.reader(check_name(topic.name), topic.type, qos)
+        self._condition = entities.condition(self._reader)
+        self._entry = dispatcher.add(self._condition, self._take)
+
+    @property
+    def lost(self) -> int:
+        """See `medium.Subscription`."""
+        return self._counts()[0]
+
+    @property
+    def missed_deadlines(self) -> int:
+        """See `medium.Subscription`."""
+        return self._counts()[1]
+
+    def close(self) -> None:
+        """See `medium.Subscription`."""
+        if not self._closed:
+            self._entry.close()
+            self._counts()
+            self._closed = True
+            entities.delete(self._condition)
+            entities.delete(self._reader)
+
+    def _counts(self) -> tuple[int, int]:
+        if not self._closed:
+            reader: Any = self._reader
+            lost = reader.get_sample_lost_status()
+            missed = reader.get_requested_deadline_missed_status()
+            self._counted = int(lost.total_count), int(missed.total_count)
+        return self._counted
+
+    def _take(self) -> None:
+        for octets, info in entities.taken(self._reader):
+            if info.valid_data:
+                self._on_sample(Sample(octets, info.publication_handle))

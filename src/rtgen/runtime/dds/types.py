@@ -1,0 +1,183 @@
+"""Types of topics for cyclonedds, made of the descriptors of generated types.
+
+They give the topic its type information (DDS-XTypes 1.3, 7.6.3.2) and its key; samples are
+serialized by rtgen's codecs alone.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Optional
+
+from cyclonedds import idl
+from cyclonedds.idl import types
+
+from rtgen.runtime.distribution.medium import MediumError
+from rtgen.runtime.marshalling.descriptors import (
+    ArrayDescriptor,
+    Descriptor,
+    EnumDescriptor,
+    FlagsDescriptor,
+    LinkDescriptor,
+    MapDescriptor,
+    PrimitiveDescriptor,
+    SequenceDescriptor,
+    StringDescriptor,
+    StructDescriptor,
+    UnionDescriptor,
+    plain,
+)
+
+t: Any = types
+"""Its annotations are generic by means that type checkers do not know."""
+
+_PRIMITIVES: dict[str, Any] = {
+    "boolean": bool,
+    "octet": t.byte,
+    "char": t.char,
+    "wchar": t.wchar,
+    "int8": t.int8,
+    "uint8": t.uint8,
+    "short": t.int16,
+    "unsigned short": t.uint16,
+    "long": t.int32,
+    "unsigned long": t.uint32,
+    "long long": t.int64,
+    "unsigned long long": t.uint64,
+    "float": t.float32,
+    "double": t.float64,
+}
+_MADE: dict[int, tuple[Any, Any]] = {}
+"""Classes by the identity of their descriptor, which is kept alive with them."""
+
+
+def idl_class(type_: type[Any]) -> Any:
+    """The class of cyclonedds for a generated struct or union.
+
+    Raises MediumError for a type that cyclonedds does not have: wstring, long double, fixed, any,
+    valuetypes, objects, bitsets, mutable unions, types in themselves.
+    """
+    return _Maker().named(type_._descriptor_)
+
+
+class _Maker:
+    def __init__(self) -> None:
+        self._under_way: list[str] = []
+
+    def named(self, descriptor: Any) -> Any:
+        """The class of a named type, made once."""
+        known = _MADE.get(id(descriptor))
+        if known is not None:
+            return known[1]
+        if descriptor.name in self._under_way:
+            raise _unsupported(descriptor, "it is part of itself")
+        self._under_way.append(descriptor.name)
+        made = self._made(descriptor)
+        self._under_way.pop()
+        _MADE[id(descriptor)] = descriptor, made
+        return made
+
+    def _made(self, descriptor: Any) -> Any:
+        name = str(descriptor.name)
+        python_name = name.replace("::", "_")
+        made: Any
+        match descriptor:
+            case StructDescriptor(members=members):
+                fields = {m.name: self._member(m) for m in members}
+                made = idl.make_idl_struct(
+                    python_name, name, fields, field_annotations=_annotations(members)
+                )
+            case UnionDescriptor(switch=switch, branches=branches):
+                if descriptor.extensibility == "mutable":
+                    raise _unsupported(descriptor, "mutable unions are not")
+                made = idl.make_idl_union(
+                    python_name,
+                    name,
+                    {b.name: self._branch(b, switch) for b in branches},
+                    self.type(switch),
+                )
+            case EnumDescriptor(members=members, bound=bound):
+                made = idl.make_idl_enum(python_name, name, dict(members))
+                made.__idl_annotations__["bit_bound"] = bound
+                return made
+            case FlagsDescriptor(members=members, bound=bound):
+                return _bitmask(python_name, name, members, bound)
+            case _:
+                raise _unsupported(descriptor, "only data types are")
+        made.__idl_annotations__["extensibility"] = descriptor.extensibility
+        return made
+
+    def _member(self, member: Any) -> Any:
+        type_ = self.type(member.type)
+        # cyclonedds knows this form alone.
+        return Optional[type_] if member.optional else type_  # noqa: UP045
+
+    def _branch(self, branch: Any, switch: Descriptor) -> Any:
+        type_ = self.type(branch.type)
+        if branch.default and not branch.labels:
+            return t.default[type_]
+        if branch.default:
+            raise _unsupported(branch, "a default branch with labels is not")
+        labels: list[Any] = [*branch.labels]
+        switch = plain(switch)
+        if isinstance(switch, EnumDescriptor):
+            class_ = self.named(switch)
+            labels = [class_(int(label)) for label in labels]
+        return t.case[labels, type_]
+
+    def type(self, descriptor: Descriptor) -> Any:
+        """The annotation of a type."""
+        descriptor = plain(descriptor)
+        match descriptor:
+            case PrimitiveDescriptor(name) if name in _PRIMITIVES:
+                return _PRIMITIVES[name]
+            case StringDescriptor(wide=False, bound=bound):
+                return str if bound is None else t.bounded_str[bound]
+            case SequenceDescriptor(element=element, bound=None):
+                return t.sequence[self.type(element)]
+            case SequenceDescriptor(element=element, bound=bound):
+                return t.sequence[self.type(element), bound]
+            case ArrayDescriptor(element=element, dimensions=dimensions):
+                made = self.type(element)
+                for length in reversed(dimensions):
+                    made = t.array[made, length]
+                return made
+            case MapDescriptor(key=key, value=value):
+                return dict[self.type(key), self.type(value)]  # type: ignore[misc]
+            case LinkDescriptor():
+                raise _unsupported(descriptor, "it is part of itself")
+            case (
+                StructDescriptor()
+                | UnionDescriptor()
+                | EnumDescriptor()
+                | FlagsDescriptor()
+            ):
+                return self.named(descriptor)
+        raise _unsupported(descriptor, "cyclonedds does not have it")
+
+
+def _annotations(members: Any) -> dict[str, dict[str, Any]]:
+    found: dict[str, dict[str, Any]] = {}
+    for member in members:
+        entry: dict[str, Any] = {"id": member.id}
+        if member.key:
+            entry["key"] = True
+        if member.must_understand:
+            entry["must_understand"] = True
+        found[member.name] = entry
+    return found
+
+
+def _bitmask(python_name: str, name: str, members: Any, bound: int) -> Any:
+    made = idl.make_idl_bitmask(
+        python_name,
+        name,
+        [flag for flag, _ in members],
+        field_annotations={flag: {"position": place} for flag, place in members},
+    )
+    made.__idl_annotations__["bit_bound"] = bound
+    return made
+
+
+def _unsupported(what: Any, why: str) -> MediumError:
+    name = getattr(what, "name", None) or str(what)
+    return MediumError(f"{name} cannot be sent over DDS: {why}")
