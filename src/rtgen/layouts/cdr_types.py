@@ -144,6 +144,8 @@ class CdrTypes:
 
     def has_headers(self, type_: Type) -> bool:
         """Whether XCDR1 puts headers before members in the type: optional ones, mutable types'."""
+        if not self._headed:
+            return False
         found = self._have_headers.get(type_)
         if found is None:
             found = self._have_headers[type_] = any(

@@ -122,10 +122,9 @@ def _in_calls(
 
 def _in_types(types: Iterable[Type]) -> Iterator[ScopedName]:
     for type_ in types:
-        match type_:
-            case NamedType(name):
-                yield name
-            case SequenceType(element) | ArrayType(element):
-                yield from _in_types((element,))
-            case MapType(key, value):
-                yield from _in_types((key, value))
+        while isinstance(type_, SequenceType | ArrayType):
+            type_ = type_.element
+        if isinstance(type_, NamedType):
+            yield type_.name
+        elif isinstance(type_, MapType):
+            yield from _in_types((type_.key, type_.value))

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
-from typing import TypeAlias
 
 import msgspec
 
@@ -29,13 +28,10 @@ _OFF, _ON = "# fmt: off", "# fmt: on"
 _SWITCH = "# fmt: o"
 """The beginning of both."""
 _STEP = 4
-_CLOSING = {"(": ")", "[": "]", "{": "}"}
-_OPENING = {closing: opening for opening, closing in _CLOSING.items()}
-_TOKEN = re.compile(
-    r"""("(?:[^"\\]|\\.)*"|'(?:[^'\\]|\\.)*'|[()\[\]{}]|, ?| for | = |[^"'()\[\]{},\s]+|\s)"""
+_MARK = re.compile(
+    r""""(?:[^"\\]|\\.)*"|'(?:[^'\\]|\\.)*'|[()\[\]{}]|, ?| for | = | else """
 )
-
-
+_LONE_COLON = re.compile(r"""["'()\[\]{},\s]:\Z""")
 _LITERAL = re.compile(r''''(?:[^'\\]|\\.)*'|"(?:[^"\\]|\\.)*"''')
 
 
@@ -49,31 +45,24 @@ def _split(text: str, separator: str, most: int = -1) -> list[str]:
     return parts
 
 
-class _Group(msgspec.Struct, frozen=True):
-    """A bracket pair with its content, and its text on one line.
+class _Group(msgspec.Struct):
+    """A bracket pair of a statement.
 
+    `separators` are places between items: where one ends, and where the next begins.
     `comma`: the items are separated by commas, and a trailing one is legal.
     """
 
-    opening: str
-    items: tuple[_Part | _Line, ...]
-    closing: str
-    flat: str
+    start: int
     comma: bool = True
+    end: int = 0
+    separators: list[tuple[int, int]] = []
+    inner: list[_Group] = []
 
-
-class _Line(msgspec.Struct, frozen=True):
-    """A logical line, or an item of a group, made of parts."""
-
-    parts: tuple[_Part, ...]
-
-
-_Part: TypeAlias = str | _Group
-
-
-def _flat(parts: Iterable[_Part]) -> str:
-    """The text on one line, however long."""
-    return "".join([part if isinstance(part, str) else part.flat for part in parts])
+    def items(self) -> list[tuple[int, int]]:
+        """Where items begin and end; none of them is empty."""
+        begins = [self.start + 1, *[begin for _, begin in self.separators]]
+        ends = [*[end for end, _ in self.separators], self.end - 1]
+        return [(b, e) for b, e in zip(begins, ends, strict=True) if b < e]
 
 
 def fit(statement: str, indent: int = 0) -> str:
@@ -86,7 +75,7 @@ def fit(statement: str, indent: int = 0) -> str:
     text = statement
     if text.startswith("from ") and not text.endswith(")"):
         text = text.replace(" import ", " import (", 1) + ")"
-    opened = _open_statement(_parse(text), indent, text)
+    opened = _Statement(text).opened(indent)
     if opened is None:
         return f"{' ' * indent}{statement}{SKIPPED}"
     return "\n".join(opened)
@@ -119,29 +108,6 @@ def fit_text(text: str) -> str:
     return "\n".join(lines)
 
 
-def _open_statement(
-    parts: tuple[_Part, ...], indent: int, flat: str
-) -> list[str] | None:
-    sign = next((i for i, p in enumerate(parts) if p == " = "), None)
-    if sign is not None and "else" in parts[sign:]:
-        return _open_choice(parts[: sign + 1], parts[sign + 1 :], indent)
-    groups = [i for i, p in enumerate(parts) if isinstance(p, _Group) and p.items]
-    if not groups:
-        return None
-    if flat.startswith(("def ", "class ", "from ")):
-        return _with_result_wrapped(_open(parts, groups[0], indent, ""), indent)
-    if sign is not None and ", " in parts[:sign]:
-        targets = _Group("(", _at_commas(parts[:sign]), ")", f"({_flat(parts[:sign])})")
-        return _open((targets, *parts[sign:]), 0, indent, "")
-    head = indent + len(_flat(parts[: groups[-1]])) + 1
-    at_end = groups[-1] == len(parts) - 1 or parts[-1] == ":"
-    at_end |= flat.startswith("raise ")
-    needs_head = sign is not None or flat.startswith(("return ", "raise "))
-    if not at_end or (needs_head and head > WIDTH):
-        return None
-    return _open(parts, groups[-1], indent, "")
-
-
 def _with_result_wrapped(lines: list[str], indent: int) -> list[str]:
     """The last line of a `def` that is too long: its annotation in brackets, if that helps."""
     margin = " " * indent
@@ -163,46 +129,15 @@ def _with_result_wrapped(lines: list[str], indent: int) -> list[str]:
     return [*lines[:-1], f"{margin}) -> (", *inner, f"{margin}){ending}"]
 
 
-def _open_choice(
-    target: tuple[_Part, ...], value: tuple[_Part, ...], indent: int
-) -> list[str]:
+def _open_choice(target: str, value: str, indent: int) -> list[str]:
     """`target = (` a conditional expression `)`, the expression in three lines if need be."""
     margin = " " * (indent + _STEP)
-    text = _flat(value)
-    body = [margin + text]
+    body = [margin + value]
     if len(body[0]) > WIDTH:
-        chosen, rest = _split(text, " if ", 1)
+        chosen, rest = _split(value, " if ", 1)
         condition, other = _split(rest, " else ", 1)
         body = [margin + chosen, f"{margin}if {condition}", f"{margin}else {other}"]
-    head = _flat(target)
-    return [f"{' ' * indent}{head}(", *body, " " * indent + ")"]
-
-
-def _parts(item: _Part | _Line) -> tuple[_Part, ...]:
-    return item.parts if isinstance(item, _Line) else (item,)
-
-
-def _lines(parts: tuple[_Part, ...], indent: int, ending: str) -> list[str]:
-    """An item or the end of a statement as lines, `ending` after it."""
-    flat = " " * indent + _flat(parts) + ending
-    if len(flat) <= WIDTH:
-        return [flat]
-    groups = [i for i, p in enumerate(parts) if isinstance(p, _Group) and p.items]
-    if not groups:
-        return [flat]
-    return _open(parts, groups[-1], indent, ending)
-
-
-def _item(parts: tuple[_Part, ...], indent: int, ending: str) -> list[str]:
-    """An item of a group as lines."""
-    lines = _lines(parts, indent, ending)
-    if (
-        len(lines) > 1
-        or len(lines[0]) <= WIDTH
-        or any(isinstance(part, _Group) for part in parts)
-    ):
-        return lines
-    return _union(_flat(parts), indent, ending)
+    return [f"{' ' * indent}{target} = (", *body, " " * indent + ")"]
 
 
 def _union(text: str, indent: int, ending: str) -> list[str]:
@@ -222,60 +157,118 @@ def _union(text: str, indent: int, ending: str) -> list[str]:
     return [f"{margin}{name}: (", *body, f"{margin}){ending}"]
 
 
-def _open(parts: tuple[_Part, ...], index: int, indent: int, ending: str) -> list[str]:
-    """The parts as lines with the group of that index opened."""
-    group = parts[index]
-    assert isinstance(group, _Group)
-    lines = _lines((*parts[:index], group.opening), indent, "")
-    items, comma = group.items, ","
-    if not group.comma:
-        body = " ".join([_flat(_parts(item)) for item in items])
-        items = (body,) if indent + _STEP + len(body) <= WIDTH else items
-        comma = ""
-    for item in items:
-        lines.extend(_item(_parts(item), indent + _STEP, comma))
-    return lines + _lines((group.closing, *parts[index + 1 :]), indent, ending)
+class _Statement:
+    """A statement on one line, with the places of its brackets."""
 
+    def __init__(self, text: str) -> None:
+        self._text = text
+        self._sign = -1
+        """Where the first ` = ` outside of brackets stands, else -1."""
+        self._targets = False
+        """Whether there is a comma before the sign."""
+        self._choice = False
+        """Whether there is an `else` behind the sign."""
+        self._groups = self._outermost()
 
-def _at_commas(parts: tuple[_Part, ...]) -> tuple[_Line, ...]:
-    found: list[list[_Part]] = [[]]
-    for part in parts:
-        if part == ", ":
-            found.append([])
-        else:
-            found[-1].append(part)
-    return tuple(_Line(tuple(item)) for item in found)
+    def _outermost(self) -> list[_Group]:
+        outermost: list[_Group] = []
+        enclosing: list[_Group] = []
+        for found in _MARK.finditer(self._text):
+            mark = found[0]
+            if mark in "([{":
+                group = _Group(found.start())
+                (enclosing[-1].inner if enclosing else outermost).append(group)
+                enclosing.append(group)
+            elif mark in ")]}":
+                group = enclosing.pop()
+                group.end = found.end()
+                group.comma &= mark != "]" or bool(group.separators)
+            elif not enclosing:
+                self._outside(mark, found.start())
+            elif mark == " for ":
+                enclosing[-1].separators.append((found.start(), found.start() + 1))
+                enclosing[-1].comma = False
+            elif mark[0] == "," and enclosing[-1].comma:
+                enclosing[-1].separators.append(found.span())
+        return outermost
 
+    def _outside(self, mark: str, place: int) -> None:
+        """Note a mark outside of brackets."""
+        if mark == " = " and self._sign < 0:
+            self._sign = place
+        elif mark == " else ":
+            self._choice |= self._sign >= 0
+        elif mark == ", ":
+            self._targets |= self._sign < 0
 
-def _parse(text: str) -> tuple[_Part, ...]:
-    """The parts of a text: groups, and the tokens between them."""
-    levels: list[list[list[_Part]]] = [[[]]]
-    clauses: list[bool] = [False]
-    for token in _TOKEN.findall(text):
-        if token in _CLOSING:
-            levels.append([[]])
-            clauses.append(False)
-        elif token in _OPENING:
-            group = _group(token, levels.pop(), clauses.pop())
-            levels[-1][-1].append(group)
-        elif token == " for " and len(levels) > 1:
-            levels[-1].append(["for "])
-            clauses[-1] = True
-        elif token[0] == "," and len(levels) > 1 and not clauses[-1]:
-            levels[-1].append([])
-        else:
-            levels[-1][-1].append(token)
-    return tuple(levels[0][0])
+    def opened(self, indent: int) -> list[str] | None:
+        """The statement as lines with a bracket pair opened; None if there is none to open."""
+        text, sign = self._text, self._sign
+        if self._choice:
+            return _open_choice(text[:sign], text[sign + 3 :], indent)
+        groups = [group for group in self._groups if group.end - group.start > 2]
+        if not groups:
+            return None
+        if text.startswith(("def ", "class ", "from ")):
+            return _with_result_wrapped(self._whole(groups[0], indent), indent)
+        if self._targets and sign >= 0:
+            bracketed = _Statement(f"({text[:sign]}){text[sign:]}")
+            return bracketed._whole(bracketed._groups[0], indent)
+        last = groups[-1]
+        raises = text.startswith("raise ")
+        at_end = raises or last.end == len(text) or _LONE_COLON.search(text)
+        needs_head = raises or sign >= 0 or text.startswith("return ")
+        if not at_end or (needs_head and indent + last.start + 1 > WIDTH):
+            return None
+        return self._whole(last, indent)
 
+    def _whole(self, group: _Group, indent: int) -> list[str]:
+        """The statement as lines with the group opened."""
+        return self._open(group, self._groups, 0, len(self._text), indent, "")
 
-def _group(closing: str, items: list[list[_Part]], comprehension: bool) -> _Group:
-    opening = _OPENING[closing]
-    lines = tuple([_Line(tuple(item)) for item in items if item])
-    comma = not comprehension and (opening != "[" or len(lines) != 1)
-    inside = (", " if comma else " ").join([_flat(line.parts) for line in lines])
-    # A single item keeps its trailing comma on one line too, as a tuple needs it.
-    lone = "," if len(items) == 2 and not items[1] and len(lines) == 1 else ""
-    return _Group(opening, lines, closing, f"{opening}{inside}{lone}{closing}", comma)
+    def _open(
+        self,
+        group: _Group,
+        siblings: list[_Group],
+        begin: int,
+        end: int,
+        indent: int,
+        ending: str,
+    ) -> list[str]:
+        """The text between two places as lines with one of its groups opened, `ending` after it."""
+        lines = self._lines(siblings, begin, group.start + 1, indent, "")
+        items, inner, comma = group.items(), indent + _STEP, ","
+        if not group.comma:
+            comma = ""
+            if inner + group.end - group.start - 2 <= WIDTH:
+                items = [(group.start + 1, group.end - 1)]
+        margin, room = " " * inner, WIDTH - inner - len(comma)
+        for start, stop in items:
+            if stop - start <= room:
+                lines.append(f"{margin}{self._text[start:stop]}{comma}")
+            else:
+                lines += self._item(group.inner, start, stop, inner, comma)
+        return lines + self._lines(siblings, group.end - 1, end, indent, ending)
+
+    def _lines(
+        self, groups: list[_Group], begin: int, end: int, indent: int, ending: str
+    ) -> list[str]:
+        """An item, or the head or the end of a statement, as lines, `ending` after it."""
+        flat = " " * indent + self._text[begin:end] + ending
+        if len(flat) > WIDTH:
+            for group in reversed(groups):
+                full = group.end - group.start > 2
+                if full and begin <= group.start and group.end <= end:
+                    return self._open(group, groups, begin, end, indent, ending)
+        return [flat]
+
+    def _item(
+        self, groups: list[_Group], begin: int, end: int, indent: int, ending: str
+    ) -> list[str]:
+        """An item of a group that is too long for a line, as lines."""
+        if any(begin <= group.start < end for group in groups):
+            return self._lines(groups, begin, end, indent, ending)
+        return _union(self._text[begin:end], indent, ending)
 
 
 def header(

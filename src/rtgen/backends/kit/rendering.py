@@ -108,6 +108,8 @@ def _environment(suffix: str) -> Environment:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
+    # Templates use none of them, and each call of one would copy them.
+    environment.globals.clear()
     environment.filters |= {"length_text": _length_text, "join": language.join}
     environment.filters |= language.filters
     return environment

@@ -42,6 +42,8 @@ def quote(value: object) -> str:
 
 def string_literal(value: str) -> Python:
     """A string literal as black leaves it: double quotes unless that needs more escapes."""
+    if _is_plain(value):
+        return Python(f'"{value}"')
     body = repr(value + '"' + "'")[1:-4].replace("\\'", "'")
     if value.count('"') <= value.count("'"):
         return Python('"' + body.replace('"', '\\"') + '"')
@@ -60,6 +62,8 @@ def docstring(text: str, indent: int, otherwise: str = "") -> Python:
     """
     if not text:
         return docstring(otherwise, indent) if otherwise else _NOTHING
+    if _is_plain(text) and (line := text.strip()):
+        return Python(f'{" " * indent}"""{line}"""\n')
     lines = _escaped(text.expandtabs()).split("\n")
     body = "\n".join(line.rstrip() for line in lines).strip()
     if not body:
@@ -86,6 +90,13 @@ def in_docstring(text: str) -> Python:
 def comment_text(text: str) -> Python:
     """The text in one line, for a comment: control characters and line ends become spaces."""
     return Python(" ".join(_CONTROL.sub(" ", text).split()))
+
+
+def _is_plain(text: str) -> bool:
+    """Whether the text is one line in which nothing needs an escape; most texts are."""
+    return (
+        text.isascii() and text.isprintable() and '"' not in text and "\\" not in text
+    )
 
 
 def _escaped(text: str) -> str:
