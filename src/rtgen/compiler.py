@@ -12,6 +12,7 @@ from rtgen.backends import stage as backends
 from rtgen.diagnostics import has_errors, in_order
 from rtgen.frontends import FrontendResult, together
 from rtgen.frontends import stage as frontends
+from rtgen.frontends.kit.memo import Memo
 from rtgen.lowering import stage as lowering
 from rtgen.project import Project
 from rtgen.project.compilation import Compilation
@@ -23,14 +24,15 @@ def read(
     lowered: bool = False,
     also: Sequence[FrontendResult] = (),
     observer: frontends.Observer | None = None,
+    memo: Memo | None = None,
 ) -> FrontendResult:
     """The model of the project's definitions, and diagnostics.
 
     `lowered`: after all lowerings, as back ends take it; else after those whose results count as
     definitions. `also` are results of other readers, for the same model. `observer` is shown the
-    names of the definitions.
+    names of the definitions. `memo` has what runs before have read.
     """
-    settings = replace(project.reading, observer=observer)
+    settings = replace(project.reading, observer=observer, memo=memo)
     others = together([*also, *frontends.read(project.sources, settings)])
     of_idl = frontends.read_idl(
         project.sources,
@@ -49,7 +51,11 @@ def read(
 
 def compile_project(project: Project) -> Compilation:
     """The artifacts of the project's definitions, and of its systems if the target has any."""
-    result = read(project, lowered=True)
+    return emitted(project, read(project, lowered=True))
+
+
+def emitted(project: Project, result: FrontendResult) -> Compilation:
+    """The artifacts of a project's definitions, which are read and lowered, and its systems."""
     if project.emitted_systems:
         from rtgen.systems import reading
 

@@ -1,4 +1,7 @@
-"""The language server after random edits: alive, and its findings those of `rtgen lint`."""
+"""The language server after random edits: alive, its findings those of `rtgen lint` and `check`.
+
+The server keeps what it has read of files; lint and check read all again.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +17,7 @@ import seeds
 
 from rtgen import compiler, linting
 from rtgen.diagnostics import Diagnostic, InputError, in_order
-from rtgen.project import load
+from rtgen.project import behaviours, load
 
 sys.path.append(str(Path(__file__).parents[1] / "unit" / "language_server"))
 
@@ -43,6 +46,8 @@ PIECES = (
     *("{", "}", "(", ")", "[", "]", "<", ">", ";", ",", "::", ".", "=", '"', "'", "\n"),
     *("struct", "module", "sequence<long>", "Shapes::Point", "cell", "signature", "#"),
     *('#include "types.idl"\n', "/*", "*/", "//", "1", "-7", "0x2000", "[1017]\n", "\r"),
+    *('import("board.cdl");\n', 'import_C("types.h");\n', "#pragma once\n", "word_t"),
+    *('#include "drawing.idl"\n', '#include "BasicDataType.idl"\n', '@numeric("array") '),
     *("@unit", "\u00e9", "\U0001f916", "\x0c", "\u2028", "\t", "[node.right]\n", "$NODEID"),
 )  # fmt: skip
 ALL = Range(Position(0, 0), Position(10_000, 0))
@@ -81,14 +86,77 @@ def edited(draw: random.Random, text: str) -> tuple[int, int, str]:
     return start, start, text[other : other + draw.choice((4, 30, 120))]
 
 
-def linted(folder: Path) -> list[Diagnostic] | InputError:
-    """The findings of `rtgen lint` on the disk, or what is wrong with the settings."""
+def checked(folder: Path) -> list[Diagnostic] | InputError:
+    """The findings of `rtgen lint` and `check` on the disk, or what is wrong with the settings."""
     try:
         project = load(folder)
     except InputError as error:
         return error
-    found = [*linting.unknown_codes(project)]
-    return in_order(found or linting.findings(project, compiler.read(project)))
+    read = compiler.read(project)
+    found = [*linting.unknown_codes(project)] or linting.findings(project, read)
+    run = compiler.compile_project(project)
+    emitted = [*run.diagnostics]
+    if not run.failed:
+        emitted += behaviours.check(project, run.artifacts)
+    known = {*read.diagnostics, *found}
+    return in_order([*found, *(d for d in emitted if d not in known)])
+
+
+class Files:
+    """The files of a project: each is open in the editor, but for a header of C."""
+
+    def __init__(self, folder: Path, draw: random.Random) -> None:
+        files = {n: text for n, text in PROJECT.items() if n != "system_xml"}
+        files["more_cdl"] = 'import("board.cdl");\nimport_C("types.h");\n'
+        self.editor = Editor(folder, **files)
+        self.names = [*files, "rtgen_toml"]
+        self._draw = draw
+        self._header = self.editor.path("types_h")
+        self._header.write_text("typedef int word_t;\n")
+        for name in self.names:
+            self.editor.open(name)
+
+    def change(self) -> str:
+        """Change a file, or which files there are; the name of one that is open."""
+        kind = self._draw.randrange(40)
+        name = self._draw.choice(self.names)
+        if kind == 0:
+            word = self._draw.choice(("short", "long", "struct word"))
+            self._header.write_text(f"typedef {word} word_t;\n")
+            return name
+        if kind == 1 and len(self.names) < 12 and name != "rtgen_toml":
+            return self._copy(name)
+        if kind in (2, 3) and len(self.names) > 3 and name != "rtgen_toml":
+            other = self._copy(name) if kind == 3 else None
+            self._remove(name)
+            return other or self.names[0]
+        view = self.editor.view(name)
+        self.editor.replace(name, *edited(self._draw, view.text.source))
+        return name
+
+    def save(self) -> None:
+        """Write all files as they are in the editor."""
+        for each in self.names:
+            text = self.editor.view(each).text.source
+            self.editor.path(each).write_bytes(text.encode())
+
+    def _copy(self, name: str) -> str:
+        stem, _, suffix = name.rpartition("_")
+        new = f"{stem}{self._draw.randrange(10)}_{suffix}"
+        if new not in self.names:
+            text = self.editor.view(name).text.source
+            self.editor.path(new).write_bytes(text.encode())
+            self.names.append(new)
+            self.editor.workspace.forget_projects()
+            self.editor.open(new)
+        return new
+
+    def _remove(self, name: str) -> None:
+        self.names.remove(name)
+        uri = self.editor.view(name).document.uri
+        self.editor.workspace.documents.close(uri)
+        self.editor.path(name).unlink()
+        self.editor.workspace.forget_projects()
 
 
 @pytest.mark.parametrize("number", seeds.cases(SESSIONS))
@@ -97,17 +165,10 @@ def test_random_edits(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     draw = random.Random(number)
-    files = {name: text for name, text in PROJECT.items() if name != "system_xml"}
-    editor = Editor(tmp_path, **files)
-    names = [*files, "rtgen_toml"]
-    for name in names:
-        editor.open(name)
+    files = Files(tmp_path, draw)
+    editor = files.editor
     for edit in range(1, EDITS + 1):
-        name = draw.choice(names)
-        view = editor.view(name)
-        start, end, new = edited(draw, view.text.source)
-        editor.replace(name, start, end, new)
-        view = editor.view(name)
+        view = editor.view(files.change())
         offset = draw.randrange(len(view.text.source) + 1)
         position = view.range(offset, offset).start
         for feature in draw.sample(FEATURES, 5):
@@ -120,10 +181,8 @@ def test_random_edits(
         )  # of the project, which a file may have left
         if edit % 10:
             continue
-        for each in names:
-            text = editor.view(each).text.source
-            editor.path(each).write_bytes(text.encode())
-        wanted = linted(tmp_path)
+        files.save()
+        wanted = checked(tmp_path)
         if isinstance(
             wanted, InputError
         ):  # the files are read by the settings of before

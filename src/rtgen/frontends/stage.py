@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Protocol, TypeAlias
 
@@ -12,13 +13,14 @@ from msgspec.structs import replace
 from rtgen import plugins, stages
 from rtgen.facts.ros import INTERFACE_SUFFIXES
 from rtgen.frontends import FrontendResult, together
-from rtgen.frontends.kit.library import VirtualFile
+from rtgen.frontends.kit.library import VirtualFile, absolute_path
 from rtgen.model import Model
 
 if TYPE_CHECKING:
     from rtgen.frontends.cdl.names.table import Table
     from rtgen.frontends.cdl.syntax.unit import Unit as CdlUnit
     from rtgen.frontends.idl.names.tables import Tables
+    from rtgen.frontends.kit.memo import Memo
 
 
 class Observer(Protocol):
@@ -39,6 +41,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True):
     `define` are macros. `kcode` is the encoding of CDL files; with `prelude` they know the scalar
     types of TOPPERS kernels. `node_id` is the node that devices are read for. `plugins` has the
     table `[plugin.NAME]` of rtgen.toml for each name. `observer` is shown the resolved names.
+    `memo` has results of runs before, which are used where no file has changed.
     """
 
     root: Path
@@ -51,41 +54,73 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True):
     node_id: int | None = None
     plugins: Mapping[str, Mapping[str, Any]] = msgspec.field(default_factory=dict)
     observer: Observer | None = None
+    memo: Memo | None = None
 
 
 Read: TypeAlias = Callable[[Sequence[Path], Settings], FrontendResult]
 
 
+def _each(
+    paths: Sequence[Path],
+    settings: Settings,
+    load: Callable[[Path], FrontendResult],
+    *given: Hashable,
+    fits: Callable[[FrontendResult], bool] = lambda _: True,
+) -> FrontendResult:
+    """The files, none of which depends on another one that is read.
+
+    A result depends on the files that it lists, and on `given`; it is kept if it `fits`.
+    """
+    distinct: dict[str, Path] = {}
+    for path in paths:
+        distinct.setdefault(absolute_path(path), path)
+    found = []
+    for path in distinct.values():
+        if settings.memo is None:
+            found.append(load(path))
+            continue
+        key = (load.__qualname__, str(Path.cwd()), settings.root, path, *given)
+        found.append(settings.memo.read(key, partial(load, path), fits))
+    return together(found)
+
+
+def _is_found(result: FrontendResult) -> bool:
+    """Whether no file is missing, of which a hint may say what else is in its folder."""
+    return all(each.sha256 is not None for each in result.dependencies)
+
+
 def _profiles(paths: Sequence[Path], settings: Settings) -> FrontendResult:
     from rtgen.frontends import rtc_profile
 
-    return rtc_profile.load(paths, root=settings.root, include=settings.include)
+    def profile(path: Path) -> FrontendResult:
+        return rtc_profile.load([path], root=settings.root, include=settings.include)
+
+    return _each(paths, settings, profile, settings.include)
 
 
 def _devices(paths: Sequence[Path], settings: Settings) -> FrontendResult:
     from rtgen.frontends import eds
 
-    return eds.load(paths, root=settings.root, node_id=settings.node_id)
+    def device(path: Path) -> FrontendResult:
+        return eds.load([path], root=settings.root, node_id=settings.node_id)
+
+    return _each(paths, settings, device, settings.node_id, fits=_is_found)
 
 
 def _buses(paths: Sequence[Path], settings: Settings) -> FrontendResult:
     from rtgen.frontends import bus
 
-    found = []
-    for path in paths:
+    def network(path: Path) -> FrontendResult:
         stages.file(path.as_posix())
-        found.append(bus.load(path, root=settings.root))
-    return together(
-        [
-            FrontendResult(
-                Model(buses=() if each.bus is None else (each.bus,)),
-                each.diagnostics,
-                each.sources,
-                each.dependencies,
-            )
-            for each in found
-        ]
-    )
+        found = bus.load(path, root=settings.root)
+        return FrontendResult(
+            Model(buses=() if found.bus is None else (found.bus,)),
+            found.diagnostics,
+            found.sources,
+            found.dependencies,
+        )
+
+    return _each(paths, settings, network, fits=_is_found)
 
 
 def _boards(paths: Sequence[Path], settings: Settings) -> FrontendResult:
@@ -99,6 +134,7 @@ def _boards(paths: Sequence[Path], settings: Settings) -> FrontendResult:
         kcode=settings.kcode,
         prelude=settings.prelude,
         observe=None if settings.observer is None else settings.observer.cdl,
+        memo=settings.memo,
     )
 
 
@@ -176,6 +212,7 @@ def read_idl(
             ignore_case_clashes=settings.ignore_case_clashes,
             virtual=virtual,
             observe=None if settings.observer is None else settings.observer.idl,
+            memo=settings.memo,
         )
     shipped = library.dependencies(found.model.files)
     return replace(found, dependencies=(*found.dependencies, *shipped))

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
-from msgspec.structs import replace
+import msgspec
 
-from rtgen import compiler, linting
+from rtgen import compiler, linting, stages
 from rtgen.diagnostics import (
     Diagnostic,
     InputError,
@@ -22,6 +22,7 @@ from rtgen.frontends import FrontendResult
 from rtgen.frontends.cdl.names.table import Table
 from rtgen.frontends.cdl.syntax.unit import Unit as CdlUnit
 from rtgen.frontends.idl.names.tables import Tables
+from rtgen.frontends.kit.memo import Memo
 from rtgen.language_server.documents import Snapshot
 from rtgen.language_server.indexing.cdl import CdlNames
 from rtgen.language_server.indexing.devices import BusNames, add_device
@@ -32,7 +33,7 @@ from rtgen.language_server.indexing.project_file import add_project_file
 from rtgen.language_server.text import Text
 from rtgen.linting import unknown_codes
 from rtgen.model import Model
-from rtgen.project import Project, shown
+from rtgen.project import AVAILABLE_TARGETS, Project, behaviours, shown
 from rtgen.systems import reading
 
 _MOST_OF_SETTINGS = 1024 * 1024
@@ -45,37 +46,64 @@ class SupersededError(Exception):
 
 @dataclass(frozen=True, eq=False)
 class Analysis:
-    """What is known of a project: `texts` by displayed path are those that it is known of."""
+    """What is known of a project: `texts` by displayed path are those that it is known of.
+
+    `findings` are those of `rtgen lint` and of systems, `reading` those of front ends alone;
+    `emitting` are those of lowerings, back ends and behaviours, as `rtgen check` has them beside
+    these. As long as back ends have not run, `complete` are the definitions that they take.
+    """
 
     project: Project
     model: Model
     findings: tuple[Diagnostic, ...]
     texts: Mapping[str, Text]
     index: Index
+    reading: frozenset[Diagnostic] = frozenset()
+    complete: FrontendResult | None = None
+    emitting: tuple[Diagnostic, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class _Stages:
+    """Ends an analysis that is superseded at the next stage, or the next file of one."""
+
+    is_superseded: Callable[[], bool]
+
+    def begin(self, _: str) -> None:
+        self._go_on()
+
+    def end(self) -> None:
+        pass
+
+    def file(self, _: str) -> None:
+        self._go_on()
+
+    def note(self, _: str) -> None:
+        pass
+
+    def _go_on(self) -> None:
+        if self.is_superseded():
+            raise SupersededError
 
 
 class _Names:
-    """Collects the names that front ends resolve. Raises SupersededError between units."""
+    """Collects the names that front ends resolve."""
 
-    def __init__(self, collector: Collector, is_superseded: Callable[[], bool]) -> None:
+    def __init__(self, collector: Collector) -> None:
         self._idl = IdlNames(collector)
         self._cdl = CdlNames(collector)
-        self._is_superseded = is_superseded
 
     def idl(self, tables: Tables) -> None:
-        if self._is_superseded():
-            raise SupersededError
         self._idl.add(tables)
 
     def cdl(self, table: Table, units: Sequence[CdlUnit]) -> None:
-        if self._is_superseded():
-            raise SupersededError
         self._cdl.add(table, units)
 
 
 def analyse(
     project: Project,
     snapshot: Snapshot,
+    memo: Memo,
     *,
     whole: bool = True,
     before: Analysis | None = None,
@@ -83,17 +111,22 @@ def analyse(
 ) -> Analysis:
     """Analyse a project with the documents of a snapshot in place of files on the disk.
 
-    `whole`: the files are all of the project. Files that cannot be read now keep their names of
-    `before`. Raises SupersededError when `is_superseded`.
+    `memo` has what analyses before have read. `whole`: the files are all of the project. Files
+    that cannot be read now keep their names of `before`. Raises SupersededError when
+    `is_superseded`.
     """
     collector = Collector()
-    names = _Names(collector, is_superseded)
-    with overlaid(snapshot.contents):
-        result = compiler.read(project, observer=names)
+    with overlaid(snapshot.contents), stages.observed(_Stages(is_superseded)):
+        memo.begin()
+        names = _Names(collector)
+        result = compiler.read(project, observer=names, memo=memo)
         findings = [*unknown_codes(project)]
         if not has_errors(findings):
             findings = linting.findings(project, result, whole=whole)
-        result = _with_systems(project, result, findings)
+        complete = None
+        if not has_errors(result.diagnostics):
+            complete = compiler.read(project, lowered=True, memo=memo)
+        result = _with_systems(project, result, complete, findings, memo)
         texts = _texts(project, result, before, snapshot)
         _add_unread(collector, texts)
     _add_others(collector, project, result.model, texts)
@@ -107,26 +140,64 @@ def analyse(
         tuple(in_order(findings)),
         texts,
         Index(files.values()),
+        frozenset(result.diagnostics),
+        complete,
     )
 
 
+def emitted(
+    analysis: Analysis,
+    snapshot: Snapshot,
+    *,
+    is_superseded: Callable[[], bool] = lambda: False,
+) -> Analysis:
+    """The analysis with the findings of the back ends.
+
+    Raises SupersededError when `is_superseded`.
+    """
+    project, complete = analysis.project, analysis.complete
+    if complete is None:
+        return analysis
+    if project.target not in AVAILABLE_TARGETS:
+        return replace(analysis, complete=None, emitting=())
+    with overlaid(snapshot.contents), stages.observed(_Stages(is_superseded)):
+        compilation = compiler.emitted(project, complete)
+        found = list(compilation.diagnostics)
+        if not compilation.failed:
+            found += behaviours.check(project, compilation.artifacts)
+    known = analysis.reading.union(analysis.findings)
+    emitting = tuple(d for d in in_order(found) if d not in known)
+    return replace(analysis, complete=None, emitting=emitting)
+
+
 def _with_systems(
-    project: Project, result: FrontendResult, findings: list[Diagnostic]
+    project: Project,
+    result: FrontendResult,
+    complete: FrontendResult | None,
+    findings: list[Diagnostic],
+    memo: Memo,
 ) -> FrontendResult:
     """The result with the project's systems, whose findings are added."""
     if not project.systems:
         return result
-    found = reading.read(project.systems, root=project.root, output=project.output)
-    definitions = result
-    if found.systems and not has_errors(result.diagnostics):
-        definitions = compiler.read(project, lowered=True)
-    _, more = reading.against(found.systems, definitions)
-    findings += [*found.diagnostics, *more]
-    return replace(
+    read = [_system(project, path, memo) for path in project.systems]
+    systems = [system for each in read for system in each.systems]
+    _, more = reading.against(systems, complete or result)
+    findings += [*(d for each in read for d in each.diagnostics), *more]
+    sources = {name: text for each in read for name, text in each.sources.items()}
+    return msgspec.structs.replace(
         result,
-        model=replace(result.model, systems=tuple(found.systems)),
-        sources={**result.sources, **found.sources},
+        model=msgspec.structs.replace(result.model, systems=tuple(systems)),
+        sources={**result.sources, **sources},
     )
+
+
+def _system(project: Project, path: Path, memo: Memo) -> reading.Systems:
+    def make() -> reading.Systems:
+        return reading.read([path], root=project.root, output=project.output)
+
+    key = ("system", str(Path.cwd()), project.root, project.output, path)
+    return memo.read(key, make, lambda read: read.dependencies[0].sha256 is not None)
 
 
 def _texts(

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import asyncio
+import gc
 import logging
 import time
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import suppress
 from typing import Any, TypeVar
 
 import msgspec
@@ -15,7 +17,6 @@ from pygls.exceptions import JsonRpcException
 from pygls.lsp.server import LanguageServer
 from pygls.protocol import LanguageServerProtocol, lsp_method
 
-from rtgen.diagnostics import Diagnostic
 from rtgen.facts.version import __version__
 from rtgen.language_server.analysis import SupersededError
 from rtgen.language_server.documents import Document, uri_of
@@ -31,11 +32,13 @@ from rtgen.language_server.features.references import highlights, references
 from rtgen.language_server.features.rename import RenameError, prepared, renamed
 from rtgen.language_server.features.semantic_tokens import LEGEND, semantic_tokens
 from rtgen.language_server.features.symbols import document_symbols, workspace_symbols
-from rtgen.language_server.workspace import ProjectKey, View, Workspace
+from rtgen.language_server.workspace import Findings, ProjectKey, View, Workspace
 
 DEBOUNCE = 0.15
 """Seconds without an edit before a project is analysed, or as long as its last analysis took."""
 LONGEST_DEBOUNCE = 1.0
+IDLE = 0.5
+"""Seconds without an edit after an analysis before the back ends run."""
 
 _WATCHED = ("idl", "inc", "cdl", "cde", "h", "eds", "dcf", "toml", "xml", "yaml", "yml")
 
@@ -113,42 +116,61 @@ class Server(LanguageServer):
         self._timers[key] = loop.call_later(delay, self._start, key)
 
     def _start(self, key: ProjectKey) -> None:
-        number = self._wanted[key]
-        versions = {d.path: d.version for d in self.files.documents.all}
-        loop = asyncio.get_running_loop()
+        def done(findings: Findings | None) -> None:
+            self._took[key] = time.monotonic() - begun
+            if findings is not None:
+                self.publish(key, findings, versions)
+            self._timers[key] = asyncio.get_running_loop().call_later(
+                IDLE, self._emit, key
+            )
+
+        versions = self._versions()
         begun = time.monotonic()
+        self._run(key, self.files.analyse, done)
+
+    def _emit(self, key: ProjectKey) -> None:
+        def done(findings: Findings | None) -> None:
+            if findings is not None:
+                self.publish(key, findings, versions)
+            _collect()
+
+        versions = self._versions()
+        self._run(key, self.files.emit, done)
+
+    def _versions(self) -> dict[str, int]:
+        return {d.path: d.version for d in self.files.documents.all}
+
+    def _run(
+        self,
+        key: ProjectKey,
+        work: Callable[[ProjectKey, Callable[[], bool]], Findings | None],
+        done: Callable[[Findings | None], None],
+    ) -> None:
+        """Work on a project in the thread; `done` follows unless an edit has come meanwhile."""
+        number = self._wanted[key]
+        loop = asyncio.get_running_loop()
 
         def is_superseded() -> bool:
             return self._wanted[key] != number
 
-        def done(future: Future[dict[str, list[Diagnostic]]]) -> None:
-            self._took[key] = time.monotonic() - begun
-            loop.call_soon_threadsafe(self._analysed, key, number, versions, future)
-
-        self._thread.submit(self.files.analyse, key, is_superseded).add_done_callback(
-            done
-        )
-
-    def _analysed(
-        self,
-        key: ProjectKey,
-        number: int,
-        versions: dict[str, int],
-        future: Future[dict[str, list[Diagnostic]]],
-    ) -> None:
-        error = future.exception()
-        if error is not None:
-            if not isinstance(error, SupersededError):
+        def finished(future: Future[Findings | None]) -> None:
+            error = future.exception()
+            if error is None:
+                if not is_superseded():
+                    done(future.result())
+            elif not isinstance(error, SupersededError):
                 _log.error("analysis: %s: %s", type(error).__name__, error)
-            return
-        if self._wanted[key] != number:
-            return
-        self.publish(key, future.result(), versions)
+
+        def hand_over(future: Future[Findings | None]) -> None:
+            with suppress(RuntimeError):  # the server has ended meanwhile
+                loop.call_soon_threadsafe(finished, future)
+
+        self._thread.submit(work, key, is_superseded).add_done_callback(hand_over)
 
     def publish(
         self,
         key: ProjectKey,
-        findings: dict[str, list[Diagnostic]],
+        findings: Findings,
         versions: dict[str, int],
     ) -> None:
         """Publish the findings of a project; files that have none any more are cleared."""
@@ -193,6 +215,16 @@ class Server(LanguageServer):
     def view(self, document: types.TextDocumentIdentifier) -> View | None:
         """What is known of a document that a request names."""
         return self.files.view(document.uri)
+
+
+def _collect() -> None:
+    """Free what older analyses have left, and keep the rest out of automatic collections.
+
+    These would go through all trees, and hold up a request for a tenth of a second.
+    """
+    gc.unfreeze()
+    gc.collect()
+    gc.freeze()
 
 
 def make_server(debounce: float = DEBOUNCE) -> Server:

@@ -3,17 +3,26 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
+from typing import TypeAlias
 
+import msgspec
 from lsprotocol.types import Location, Position, Range
 
 from rtgen.diagnostics import Diagnostic, InputError, Span, ToolError
 from rtgen.files import absolute_path, overlaid
-from rtgen.language_server.analysis import Analysis, analyse, problems_of
-from rtgen.language_server.documents import Document, Documents, Language, uri_of
+from rtgen.frontends.kit.memo import Memo
+from rtgen.language_server.analysis import Analysis, analyse, emitted, problems_of
+from rtgen.language_server.documents import (
+    Document,
+    Documents,
+    Language,
+    Snapshot,
+    uri_of,
+)
 from rtgen.language_server.indexing.index import (
     Definition,
     FileIndex,
@@ -35,11 +44,17 @@ class ProjectKey:
 
 @dataclass(slots=True)
 class _State:
-    """The last analysis of a project, and what is wrong with its settings."""
+    """The last analysis of a project, of which texts, and what is wrong with its settings."""
 
     analysis: Analysis | None = None
     problems: tuple[Diagnostic, ...] = ()
     project: Project | None = None
+    snapshot: Snapshot | None = None
+    memo: Memo = field(default_factory=Memo)
+
+
+Findings: TypeAlias = dict[str, list[Diagnostic]]
+"""The findings of a project by absolute path."""
 
 
 class Workspace:
@@ -99,33 +114,81 @@ class Workspace:
 
     def analyse(
         self, key: ProjectKey, is_superseded: Callable[[], bool] = lambda: False
-    ) -> dict[str, list[Diagnostic]]:
+    ) -> Findings:
         """Analyse a project with the texts of now; its findings by absolute path.
 
+        Those of back ends are the last ones, at their places of now, until `emit` renews them.
         Raises SupersededError when `is_superseded`.
         """
         snapshot = self.documents.snapshot()
         with self._lock:
             state = self._states.setdefault(key, _State())
+        state.snapshot = snapshot
         with overlaid(snapshot.contents):
             try:
                 state.project = _loaded(key)
                 state.problems = ()
             except (InputError, ToolError) as error:
                 state.problems = problems_of(error)
-        found: list[Diagnostic] = list(state.problems)
-        if state.project is not None:
-            before = state.analysis
+        if state.project is None:
+            return self._by_file(key, state.problems)
+        before = state.analysis
+        try:
             made = analyse(
                 state.project,
                 snapshot,
+                state.memo,
                 whole=not key.file,
                 before=before,
                 is_superseded=is_superseded,
             )
-            state.analysis = made
-            found += made.findings
-        by_file: dict[str, list[Diagnostic]] = {}
+        except ToolError as error:
+            return self._by_file(key, (*state.problems, *problems_of(error)))
+        if made.complete is not None and before is not None:
+            kept = (self._moved(found, before) for found in before.emitting)
+            made = replace(made, emitting=tuple(d for d in kept if d is not None))
+        state.analysis = made
+        return self._by_file(key, (*state.problems, *made.findings, *made.emitting))
+
+    def emit(
+        self, key: ProjectKey, is_superseded: Callable[[], bool] = lambda: False
+    ) -> Findings | None:
+        """Run the back ends on the last analysis: all findings, None if they are the same.
+
+        Raises SupersededError when `is_superseded`.
+        """
+        with self._lock:
+            state = self._states.get(key)
+        if state is None or state.analysis is None or state.snapshot is None:
+            return None
+        last = state.analysis
+        try:
+            made = emitted(last, state.snapshot, is_superseded=is_superseded)
+        except ToolError as error:
+            made = replace(last, complete=None, emitting=problems_of(error))
+        state.analysis = made
+        if made.emitting == last.emitting:
+            return None
+        return self._by_file(key, (*state.problems, *made.findings, *made.emitting))
+
+    def _moved(self, finding: Diagnostic, analysis: Analysis) -> Diagnostic | None:
+        """A finding of an analysis at its place of now; None if the place was edited."""
+        span = finding.span
+        if span is None:
+            return finding
+        document = self.documents.at(absolute_path(span.file))
+        text = analysis.texts.get(span.file)
+        if document is None or text is None:
+            return finding
+        place = document.shift_from(text).forward(*text.offsets(span))
+        if place is None:
+            return None
+        return msgspec.structs.replace(
+            finding, span=document.text.span(span.file, *place)
+        )
+
+    def _by_file(self, key: ProjectKey, found: Iterable[Diagnostic]) -> Findings:
+        by_file: Findings = {}
         for document in self.documents.all:
             if self.key_of(document.path) == key:
                 by_file[document.path] = []

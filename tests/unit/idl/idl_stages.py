@@ -28,10 +28,9 @@ def source(text: str) -> Source:
 
 def preprocessed(text: str) -> tuple[Unit, Messages]:
     """The unit, and the messages of the preprocessor."""
-    found: list[Diagnostic] = []
-    preprocessor = Preprocessor(Library(Path(), []), found.append)
+    preprocessor = Preprocessor(Library(Path(), []))
     unit = preprocessor.translation_unit(source(text), predefined({}))
-    return unit, [diagnostic.message for diagnostic in found]
+    return unit, [diagnostic.message for diagnostic in unit.findings.diagnostics]
 
 
 def parsed(text: str) -> tuple[Unit, tuple[tree.Item, ...], Messages]:

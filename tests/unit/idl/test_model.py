@@ -248,6 +248,20 @@ def test_names_outside_the_working_folder_are_only_inputs(tmp_path: Path) -> Non
     assert [file.key for file in result.model.files] == ["outside.idl", "main.idl"]
 
 
+def test_what_a_file_includes_does_not_depend_on_other_units(tmp_path: Path) -> None:
+    (tmp_path / "inner.idl").write_text("#pragma once\nstruct Inner { long a; };\n")
+    (tmp_path / "outer.idl").write_text(
+        '#pragma once\n#include "inner.idl"\nstruct Outer { Inner part; };\n'
+    )
+    # In the first unit the inner file is read before the outer one includes it.
+    (tmp_path / "first.idl").write_text('#include "inner.idl"\n#include "outer.idl"\n')
+    (tmp_path / "second.idl").write_text(
+        '#include "outer.idl"\nstruct Both { Inner one; Outer two; };\n'
+    )
+    paths = [tmp_path / "first.idl", tmp_path / "second.idl"]
+    assert not load(paths, root=tmp_path).diagnostics
+
+
 def test_a_file_without_guard_is_read_once(tmp_path: Path) -> None:
     result = read(
         tmp_path,

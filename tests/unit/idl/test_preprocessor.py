@@ -4,7 +4,6 @@ from pathlib import Path
 
 import pytest
 
-from rtgen.diagnostics import Diagnostic
 from rtgen.frontends.idl.text import conditions
 from rtgen.frontends.idl.text.macros import Expander, ExpansionError, define, tokenize
 from rtgen.frontends.idl.text.predefined import predefined
@@ -17,11 +16,10 @@ def unit_of(folder: Path, text: str) -> Unit:
     path = folder / "input.idl"
     path.write_text(text, encoding="utf-8")
     library = Library(folder, [])
-    found: list[Diagnostic] = []
     source = library.open(path)
     assert source is not None
-    unit = Preprocessor(library, found.append).translation_unit(source, predefined({}))
-    assert found == []
+    unit = Preprocessor(library).translation_unit(source, predefined({}))
+    assert unit.findings.diagnostics == ()
     return unit
 
 

@@ -48,6 +48,7 @@ class Editor:
         """Analyse the project of a file; its findings by the names of files."""
         key = self.workspace.key_of(str(self.path(name)))
         found = self.workspace.analyse(key)
+        found = self.workspace.emit(key) or found
         return {Path(path).name: each for path, each in found.items()}
 
     def analysed(self, name: str) -> View:

@@ -105,6 +105,72 @@ def test_faulty_settings_leave_what_was_known(editor: Editor) -> None:
     assert editor.findings("rtgen_toml")["rtgen.toml"] == []
 
 
+def test_findings_of_back_ends(editor: Editor) -> None:
+    def lines(found: list[Diagnostic]) -> list[int]:
+        spans = [d.span for d in found if d.code == "NUM0001"]
+        return [span.line for span in spans if span is not None]
+
+    path = str(editor.path("types_idl"))
+    faulty = '@numeric("list") octet quality'
+    editor.open("types_idl", PROJECT["types_idl"].replace("octet quality", faulty))
+    [line] = lines(editor.findings("types_idl")["types.idl"])
+    # Until the back ends run again, the finding moves with the text.
+    editor.edit("types_idl", "^^module Shapes", "// One more line.\n")
+    key = editor.workspace.key_of(path)
+    assert lines(editor.workspace.analyse(key)[path]) == [line + 1]
+    assert editor.workspace.emit(key) is None
+    editor.edit("types_idl", '^@numeric("list") ^octet', "")
+    assert lines(editor.findings("types_idl")["types.idl"]) == []
+
+
+def test_findings_of_behaviours(editor: Editor) -> None:
+    folder = editor.folder / "src"
+    folder.mkdir()
+    (folder / "painter.py").write_text(
+        "from robots.components.painter import PainterBase\n\n\n"
+        "class Painter(PainterBase):\n"
+        "    def on_execute(self) -> None:\n"
+        "        self.wherre.read()\n"
+    )
+    editor.open("types_idl")
+    [found] = editor.findings("types_idl")["painter.py"]
+    assert found.hint == "did you mean where?"
+
+
+@pytest.mark.parametrize(
+    ("edited", "expected"),
+    [
+        ("types_idl", {"types.idl", "drawing.idl"}),
+        ("drawing_idl", {"drawing.idl"}),
+        ("board_cdl", {"board.cdl"}),
+        ("drive_eds", {"drive.eds", "bus.toml"}),
+        ("bus_toml", {"bus.toml", "drive.eds"}),
+        ("rtgen_toml", set[str]()),
+    ],
+)
+def test_an_edit_reads_what_depends_on_it(
+    editor: Editor, edited: str, expected: set[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    editor.open("types_idl")
+    text = editor.path(edited).read_text()
+    comment = "//" if edited.endswith(("idl", "cdl")) else ";"
+    comment = "#" if edited.endswith("toml") else comment
+    read = set[str]()
+
+    def file(name: str) -> None:
+        read.add(Path(name).name)
+
+    monkeypatch.setattr("rtgen.stages.file", file)
+    editor.workspace.documents.open(
+        editor.path(edited).as_uri(), 1, f"{text}{comment} edited\n"
+    )
+    key = editor.workspace.key_of(str(editor.path("types_idl")))
+    editor.workspace.analyse(key)
+    assert {name for name in read if (editor.folder / "specs" / name).exists()} == (
+        expected
+    )
+
+
 def test_findings_of_a_system(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     editor = Editor(tmp_path, **PROJECT)

@@ -7,9 +7,11 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
+import msgspec
+
 from rtgen import stages
 from rtgen.diagnostics import Diagnostic, in_order
-from rtgen.frontends import FrontendResult
+from rtgen.frontends import Dependency, FrontendResult
 from rtgen.frontends.cdl.c_headers.file import HeaderFile
 from rtgen.frontends.cdl.names.table import Table
 from rtgen.frontends.cdl.passes import prelude as kernel
@@ -22,6 +24,7 @@ from rtgen.frontends.cdl.text.source import Source
 from rtgen.frontends.kit.findings import Findings
 from rtgen.frontends.kit.library import Library, absolute_path
 from rtgen.frontends.kit.main_files import open_main
+from rtgen.frontends.kit.memo import Memo
 from rtgen.model import Model, SourceFile
 from rtgen.model.tecs import TecsUnit
 
@@ -38,6 +41,7 @@ def load(
     kcode: str = "auto",
     prelude: bool = True,
     observe: Callable[[Table, Sequence[Unit]], None] | None = None,
+    memo: Memo | None = None,
 ) -> FrontendResult:
     """Read CDL files, each with its imports, into one unit of the model each.
 
@@ -45,13 +49,14 @@ def load(
     folders that are searched for imports; `define` gives macros of C headers; `kcode` is the
     encoding (`auto`, `euc`, `sjis`, `utf8`, `none`); with `prelude` the kernel's scalar types are
     known without an import. `observe` is called with the symbols and the files of each
-    unit. All errors of the input are in the diagnostics, sorted;
-    nothing is raised for it. Declarations with an error are not in the model.
+    unit; units whose files have not changed are taken from `memo`. All errors of the input are
+    in the diagnostics, sorted; nothing is raised for it. Declarations with an error are not in
+    the model.
     """
     limit = sys.getrecursionlimit()
     sys.setrecursionlimit(max(limit, _FRAMES))
     try:
-        run = _Run(paths, root, include, define or {}, kcode, prelude, observe)
+        run = _Run(paths, root, include, define or {}, kcode, prelude, observe, memo)
         return run.result()
     finally:
         sys.setrecursionlimit(limit)
@@ -66,10 +71,23 @@ def read_text(
     limit = sys.getrecursionlimit()
     sys.setrecursionlimit(max(limit, _FRAMES))
     try:
-        unit = run.unit(source)
+        unit = run.read(source)
     finally:
         sys.setrecursionlimit(limit)
-    return unit, tuple(in_order(run.found.diagnostics))
+    return unit.model, tuple(in_order(unit.findings))
+
+
+class _Read(msgspec.Struct, frozen=True, eq=False):
+    """A main file with its imports as read, and all that this depends on."""
+
+    source: Source
+    model: TecsUnit
+    table: Table
+    units: tuple[Unit, ...]
+    sources: tuple[Source, ...]
+    headers: tuple[HeaderFile, ...]
+    findings: tuple[Diagnostic, ...]
+    dependencies: tuple[Dependency, ...]
 
 
 class _Run:
@@ -82,6 +100,7 @@ class _Run:
         kcode: str,
         with_prelude: bool,
         observe: Callable[[Table, Sequence[Unit]], None] | None = None,
+        memo: Memo | None = None,
     ) -> None:
         def make(name: str, key: str, path: Path, data: bytes | None) -> Source:
             return Source(name, key, path, data, kcode)
@@ -93,24 +112,61 @@ class _Run:
         self._define = define
         self._with_prelude = with_prelude
         self._observe = observe
-        self.found = Findings(files.TOO_MANY)
-        self._report = self.found.report
+        self._memo = memo
+        self._key = (
+            *("CDL", str(Path.cwd()), str(root), *map(str, include)),
+            *(tuple(define.items()), kcode, with_prelude, tuple(self._shown.items())),
+        )
+        self._found = Findings(files.TOO_MANY)
+        self._report = self._found.report
         self._files: dict[str, SourceFile] = {}
+        self._sources: dict[str, str] = {}
+        self._dependencies: dict[Path, Dependency] = {}
 
     def result(self) -> FrontendResult:
-        sources = [s for s in map(self._open, self._paths) if s is not None]
-        self._check_stems(sources)
-        units = [self.unit(source) for source in sources]
-        for header in self._headers.sources:
+        mains = [each for each in map(self._main, self._paths) if each is not None]
+        self._check_stems([e.source if isinstance(e, _Read) else e for e in mains])
+        read = [e if isinstance(e, _Read) else self._kept(e) for e in mains]
+        for each in read:
+            self._merge(each)
+        for header in dict.fromkeys(h for each in read for h in each.headers):
             self._files[header.name] = SourceFile(
                 name=header.name, key=header.key, sha256=header.sha256, main=False
             )
+        for library in (self._library, self._headers):
+            for dependency in library.dependencies:
+                self._dependencies.setdefault(dependency.path, dependency)
         return FrontendResult(
-            model=Model(tuple(self._files.values()), (), (), tuple(units)),
-            diagnostics=tuple(in_order(self.found.diagnostics)),
-            sources={source.name: source.text for source in self._library.sources},
-            dependencies=(*self._library.dependencies, *self._headers.dependencies),
+            model=Model(
+                tuple(self._files.values()), (), (), tuple(e.model for e in read)
+            ),
+            diagnostics=tuple(in_order(self._found.diagnostics)),
+            sources=self._sources,
+            dependencies=tuple(self._dependencies.values()),
         )
+
+    def _main(self, path: Path) -> Source | _Read | None:
+        """A main file; what was read of it before, if it would be the same."""
+        known: _Read | None = None
+        if self._memo is not None:
+            known = self._memo.find((*self._key, str(path)))
+        return known or self._open(path)
+
+    def _kept(self, source: Source) -> _Read:
+        read = self.read(source)
+        if self._memo is not None:
+            self._memo.keep((*self._key, absolute_path(source.path)), read)
+        return read
+
+    def _merge(self, read: _Read) -> None:
+        for found in read.findings:
+            self._report(found)
+        if self._observe is not None:
+            self._observe(read.table, read.units)
+        self._sources |= {source.name: source.text for source in read.sources}
+        for unit in read.units:
+            self._note(unit, main=unit.source is read.source)
+        self._dependencies |= {each.path: each for each in read.dependencies}
 
     def _check_stems(self, sources: Sequence[Source]) -> None:
         """Report files of equal stem, since the stem names the folder of generated files."""
@@ -134,34 +190,38 @@ class _Run:
             beside="*.cdl",
         )
 
-    def unit(self, source: Source) -> TecsUnit:
-        """The unit of a main file."""
+    def read(self, source: Source) -> _Read:
+        """Read a main file with its imports, whatever other main files there are."""
         stages.file(source.name)
-        before = self.found.errors
+        found = Findings()
+        libraries = self._library, self._headers
+        for library in libraries:
+            library.trail.clear()
         names = frozenset(kernel.TYPES) if self._with_prelude else frozenset[str]()
-        reader = Reader(self._library, self._headers, self._define, names, self._report)
+        reader = Reader(self._library, self._headers, self._define, names, found.report)
         with stages.stage("parse"):
             unit = reader.read(source)
-        table = Table(self._report, with_prelude=self._with_prelude)
+        table = Table(found.report, with_prelude=self._with_prelude)
         table.lacking = reader.incomplete
         with stages.stage("analyse"):
             Analysis(table).run(unit)
-        if self._observe is not None:
-            self._observe(table, reader.units)
-        self._note_prelude(table)
-        wrong = table.excused or self.found.errors > before
-        reader.report_missing(failed=wrong)
-        for read in reader.units:
-            self._note(read, main=read is unit)
-        return TecsUnit(source.name, source.key, table.model())
-
-    def _note_prelude(self, table: Table) -> None:
-        if table.prelude_used:
-            names = list(table.prelude_used)
-            message = f"known without an import: {', '.join(names)}"
-            hint = "tecsgen needs an import or import_C that declares them"
-            span = table.prelude_used[names[0]]
-            self._report(files.PRELUDE.at(span, message, hint=hint))
+        _note_prelude(table, found.report)
+        reader.report_missing(failed=table.excused or found.errors > 0)
+        self._library.trail[absolute_path(source.path)] = None
+        return _Read(
+            source=source,
+            model=TecsUnit(source.name, source.key, table.model()),
+            table=table,
+            units=tuple(reader.units),
+            sources=(source, *self._library.found),
+            headers=tuple(self._headers.found),
+            findings=found.diagnostics,
+            dependencies=tuple(
+                library.dependency(path)
+                for library in libraries
+                for path in library.trail
+            ),
+        )
 
     def _note(self, unit: Unit, *, main: bool) -> None:
         source = unit.source
@@ -176,3 +236,12 @@ class _Run:
                 dict.fromkeys((*(known.includes if known else ()), *imported))
             ),
         )
+
+
+def _note_prelude(table: Table, report: Callable[[Diagnostic], None]) -> None:
+    if table.prelude_used:
+        names = list(table.prelude_used)
+        message = f"known without an import: {', '.join(names)}"
+        hint = "tecsgen needs an import or import_C that declares them"
+        span = table.prelude_used[names[0]]
+        report(files.PRELUDE.at(span, message, hint=hint))

@@ -5,31 +5,22 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from rtgen import stages
 from rtgen.diagnostics import Diagnostic, Related, in_order
-from rtgen.frontends import FrontendResult
-from rtgen.frontends.idl.lowering.lower import Lowering
-from rtgen.frontends.idl.meaning import checks
-from rtgen.frontends.idl.meaning.checks import levels
-from rtgen.frontends.idl.meaning.typetable import Types
-from rtgen.frontends.idl.names import tables
-from rtgen.frontends.idl.names.resolver import Resolver
+from rtgen.frontends import Dependency, FrontendResult
 from rtgen.frontends.idl.names.structural_equality import structurally_equal
-from rtgen.frontends.idl.names.tables import Tables
+from rtgen.frontends.idl.names.tables import MAX_DEPTH, Tables
 from rtgen.frontends.idl.rules import lexical, names, syntax
-from rtgen.frontends.idl.syntax.parser import parse
-from rtgen.frontends.idl.syntax.tree import Item
-from rtgen.frontends.idl.text import preprocessor
 from rtgen.frontends.idl.text.macros import ExpansionError, Macro
 from rtgen.frontends.idl.text.predefined import predefined
-from rtgen.frontends.idl.text.preprocessor import Preprocessor
+from rtgen.frontends.idl.text.preprocessor import MAX_DEPTH as MAX_INCLUDE_DEPTH
 from rtgen.frontends.idl.text.source import Library, Source
-from rtgen.frontends.idl.text.unit import Inclusion, Unit
+from rtgen.frontends.idl.text.unit import Inclusion
+from rtgen.frontends.idl.translation import Translation, Translator
 from rtgen.frontends.kit.findings import Findings
 from rtgen.frontends.kit.library import VirtualFile, absolute_path
 from rtgen.frontends.kit.main_files import open_main
+from rtgen.frontends.kit.memo import Memo
 from rtgen.model import (
     Declaration,
     Interface,
@@ -39,11 +30,7 @@ from rtgen.model import (
     Valuetype,
 )
 
-if TYPE_CHECKING:
-    from rtgen.frontends.idl.names.neighbours import Neighbours
-
-
-_FRAMES = 12 * max(tables.MAX_DEPTH, preprocessor.MAX_DEPTH)
+_FRAMES = 12 * max(MAX_DEPTH, MAX_INCLUDE_DEPTH)
 """Recursion limit sufficient for the deepest nesting allowed."""
 
 
@@ -56,6 +43,7 @@ def load(
     ignore_case_clashes: bool = False,
     virtual: Mapping[str, VirtualFile | Path] | None = None,
     observe: Callable[[Tables], None] | None = None,
+    memo: Memo | None = None,
 ) -> FrontendResult:
     """Read definition files, each as a translation unit, into one model.
 
@@ -63,15 +51,18 @@ def load(
     of `#include`, in order; `define` are macros. With `ignore_case_clashes`, names that only
     differ in case are different names. `virtual` are files by the names that include them if no
     such file exists; those that are `given` are read before `paths`. `observe` is called with the
-    resolved names of each translation unit. All problems of the input
-    are in the diagnostics, sorted; no exception is raised for them. Declarations with errors, and
-    their dependents, are not in the model.
+    resolved names of each translation unit; units whose files have not changed are taken from
+    `memo`. All problems of the input are in the diagnostics, sorted; no exception is raised for
+    them. Declarations with errors, and their dependents, are not in the model.
     """
     limit = sys.getrecursionlimit()
     sys.setrecursionlimit(max(limit, _FRAMES))
     try:
-        run = _Run(paths, root, include, ignore_case_clashes, virtual or {}, observe)
-        return run.result(define or {})
+        run = _Run(
+            *(paths, root, include, define or {}, ignore_case_clashes),
+            *(virtual or {}, observe, memo),
+        )
+        return run.result()
     finally:
         sys.setrecursionlimit(limit)
 
@@ -82,9 +73,11 @@ class _Run:
         paths: Sequence[Path],
         root: Path,
         include: Sequence[Path],
+        define: Mapping[str, str],
         ignore_case_clashes: bool,
         virtual: Mapping[str, VirtualFile | Path],
         observe: Callable[[Tables], None] | None,
+        memo: Memo | None,
     ) -> None:
         shown = {absolute_path(path): path.as_posix() for path in reversed(paths)}
         self._library = Library(root, include, shown, virtual)
@@ -94,50 +87,72 @@ class _Run:
             if isinstance(file, VirtualFile) and file.given
         ]
         self._paths = [Path(path) for path in dict.fromkeys(map(absolute_path, paths))]
-        self._ignore_case_clashes = ignore_case_clashes
+        self._define = define
         self._observe = observe
+        self._memo = memo
+        own = ((name, f) for name, f in virtual.items() if isinstance(f, Path))
+        self._key = (
+            *("IDL", str(Path.cwd()), str(root), *map(str, include)),
+            *(tuple(define.items()), ignore_case_clashes),
+            *(tuple(shown.items()), tuple(own)),
+        )
         self._found = Findings(syntax.TOO_MANY_FINDINGS)
-        self._preprocessor = Preprocessor(self._library, self._report)
-        self._trees: dict[Unit, tuple[Item, ...]] = {}
+        self._translator = Translator(
+            self._library, ignore_case_clashes=ignore_case_clashes
+        )
         self._declarations: dict[ScopedName, Declaration] = {}
         self._undefined: dict[Diagnostic, ScopedName] = {}
         self._defined: set[ScopedName] = set()
         self._files: dict[str, SourceFile] = {}
         self._main: set[str] = set()
         self._shown = shown
-        self._neighbours: Neighbours | None = None
+        self._sources: dict[str, str] = {}
+        self._dependencies: dict[Path, Dependency] = {}
 
     def _report(self, diagnostic: Diagnostic) -> None:
         if diagnostic.code == syntax.OTHER_LANGUAGE.code:
             self._found.forget(diagnostic.span.file if diagnostic.span else None)
         self._found.report(diagnostic)
 
-    def result(self, define: Mapping[str, str]) -> FrontendResult:
+    def result(self) -> FrontendResult:
         try:
-            macros = predefined(define)
+            macros = predefined(self._define)
         except ExpansionError as error:
             self._report(lexical.BAD_MACRO_NAME.at(None, error.message))
             macros = predefined({})
-        made = map(self._library.virtual, self._given)
-        read = map(self._open, self._paths)
-        sources = [source for source in (*made, *read) if source is not None]
-        self._main = {source.name for source in sources}
-        for source in sources:
-            self._translate(source, macros)
+        mains = [*map(self._of_name, self._given), *map(self._of_path, self._paths)]
+        known = [each for each in mains if each is not None]
+        self._main = {
+            (each.source if isinstance(each, Translation) else each).name
+            for each in known
+        }
+        for each in known:
+            if isinstance(each, Translation):
+                self._merge(each)
+            else:
+                self._merge(self._translated(each, macros))
         for finding, name in self._undefined.items():
             if name not in self._defined:
                 self._report(finding)
+        for dependency in self._library.dependencies:
+            self._dependencies.setdefault(dependency.path, dependency)
+        for source in self._library.sources:
+            self._sources[source.name] = source.text
         return FrontendResult(
             model=Model(
                 tuple(self._files.values()), tuple(self._declarations.values())
             ),
             diagnostics=tuple(in_order(self._found.diagnostics)),
-            sources={source.name: source.text for source in self._library.sources},
-            dependencies=self._library.dependencies,
+            sources=self._sources,
+            dependencies=tuple(self._dependencies.values()),
         )
 
-    def _open(self, path: Path) -> Source | None:
-        return open_main(
+    def _of_name(self, name: str) -> Source | Translation | None:
+        """The main file that is on no disk, or its unit if that is known."""
+        return self._known(name) or self._library.virtual(name)
+
+    def _of_path(self, path: Path) -> Source | Translation | None:
+        return self._known(str(path)) or open_main(
             self._library,
             path,
             self._shown[str(path)],
@@ -147,46 +162,35 @@ class _Run:
             beside="*.idl",
         )
 
-    def _declares(self, name: str, unit: Unit) -> str | None:
-        """The file near a unit that declares an unknown name."""
-        if self._neighbours is None:
-            from rtgen.frontends.idl.names.neighbours import Neighbours
+    def _known(self, name: str) -> Translation | None:
+        """The unit of a main file as read by a run before, if it would be the same."""
+        if self._memo is None:
+            return None
+        found: Translation | None = self._memo.find((*self._key, name))
+        if found is None or not self._translator.is_printed(found.printed):
+            return None
+        return found
 
-            self._neighbours = Neighbours(self._library)
-        return self._neighbours.declares(name, unit)
+    def _translated(self, source: Source, macros: Mapping[str, Macro]) -> Translation:
+        virtual = source.name in self._given
+        made = self._translator.translate(source, macros, virtual=virtual)
+        if self._memo is not None and not made.guessed:
+            name = source.name if virtual else absolute_path(source.path)
+            self._memo.keep((*self._key, name), made)
+        return made
 
-    def _items(self, unit: Unit) -> tuple[Item, ...]:
-        if unit not in self._trees:
-            self._trees[unit] = parse(unit, self._report)
-        return self._trees[unit]
-
-    def _translate(self, source: Source, macros: Mapping[str, Macro]) -> None:
-        stages.file(source.name)
-        with stages.stage("preprocess"):
-            unit = self._preprocessor.translation_unit(source, macros)
-        with stages.stage("parse and resolve"):
-            tables = Resolver(
-                self._items, self._report, self._declares, self._ignore_case_clashes
-            ).run(unit)
+    def _merge(self, unit: Translation) -> None:
+        for found in unit.findings:
+            self._report(found)
+        tables = unit.tables
         if self._observe is not None:
             self._observe(tables)
-        types = Types(tables, self._report)
-        made: dict[ScopedName, Declaration] = {}
-        with stages.stage("make the model"):
-            lowering = Lowering(types, self._report)
-            for entity in tables.declared:
-                declaration = lowering.declaration(entity)
-                if declaration is not None:
-                    made[declaration.name] = declaration
-        with stages.stage("check"):
-            made = levels.checked(made, self._report)
-            checks.run(tables, types, made, self._report)
-            if not self._found.errors:
-                checks.left_out(tables, types, made, self._report)
         self._undefined |= {found: name for name, found in tables.undefined.items()}
         self._defined.update(e.path for e in tables.declared if e.node is not None)
         self._note_files(tables)
-        for name, declaration in made.items():
+        self._sources |= {source.name: source.text for source in unit.sources}
+        self._dependencies |= {each.path: each for each in unit.dependencies}
+        for name, declaration in unit.declarations.items():
             self._add(name, declaration)
 
     def _add(self, name: ScopedName, declaration: Declaration) -> None:

@@ -14,10 +14,11 @@ MOST = 1000
 class Findings:
     """Collects diagnostics in the order of reporting.
 
-    `overflow` is the rule of the diagnostic that stands for those beyond `most` of one severity.
+    `overflow` is the rule of the diagnostic that stands for those beyond `most` of one severity;
+    without it one more than `most` is kept, so that findings that these are reported to overflow.
     """
 
-    def __init__(self, overflow: Rule, most: int = MOST) -> None:
+    def __init__(self, overflow: Rule | None = None, most: int = MOST) -> None:
         self._overflow = overflow
         self._most = most
         self._found: dict[Diagnostic, None] = {}
@@ -41,7 +42,11 @@ class Findings:
         self._counts[severity] += 1
         if self._counts[severity] <= self._most:
             self._found[diagnostic] = None
-        elif self._counts[severity] == self._most + 1:
+        elif self._counts[severity] > self._most + 1:
+            return
+        elif self._overflow is None:
+            self._found[diagnostic] = None
+        else:
             message = f"more than {self._most} {severity}s: the rest is not shown"
             self._found[self._overflow.at(diagnostic.span, message)] = None
 

@@ -66,11 +66,24 @@ class Library(Generic[F]):
         self._dependencies: dict[str, Dependency] = {}
         self._virtual = dict(virtual or {})
         self._made: dict[str, F] = {}
+        self.trail: dict[str, None] = {}
+        """The absolute paths that `open` has looked at since this was cleared."""
 
     @property
     def dependencies(self) -> tuple[Dependency, ...]:
         """Every path looked at, in order."""
         return tuple(self._dependencies.values())
+
+    def dependency(self, absolute: str) -> Dependency:
+        """What was found at an absolute path that was looked at."""
+        found = self._dependencies.get(absolute)
+        return Dependency(Path(absolute), None) if found is None else found
+
+    @property
+    def found(self) -> list[F]:
+        """The files of the trail."""
+        read = (self._read.get(absolute) for absolute in self.trail)
+        return [source for source in read if source is not None]
 
     @property
     def sources(self) -> list[F]:
@@ -96,6 +109,7 @@ class Library(Generic[F]):
         that cannot be read.
         """
         absolute = absolute_path(path)
+        self.trail[absolute] = None
         if absolute in self._read:
             return self._read[absolute]
         source = None

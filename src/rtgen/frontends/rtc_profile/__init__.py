@@ -12,8 +12,9 @@ from pathlib import Path
 
 from rtgen import stages
 from rtgen.diagnostics import Diagnostic
-from rtgen.files import is_file
+from rtgen.files import is_file, read_start
 from rtgen.frontends import Dependency, FrontendResult, key_of, profile_tree
+from rtgen.frontends.kit.library import MAX_BYTES
 from rtgen.frontends.rtc_profile.reader import Reader, idl_files
 from rtgen.model import Model, SourceFile
 from rtgen.model.rtc_profile import RtcProfile
@@ -58,10 +59,10 @@ def load(
         for name in idl_files([profile]):
             for folder in folders:
                 candidate = folder / name
+                dependencies.append(_looked_for(candidate))
                 if is_file(candidate):
                     idl[candidate] = None
                     break
-                dependencies.append(Dependency(candidate, None))
     return FrontendResult(
         Model(files=tuple(files), profiles=tuple(profiles)),
         tuple(found),
@@ -69,3 +70,11 @@ def load(
         tuple(dependencies),
         tuple(idl),
     )
+
+
+def _looked_for(path: Path) -> Dependency:
+    try:
+        data = read_start(path, MAX_BYTES + 1) if is_file(path) else None
+    except (OSError, ValueError):  # the front end of IDL reports it
+        data = None
+    return Dependency(path, None if data is None else sha256(data).hexdigest())

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
 from pathlib import Path
 
-from rtgen.diagnostics import Diagnostic, Span
+from rtgen.diagnostics import Span
 from rtgen.frontends.idl.rules import lexical
 from rtgen.frontends.idl.text.source import Library, Source
+from rtgen.frontends.idl.text.unit import Unit
+from rtgen.frontends.kit.library import absolute_path
 from rtgen.frontends.kit.suggestions import Guesses
 
 Folders = tuple[Path | None, ...]
@@ -19,12 +20,14 @@ Place = tuple[Path | None, Folders, str]
 
 
 class IncludePath:
-    """Finds the files of a library; each one that is missing is reported with a hint."""
+    """Finds the files of a library; each one that is missing is reported with a hint.
 
-    def __init__(self, library: Library, report: Callable[[Diagnostic], None]) -> None:
+    Findings, and what was looked for, are those of the unit that includes the file.
+    """
+
+    def __init__(self, library: Library) -> None:
         self._library = library
-        self._report = report
-        self._found: dict[Place, Source] = {}
+        self._found: dict[Place, tuple[Source, tuple[str, ...], bool]] = {}
         self._missing: dict[Place, str] = {}
         self._origins: dict[Source, Path | None] = {}
         self._searched: dict[tuple[Path | None, Folders], tuple[str, list[str]]] = {}
@@ -45,40 +48,53 @@ class IncludePath:
             folders = folders[1:]
         return (includer.folder if None in folders else None, folders, name)
 
-    def find(self, place: Place, span: Span) -> Source | None:
+    def find(self, place: Place, span: Span, unit: Unit) -> Source | None:
         """The file at a place; None if there is none, which is reported."""
-        if place not in self._found:
-            source = self._search(place, span)
-            if source is None:
-                return None
-            self._found[place] = source
-        return self._found[place]
+        known = self._found.get(place)
+        if known is None:
+            source, searched, printed = self._search(place, span, unit)
+            if source is not None:
+                self._found[place] = source, searched, printed
+        else:
+            source, searched, printed = known
+        unit.searched.update(dict.fromkeys(searched))
+        if printed:
+            unit.printed[place[-1]] = None
+        return source
 
-    def _search(self, place: Place, span: Span) -> Source | None:
+    def _search(
+        self, place: Place, span: Span, unit: Unit
+    ) -> tuple[Source | None, tuple[str, ...], bool]:
+        """The file, the paths that were looked at, and whether it is on no disk."""
         beside, folders, name = place
+        searched: list[str] = []
         if place not in self._missing:
             try:
                 for folder in folders:
-                    searched = folder or beside or ""
-                    path = os.path.join(searched, name)  # noqa: PTH118 (time)
+                    path = os.path.join(
+                        folder or beside or "", name
+                    )  # noqa: PTH118 (time)
+                    searched.append(absolute_path(path))
                     found = self._library.open(path, folder)
                     if found is not None:
                         self._origins.setdefault(found, folder)
-                        return found
+                        return found, tuple(searched), False
             except (OSError, ValueError) as error:
                 reason = getattr(error, "strerror", None) or error
                 message = f"{name} cannot be read: {reason}"
-                self._report(lexical.UNREADABLE.at(span, message))
-                return None
+                unit.findings.report(lexical.UNREADABLE.at(span, message))
+                unit.guessed = True
+                return None, (), False
             if (virtual := self._library.virtual(name)) is not None:
-                return virtual
+                return virtual, tuple(searched), True
             self._missing[place] = self._hint(place)
-        self._report(
+        unit.guessed = True
+        unit.findings.report(
             lexical.INCLUDE_NOT_FOUND.at(
                 span, f"the file {name} was not found", hint=self._missing[place]
             )
         )
-        return None
+        return None, (), False
 
     def _hint(self, place: Place) -> str:
         """The folders searched, and a file there with a similar name."""

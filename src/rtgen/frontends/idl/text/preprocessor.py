@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import ChainMap
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 
 import msgspec
 
@@ -69,6 +69,8 @@ class _Prepared(msgspec.Struct, frozen=True):
     unit: Unit
     weight: int
     """Number of inclusions in the unit with itself, without empty files."""
+    tokens: int
+    """Number of tokens from macro calls."""
 
     def fits(self, macros: Mapping[str, Macro]) -> bool:
         return macros.keys().isdisjoint(self.undefined) and all(
@@ -77,11 +79,10 @@ class _Prepared(msgspec.Struct, frozen=True):
 
 
 class Preprocessor:
-    """Turns files into units; diagnostics go to `report`, once for each place."""
+    """Turns files into units, which have the findings."""
 
-    def __init__(self, library: Library, report: Callable[[Diagnostic], None]) -> None:
-        self._report = report
-        self._path = IncludePath(library, report)
+    def __init__(self, library: Library) -> None:
+        self._path = IncludePath(library)
         self._prepared: dict[Source, list[_Prepared]] = {}
         self._stack: list[Source] = []
         self.tokens_left = MAX_EXPANSION
@@ -101,12 +102,14 @@ class Preprocessor:
             if prepared.fits(macros):
                 for name, macro in prepared.changes.items():
                     macros.put(name, macro)
+                self.tokens_left -= prepared.tokens
                 return prepared
         start = macros.now
-        for problem in source.problems:
-            self._report(problem)
         included = self._included
+        tokens = self.tokens_left
         file = _File(self, source, macros, TextBuilder(source))
+        for problem in source.problems:
+            file.builder.unit.findings.report(problem)
         self._stack.append(source)
         file.run()
         self._stack.pop()
@@ -123,6 +126,7 @@ class Preprocessor:
             changes={name: macros.get(name) for name in replaced},
             unit=unit,
             weight=weight,
+            tokens=tokens - self.tokens_left,
         )
         if not self._exhausted:
             known.append(prepared)
@@ -135,36 +139,41 @@ class Preprocessor:
 
         `further`: as GNU's `#include_next`, search only the folders after that of `file`.
         """
+        unit = file.builder.unit
         place = self._path.place(file.source, name, quoted=quoted, further=further)
-        source = self._path.find(place, span)
+        source = self._path.find(place, span, unit)
+        # The folder that a file was found in first may have been searched for another unit.
+        unit.guessed = unit.guessed or further
         if source is None:
-            file.builder.unit.lacking = True
+            unit.lacking = True
             return
-        if _ONCE + source.real in file.macros:
+        once = _ONCE + source.real
+        file.words.add(once)
+        if once in file.macros:
             return
         if (
             len(self._stack) >= MAX_DEPTH
             or self._stack.count(source) >= MOST_WITHIN_ITSELF
             or self._included >= MAX_INCLUDES
         ):
-            self._exhaust(source, span)
+            self._exhaust(source, span, unit)
         if self._exhausted:
-            file.builder.unit.lacking = True
+            unit.lacking = True
             return
         if file.at_file_scope():
             prepared = self._prepare(source, file.macros)
             file.words |= prepared.words
+            unit.included.append(prepared.unit)
             self._included += prepared.weight
             if self._included > MAX_INCLUDES:
-                self._exhaust(source, span)
+                self._exhaust(source, span, unit)
                 return
             inclusion = Inclusion(file.builder.length, prepared.unit, span)
-            file.builder.unit.events.append(inclusion)
+            unit.events.append(inclusion)
             return
         self._included += 1
-        unit = file.builder.unit
         for problem in source.problems:
-            self._report(problem)
+            unit.findings.report(problem)
         unit.nested.append(source)
         unit.events.append(Boundary(file.builder.length, source, True))
         inner = _File(self, source, file.macros, file.builder, nested=True)
@@ -174,7 +183,7 @@ class Preprocessor:
         file.words |= inner.words
         unit.events.append(Boundary(file.builder.length, source, False))
 
-    def _exhaust(self, source: Source, span: Span) -> None:
+    def _exhaust(self, source: Source, span: Span, unit: Unit) -> None:
         """Ignore all further includes."""
         if not self._exhausted:
             cycle: list[Source] = []
@@ -185,12 +194,8 @@ class Preprocessor:
                 f"the includes have no end: {chain}" if chain else "too many includes"
             )
             hint = "give each file an include guard, or #pragma once"
-            self._report(lexical.INCLUDE_CYCLE.at(span, message, hint=hint))
+            unit.findings.report(lexical.INCLUDE_CYCLE.at(span, message, hint=hint))
         self._exhausted = True
-
-    def report(self, diagnostic: Diagnostic) -> None:
-        """Report a diagnostic."""
-        self._report(diagnostic)
 
 
 class _File:
@@ -210,13 +215,16 @@ class _File:
         self.words: set[str] = set()
         self._owner = owner
         self._nested = nested
-        self._conditionals = Conditionals(owner.report)
+        self._conditionals = Conditionals(self._report)
         self._file: str | None = None
         self._shift = 0
         self._depth = 0
         self._complete = True
         self._seen = 0
         self._endless = False
+
+    def _report(self, diagnostic: Diagnostic) -> None:
+        self.builder.unit.findings.report(diagnostic)
 
     def run(self) -> None:
         """Append the file to the builder."""
@@ -267,7 +275,7 @@ class _File:
         """Warn of a text that depends on the time of its translation."""
         for name in sorted(TIMES.keys() & words):
             if self.macros.get(name) == TIMES[name]:
-                self._owner.report(
+                self._report(
                     lexical.TIME_OF_TRANSLATION.at(
                         span,
                         f"{name} is always {TIMES[name].body[0].text} here",
@@ -317,7 +325,7 @@ class _File:
             macro = self.macros.get(call[0].text)
             defined = macro.span if macro else None
             related = [Related(defined, "defined here")] if defined else []
-            self._owner.report(
+            self._report(
                 lexical.BAD_MACRO_CALL.at(span, error.message, related=related)
             )
             tokens = call[:1]
@@ -375,13 +383,11 @@ class _File:
             case "assert" | "unassert":
                 message = f"#{name} is passed over"
                 hint = "use #define and #undef"
-                self._owner.report(lexical.PASSED_OVER.at(span, message, hint=hint))
+                self._report(lexical.PASSED_OVER.at(span, message, hint=hint))
             case "error":
-                self._owner.report(lexical.ERROR_DIRECTIVE.at(span, rest or "#error"))
+                self._report(lexical.ERROR_DIRECTIVE.at(span, rest or "#error"))
             case "warning":
-                self._owner.report(
-                    lexical.WARNING_DIRECTIVE.at(span, rest or "#warning")
-                )
+                self._report(lexical.WARNING_DIRECTIVE.at(span, rest or "#warning"))
             case "pragma":
                 self._pragma(rest, span)
             case "line":
@@ -392,7 +398,7 @@ class _File:
                 near = nearest(name, _KNOWN)
                 if near == "include":
                     self.builder.unit.lacking = True
-                self._owner.report(
+                self._report(
                     lexical.UNKNOWN_DIRECTIVE.at(
                         span,
                         f"'#{name or rest.split()[0]}' is no directive",
@@ -409,23 +415,21 @@ class _File:
             macro = define(rest, span)
         except MalformedMacroError as error:
             hint = "write #define NAME TEXT, or #define NAME(A, B) TEXT"
-            self._owner.report(
-                lexical.BAD_DEFINITION.at(span, error.message, hint=hint)
-            )
+            self._report(lexical.BAD_DEFINITION.at(span, error.message, hint=hint))
             if error.macro is not None and error.macro.name not in PLACES:
                 self.macros.put(error.macro.name, error.macro)
             return
         if macro.name in (*PLACES, "defined"):
             message = f"{macro.name} cannot be defined"
             hint = "choose another name"
-            self._owner.report(lexical.BAD_DEFINITION.at(span, message, hint=hint))
+            self._report(lexical.BAD_DEFINITION.at(span, message, hint=hint))
             return
         previous = self.macros.get(macro.name)
         if previous is not None and previous != macro:
             related = (
                 [Related(previous.span, "first defined here")] if previous.span else []
             )
-            self._owner.report(
+            self._report(
                 lexical.MACRO_REDEFINED.at(
                     span,
                     f"{macro.name} is defined again, differently",
@@ -439,7 +443,7 @@ class _File:
         try:
             tokens = Expander(self._table(span)).expand(tokenize(text))
         except ExpansionError as error:
-            self._owner.report(lexical.BAD_MACRO_CALL.at(span, error.message))
+            self._report(lexical.BAD_MACRO_CALL.at(span, error.message))
             return text
         return "".join(token.text for token in tokens)
 
@@ -449,7 +453,7 @@ class _File:
         )
         if found is None:
             name = rest.strip("\"<>'; \t") or "file.idl"
-            self._owner.report(
+            self._report(
                 lexical.BAD_INCLUDE.at(
                     span,
                     '#include needs "file" or <file> behind it',
@@ -472,7 +476,7 @@ class _File:
     def _line(self, rest: str, end: int, span: Span) -> None:
         found = _LINE.match(rest)
         if found is None:
-            self._owner.report(
+            self._report(
                 lexical.BAD_LINE_MARKER.at(
                     span,
                     "a line marker needs a line number",

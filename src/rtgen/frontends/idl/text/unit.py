@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
+from collections.abc import Iterator
 from functools import cached_property
 
 import msgspec
@@ -10,6 +11,7 @@ import msgspec
 from rtgen.diagnostics import Span
 from rtgen.frontends.idl.text.source import Source
 from rtgen.frontends.kit.doc_comments import Comment, Docs
+from rtgen.frontends.kit.findings import Findings
 
 
 class Piece(msgspec.Struct, frozen=True):
@@ -59,7 +61,10 @@ class Unit(msgspec.Struct, eq=False, dict=True):
     are not reported; `flawed` are the offsets of macro calls that could not be expanded;
     `maybe_declared` are names, in lower case, that declarations with syntax errors may have
     declared; `excused` are the offsets of superfluous `;` caused by an error that is reported;
-    `cut`: an unterminated comment or conditional has swallowed the rest.
+    `cut`: an unterminated comment or conditional has swallowed the rest. `included` are the units
+    of its inclusions, `findings` those of its own text; `searched` has the absolute path of each
+    file that its includes have looked for, `printed` the names of those that are on no disk.
+    `guessed`: a hint names other files of a folder.
     """
 
     source: Source
@@ -74,6 +79,23 @@ class Unit(msgspec.Struct, eq=False, dict=True):
     flawed: set[int] = msgspec.field(default_factory=set)
     maybe_declared: set[str] = msgspec.field(default_factory=set)
     excused: set[int] = msgspec.field(default_factory=set)
+    included: list[Unit] = msgspec.field(default_factory=list)
+    findings: Findings = msgspec.field(default_factory=Findings)
+    searched: dict[str, None] = msgspec.field(default_factory=dict)
+    printed: dict[str, None] = msgspec.field(default_factory=dict)
+    guessed: bool = False
+
+    @property
+    def all_included(self) -> Iterator[Unit]:
+        """The unit and what it includes, each once, in the order of their inclusions."""
+        known: set[int] = set()
+        waiting = [self]
+        while waiting:
+            unit = waiting.pop()
+            if id(unit) not in known:
+                known.add(id(unit))
+                yield unit
+                waiting += reversed(unit.included)
 
     @cached_property
     def docs(self) -> Docs:
