@@ -71,9 +71,8 @@ class IncludePath:
         if place not in self._missing:
             try:
                 for folder in folders:
-                    path = os.path.join(
-                        folder or beside or "", name
-                    )  # noqa: PTH118 (time)
+                    where = folder or beside or ""
+                    path = os.path.join(where, name)  # noqa: PTH118 (time)
                     searched.append(absolute_path(path))
                     found = self._library.open(path, folder)
                     if found is not None:
