@@ -60,7 +60,8 @@ def read(
     also = []
     if isinstance(source, str):
         text = VirtualFile(TEXT, source, given=True)
-        also.append(read_idl((), project.reading, text=text))
+        printed = compiler.printed_idl(Model())
+        also.append(read_idl((), project.reading, text=text, printed=printed))
     return compiler.read(project, lowered=lowered, also=also)
 
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 
 from msgspec.structs import replace
 
@@ -10,12 +11,15 @@ from rtgen import stages
 from rtgen.backends import Artifact
 from rtgen.backends import stage as backends
 from rtgen.diagnostics import has_errors, in_order
+from rtgen.facts.ros import INTERFACE_SUFFIXES
 from rtgen.frontends import FrontendResult, together
 from rtgen.frontends import stage as frontends
 from rtgen.frontends.kit.memo import Memo
 from rtgen.lowering import stage as lowering
+from rtgen.model import Model
 from rtgen.project import Project
 from rtgen.project.compilation import Compilation
+from rtgen.resources import ros_file, ros_interfaces
 
 
 def read(
@@ -39,14 +43,53 @@ def read(
         settings,
         named=others.idl,
         needed=lowering.needed_idl(others.model, complete=lowered),
-        printed=backends.printed_idl(others.model),
+        printed=printed_idl(others.model),
     )
-    result = together([of_idl, others])
+    result = _merged(of_idl, others)
     if has_errors(result.diagnostics):
         return result
     made = lowering.lowered(result.model, project.lowering, complete=lowered)
     diagnostics = (*result.diagnostics, *made.diagnostics)
     return replace(result, model=made.model, diagnostics=diagnostics)
+
+
+def printed_idl(model: Model) -> dict[str, Callable[[], str]]:
+    """The texts of IDL files that may be included but are on no disk, by name.
+
+    They are those of other definitions, and of the interfaces of ROS 2 that ship with rtgen.
+    """
+    shipped = {
+        f"{name.rpartition('.')[0]}.idl": partial(_idl_of_shipped, name)
+        for name in ros_interfaces()
+    }
+    return {**shipped, **backends.printed_idl(model)}
+
+
+def _idl_of_shipped(name: str) -> str:
+    from rtgen.backends import ros_idl
+    from rtgen.frontends import rosidl
+
+    file = ros_file(name)
+    model = rosidl.load([file], root=file.parents[2]).model
+    return ros_idl.idl_of(model, f"{name.rpartition('.')[0]}.idl")
+
+
+def _merged(of_idl: FrontendResult, others: FrontendResult) -> FrontendResult:
+    """All definitions; an interface of ROS 2 that was read takes the place of IDL printed of it."""
+    if not any(file.name.endswith(INTERFACE_SUFFIXES) for file in others.model.files):
+        return together([of_idl, others])
+    from rtgen.backends.ros_idl import idl_names
+
+    names = idl_names(others.model)
+    model = of_idl.model
+    files = tuple(
+        replace(file, includes=tuple(names.get(each, each) for each in file.includes))
+        for file in model.files
+        if file.name not in names
+    )
+    kept = tuple(d for d in model.declarations if d.file not in names)
+    rest = replace(of_idl, model=replace(model, files=files, declarations=kept))
+    return together([others, rest])
 
 
 def compile_project(project: Project) -> Compilation:

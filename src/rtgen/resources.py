@@ -17,6 +17,8 @@ IDL_FILES = (*OPENRTM_IDL, "Canopen.idl", "CanopenManager.idl")
 
 _IDL = (_PACKAGE / "idl", _PACKAGE.parents[1] / "specs" / "idl")
 
+_ROS = _PACKAGE / "rosidl"
+
 _NAVIGATION = ("Navigation", "Odometry", "OmniTo2WD", "PathFollower", "PositionInput")
 _BEHAVIOURS = """
     __init__ base_control commands console geometry kinematics limiter line_following map_text
@@ -55,6 +57,22 @@ def idl_file(name: str) -> Path:
 def idl_source(name: str) -> str:
     """The text of an IDL file that ships with rtgen; FileNotFoundError."""
     return idl_file(name).read_text("utf-8")
+
+
+def ros_interfaces() -> tuple[str, ...]:
+    """The interface files of ROS 2 that ship with rtgen (`std_msgs/msg/Header.msg`), in order."""
+    files = _ROS.glob("*/*/*.*")
+    return tuple(sorted(file.relative_to(_ROS).as_posix() for file in files))
+
+
+def ros_file(name: str) -> Path:
+    """The path of one of `ros_interfaces`; FileNotFoundError."""
+    return _found(name, (_ROS,))
+
+
+def ros_source(name: str) -> str:
+    """The text of one of `ros_interfaces`; FileNotFoundError."""
+    return ros_file(name).read_text("utf-8")
 
 
 def _found(name: str, folders: tuple[Path, ...]) -> Path:

@@ -17,7 +17,8 @@ from typing import Any
 
 import numpy
 import pytest
-from rosbags.typesys import Stores, get_typestore
+from msgspec.structs import replace
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from seeds import cases
 
 from rtgen.backends import Options
@@ -27,6 +28,7 @@ from rtgen.frontends.rosidl import load
 from rtgen.layouts.ros_types import type_hash, type_name
 from rtgen.model import (
     ArrayType,
+    Const,
     Model,
     NamedType,
     PrimitiveType,
@@ -35,6 +37,7 @@ from rtgen.model import (
     Struct,
     Type,
 )
+from rtgen.resources import ros_file, ros_interfaces
 
 pytestmark = pytest.mark.peer
 
@@ -96,6 +99,53 @@ def test_hashes(model: Model) -> None:
     for struct_ in compared:
         name = type_name(struct_.name)
         assert (name, type_hash(model, struct_)) == (name, STORE.hash_rihs01(name))
+
+
+@pytest.fixture(scope="module")
+def shipped() -> Model:
+    files = [ros_file(name) for name in ros_interfaces()]
+    return load(files, root=files[0].parents[2]).model
+
+
+def test_shipped_messages(model: Model, shipped: Model) -> None:
+    """Members and constants of each are those of ROS 2, so octets and hashes are, too."""
+    compared = [s for s in shipped.declarations if s.name[1] == "msg"]
+    assert len(compared) > 200
+    for own in compared:
+        theirs = model.find(own.name)
+        assert type(own) is type(theirs)
+        if isinstance(own, Struct):
+            assert isinstance(theirs, Struct)
+            assert [(m.name, m.type) for m in own.members] == [
+                (m.name, m.type) for m in theirs.members
+            ]
+            assert type_hash(shipped, own) == type_hash(model, theirs)
+        else:
+            assert isinstance(own, Const)
+            assert isinstance(theirs, Const)
+            assert (own.type, own.value) == (theirs.type, theirs.value)
+    ours = {s.name for s in compared}
+    packages = {name[0] for name in ours}
+    assert ours == {d.name for d in model.declarations if d.name[0] in packages}
+
+
+def test_shipped_services(shipped: Model) -> None:
+    """rosbags reads the parts of services as messages."""
+    store = get_typestore(Stores.ROS2_JAZZY)
+    for name in ros_interfaces():
+        path = ros_file(name)
+        if path.suffix != ".srv":
+            continue
+        package, _, _ = name.partition("/")
+        parts = path.read_text().split("---\n")
+        for suffix, part in zip(("Request", "Response"), parts, strict=True):
+            full = f"{package}/msg/{path.stem}_{suffix}"
+            store.register(get_types_from_msg(part, full))
+            own = shipped.find((package, "srv", f"{path.stem}_{suffix}"))
+            assert isinstance(own, Struct)
+            expected = store.hash_rihs01(full)
+            renamed = replace(own, name=(package, "msg", own.name[-1]))
+            assert (name, type_hash(shipped, renamed)) == (name, expected)
 
 
 DTYPES = {

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final, cast
 
 from rtgen import plugins
 from rtgen.backends import Backend, DeferredBackend, Options
+from rtgen.facts.ros import INTERFACE_SUFFIXES
 
 if TYPE_CHECKING:
     from rtgen.model import Model
@@ -60,8 +61,13 @@ def backends() -> Iterator[Backend]:
 
 def printed_idl(model: Model) -> dict[str, Callable[[], str]]:
     """The IDL files that back ends print and definitions may include: their texts by name."""
-    if not model.devices and not model.buses:
-        return {}
-    from rtgen.backends.canopen.idl_file import idl_files
+    found: dict[str, Callable[[], str]] = {}
+    if model.devices or model.buses:
+        from rtgen.backends.canopen import idl_file
 
-    return idl_files(model)
+        found |= idl_file.idl_files(model)
+    if any(file.name.endswith(INTERFACE_SUFFIXES) for file in model.files):
+        from rtgen.backends import ros_idl
+
+        found |= ros_idl.idl_files(model)
+    return found

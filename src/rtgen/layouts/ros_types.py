@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from hashlib import sha256
 from typing import Any, Final
 
@@ -41,6 +41,8 @@ _STRING, _BOUNDED_STRING = 17, 21
 """Of wide strings, one more."""
 _ARRAY, _BOUNDED_SEQUENCE, _SEQUENCE = 48, 96, 144
 """Identifiers of type_description_interfaces/msg/FieldType: of elements, and added to them."""
+EVENT_INFO: Final = ("service_msgs", "msg", "ServiceEventInfo")
+"""The message that the events of each service contain."""
 _VERSION: Final = "RIHS01_"
 
 
@@ -51,14 +53,59 @@ def type_name(name: ScopedName) -> str:
 
 def type_hash(model: Model, struct: Struct) -> str:
     """The hash of a message (`RIHS01_...`). Raises ValueError for types that ROS 2 lacks."""
-    import json
-
     referenced: dict[str, Struct] = {}
     _collect(model, struct, referenced)
+    described = {name: _individual(each) for name, each in referenced.items()}
+    return _hash(_individual(struct), described)
+
+
+def service_hash(model: Model, request: Struct, response: Struct) -> str:
+    """The hash of the service of two messages, with that of its events (REP 2016).
+
+    Raises ValueError for types that ROS 2 lacks, and if service_msgs/msg/ServiceEventInfo is
+    not in the model.
+    """
+    structs = {
+        each.name: each for each in model.declarations if isinstance(each, Struct)
+    }
+    if EVENT_INFO not in structs:
+        raise ValueError(f"{type_name(EVENT_INFO)} is not in the model")
+    info = structs[EVENT_INFO]
+    name = (*request.name[:-1], request.name[-1].removesuffix("_Request"))
+    event = (*name[:-1], f"{name[-1]}_Event")
+    parts = (request, response)
+    described = {
+        type_name(event): _description(
+            event,
+            [
+                ("info", NamedType(EVENT_INFO)),
+                *(
+                    (part, SequenceType(NamedType(struct.name), 1))
+                    for part, struct in zip(("request", "response"), parts, strict=True)
+                ),
+            ],
+        )
+    }
+    referenced = {type_name(each.name): each for each in (info, *parts)}
+    for each in (info, *parts):
+        _collect(model, each, referenced)
+    described |= {key: _individual(struct) for key, struct in referenced.items()}
+    members = zip(
+        ("request_message", "response_message", "event_message"),
+        (request.name, response.name, event),
+        strict=True,
+    )
+    whole = _description(name, [(key, NamedType(each)) for key, each in members])
+    return _hash(whole, described)
+
+
+def _hash(whole: dict[str, Any], referenced: Mapping[str, dict[str, Any]]) -> str:
+    import json
+
     description = {
-        "type_description": _individual(model, struct),
+        "type_description": whole,
         "referenced_type_descriptions": [
-            _individual(model, referenced[name]) for name in sorted(referenced)
+            referenced[name] for name in sorted(referenced)
         ],
     }
     text = json.dumps(description, separators=(", ", ": "), ensure_ascii=True)
@@ -84,13 +131,16 @@ def _nested(model: Model, struct: Struct) -> Iterator[Struct]:
                 yield declaration
 
 
-def _individual(model: Model, struct: Struct) -> dict[str, Any]:
+def _individual(struct: Struct) -> dict[str, Any]:
+    return _description(struct.name, [(m.name, m.type) for m in struct.members])
+
+
+def _description(
+    name: ScopedName, fields: Sequence[tuple[str, Type]]
+) -> dict[str, Any]:
     return {
-        "type_name": type_name(struct.name),
-        "fields": [
-            {"name": member.name, "type": _field_type(member.type)}
-            for member in struct.members
-        ],
+        "type_name": type_name(name),
+        "fields": [{"name": key, "type": _field_type(type_)} for key, type_ in fields],
     }
 
 

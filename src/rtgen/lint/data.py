@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from rtgen.diagnostics import Diagnostic, Related
+from rtgen.facts.ros import is_interface
 from rtgen.lint import rules
 from rtgen.lint.context import Context, fields
 from rtgen.model import (
@@ -90,6 +91,8 @@ def times_of_ports(context: Context) -> Iterator[Diagnostic]:
             context.model.find(plain.name) if isinstance(plain, NamedType) else None
         )
         if not isinstance(struct, Struct) or _has_time(context, struct):
+            continue
+        if is_interface(struct.name):
             continue
         yield rules.NO_TIME.at(
             port.span,

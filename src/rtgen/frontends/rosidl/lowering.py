@@ -6,6 +6,7 @@ OMG IDL 4.2).
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from typing import Final
 
@@ -28,6 +29,8 @@ from rtgen.model import (
     Type,
 )
 
+_UNIT: Final = re.compile(r"\[([^,\]]+)\]")
+"""The unit of a field, in its comment; rosidl_adapter takes it if it is the only one."""
 _FILLER: Final = "structure_needs_at_least_one_member"
 """The member of a message without fields, of one octet."""
 
@@ -65,13 +68,16 @@ def _repository_id(name: ScopedName) -> str:
 
 def _member(field: Field, package: str) -> Member:
     default = field.value
-    annotations: tuple[Annotation, ...] = ()
+    annotations: list[Annotation] = []
     if default is not None and not isinstance(default, tuple):
-        annotations = (Annotation("default", (("value", default),)),)
+        annotations.append(Annotation("default", (("value", default),)))
+    units = _UNIT.findall(field.doc)
+    if len(units) == 1:
+        annotations.append(Annotation("unit", (("value", units[0]),)))
     return Member(
         span=field.span,
         doc=field.doc,
-        annotations=annotations,
+        annotations=tuple(annotations),
         name=field.name,
         type=_type(field.type, package),
     )

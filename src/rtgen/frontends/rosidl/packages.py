@@ -1,21 +1,29 @@
 """Where the interface files of packages stand.
 
 `FOLDER/PACKAGE/msg/Name.msg`, as in the sources of ROS 2 and below `share` of an installation.
+The common packages ship with rtgen, and are taken where no folder has them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Final
 
 from rtgen.diagnostics import Span
 from rtgen.facts.ros import INTERFACE_KINDS
+from rtgen.frontends import Dependency
 from rtgen.frontends.kit.findings import Findings
+from rtgen.frontends.kit.library import VirtualFile
 from rtgen.frontends.rosidl import rules
 from rtgen.frontends.rosidl.syntax import MESSAGE_NAME, PACKAGE_NAME
+from rtgen.model import ScopedName, SourceFile
+from rtgen.resources import ros_file, ros_interfaces, ros_source
 
 _DEFAULT_PACKAGE: Final = "interfaces"
+_KEYS: Final = "rtgen/rosidl/"
+"""Prefix of the keys of files that ship with rtgen."""
 
 
 def identity(path: Path, findings: Findings, span: Span) -> tuple[str, str, str] | None:
@@ -43,13 +51,36 @@ def identity(path: Path, findings: Findings, span: Span) -> tuple[str, str, str]
 
 
 def candidates(
-    package: str, name: str, beside: Path, include: Sequence[Path]
-) -> list[Path]:
-    """The paths where the file of a message can be, as seen from a file that names it."""
+    name: ScopedName, beside: Path, include: Sequence[Path]
+) -> list[tuple[Path, Path | None]]:
+    """The paths where the file of a message can be, as seen from a file that names it.
+
+    With each path the include folder that it is in.
+    """
     folder = beside.parent
-    folders = [folder.parent.parent, *include]
-    within = Path(package, "msg", f"{name}.msg")
-    found = [each / within for each in folders]
+    within = file_of(name)
+    found: list[tuple[Path, Path | None]] = [(folder.parent.parent / within, None)]
     if folder.name not in INTERFACE_KINDS.values():
-        found.insert(0, folder / f"{name}.msg")
-    return found
+        found.insert(0, (folder / within.rpartition("/")[2], None))
+    return [*found, *((each / within, each) for each in include)]
+
+
+def file_of(name: ScopedName) -> str:
+    """The file of a message below a folder of packages: `std_msgs/msg/Header.msg`."""
+    return "/".join(name) + ".msg"
+
+
+def shipped() -> dict[str, VirtualFile | Path]:
+    """The interface files that ship with rtgen, by name."""
+    return {
+        name: VirtualFile(f"{_KEYS}{name}", partial(ros_source, name))
+        for name in ros_interfaces()
+    }
+
+
+def dependencies(files: Sequence[SourceFile]) -> Iterator[Dependency]:
+    """Those of the files that ship with rtgen."""
+    for file in files:
+        if file.key.startswith(_KEYS):
+            path = ros_file(file.key.removeprefix(_KEYS))
+            yield Dependency(path, file.sha256)

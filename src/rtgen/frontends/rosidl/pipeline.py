@@ -19,7 +19,13 @@ from rtgen.frontends.kit.suggestions import nearest
 from rtgen.frontends.rosidl import rules
 from rtgen.frontends.rosidl.interfaces import PARTS, Message, messages_of
 from rtgen.frontends.rosidl.lowering import declarations
-from rtgen.frontends.rosidl.packages import candidates, identity
+from rtgen.frontends.rosidl.packages import (
+    candidates,
+    dependencies,
+    file_of,
+    identity,
+    shipped,
+)
 from rtgen.frontends.rosidl.syntax import PRIMITIVES, STRINGS, FieldType, parts_of
 from rtgen.frontends.rosidl.types import scoped
 from rtgen.model import Declaration, Model, ScopedName, SourceFile
@@ -45,7 +51,7 @@ def load(
     packages. All problems of the input are in the diagnostics; no exception is raised for them.
     """
     shown = {absolute_path(path): path.as_posix() for path in reversed(paths)}
-    run = _Run(Library(InterfaceFile, root, include, shown))
+    run = _Run(Library(InterfaceFile, root, include, shown, shipped()))
     for absolute in dict.fromkeys(map(absolute_path, paths)):
         run.read_main(Path(absolute), shown[absolute])
     return run.result()
@@ -72,7 +78,7 @@ class _Run:
             model=Model() if self._findings.errors else model,
             diagnostics=tuple(in_order(self._findings.diagnostics)),
             sources=self._texts,
-            dependencies=self._library.dependencies,
+            dependencies=(*self._library.dependencies, *dependencies(self._files)),
         )
 
     def read_main(self, path: Path, shown: str) -> None:
@@ -186,7 +192,7 @@ class _Run:
             self._find(name, file)
         if name not in self._known:
             if name not in self._places:
-                where = "/".join((name[0], "msg", name[2] + ".msg"))
+                where = file_of(name)
                 message = f"{'/'.join(name)} is not found"
                 hint = (
                     f"{where} is looked for beside the package and in [sources] include"
@@ -202,15 +208,18 @@ class _Run:
         """Read the file of a message, if there is one."""
         if len(self._read) >= _MOST_FILES:
             return
-        for path in candidates(name[0], name[2], file.path, self._library.include):
+        found = None
+        for path, folder in candidates(name, file.path, self._library.include):
             try:
-                found = self._library.open(path)
+                found = self._library.open(path, folder)
             except OSError as error:
                 span = Span(file.name, 1, 1, 1, 1)
                 self._findings.add(rules.UNREADABLE, span, f"{path.name}: {error}")
                 return
             if found is not None:
-                self._places.add(name)
-                if absolute_path(path) not in self._read:
-                    self._interface(found, main=False)
-                return
+                break
+        found = found or self._library.virtual(file_of(name))
+        if found is not None:
+            self._places.add(name)
+            if absolute_path(found.path) not in self._read:
+                self._interface(found, main=False)

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 import msgspec
 
 from rtgen.diagnostics import Diagnostic, Related, Span
+from rtgen.facts.ros import is_interface
 from rtgen.frontends.idl.names.scopes import TYPES, Entity, Kind, Scope, Use
 from rtgen.frontends.idl.rules import names as rules
 from rtgen.frontends.idl.syntax import tree
@@ -337,6 +338,8 @@ class Lookup:
             around is not None
             and self.key(around.name) == key
             and around.kind is not Kind.OPERATION
+            # ROS 2 has a field `uuid` in UUID.
+            and (name == around.name or not is_interface(around.scoped.split("::")))
         ):
             self._report(
                 rules.SAME_AS_SCOPE.at(
