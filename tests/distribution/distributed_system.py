@@ -103,7 +103,6 @@ class Process:
         self._stack.callback(self.transport.close)
         self.system = runtime.System(runtime.RealClock(), self.transport)
         self._stack.callback(self.system.close)
-        self.transport.steered(self.system)
         self.nodes = {name: Node(name) for name in instances}
         for node in self.nodes.values():
             self.system.add(node)

@@ -14,8 +14,9 @@ from rtgen import runtime
 from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.distribution import envelope
 from rtgen.runtime.distribution.control import ControlError
-from rtgen.runtime.distribution.data import Arrivals, encoder, in_topic, out_topic
+from rtgen.runtime.distribution.data import Arrivals, encoder
 from rtgen.runtime.distribution.medium import Qos, Sample
+from rtgen.runtime.distribution.names import escaped, in_topic, out_topic, unescaped
 from rtgen.runtime.opaque_rpc.interface import OpaqueRpcFailed
 from rtgen.runtime.xcdr import deserialize
 
@@ -300,3 +301,10 @@ def test_another_process_is_watched_and_steered(pair: tuple[Process, Process]) -
     with pytest.raises(ControlError, match="no configuration parameter"):
         asker.set("speed", "1")
     assert asker.parameters().active == "default"
+
+
+def test_names_of_ports_have_any_characters() -> None:
+    for text in (".positon", "a/b-c", "größe", "Motor_0"):
+        part = escaped(text)
+        assert part.replace("_", "").replace("-", "").isalnum()
+        assert unescaped(part) == text

@@ -30,17 +30,18 @@ def named(only: str, profile: System) -> frozenset[str]:
     return frozenset(timeline.require_instance(n, profile, None) for n in names)
 
 
-def share(profile: System, here: Collection[str]) -> System:
+def share(profile: System, here: Collection[str], *, data: bool = False) -> System:
     """The components of this process, and the connections with an end there.
 
     The order of activation is kept; properties that name observables of other processes are
-    dropped. Raises InputError for data connections to other processes.
+    dropped. Raises InputError for data connections to other processes, unless the transport
+    carries samples (`data`).
     """
     connections = [c for c in profile.connections if _touches(c, here)]
     _raise_if_any(
         _between(c.name, c.source, c.target, c.span)
         for c in connections
-        if not c.service
+        if not (c.service or data)
         and not (c.source.instance in here and c.target.instance in here)
     )
     others = {c.instance for c in profile.components} - {*here}
@@ -70,7 +71,11 @@ def _without(others: Collection[str], observables: str) -> str:
 
 
 def steps_here(
-    steps: Sequence[Step], profile: System, here: Collection[str]
+    steps: Sequence[Step],
+    profile: System,
+    here: Collection[str],
+    *,
+    data: bool = False,
 ) -> Sequence[Step]:
     """The steps of a timeline that concern this process.
 
@@ -85,7 +90,8 @@ def steps_here(
         if isinstance(action, Connect) and _touches(action, here):
             known.add(action.name)
             ends = action.source.instance in here, action.target.instance in here
-            if not all(ends) and not service.get((action.source, action.target), True):
+            carried = data or service.get((action.source, action.target), True)
+            if not all(ends) and not carried:
                 findings.append(
                     _between(action.name, action.source, action.target, step.span)
                 )
@@ -143,8 +149,7 @@ def _between(
     return ELSEWHERE.at(
         span,
         f"{name}: data ports of two processes, {source} and {target}, cannot be connected",
-        hint="name both instances in --only, or neither; between processes samples go over OpenRTM"
-        " (rtgen generate --target openrtm), or use a service port",
+        hint="name both instances in --only, or neither; or --transport dds, which carries samples",
     )
 
 

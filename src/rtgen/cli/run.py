@@ -119,8 +119,9 @@ def run(
     INSTANCE.PORT[index] are values over time, anything else is the file, by default values.csv and
     values.svg below build. Without any of them the file gets the trajectory.
 
-    With --transport corba service calls go over omniORB. With --only this process runs a part of
-    the system, and calls go to the processes that run the rest.
+    With --transport corba service calls go over omniORB; with --transport dds samples and calls go
+    over DDS. With --only this process runs a part of the system, and they go to the processes that
+    run the rest.
     """
     simulated = clock == "sim"
     carrying.check(simulated=simulated)
@@ -137,11 +138,12 @@ def run(
     values = [timeline.assignment(text, profile) for text in settings]
     if carrying.only is not None:
         here = partition.named(carrying.only, profile)
+        data = carrying.carries_data
         partition.require_here(values, here)
         condition = partition.condition_here(condition, here, asked=until is not None)
-        steps = partition.steps_here(steps, profile, here)
+        steps = partition.steps_here(steps, profile, here, data=data)
         wanted = partition.measures_here(wanted, here)
-        profile = partition.share(profile, here)
+        profile = partition.share(profile, here, data=data)
     csv_file, in_table = divided(table, "--csv", profile)
     plot, in_picture = divided(picture, "--plot", profile)
     csv_file = csv_file or (_result(profile, ".csv") if in_table else None)
@@ -162,7 +164,7 @@ def run(
         ending(report.waiting) as end,
         Watchdog(report.blocked),
         transports.opened(
-            carrying, console, project.plugins, simulated=simulated
+            carrying, console, project.plugins, profile.name, simulated=simulated
         ) as transport,
         assemble(
             profile,

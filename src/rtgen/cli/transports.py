@@ -6,6 +6,8 @@ import functools
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, fields
+from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -18,9 +20,15 @@ from rtgen.runtime.errors import NoNamingServiceError
 from rtgen.systems.rules import CONNECTION
 
 if TYPE_CHECKING:
+    from rtgen.runtime.corba.transport import CorbaTransport
+    from rtgen.runtime.distribution.medium import Medium
+    from rtgen.runtime.distribution.transport import DistributedTransport
     from rtgen.runtime.services.transports import ProcessTransport
 
 _PORTS = 1 << 16
+_BUILT_IN = ("corba", "dds")
+_CARRYING_DATA = ("dds",)
+"""Transports that carry samples between processes, in real time alone."""
 
 
 def _place(_: click.Context, __: click.Parameter, value: str | None) -> str | None:
@@ -38,7 +46,7 @@ class _Transport(click.Choice[str]):
     """The built-in transports, which help texts name, and those of plug-ins."""
 
     def __init__(self) -> None:
-        super().__init__(["direct", "corba"])
+        super().__init__(["direct", *_BUILT_IN])
 
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
@@ -57,12 +65,12 @@ _OPTIONS = (
         type=_Transport(),
         default="direct",
         show_default=True,
-        help="What carries service calls; corba: omniORB, between processes, too.",
+        help="What carries service calls, dds samples, too, between processes.",
     ),
     click.option(
         "--only",
         metavar="INSTANCE,...",
-        help="The components of this process; others run the rest (corba, real time).",
+        help="The components of this process; others run the rest (real time).",
     ),
     click.option(
         "--nameserver",
@@ -76,20 +84,49 @@ _OPTIONS = (
         help="Where other processes reach this one (corba); by default 127.0.0.1.",
     ),
     click.option(
+        "--interface",
+        metavar="NAME|ADDRESS",
+        help="Network interface (dds); by default loopback.",
+    ),
+    click.option(
+        "--domain",
+        type=click.IntRange(0, 232),
+        metavar="NUMBER",
+        help="DDS domain (dds), 0 to 232; by default 0.",
+    ),
+    click.option(
+        "--partition",
+        metavar="NAME",
+        help="Name that the processes of a system share (dds); by default the system's.",
+    ),
+    click.option(
+        "--transport-config",
+        type=click.Path(exists=True, dir_okay=False),
+        metavar="FILE",
+        help="Configuration of the engine (dds) in its own format, in place of --interface.",
+    ),
+    click.option(
         "--call-timeout",
         type=FiniteRange(0.001, 3600),
         metavar="SECONDS",
-        help="How long a call may take (corba); by default 2.",
+        help="How long a call between processes may take; by default 2.",
     ),
     click.option(
         "--wait",
         type=FiniteRange(0, 86400),
         metavar="SECONDS",
-        help="How long to wait for other processes (corba); by default 30.",
+        help="How long to wait for other processes; by default 30.",
     ),
 )
 _CALL_TIMEOUT = 2.0
 _WAIT = 30.0
+_COMMON = frozenset({"only", "call_timeout", "wait"})
+_DISTRIBUTED = _COMMON | {"interface", "partition", "transport_config"}
+_TAKES: dict[str, frozenset[str]] = {
+    "corba": _COMMON | {"nameserver", "endpoint"},
+    "dds": _DISTRIBUTED | {"domain"},
+}
+"""The options that a built-in transport takes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,6 +137,10 @@ class TransportOptions:
     only: str | None
     nameserver: str | None
     endpoint: str | None
+    interface: str | None
+    domain: int | None
+    partition: str | None
+    transport_config: str | None
     call_timeout: float | None
     wait: float | None
 
@@ -108,22 +149,32 @@ class TransportOptions:
         """Seconds to wait for other processes."""
         return _WAIT if self.wait is None else self.wait
 
+    @property
+    def carries_data(self) -> bool:
+        """Whether samples can go to other processes."""
+        return self.transport in _CARRYING_DATA
+
     def check(self, *, simulated: bool) -> None:
         """Raise Refusal for inconsistent options."""
-        given = {
-            "--only": self.only,
-            "--nameserver": self.nameserver,
-            "--endpoint": self.endpoint,
-            "--call-timeout": self.call_timeout,
-            "--wait": self.wait,
-        }
-        present = [option for option, value in given.items() if value is not None]
-        if present and self.transport != "corba":
-            raise Refusal(f"{present[0]} needs --transport corba")
-        if present and simulated:
+        present = [f.name for f in fields(self) if f.name != "transport"]
+        for name in present:
+            if getattr(self, name) is None:
+                continue
+            option = f"--{name.replace('_', '-')}"
+            if name not in _TAKES.get(self.transport, ()):
+                takers = [each for each, names in _TAKES.items() if name in names]
+                raise Refusal(f"{option} needs --transport {' or '.join(takers)}")
+            if simulated:
+                raise Refusal(
+                    f"{option} needs --clock real: processes share no simulated time"
+                )
+        if self.carries_data and simulated:
             raise Refusal(
-                f"{present[0]} needs --clock real: processes share no simulated time"
+                f"--transport {self.transport} needs --clock real: "
+                "processes share no simulated time"
             )
+        if self.interface is not None and self.transport_config is not None:
+            raise Refusal("--interface and --transport-config exclude each other")
 
 
 def with_transport(command: Callable[..., int]) -> Callable[..., int]:
@@ -145,16 +196,21 @@ def opened(
     carrying: TransportOptions,
     console: Console,
     options: Mapping[str, Mapping[str, Any]],
+    system: str,
     *,
     simulated: bool,
 ) -> Iterator[ProcessTransport | None]:
     """The transport; None for direct calls. Raises ToolError.
 
     Simulated time has no naming service, since no other process can call. `options` are those of
-    plug-ins by their names.
+    plug-ins by their names; `system` is the name of the system.
     """
     if carrying.transport == "direct":
         yield None
+        return
+    if carrying.transport == "dds":
+        with _distributed(carrying, partial(_dds, carrying), system) as transport:
+            yield transport
         return
     for entry in plugins.announced(plugins.Group.TRANSPORTS):
         if entry.name == carrying.transport:
@@ -162,6 +218,50 @@ def opened(
             with brought(options.get(entry.name, {}), simulated=simulated) as transport:
                 yield transport
             return
+    with _corba(carrying, simulated=simulated) as transport:
+        if transport.name_server:
+            console.say(f"naming service: {transport.name_server}")
+        yield transport
+
+
+def _distributed(
+    carrying: TransportOptions, medium: Callable[[str], Medium], system: str
+) -> DistributedTransport:
+    """The transport over an engine, in the partition of the system. Raises ToolError."""
+    from rtgen.runtime.distribution.medium import MediumError, check_name
+    from rtgen.runtime.distribution.transport import DistributedTransport
+
+    try:
+        partition = check_name(carrying.partition or system)
+    except MediumError as error:
+        raise ToolError(str(error), hint="name the system by --partition") from error
+    timeout = carrying.call_timeout or _CALL_TIMEOUT
+    try:
+        return DistributedTransport(medium(partition), timeout=timeout)
+    except (MediumError, runtime.TransportError) as error:
+        raise ToolError(str(error)) from error
+
+
+def _dds(carrying: TransportOptions, partition: str) -> Medium:
+    """The engine of DDS. Raises ToolError, MediumError."""
+    try:
+        from rtgen.runtime.dds.medium import DdsMedium
+    except ImportError as error:
+        raise ToolError(
+            "--transport dds needs cyclonedds, which is not installed",
+            hint="pip install 'rtgen[dds]'",
+        ) from error
+    config = carrying.transport_config
+    return DdsMedium(
+        partition,
+        domain=carrying.domain or 0,
+        interface=carrying.interface,
+        config=None if config is None else Path(config),
+    )
+
+
+def _corba(carrying: TransportOptions, *, simulated: bool) -> CorbaTransport:
+    """The transport over omniORB. Raises ToolError."""
     try:
         from rtgen.runtime.corba.orb import LOOPBACK
         from rtgen.runtime.corba.transport import CorbaTransport
@@ -171,7 +271,7 @@ def opened(
             hint="pip install 'rtgen[corba]'",
         ) from error
     try:
-        transport = CorbaTransport(
+        return CorbaTransport(
             naming=not simulated,
             name_server=carrying.nameserver,
             host=carrying.endpoint or LOOPBACK,
@@ -182,10 +282,6 @@ def opened(
         raise ToolError(str(error), hint=hint) from error
     except runtime.TransportError as error:
         raise ToolError(str(error)) from error
-    with transport:
-        if transport.name_server:
-            console.say(f"naming service: {transport.name_server}")
-        yield transport
 
 
 def await_others(transport: ProcessTransport, seconds: float) -> None:

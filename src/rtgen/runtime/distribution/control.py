@@ -15,6 +15,7 @@ import msgspec
 from rtgen.runtime.distribution import descriptions
 from rtgen.runtime.distribution.descriptions import Description, describe
 from rtgen.runtime.distribution.medium import Medium, MediumError, Reply, Token
+from rtgen.runtime.distribution.names import control_name
 from rtgen.runtime.distribution.workers import Workers
 from rtgen.runtime.errors import RtcError
 from rtgen.runtime.failures import log
@@ -57,11 +58,6 @@ class _Request(msgspec.Struct):
 class _Answer(msgspec.Struct, omit_defaults=True):
     result: Any = None
     error: str = ""
-
-
-def control_name(instance: str) -> str:
-    """The name of the control service of an instance."""
-    return f"{instance}/control"
 
 
 class Served:

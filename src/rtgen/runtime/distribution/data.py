@@ -22,9 +22,9 @@ from rtgen.runtime.distribution.medium import (
     Qos,
     Sample,
     Subscription,
-    Topic,
     representation,
 )
+from rtgen.runtime.distribution.names import in_topic, out_topic
 from rtgen.runtime.distribution.qos import DEFAULT, qos_of, strongest
 from rtgen.runtime.errors import TransportError
 from rtgen.runtime.failures import log
@@ -38,16 +38,6 @@ from rtgen.runtime.xcdr import deserialize
 
 _SOURCES = 256
 """Publishers of one topic whose sequence numbers are remembered."""
-
-
-def out_topic(instance: str, port: str, type_: type[Any]) -> Topic:
-    """The topic of an OutPort."""
-    return Topic(f"{instance}/out/{port}", type_)
-
-
-def in_topic(instance: str, port: str, type_: type[Any]) -> Topic:
-    """The topic that an InPort takes samples of other programs from."""
-    return Topic(f"{instance}/in/{port}", type_)
 
 
 def encoder(type_: type[Any]) -> Callable[[Any], bytes]:

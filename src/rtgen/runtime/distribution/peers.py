@@ -5,18 +5,13 @@ from __future__ import annotations
 import threading
 import time
 
-from rtgen.runtime.distribution import control
+from rtgen.runtime.distribution import control, names
 from rtgen.runtime.distribution.descriptions import Description
 from rtgen.runtime.distribution.medium import Medium, Token
 from rtgen.runtime.failures import log
 
 _PAUSE = 0.2
 """Seconds between two attempts to ask an instance that did not answer."""
-
-
-def presence_name(instance: str, process: str) -> str:
-    """The name by which an instance of a process is announced."""
-    return f"{instance}/{process}"
 
 
 class Peers:
@@ -100,7 +95,10 @@ class Peers:
             self._changed.wait(seconds)
 
     def _on_change(self, name: str, present: bool) -> None:
-        instance, _, process = name.rpartition("/")
+        known = names.present(name)
+        if known is None:
+            return
+        instance, process = known
         with self._changed:
             before = self._present.get(instance, [])
             after = [p for p in before if p != process] + [process] * present

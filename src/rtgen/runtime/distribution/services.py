@@ -22,6 +22,7 @@ from rtgen.runtime.distribution.medium import (
     ReplyTimeoutError,
     Token,
 )
+from rtgen.runtime.distribution.names import service_name
 from rtgen.runtime.distribution.workers import Workers
 from rtgen.runtime.errors import PortTypeError, TransportError
 from rtgen.runtime.failures import described, ends_run, log
@@ -37,11 +38,6 @@ from rtgen.runtime.services.servants import (
     UnknownException,
 )
 from rtgen.runtime.services.transports import RemotePort
-
-
-def service_name(instance: str, port: str, interface: str) -> str:
-    """The name of the service of a provider."""
-    return f"{instance}/{port}/{interface}"
 
 
 class ServedProvider:

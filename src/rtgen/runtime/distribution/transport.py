@@ -20,7 +20,8 @@ from rtgen.runtime.distribution.data import (
 )
 from rtgen.runtime.distribution.descriptions import DataPort
 from rtgen.runtime.distribution.medium import Medium, MediumError
-from rtgen.runtime.distribution.peers import Peers, presence_name
+from rtgen.runtime.distribution.names import presence_name
+from rtgen.runtime.distribution.peers import Peers
 from rtgen.runtime.distribution.services import RemoteProvider, ServedProvider
 from rtgen.runtime.distribution.workers import Workers
 from rtgen.runtime.errors import (

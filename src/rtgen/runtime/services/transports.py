@@ -79,6 +79,9 @@ class RemoteDataConnector(Protocol):
 class DataTransport(Protocol):
     """A transport that carries samples between processes, too."""
 
+    def steered(self, system: Any) -> None:
+        """Let other processes watch and steer a system, of class `System`."""
+
     def sending(
         self,
         name: str,

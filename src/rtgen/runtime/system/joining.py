@@ -52,11 +52,14 @@ class Joining:
 
         Raises UnknownComponentError, or the ConnectError that says why the ports do not fit.
         """
-        if self._transport is not None:
-            for one, other in ((source, target), (target, source)):
-                if one[0] in self._here and other[0] not in self._here:
-                    there = RemotePort(*other)
-                    return self._between(self._transport, one, there, properties, name)
+        transport = self._transport
+        if transport is not None:
+            if source[0] in self._here and target[0] not in self._here:
+                return self._between(transport, source, target, properties, name)
+            if target[0] in self._here and source[0] not in self._here:
+                return self._between(
+                    transport, target, source, properties, name, sends=False
+                )
         first, second = self._component(source[0]), self._component(target[0])
         ways = (
             (first, source[1], second, target[1]),
@@ -76,18 +79,23 @@ class Joining:
         self,
         transport: Transport,
         here: PortAddress,
-        there: RemotePort,
+        other: PortAddress,
         properties: Mapping[str, str],
         name: str,
+        *,
+        sends: bool = True,
     ) -> Connector:
+        """A connection to another process; `sends` decides for a component with both data ports."""
         component = self._component(here[0])
+        there = RemotePort(*other)
         if isinstance(transport, DataTransport):
-            if here[1] in component.out_ports:
-                source = component.out_ports[here[1]]
-                return transport.sending(name, source, there, properties)
-            if here[1] in component.in_ports:
-                target = component.in_ports[here[1]]
-                return transport.receiving(name, target, there, properties, self._guard)
+            out_port = component.out_ports.get(here[1])
+            in_port = component.in_ports.get(here[1])
+            if out_port is not None and (sends or in_port is None):
+                return transport.sending(name, out_port, there, properties)
+            if in_port is not None:
+                guard = self._guard
+                return transport.receiving(name, in_port, there, properties, guard)
         port = ServicePort(component, here[1])
         if port:
             return transport.connector(name, port, there, properties)

@@ -31,7 +31,7 @@ from rtgen.runtime.rtc.component import Component
 from rtgen.runtime.rtc.configuration import DEFAULT_SET
 from rtgen.runtime.rtc.execution_context import ExecutionContext
 from rtgen.runtime.rtc.participant import Participant
-from rtgen.runtime.services.transports import Transport
+from rtgen.runtime.services.transports import DataTransport, Transport
 from rtgen.runtime.system.dependencies import Dependencies
 from rtgen.runtime.system.joining import (
     Connector,
@@ -86,6 +86,8 @@ class System:
         self._observation = Observation(self.clock.elapsed, self.end_run)
         self.on_failure: Callable[[Failure], None] = log_failure
         """Called with each failure of a component's code; in real time from its thread."""
+        if isinstance(transport, DataTransport):
+            transport.steered(self)
 
     def __enter__(self) -> System:
         return self
