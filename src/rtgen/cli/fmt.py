@@ -1,4 +1,4 @@
-"""The command `rtgen fmt`: puts IDL and CDL files in their form."""
+"""The command `rtgen fmt`: puts IDL, CDL and bus files in their form."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from pathlib import Path
 import click
 
 from rtgen.cli.common import BAD_INPUT, NO, OK, Console, with_console, write_out
-from rtgen.diagnostics import Diagnostic, InputError
-from rtgen.formatting import Options
-from rtgen.formatting.files import LANGUAGES, format_bytes, language_of
-from rtgen.formatting.rules import OTHER_FILE
+from rtgen.diagnostics import Diagnostic, InputError, has_errors
+from rtgen.formatting import Options, toml
+from rtgen.formatting.files import SUFFIXES, check_name, format_bytes
+from rtgen.formatting.rules import NO_FORMATTER, OTHER_FILE
 from rtgen.project import Project, load, shown
 from rtgen.project import files as files_below
 from rtgen.project.output import Change
@@ -60,7 +60,7 @@ def fmt(
     lines: tuple[int, int] | None,
     stdin_filename: str,
 ) -> int:
-    """Put IDL and CDL files in their form: indentation, spaces, line ends.
+    """Put IDL, CDL and bus files in their form: indentation, spaces, line ends.
 
     PATH is a file, a folder with such files below it, or - for standard input; without PATH the
     sources of rtgen.toml. Comments, preprocessor lines and tokens stay as they are. Exit code 0:
@@ -79,7 +79,11 @@ def fmt(
         raise click.UsageError("--range is for a single file")
     changes: list[Change] = []
     found: list[Diagnostic] = []
+    named = {*map(Path, paths), Path(stdin_filename)}
     for path, data in inputs:
+        if _has_no_formatter(path) and path not in named:
+            found.append(_left_out(path))
+            continue
         try:
             new = format_bytes(
                 data, path.as_posix(), options, kcode=project.kcode, lines=lines
@@ -93,7 +97,7 @@ def fmt(
             write_out(new)
             return OK
     console.findings(found)
-    if found:
+    if has_errors(found):
         return BAD_INPUT
     if check or as_diff:
         _print(changes, as_diff)
@@ -109,9 +113,18 @@ def _files(project: Project, paths: tuple[str, ...]) -> Iterator[Path]:
     named = [Path(path) for path in paths] or project.sources
     for path in files_below(named, skip=project.output):
         if path in named and paths:
-            language_of(path.as_posix())
-        if path.suffix.lower() in LANGUAGES:
+            check_name(path.as_posix())
+        if path.suffix.lower() in SUFFIXES:
             yield path
+
+
+def _has_no_formatter(path: Path) -> bool:
+    return path.suffix.lower() == toml.SUFFIX and not toml.is_available()
+
+
+def _left_out(path: Path) -> Diagnostic:
+    message = f"{path.as_posix()} is left as it is: tombi is not installed"
+    return NO_FORMATTER.at(None, message, hint="pip install 'rtgen[fmt]'")
 
 
 def _content(path: Path) -> bytes:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import PurePath
 
 from rtgen.diagnostics import InputError
-from rtgen.formatting import DEFAULT, Options, changed_text
+from rtgen.formatting import DEFAULT, Options, changed_text, toml
 from rtgen.formatting.rules import NO_TOKENS, OTHER_FILE
 from rtgen.formatting.tokens import Language, LexicalError
 from rtgen.frontends.cdl.text import encodings
@@ -16,6 +16,9 @@ from rtgen.frontends.kit.lines import LineTable
 
 LANGUAGES = {".idl": Language.IDL, ".cdl": Language.CDL}
 """Suffix to language, in lower case."""
+
+SUFFIXES = (*LANGUAGES, toml.SUFFIX)
+"""Those of files that have a form."""
 
 _BYTES = "latin-1"
 
@@ -34,14 +37,12 @@ class Content:
         return self.mark + text.replace("\n", self.line_end).encode(self.codec)
 
 
-def language_of(name: str) -> Language:
-    """The language of a file by its name. Raises InputError."""
-    language = LANGUAGES.get(PurePath(name).suffix.lower())
-    if language is None:
-        known = ", ".join(f"*{suffix}" for suffix in LANGUAGES)
+def check_name(name: str) -> None:
+    """Raise InputError for a file that has no form."""
+    if PurePath(name).suffix.lower() not in SUFFIXES:
+        known = ", ".join(f"*{suffix}" for suffix in SUFFIXES)
         message = f"{name} has no form that rtgen knows"
         raise InputError([OTHER_FILE.at(None, message, hint=f"it knows {known}")])
-    return language
 
 
 def content(data: bytes, language: Language | None, kcode: str = "auto") -> Content:
@@ -75,13 +76,17 @@ def format_bytes(
 ) -> bytes:
     """The content of the file `name` in its form; `lines`: only what is within them.
 
-    Raises InputError where the file has no form or is not made of tokens.
+    Raises InputError where the file has no form or is not made of tokens, ToolError where its
+    formatter is not installed.
     """
-    language = language_of(name)
+    check_name(name)
+    language = LANGUAGES.get(PurePath(name).suffix.lower())
     if len(data) > MAX_BYTES:
         message = f"{name} is larger than {MAX_BYTES:,} bytes"
         raise InputError([OTHER_FILE.at(None, message)])
     read = content(data, language, kcode)
+    if language is None:
+        return read.encoded(toml.changed_text(read.text, name, options, lines))
     try:
         return read.encoded(changed_text(read.text, language, options, lines))
     except LexicalError as error:

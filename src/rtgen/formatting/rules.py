@@ -6,5 +6,6 @@ from rtgen.diagnostics import Rule, Severity
 
 NO_TOKENS = Rule("FMT0001", "text that cannot be formatted", Severity.ERROR)
 OTHER_FILE = Rule("FMT0002", "file that cannot be formatted", Severity.ERROR)
+NO_FORMATTER = Rule("FMT0003", "formatter that is not installed", Severity.WARNING)
 
-RULES: tuple[Rule, ...] = (NO_TOKENS, OTHER_FILE)
+RULES: tuple[Rule, ...] = (NO_TOKENS, OTHER_FILE, NO_FORMATTER)

@@ -17,6 +17,7 @@ from projects import PROJECT
 
 from rtgen.formatting import Language as Form
 from rtgen.formatting import format_text
+from rtgen.formatting.files import format_bytes
 from rtgen.language_server.features.code_actions import code_actions
 from rtgen.language_server.features.completion import completion
 from rtgen.language_server.features.diagnostics import published
@@ -269,6 +270,17 @@ def test_formatting(editor: Editor, file: str, end: str) -> None:
     edit = WorkspaceEdit(changes={view.document.uri: formatting(view)})
     assert list(editor.applied(edit).values()) == [wanted]
     assert formatting(editor.open(file, wanted)) == []
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+def test_formatting_of_a_bus_file(editor: Editor, end: str) -> None:
+    tidy = PROJECT["bus_toml"]
+    view = editor.open("bus_toml", tidy.replace(" = ", "=").replace("\n", end))
+    edit = WorkspaceEdit(changes={view.document.uri: formatting(view)})
+    [formed] = editor.applied(edit).values()
+    assert formed == format_bytes(tidy.encode(), "bus.toml").decode().replace("\n", end)
+    assert formatting(editor.open("bus_toml", formed)) == []
+    assert formatting(editor.open("bus_toml", "[bus\n")) == []
 
 
 def test_formatting_of_a_range(editor: Editor) -> None:

@@ -4,19 +4,21 @@ from __future__ import annotations
 
 from lsprotocol.types import Range, TextEdit
 
-from rtgen.formatting import DEFAULT, LexicalError, Options, changed_text, edits
+from rtgen.diagnostics import InputError, ToolError
+from rtgen.formatting import DEFAULT, LexicalError, Options, changed_text, edits, toml
 from rtgen.formatting import Language as Form
 from rtgen.language_server.documents import Language
 from rtgen.language_server.text import Shift
 from rtgen.language_server.workspace import View
 
 _FORMS = {Language.IDL: Form.IDL, Language.CDL: Form.CDL}
+_TOML = (Language.BUS, Language.PROJECT)
 
 
 def formatting(view: View, range_: Range | None = None) -> list[TextEdit]:
-    """The edits that give a document its form; none where the text is not made of tokens."""
+    """The edits that give a document its form; none where it has none, or tombi is missing."""
     form = _FORMS.get(view.language)
-    if form is None:
+    if form is None and not (view.language in _TOML and toml.is_available()):
         return []
     options = DEFAULT
     if view.analysis is not None:
@@ -25,15 +27,19 @@ def formatting(view: View, range_: Range | None = None) -> list[TextEdit]:
     source = view.text.source
     lines = None if range_ is None else (range_.start.line + 1, range_.end.line + 1)
     try:
-        if "\r" not in source:
+        if form is not None and "\r" not in source:
             return [
                 TextEdit(view.range(edit.start, edit.end), edit.text)
                 for edit in edits(source, form, options, lines)
             ]
-        made = changed_text(source.replace("\r\n", "\n"), form, options, lines)
-    except LexicalError:
+        plain = source.replace("\r\n", "\n")
+        if form is None:
+            made = toml.changed_text(plain, view.document.path, options, lines)
+        else:
+            made = changed_text(plain, form, options, lines)
+    except (LexicalError, InputError, ToolError):
         return []
-    new = made.replace("\n", "\r\n")
+    new = made.replace("\n", "\r\n") if "\r" in source else made
     shift = Shift.between(source, new)
     if shift.start == shift.old == shift.new:
         return []

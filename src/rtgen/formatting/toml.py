@@ -1,0 +1,120 @@
+"""The form of TOML files: that of tombi, a formatter that is a program of its own (extra `fmt`).
+
+Values, their order and comments stay as they are; only spaces and line ends change.
+"""
+
+from __future__ import annotations
+
+import difflib
+import os
+import shutil
+import subprocess
+import sysconfig
+import tempfile
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from rtgen import toml_text
+from rtgen.diagnostics import InputError, ToolError
+from rtgen.formatting import Options
+from rtgen.formatting.rules import NO_TOKENS
+
+SUFFIX = ".toml"
+
+_SETTINGS = """\
+[format.rules]
+indent-width = {indent}
+line-width = {line_length}
+line-ending = "lf"
+string-quote-style = "preserve"
+date-time-delimiter = "preserve"
+trailing-comment-alignment = true
+
+[schema]
+enabled = false
+"""
+_SECONDS = 30
+
+
+def is_available() -> bool:
+    """Whether tombi is installed."""
+    return _program() is not None
+
+
+def changed_text(
+    text: str, name: str, options: Options, lines: tuple[int, int] | None
+) -> str:
+    """The text in its form; `lines`: only hunks within them, first to last, from 1.
+
+    Raises InputError for a text that is no TOML, ToolError without tombi.
+    """
+    before = _values(text, name)
+    new = _formatted(text, name, options)
+    if lines is not None:
+        new = _within(text, new, lines)
+    # A hunk alone may not be TOML, nor mean the same: then nothing is changed.
+    return new if new == text or _is_same(before, new, name) else text
+
+
+def _values(text: str, name: str) -> dict[str, Any]:
+    try:
+        return toml_text.parse(text, name)
+    except toml_text.TomlError as error:
+        raise InputError([NO_TOKENS.at(error.span, str(error))]) from None
+
+
+def _is_same(before: dict[str, Any], new: str, name: str) -> bool:
+    """Whether a text has these values, in this order."""
+    try:
+        return repr(toml_text.parse(new, name)) == repr(before)
+    except toml_text.TomlError:
+        return False
+
+
+def _formatted(text: str, name: str, options: Options) -> str:
+    program = _program()
+    if program is None:
+        raise ToolError(
+            f"{name} is formatted by tombi, which is not installed",
+            hint="pip install 'rtgen[fmt]'",
+        )
+    settings = _SETTINGS.format(indent=options.indent, line_length=options.line_length)
+    with tempfile.TemporaryDirectory() as folder:
+        (Path(folder) / "tombi.toml").write_text(settings, encoding="utf-8")
+        try:
+            done = subprocess.run(
+                [program, "format", "--offline", "--quiet", "-"],
+                input=text.encode(),
+                cwd=folder,
+                env={**os.environ, "NO_COLOR": "1"},
+                capture_output=True,
+                timeout=_SECONDS,
+                check=False,
+            )
+        except (OSError, subprocess.TimeoutExpired) as error:
+            raise ToolError(f"tombi cannot format {name}: {error}") from error
+    if done.returncode != 0:
+        why = done.stderr.decode(errors="replace").strip() or "it does not say why"
+        raise ToolError(f"tombi cannot format {name}: {why}")
+    return done.stdout.decode()
+
+
+@cache
+def _program() -> str | None:
+    """Where tombi is: in this environment, else on the path."""
+    return shutil.which("tombi", path=sysconfig.get_path("scripts")) or shutil.which(
+        "tombi"
+    )
+
+
+def _within(text: str, new: str, lines: tuple[int, int]) -> str:
+    """The text with those hunks of a change that begin or end within the lines."""
+    old_lines, new_lines = text.splitlines(True), new.splitlines(True)
+    matcher = difflib.SequenceMatcher(None, old_lines, new_lines, autojunk=False)
+    parts: list[str] = []
+    first, last = lines[0] - 1, lines[1]
+    for tag, start, end, new_start, new_end in matcher.get_opcodes():
+        inside = tag != "equal" and start < last and max(end, start + 1) > first
+        parts += new_lines[new_start:new_end] if inside else old_lines[start:end]
+    return "".join(parts)
