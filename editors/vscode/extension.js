@@ -1,6 +1,6 @@
 // Starts `rtgen lsp` and connects it with the editor.
 
-const { window, workspace } = require("vscode");
+const { workspace } = require("vscode");
 const { LanguageClient } = require("vscode-languageclient/node");
 
 const WATCHED = "**/*.{idl,inc,cdl,cde,h,eds,dcf,toml,xml,yaml,yml}";
@@ -24,18 +24,11 @@ async function activate(context) {
     },
   );
   context.subscriptions.push(client);
-  try {
-    await client.start();
-  } catch (error) {
-    window.showErrorMessage(
-      `${command} does not start: ${error.message}. ` +
-        "It comes with pip install 'rtgen[lsp]'; the setting rtgen.command says where it is.",
-    );
-  }
+  await client.start();
 }
 
 function deactivate() {
-  return client?.isRunning() ? client.stop() : undefined;
+  return client === undefined ? undefined : client.stop();
 }
 
 module.exports = { activate, deactivate };

@@ -15,6 +15,7 @@ from rtgen.cli import run
 from rtgen.runtime import Component
 
 GENERATED = Path(__file__).parents[2] / "generated"
+LISTS = ("refrobots/components/entry_points.txt", "refrobots/tecs/entry_points.txt")
 
 
 class EntryPoints(configparser.ConfigParser):
@@ -27,7 +28,7 @@ class EntryPoints(configparser.ConfigParser):
 def behaviours() -> dict[str, str]:
     """Of every component of the reference build what makes it, `module:name`."""
     lists = EntryPoints()
-    lists.read(GENERATED / "refrobots/components/entry_points.txt")
+    lists.read(GENERATED / file for file in LISTS)
     return {n: v for section in lists.sections() for n, v in lists[section].items()}
 
 

@@ -26,8 +26,8 @@ if TYPE_CHECKING:
     from rtgen.runtime.services.transports import ProcessTransport
 
 _PORTS = 1 << 16
-_BUILT_IN = ("corba", "dds")
-_CARRYING_DATA = ("dds",)
+_BUILT_IN = ("corba", "dds", "zenoh")
+_CARRYING_DATA = ("dds", "zenoh")
 """Transports that carry samples between processes, in real time alone."""
 
 
@@ -40,6 +40,22 @@ def _place(_: click.Context, __: click.Parameter, value: str | None) -> str | No
     if not (host and good if colon else value):
         raise click.BadParameter(f"'{value}' is not HOST or HOST:PORT.")
     return value
+
+
+def _locators(
+    _: click.Context, __: click.Parameter, value: str | None
+) -> tuple[str, ...] | None:
+    """Validate locators of Zenoh, `PROTOCOL/ADDRESS`. Raises click.BadParameter."""
+    if value is None:
+        return None
+    found = tuple(text.strip() for text in value.split(","))
+    for text in found:
+        protocol, slash, address = text.partition("/")
+        if not (protocol.isalpha() and slash and address):
+            raise click.BadParameter(
+                f"'{text}' is not PROTOCOL/ADDRESS, such as tcp/192.0.2.1:7447."
+            )
+    return found
 
 
 class _Transport(click.Choice[str]):
@@ -65,7 +81,7 @@ _OPTIONS = (
         type=_Transport(),
         default="direct",
         show_default=True,
-        help="What carries service calls, dds samples, too, between processes.",
+        help="What carries service calls, dds and zenoh samples, too, between processes.",
     ),
     click.option(
         "--only",
@@ -95,15 +111,27 @@ _OPTIONS = (
         help="DDS domain (dds), 0 to 232; by default 0.",
     ),
     click.option(
+        "--connect",
+        callback=_locators,
+        metavar="LOCATOR,...",
+        help="Routers or peers (zenoh), as tcp/HOST:PORT; by default those of this machine.",
+    ),
+    click.option(
+        "--listen",
+        callback=_locators,
+        metavar="LOCATOR,...",
+        help="Where other peers reach this one (zenoh); by default loopback.",
+    ),
+    click.option(
         "--partition",
         metavar="NAME",
-        help="Name that the processes of a system share (dds); by default the system's.",
+        help="Name that the processes of a system share; by default the system's.",
     ),
     click.option(
         "--transport-config",
         type=click.Path(exists=True, dir_okay=False),
         metavar="FILE",
-        help="Configuration of the engine (dds) in its own format, in place of --interface.",
+        help="Configuration file of the engine (dds, zenoh) in its own format.",
     ),
     click.option(
         "--call-timeout",
@@ -121,10 +149,11 @@ _OPTIONS = (
 _CALL_TIMEOUT = 2.0
 _WAIT = 30.0
 _COMMON = frozenset({"only", "call_timeout", "wait"})
-_DISTRIBUTED = _COMMON | {"interface", "partition", "transport_config"}
+_DISTRIBUTED = _COMMON | {"partition", "transport_config"}
 _TAKES: dict[str, frozenset[str]] = {
     "corba": _COMMON | {"nameserver", "endpoint"},
-    "dds": _DISTRIBUTED | {"domain"},
+    "dds": _DISTRIBUTED | {"interface", "domain"},
+    "zenoh": _DISTRIBUTED | {"connect", "listen"},
 }
 """The options that a built-in transport takes."""
 
@@ -139,6 +168,8 @@ class TransportOptions:
     endpoint: str | None
     interface: str | None
     domain: int | None
+    connect: tuple[str, ...] | None
+    listen: tuple[str, ...] | None
     partition: str | None
     transport_config: str | None
     call_timeout: float | None
@@ -208,8 +239,9 @@ def opened(
     if carrying.transport == "direct":
         yield None
         return
-    if carrying.transport == "dds":
-        with _distributed(carrying, partial(_dds, carrying), system) as transport:
+    engine = _ENGINES.get(carrying.transport)
+    if engine is not None:
+        with _distributed(carrying, partial(engine, carrying), system) as transport:
             yield transport
         return
     for entry in plugins.announced(plugins.Group.TRANSPORTS):
@@ -258,6 +290,31 @@ def _dds(carrying: TransportOptions, partition: str) -> Medium:
         interface=carrying.interface,
         config=None if config is None else Path(config),
     )
+
+
+def _zenoh(carrying: TransportOptions, partition: str) -> Medium:
+    """The engine of Zenoh. Raises ToolError, MediumError."""
+    try:
+        from rtgen.runtime.zenoh.medium import ZenohMedium
+        from rtgen.runtime.zenoh.session import Endpoints
+    except ImportError as error:
+        raise ToolError(
+            "--transport zenoh needs eclipse-zenoh, which is not installed",
+            hint="pip install 'rtgen[zenoh]'",
+        ) from error
+    config = carrying.transport_config
+    endpoints = Endpoints(
+        None if config is None else Path(config),
+        carrying.connect or (),
+        carrying.listen or (),
+    )
+    return ZenohMedium(partition, endpoints)
+
+
+_ENGINES: dict[str, Callable[[TransportOptions, str], Medium]] = {
+    "dds": _dds,
+    "zenoh": _zenoh,
+}
 
 
 def _corba(carrying: TransportOptions, *, simulated: bool) -> CorbaTransport:

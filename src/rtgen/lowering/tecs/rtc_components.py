@@ -11,9 +11,7 @@ from rtgen.typemap.python_names import identifier
 COMMUNICATION = ("OpaqueRpc",)
 """The interface of the communication RTC."""
 
-MARSHALLER = "Marshaller"
-CLIENT = "Client"
-RTCS = (MARSHALLER, CLIENT)
+RTCS = ("Marshaller", "Client")
 """The suffixes of the names of a service's RTCs."""
 
 
@@ -64,7 +62,7 @@ def components_of(
         )
 
     yield component(
-        f"{service.name}{MARSHALLER}",
+        f"{service.name}Marshaller",
         (
             port(PortKind.PROVIDER, service.module, offered, f"What {scoped} offers."),
             port(
@@ -75,10 +73,10 @@ def components_of(
             ),
         ),
         f"Carries calls of {scoped} to a TECS board.",
-        f".{service.module}_marshaller:{identifier(f'{service.name}{MARSHALLER}')}",
+        f".{service.module}_marshaller:{identifier(f'{service.name}Marshaller')}",
     )
     yield component(
-        f"{service.name}{CLIENT}",
+        f"{service.name}Client",
         (port(PortKind.CONSUMER, service.module, offered, f"What {scoped} offers."),),
         f"Calls {scoped} of a TECS board.",
     )

@@ -1,0 +1,1 @@
+"""Zenoh as an engine of distributed systems; needs `eclipse-zenoh` (extra `zenoh`)."""

@@ -1,0 +1,54 @@
+"""What a session has declared, and undeclares once."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from typing import Any
+
+import zenoh
+
+from rtgen.runtime.failures import log
+from rtgen.runtime.zenoh.session import plain
+
+
+class Declared:
+    """Tokens, subscribers and other declarations of a session; a `Token`.
+
+    `end` is called once, before the declaration is withdrawn.
+    """
+
+    def __init__(
+        self,
+        session: zenoh.Session,
+        *declarations: Any,
+        end: Callable[[], None] | None = None,
+    ) -> None:
+        self._session = session
+        self._declarations = list(declarations)
+        self._end = end
+        self._closing = threading.Lock()
+        self.closed = False
+
+    def close(self) -> None:
+        """Withdraw the declarations; those of a closed session are withdrawn already."""
+        with self._closing:
+            if self.closed:
+                return
+            self.closed = True
+        if self._end is not None:
+            self._end()
+        while self._declarations:
+            declared = self._declarations.pop()
+            if self._session.is_closed():
+                continue
+            try:
+                declared.undeclare()
+            except zenoh.ZError as error:
+                log.debug("zenoh: %s", plain(error))
+
+
+def matches(declared: Any) -> bool:
+    """Whether a publisher or querier has a counterpart. Raises zenoh.ZError."""
+    # The stubs of eclipse-zenoh 1.10 call it a bool.
+    return bool(declared.matching_status.matching)

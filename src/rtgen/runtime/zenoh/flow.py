@@ -1,0 +1,108 @@
+"""Back pressure between a publisher and the subscriptions that keep all samples.
+
+Zenoh's own congestion control acts on links, and would stop everything else that goes over them.
+So a subscription acknowledges what it has handled, and a publisher sends at most a window ahead of
+the slowest one. A subscription that is lost no longer counts: its liveliness token ends.
+"""
+
+from __future__ import annotations
+
+import struct
+import threading
+
+import zenoh
+
+from rtgen.runtime.distribution.medium import PublishTimeoutError
+from rtgen.runtime.failures import log
+from rtgen.runtime.zenoh.declared import Declared
+from rtgen.runtime.zenoh.session import plain
+
+WINDOW = 64
+"""Samples that are under way to the slowest subscription at most."""
+
+_EVERY = WINDOW // 4
+_ACKNOWLEDGEMENT = struct.Struct("<16sQ")
+
+
+class Acknowledging:
+    """The receiving end: a token, and acknowledgements by publisher."""
+
+    def __init__(self, session: zenoh.Session, key: str) -> None:
+        self._publisher = session.declare_publisher(
+            key, congestion_control=zenoh.CongestionControl.BLOCK, express=True
+        )
+        token = session.liveliness().declare_token(key)
+        self._declared = Declared(session, self._publisher, token)
+
+    def handled(self, source: bytes, sequence: int) -> None:
+        """Acknowledge a sample, with all before it; not each one causes a message."""
+        if sequence % _EVERY and sequence != 1:
+            return
+        try:
+            self._publisher.put(_ACKNOWLEDGEMENT.pack(source, sequence))
+        except zenoh.ZError as error:
+            log.debug("zenoh: %s", plain(error))
+
+    def close(self) -> None:
+        """No longer count."""
+        self._declared.close()
+
+
+class Window:
+    """The sending end: waits until the slowest subscription is less than a window behind."""
+
+    def __init__(
+        self, session: zenoh.Session, keys: str, identity: bytes, patience: float
+    ) -> None:
+        self._identity = identity
+        self._patience = patience
+        self._changed = threading.Condition()
+        self._handled: dict[str, int] = {}
+        self._sent = 0
+        self._closed = False
+        self._declared = Declared(
+            session,
+            session.declare_subscriber(keys, self._on_acknowledgement),
+            session.liveliness().declare_subscriber(keys, self._on_token, history=True),
+        )
+
+    def wait(self, sequence: int, name: str) -> None:
+        """Wait for room for a sample. Raises PublishTimeoutError."""
+        with self._changed:
+            if not self._changed.wait_for(self._has_room, self._patience):
+                raise PublishTimeoutError(
+                    f"{name}: a subscription is {WINDOW} samples behind for "
+                    f"{self._patience} s"
+                )
+            self._sent = sequence
+
+    def close(self) -> None:
+        """Wait no more."""
+        with self._changed:
+            self._closed = True
+            self._changed.notify_all()
+        self._declared.close()
+
+    def _has_room(self) -> bool:
+        slowest = min(self._handled.values(), default=self._sent)
+        return self._closed or self._sent - slowest < WINDOW
+
+    def _on_token(self, sample: zenoh.Sample) -> None:
+        key = str(sample.key_expr)
+        with self._changed:
+            if sample.kind == zenoh.SampleKind.PUT:
+                self._handled.setdefault(key, self._sent)
+            else:
+                self._handled.pop(key, None)
+            self._changed.notify_all()
+
+    def _on_acknowledgement(self, sample: zenoh.Sample) -> None:
+        octets = sample.payload.to_bytes()
+        if len(octets) != _ACKNOWLEDGEMENT.size:
+            return
+        identity, sequence = _ACKNOWLEDGEMENT.unpack(octets)
+        key = str(sample.key_expr)
+        with self._changed:
+            if identity == self._identity and key in self._handled:
+                self._handled[key] = max(self._handled[key], min(sequence, self._sent))
+                self._changed.notify_all()

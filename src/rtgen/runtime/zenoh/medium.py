@@ -1,0 +1,119 @@
+"""Zenoh as a `Medium`: topics by publishers and subscribers, services by queryables, presence by
+liveliness tokens."""
+
+from __future__ import annotations
+
+import threading
+import uuid
+from collections import Counter
+
+import zenoh
+
+from rtgen.runtime.distribution.medium import (
+    Client,
+    OnChange,
+    OnRequest,
+    OnSample,
+    Publisher,
+    Qos,
+    Subscription,
+    Token,
+    Topic,
+    check_name,
+)
+from rtgen.runtime.zenoh.declared import Declared
+from rtgen.runtime.zenoh.keys import Keys
+from rtgen.runtime.zenoh.services import ZenohClient, ZenohService
+from rtgen.runtime.zenoh.session import Endpoints, open_session, reported
+from rtgen.runtime.zenoh.topics import ZenohPublisher, ZenohSubscription
+
+
+class ZenohMedium:
+    """One process's part in the system of this name, over a session of its own.
+
+    Raises MediumError.
+    """
+
+    def __init__(self, system: str, endpoints: Endpoints | None = None) -> None:
+        self._keys = Keys.of(system)
+        self._session = open_session(endpoints or Endpoints())
+        self._served: Counter[str] = Counter()
+
+    def publisher(self, topic: Topic, qos: Qos) -> Publisher:
+        """See `Medium`."""
+        with reported(topic.name):
+            return ZenohPublisher(self._session, self._keys, topic, qos)
+
+    def subscribe(self, topic: Topic, qos: Qos, on_sample: OnSample) -> Subscription:
+        """See `Medium`."""
+        with reported(topic.name):
+            return ZenohSubscription(self._session, self._keys, topic, qos, on_sample)
+
+    def serve(self, service: str, on_request: OnRequest) -> Token:
+        """See `Medium`."""
+        key = self._keys.service(service)
+        with reported(service):
+            return ZenohService(self._session, key, on_request, self._served)
+
+    def client(self, service: str) -> Client:
+        """See `Medium`."""
+        key = self._keys.service(service)
+        with reported(service):
+            return ZenohClient(self._session, key, service, self._served)
+
+    def announce(self, name: str) -> Token:
+        """See `Medium`."""
+        key = self._keys.presence(check_name(name), uuid.uuid4().hex)
+        with reported(name):
+            token = self._session.liveliness().declare_token(key)
+        return Declared(self._session, token)
+
+    def watch(self, prefix: str, on_change: OnChange) -> Token:
+        """See `Medium`."""
+        watching = _Presences(self._keys, prefix, on_change)
+        with reported(prefix):
+            subscriber = self._session.liveliness().declare_subscriber(
+                self._keys.presences(prefix), watching.on_token, history=True
+            )
+        return Declared(self._session, subscriber, end=watching.end)
+
+    def close(self) -> None:
+        """See `Medium`."""
+        if not self._session.is_closed():
+            with reported("zenoh"):
+                self._session.close()
+
+
+class _Presences:
+    """Counts the tokens of each name, and notifies of the first and the last."""
+
+    def __init__(self, keys: Keys, prefix: str, on_change: OnChange) -> None:
+        self._keys = keys
+        self._prefix = prefix
+        self._on_change: OnChange | None = on_change
+        self._tokens: dict[str, set[str]] = {}
+        self._lock = threading.Lock()
+
+    def on_token(self, sample: zenoh.Sample) -> None:
+        """A token came or went; a lost link can report one twice."""
+        key = str(sample.key_expr)
+        name = self._keys.present(key)
+        if not name.startswith(self._prefix):
+            return
+        with self._lock:
+            tokens = self._tokens.setdefault(name, set())
+            before = bool(tokens)
+            if sample.kind == zenoh.SampleKind.PUT:
+                tokens.add(key)
+            else:
+                tokens.discard(key)
+            after = bool(tokens)
+            if not after:
+                del self._tokens[name]
+            notify = self._on_change
+        if notify is not None and before is not after:
+            notify(name, after)
+
+    def end(self) -> None:
+        """Notify no more."""
+        self._on_change = None

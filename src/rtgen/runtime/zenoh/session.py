@@ -1,0 +1,121 @@
+"""Sessions of Zenoh: the configuration that a process uses, and errors in plain words."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import zenoh
+
+from rtgen.runtime.distribution.medium import MediumError
+
+MEETING_PLACE = "tcp/127.0.0.1:7447"
+"""Where the processes of one machine find each other, and a router of this machine, if one runs."""
+
+_LEASE_MS = 3000
+_FRAGMENTS_WAIT_US = 1_000_000
+_RETRY = {"period_init_ms": 100, "period_max_ms": 1000, "period_increase_factor": 2}
+_CONNECT_MS = 5000
+_PLACE_IN_SOURCE = re.compile(r"\s+at \S+\.rs:\d+\.?")
+
+
+@dataclass(frozen=True, slots=True)
+class Endpoints:
+    """Where a session listens and connects, as locators of Zenoh (`tcp/192.0.2.1:7447`).
+
+    `config` is a configuration file of Zenoh (JSON5, YAML), whose settings all apply; locators that
+    are given replace those in the file. Without a file there is no scouting. With `connect` alone
+    the session is a client of these routers, with `listen` a peer; with none of them a peer that
+    meets the others at `MEETING_PLACE`, and can be reached from this machine alone.
+    """
+
+    config: Path | None = None
+    connect: tuple[str, ...] = ()
+    listen: tuple[str, ...] = ()
+
+
+def open_session(endpoints: Endpoints) -> zenoh.Session:
+    """Open a session. Raises MediumError."""
+    with reported("zenoh"):
+        return zenoh.open(_configuration(endpoints))
+
+
+@contextmanager
+def reported(what: str) -> Iterator[None]:
+    """Raise errors of Zenoh as MediumError, without the places in its source."""
+    try:
+        yield
+    except zenoh.ZError as error:
+        raise MediumError(f"{what}: {plain(error)}") from error
+
+
+def plain(error: zenoh.ZError) -> str:
+    """The message of an error."""
+    return _PLACE_IN_SOURCE.sub("", str(error)).rstrip(". ")
+
+
+def _configuration(endpoints: Endpoints) -> zenoh.Config:
+    if endpoints.config is not None:
+        config = zenoh.Config.from_file(endpoints.config)
+        given = {
+            "connect/endpoints": endpoints.connect,
+            "listen/endpoints": endpoints.listen,
+        }
+        _insert(config, {key: value for key, value in given.items() if value})
+        return config
+    config = zenoh.Config()
+    _insert(config, {**_COMMON, **_links(endpoints)})
+    return config
+
+
+_COMMON: dict[str, Any] = {
+    "scouting/multicast/enabled": False,
+    "scouting/delay": 0,
+    "connect/retry": _RETRY,
+    "transport/link/tx/lease": _LEASE_MS,
+    # A sample of several megabytes is not dropped because one batch was late.
+    "transport/link/tx/queue/congestion_control/drop/max_wait_before_drop_fragments": (
+        _FRAGMENTS_WAIT_US
+    ),
+}
+
+
+def _links(endpoints: Endpoints) -> dict[str, Any]:
+    connect, listen = endpoints.connect, endpoints.listen
+    if connect and not listen:
+        return {
+            "mode": "client",
+            "connect/endpoints": connect,
+            "connect/timeout_ms": _CONNECT_MS,
+            "connect/exit_on_failure": True,
+        }
+    if listen:
+        return {
+            "mode": "peer",
+            "listen/endpoints": listen,
+            "connect/endpoints": connect,
+            "connect/timeout_ms": 0,
+            "connect/exit_on_failure": False,
+        }
+    return {
+        "mode": "peer",
+        # The first process listens at the meeting place; when it ends another one does. Gossip
+        # connects all of them directly.
+        "listen/endpoints": ["tcp/127.0.0.1:0", MEETING_PLACE],
+        "listen/timeout_ms": 0,
+        "listen/exit_on_failure": False,
+        "listen/retry": _RETRY,
+        "connect/endpoints": [MEETING_PLACE],
+        "connect/timeout_ms": 0,
+        "connect/exit_on_failure": False,
+    }
+
+
+def _insert(config: zenoh.Config, values: dict[str, Any]) -> None:
+    for key, value in values.items():
+        config.insert_json5(key, json.dumps(value))

@@ -1,0 +1,135 @@
+"""The engines that join processes, each as a network of media for tests."""
+
+from __future__ import annotations
+
+import json
+import os
+import socket
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any, Protocol
+
+import pytest
+
+from rtgen.runtime.distribution.in_process import Network
+from rtgen.runtime.distribution.medium import Medium
+
+SYSTEM = "conformance"
+DOMAIN = 90
+
+
+class Engine(Protocol):
+    """Makes media that see each other, and nobody else."""
+
+    def medium(self, system: str = SYSTEM) -> Medium: ...
+
+    @property
+    def address(self) -> str | None:
+        """What `medium_at` needs in another process; None if there can be no other."""
+        ...
+
+
+class _InProcess:
+    address = None
+
+    def __init__(self) -> None:
+        self._networks: dict[str, Network] = {}
+
+    def medium(self, system: str = SYSTEM) -> Medium:
+        return self._networks.setdefault(system, Network()).medium()
+
+
+class _Zenoh:
+    """Peers that meet at one port, or clients of a router."""
+
+    def __init__(self, *, routed: bool) -> None:
+        self.locator = f"tcp/127.0.0.1:{free_port()}"
+        self.address = json.dumps({"zenoh": self.locator})
+        self._routed = routed
+        self._first = not routed
+
+    def medium(self, system: str = SYSTEM) -> Medium:
+        from rtgen.runtime.zenoh.medium import ZenohMedium
+        from rtgen.runtime.zenoh.session import Endpoints
+
+        if self._routed:
+            return ZenohMedium(system, Endpoints(connect=(self.locator,)))
+        listen = self.locator if self._first else "tcp/127.0.0.1:0"
+        connect = () if self._first else (self.locator,)
+        self._first = False
+        return ZenohMedium(system, Endpoints(connect=connect, listen=(listen,)))
+
+
+class _Dds:
+    """Participants of one domain, in a partition of their own."""
+
+    def __init__(self) -> None:
+        self._place = f"test-{os.urandom(8).hex()}"
+        self.address = json.dumps({"dds": self._place})
+
+    def medium(self, system: str = SYSTEM) -> Medium:
+        return _dds(self._place, system)
+
+
+def _dds(place: str, system: str) -> Medium:
+    from rtgen.runtime.dds.medium import DdsMedium
+
+    return DdsMedium(f"{place}/{system}", domain=DOMAIN)
+
+
+def medium_at(address: str, system: str = SYSTEM) -> Medium:
+    """A medium of another process on the same network."""
+    [(engine, place)] = json.loads(address).items()
+    if engine == "dds":
+        return _dds(place, system)
+    from rtgen.runtime.zenoh.medium import ZenohMedium
+    from rtgen.runtime.zenoh.session import Endpoints
+
+    return ZenohMedium(system, Endpoints(connect=(place,), listen=("tcp/127.0.0.1:0",)))
+
+
+@contextmanager
+def router(locator: str) -> Iterator[Any]:
+    """A session of Zenoh in the mode of a router, which forwards between its clients."""
+    import zenoh
+
+    config = zenoh.Config()
+    for key, value in {
+        "mode": "router",
+        "listen/endpoints": [locator],
+        "scouting/multicast/enabled": False,
+        "scouting/delay": 0,
+    }.items():
+        config.insert_json5(key, json.dumps(value))
+    with zenoh.open(config) as session:
+        yield session
+
+
+@contextmanager
+def engine(name: str) -> Iterator[Engine]:
+    """A network of its own of an engine."""
+    match name:
+        case "in-process":
+            yield _InProcess()
+        case "dds":
+            pytest.importorskip("cyclonedds", reason="cyclonedds is not installed")
+            yield _Dds()
+        case "zenoh":
+            pytest.importorskip("zenoh", reason="eclipse-zenoh is not installed")
+            yield _Zenoh(routed=False)
+        case "zenoh-router":
+            pytest.importorskip("zenoh", reason="eclipse-zenoh is not installed")
+            routed = _Zenoh(routed=True)
+            with router(routed.locator):
+                yield routed
+
+
+ENGINES = ("in-process", "dds", "zenoh", "zenoh-router")
+
+
+def free_port() -> int:
+    """A port of the loopback interface that is free now."""
+    with socket.socket() as found:
+        found.bind(("127.0.0.1", 0))
+        port: int = found.getsockname()[1]
+        return port

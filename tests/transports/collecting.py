@@ -1,0 +1,76 @@
+"""What a medium delivered, and waiting for it."""
+
+from __future__ import annotations
+
+import struct
+import time
+from collections.abc import Callable
+from itertools import count
+from typing import Any
+
+from patience import PATIENCE
+
+from refrobots._idl.basic_data_type import TimedOctetSeq
+from rtgen.runtime.distribution.medium import Publisher, Sample, Topic
+
+TOPIC = Topic("robot/out/pose", TimedOctetSeq)
+
+
+class Samples(list[Sample]):
+    """The samples of a subscription."""
+
+    def on_sample(self, sample: Sample) -> None:
+        self.append(sample)
+
+    @property
+    def sequences(self) -> list[int | None]:
+        return [sample.sequence for sample in self]
+
+
+class Changes(list[tuple[str, bool]]):
+    """What a watch reported."""
+
+    def on_change(self, name: str, present: bool) -> None:
+        self.append((name, present))
+
+
+def wait_for(condition: Callable[[], Any]) -> Any:
+    """What a condition gives, once it is true."""
+    deadline = time.monotonic() + PATIENCE
+    while not (found := condition()):
+        assert time.monotonic() < deadline
+        time.sleep(0.002)
+    return found
+
+
+def payload(number: int, size: int = 4) -> bytes:
+    """A serialized sample with a number and so many octets, a multiple of four."""
+    return b"\0\1\0\0" + struct.pack("<III", number, 0, size) + bytes(size)
+
+
+def number_of(sample: Sample) -> int:
+    """The number of `payload`."""
+    return int.from_bytes(sample.octets[4:8], "little")
+
+
+class Sender:
+    """Publishes numbers, as samples counted from 1."""
+
+    def __init__(self, publisher: Publisher) -> None:
+        self.publisher = publisher
+        self.sent = 0
+
+    def send(self, number: int, size: int = 4) -> None:
+        """Publish a number."""
+        self.publisher.publish(payload(number, size), self.sent + 1)
+        self.sent += 1
+
+    def reach(self, number: int, *readers: Samples) -> None:
+        """Publish numbers from this one on, until all subscriptions have got one of them."""
+        following = count(number)
+
+        def all_have() -> bool:
+            self.send(next(following))
+            return all(any(number_of(s) >= number for s in each) for each in readers)
+
+        wait_for(all_have)

@@ -1,0 +1,227 @@
+"""Samples between media: each at most once, in order, losses countable, histories for late ones."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+
+import media
+import pytest
+from collecting import TOPIC, Samples, Sender, number_of, payload, wait_for
+
+from refrobots._idl.basic_data_type import TimedLong
+from rtgen.runtime.distribution.medium import (
+    Medium,
+    MediumError,
+    PublishTimeoutError,
+    Qos,
+    Topic,
+)
+
+Join = Callable[..., Medium]
+
+
+def test_every_subscription_gets_all_samples_in_order(join: Join) -> None:
+    here, there, third = join(), join(), join()
+    got = [Samples() for _ in range(3)]
+    for medium, samples in zip((here, there, third), got, strict=True):
+        medium.subscribe(TOPIC, Qos(depth=None), samples.on_sample)
+    publisher = here.publisher(TOPIC, Qos(depth=None))
+    wait_for(lambda: publisher.matched)
+    sender = Sender(publisher)
+    # The first subscription known is perhaps that of the same medium.
+    sender.reach(1, *got)
+    for number in range(1_000_000, 1_002_000):
+        sender.send(number)
+    for samples in got:
+        wait_for(lambda samples=samples: number_of(samples[-1]) == 1_001_999)
+        found = [n for n in map(number_of, samples) if n >= 1_000_000]
+        assert found == list(range(1_000_000, 1_002_000))
+
+
+def test_two_publishers_are_told_apart_and_each_keeps_its_order(join: Join) -> None:
+    reader, first, second = join(), join(), join()
+    got = Samples()
+    reader.subscribe(TOPIC, Qos(depth=None), got.on_sample)
+    publishers = [
+        medium.publisher(TOPIC, Qos(depth=None)) for medium in (first, second)
+    ]
+    for publisher in publishers:
+        wait_for(lambda publisher=publisher: publisher.matched)
+
+    def send(publisher_index: int) -> None:
+        for number in range(1, 501):
+            publishers[publisher_index].publish(
+                payload(publisher_index * 1000 + number), number
+            )
+
+    threads = [threading.Thread(target=send, args=(index,)) for index in (0, 1)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    wait_for(lambda: len(got) == 1000)
+    assert len({sample.source for sample in got}) == 2
+    for index in (0, 1):
+        mine = [number_of(s) for s in got if number_of(s) // 1000 == index]
+        assert mine == [index * 1000 + number for number in range(1, 501)]
+
+
+def test_a_gap_in_the_numbers_shows_what_was_lost(join: Join) -> None:
+    here, there = join(), join()
+    got = Samples()
+    there.subscribe(TOPIC, Qos(), got.on_sample)
+    publisher = here.publisher(TOPIC, Qos())
+    wait_for(lambda: publisher.matched)
+    for number in (1, 2, 5):
+        publisher.publish(payload(number), number)
+    wait_for(lambda: len(got) == 3)
+    if None not in got.sequences:
+        assert got.sequences == [1, 2, 5]
+
+
+def test_other_names_types_and_systems_are_not_received(join: Join) -> None:
+    here, there, elsewhere = join(), join(), join("another")
+    got = Samples()
+    there.subscribe(TOPIC, Qos(), got.on_sample)
+    strangers = [
+        here.publisher(Topic("robot/out/other", TOPIC.type), Qos()),
+        here.publisher(Topic(TOPIC.name, TimedLong), Qos()),
+        elsewhere.publisher(TOPIC, Qos()),
+    ]
+    publisher = here.publisher(TOPIC, Qos())
+    wait_for(lambda: publisher.matched)
+    assert not any(stranger.matched for stranger in strangers)
+    for stranger in strangers:
+        stranger.publish(payload(1), 1)
+    publisher.publish(payload(2), 1)
+    wait_for(lambda: got)
+    assert [number_of(sample) for sample in got] == [2]
+
+
+@pytest.mark.parametrize("kept", [1, 5])
+def test_a_late_joiner_gets_the_last_samples_once(join: Join, kept: int) -> None:
+    here = join()
+    publisher = here.publisher(TOPIC, Qos(durable=True, depth=kept))
+    sender = Sender(publisher)
+    for number in range(1, 11):
+        sender.send(number)
+    late, volatile = Samples(), Samples()
+    join().subscribe(TOPIC, Qos(durable=True, depth=kept), late.on_sample)
+    join().subscribe(TOPIC, Qos(), volatile.on_sample)
+    wait_for(lambda: len(late) >= kept)
+    sender.reach(11, late, volatile)
+    wanted = [*range(11 - kept, 11)]
+    assert [number_of(s) for s in late if number_of(s) < 11] == wanted
+    assert not [number_of(s) for s in volatile if number_of(s) < 11]
+
+
+def test_a_durable_subscription_finds_a_publisher_that_comes_later(join: Join) -> None:
+    here, there = join(), join()
+    got = Samples()
+    there.subscribe(TOPIC, Qos(durable=True, depth=4), got.on_sample)
+    publisher = here.publisher(TOPIC, Qos(durable=True, depth=4))
+    for number in range(1, 5):
+        publisher.publish(payload(number), number)
+    wait_for(lambda: len(got) >= 4)
+    assert [number_of(sample) for sample in got] == [1, 2, 3, 4]
+
+
+@pytest.mark.parametrize("megabytes", [1, 10])
+def test_big_samples_arrive_whole(join: Join, megabytes: int) -> None:
+    here, there = join(), join()
+    got = Samples()
+    there.subscribe(TOPIC, Qos(depth=None), got.on_sample)
+    publisher = here.publisher(TOPIC, Qos(depth=None))
+    wait_for(lambda: publisher.matched)
+    octets = bytes(range(256)) * (megabytes << 12)
+    samples = [payload(n, len(octets))[: -len(octets)] + octets for n in (1, 2, 3)]
+    for sequence, sample in enumerate(samples, 1):
+        publisher.publish(sample, sequence)
+    wait_for(lambda: len(got) == 3)
+    # Without a diff of megabytes.
+    assert all(sample.octets == sent for sample, sent in zip(got, samples, strict=True))
+
+
+def test_a_slow_subscription_slows_the_publisher_down_and_loses_nothing(
+    join: Join, engine: media.Engine
+) -> None:
+    if engine.address is None:
+        pytest.skip(
+            "samples within a process are handled by the thread that sends them"
+        )
+    here, there = join(), join()
+    got, go = Samples(), threading.Event()
+
+    def on_sample(sample: object) -> None:
+        go.wait(60)
+        got.append(sample)  # type: ignore[arg-type]
+
+    there.subscribe(TOPIC, Qos(depth=None), on_sample)
+    publisher = here.publisher(TOPIC, Qos(depth=None, patience=0.1))
+    wait_for(lambda: publisher.matched)
+    sender = Sender(publisher)
+
+    def flood() -> None:
+        for number in range(5000):
+            sender.send(number, 100_000)
+
+    with pytest.raises(PublishTimeoutError):
+        flood()
+    sent = sender.sent
+    assert sent > 0
+    go.set()
+    wait_for(lambda: len(got) == sent)
+    sender.send(sent)
+    wait_for(lambda: len(got) == sent + 1)
+    assert [number_of(sample) for sample in got] == list(range(sent + 1))
+
+
+def test_a_publisher_that_keeps_few_does_not_wait_for_a_slow_subscription(
+    join: Join,
+) -> None:
+    here, there = join(), join()
+    got = Samples()
+    there.subscribe(TOPIC, Qos(depth=4), got.on_sample)
+    publisher = here.publisher(TOPIC, Qos(depth=4))
+    wait_for(lambda: publisher.matched)
+    sender = Sender(publisher)
+    for number in range(1, 5001):
+        sender.send(number, 1000)
+    sender.reach(10_000, got)
+    found = [number_of(sample) for sample in got if number_of(sample) <= 5000]
+    assert found == sorted(set(found))
+
+
+def test_nothing_comes_after_close(join: Join) -> None:
+    here, there = join(), join()
+    got, still = Samples(), Samples()
+    subscription = there.subscribe(TOPIC, Qos(), got.on_sample)
+    there.subscribe(TOPIC, Qos(), still.on_sample)
+    publisher = here.publisher(TOPIC, Qos())
+    wait_for(lambda: publisher.matched)
+    sender = Sender(publisher)
+    sender.reach(1, got, still)
+    subscription.close()
+    before = len(got)
+    sender.reach(1_000_000, still)
+    assert len(got) == before
+    publisher.close()
+    with pytest.raises(MediumError):
+        publisher.publish(payload(1), 1)
+    subscription.close()
+    publisher.close()
+
+
+@pytest.mark.parametrize("name", ["", "/a", "a/", "a b", "a*", "ä", "a" * 201, "a?b#"])
+def test_wrong_names_are_refused(join: Join, name: str) -> None:
+    medium = join()
+    for attempt in (
+        lambda: medium.publisher(Topic(name, TOPIC.type), Qos()),
+        lambda: medium.subscribe(Topic(name, TOPIC.type), Qos(), lambda _: None),
+        lambda: medium.serve(name, lambda *_: None),
+        lambda: medium.client(name),
+        lambda: medium.announce(name),
+    ):
+        with pytest.raises(MediumError, match="cannot be a name"):
+            attempt()
