@@ -1,6 +1,6 @@
 // Starts `rtgen lsp` and connects it with the editor.
 
-const { workspace } = require("vscode");
+const { window, workspace } = require("vscode");
 const { LanguageClient } = require("vscode-languageclient/node");
 
 const WATCHED = "**/*.{idl,inc,cdl,cde,h,eds,dcf,toml,xml,yaml,yml}";
@@ -24,11 +24,18 @@ async function activate(context) {
     },
   );
   context.subscriptions.push(client);
-  await client.start();
+  try {
+    await client.start();
+  } catch (error) {
+    window.showErrorMessage(
+      `${command} does not start: ${error.message}. ` +
+        "It comes with pip install 'rtgen[lsp]'; the setting rtgen.command says where it is.",
+    );
+  }
 }
 
 function deactivate() {
-  return client === undefined ? undefined : client.stop();
+  return client?.isRunning() ? client.stop() : undefined;
 }
 
 module.exports = { activate, deactivate };

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Sequence
 
 from rtgen import stages
 from rtgen.diagnostics import Diagnostic, Severity, Span, has_errors, in_order
@@ -13,27 +13,32 @@ from rtgen.lint import lint as check
 from rtgen.lint.suppressions import FilePattern, suppressed
 from rtgen.project import Project, shown
 from rtgen.project.rules import UNKNOWN_CODE
+from rtgen.systems.checks import RULES as SYSTEM_RULES
 
 _READ_AND_LINTED = ("IDL", "CDL0", "EDS", "LINT")
 """What codes of findings begin with that are found here."""
+_OF_SYSTEMS = frozenset(rule.code for rule in SYSTEM_RULES)
+"""The codes of findings about systems."""
 
 
 def findings(
     project: Project,
     result: FrontendResult,
     *,
+    of_systems: Sequence[Diagnostic] = (),
     select: Collection[str] = (),
     ignore: Collection[str] = (),
     whole: bool = True,
 ) -> list[Diagnostic]:
     """The findings about a result of reading that are not silenced, with their fixes, in order.
 
+    `of_systems` are those about the project's systems, whose texts are among the sources.
     `select` and `ignore` are codes beside those of rtgen.toml. `whole`: the result has all files
     of the project.
     """
-    found = list(result.diagnostics)
+    found = [*result.diagnostics, *of_systems]
     active = None
-    if not has_errors(found):
+    if not has_errors(result.diagnostics):
         selected = {code.upper() for code in (*select, *project.selected)}
         with stages.stage("lint rules"):
             found += check(
@@ -45,6 +50,7 @@ def findings(
             )
         idle = {rule.code for rule in ON_DEMAND} - selected
         active = {c for c in rules() if c.startswith(_READ_AND_LINTED)} - idle
+        active |= _OF_SYSTEMS
     patterns = [
         FilePattern(span, code, pattern=shown(project.root / pattern))
         for pattern, code, span in project.ignored_in_files

@@ -15,7 +15,6 @@ from rtgen.cli import run
 from rtgen.runtime import Component
 
 GENERATED = Path(__file__).parents[2] / "generated"
-LISTS = ("refrobots/components/entry_points.txt", "refrobots/tecs/entry_points.txt")
 
 
 class EntryPoints(configparser.ConfigParser):
@@ -28,7 +27,7 @@ class EntryPoints(configparser.ConfigParser):
 def behaviours() -> dict[str, str]:
     """Of every component of the reference build what makes it, `module:name`."""
     lists = EntryPoints()
-    lists.read(GENERATED / file for file in LISTS)
+    lists.read(GENERATED / "refrobots/components/entry_points.txt")
     return {n: v for section in lists.sections() for n, v in lists[section].items()}
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from enum import StrEnum
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Protocol
@@ -93,6 +93,31 @@ class Options(msgspec.Struct, frozen=True):
     def skeleton_prefix(self) -> str:
         """The prefix of a skeleton's module when it is imported."""
         return f"{self.skeleton_package}." if self.skeleton_package else ""
+
+
+class Part(msgspec.Struct, frozen=True):
+    """A generated Python package: the project's own, or one of those below it.
+
+    `model` has all that its declarations use, `own` what the package itself has. `origin` are the
+    keys of the inputs that decide a package below; None for the project's own, whose files have
+    the origins of their declarations. `profiles` has the paths of profiles in the package's folder,
+    by the names of components whose profiles are not beside them.
+    """
+
+    model: Model
+    own: Model
+    options: Options
+    origin: tuple[str, ...] | None = None
+    profiles: Mapping[str, str] = msgspec.field(default_factory=dict)
+
+
+def parts(model: Model, options: Options) -> Iterator[Part]:
+    """The project's own package, and those that lowerings put below it."""
+    yield Part(model, model, options)
+    for package in model.packages:
+        origin = tuple(source.key for source in package.sources)
+        inside = options.inside(package)
+        yield Part(package.model, package.own, inside, origin, package.profiles)
 
 
 class Emission(msgspec.Struct, frozen=True):

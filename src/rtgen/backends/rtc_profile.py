@@ -6,11 +6,11 @@ definition, so the output is deterministic.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import msgspec
 
-from rtgen.backends import Artifact, Emission, Options
+from rtgen.backends import Artifact, Emission, Options, Part, parts
 from rtgen.backends.components.checks import check, components_of
 from rtgen.backends.components.locations import package_folder, source_of, summary
 from rtgen.backends.kit.python_text import header
@@ -112,22 +112,26 @@ class RtcProfileBackend:
     name = "rtc-profile"
 
     def emit(self, model: Model, options: Options) -> Emission:
-        """One profile in each component's package; none if a component has errors."""
-        found = check(model)
+        """The profiles of all packages; none if a component has errors."""
+        packages = list(parts(model, options))
+        found = [finding for part in packages for finding in check(part.model)]
         if has_errors(found):
             return Emission((), found)
-        artifacts = [
-            Artifact(
-                path=f"{package_folder(options, component)}/RTC.xml",
-                text=profile_text(model, component, options),
-                origin=(source_of(model, component).key,),
-            )
-            for component in components_of(model)
-        ]
-        return Emission(artifacts, found)
+        return Emission([each for part in packages for each in _profiles(part)], found)
 
 
 BACKEND = RtcProfileBackend()
+
+
+def _profiles(part: Part) -> Iterator[Artifact]:
+    for component in components_of(part.own):
+        place = part.profiles.get(component.name[-1])
+        folder = package_folder(part.options, component)
+        yield Artifact(
+            path=f"{part.options.folder}/{place}" if place else f"{folder}/RTC.xml",
+            text=profile_text(part.model, component, part.options),
+            origin=part.origin or (source_of(part.model, component).key,),
+        )
 
 
 def profile_text(model: Model, component: Component, options: Options) -> str:

@@ -16,7 +16,8 @@ if TYPE_CHECKING:
 def _has_components(model: Model, _: Options) -> bool:
     from rtgen.model import Component
 
-    return any(isinstance(each, Component) for each in model.declarations)
+    models = (model, *(package.model for package in model.packages))
+    return any(isinstance(each, Component) for m in models for each in m.declarations)
 
 
 BUILT_IN: Final = (

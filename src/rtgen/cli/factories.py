@@ -98,12 +98,8 @@ class _EntryPoints(configparser.ConfigParser):
 
 
 def _generated(project: Project) -> Mapping[str, str]:
-    """The factories in entry_points.txt of the project's generated packages."""
-    package = project.output / project.package
-    return {
-        **_listed(package / "tecs" / "entry_points.txt"),
-        **_listed(package / "components" / "entry_points.txt"),
-    }
+    """The factories in the generated entry_points.txt of the project."""
+    return _listed(project.output / project.package / "components" / "entry_points.txt")
 
 
 def _listed(file: Path) -> Mapping[str, str]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import click
+from msgspec.structs import replace
 
 from rtgen import compiler
 from rtgen.cli.common import (
@@ -26,6 +27,7 @@ from rtgen.diagnostics import (
     Severity,
     has_errors,
 )
+from rtgen.frontends.kit.memo import Memo
 from rtgen.project import Project, shown
 from rtgen.project.rewriting import rewrite
 
@@ -94,9 +96,28 @@ def _findings(
 ) -> tuple[list[Diagnostic], Mapping[str, str]]:
     """The findings that are not silenced, and the texts that they are about."""
     from rtgen.linting import findings
+    from rtgen.systems import reading
 
-    result = compiler.read(project)
-    found = findings(project, result, select=select, ignore=ignore, whole=whole)
+    memo = Memo()
+    result = compiler.read(project, memo=memo)
+    of_systems: Sequence[Diagnostic] = ()
+    if project.systems:
+        definitions = result
+        if not has_errors(result.diagnostics):
+            definitions = compiler.read(project, lowered=True, memo=memo)
+        added = reading.added(
+            definitions, project.systems, root=project.root, output=project.output
+        )
+        of_systems = added.diagnostics[len(definitions.diagnostics) :]
+        result = replace(result, sources=added.sources)
+    found = findings(
+        project,
+        result,
+        of_systems=of_systems,
+        select=select,
+        ignore=ignore,
+        whole=whole,
+    )
     return found, result.sources
 
 

@@ -120,13 +120,16 @@ def analyse(
         memo.begin()
         names = _Names(collector)
         result = compiler.read(project, observer=names, memo=memo)
-        findings = [*unknown_codes(project)]
-        if not has_errors(findings):
-            findings = linting.findings(project, result, whole=whole)
         complete = None
         if not has_errors(result.diagnostics):
             complete = compiler.read(project, lowered=True, memo=memo)
-        result = _with_systems(project, result, complete, findings, memo)
+        of_systems: list[Diagnostic] = []
+        result = _with_systems(project, result, complete, of_systems, memo)
+        findings = [*unknown_codes(project)]
+        if not has_errors(findings):
+            findings = linting.findings(
+                project, result, of_systems=of_systems, whole=whole
+            )
         texts = _texts(project, result, before, snapshot)
         _add_unread(collector, texts)
     _add_others(collector, project, result.model, texts)

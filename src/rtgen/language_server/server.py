@@ -13,7 +13,7 @@ from typing import Any, TypeVar
 
 import msgspec
 from lsprotocol import types
-from pygls.exceptions import JsonRpcException
+from pygls.exceptions import JsonRpcException, JsonRpcInternalError
 from pygls.lsp.server import LanguageServer
 from pygls.protocol import LanguageServerProtocol, lsp_method
 
@@ -60,6 +60,15 @@ class _Protocol(LanguageServerProtocol):
             # The writer of a server on pipes has finished when it returns.
             self.writer.write(b"Content-Length: %d\r\n\r\n" % len(body) + body)
 
+    def structure_message(self, data: dict[str, Any]) -> Any:
+        """The message of parsed JSON; a malformed request is answered with an error."""
+        try:
+            return super().structure_message(data)
+        except JsonRpcException as error:
+            if data.get("id") is not None and "method" in data:
+                self._send_response(data["id"], error=error.to_response_error())
+            raise
+
     @lsp_method(types.TEXT_DOCUMENT_DID_OPEN)
     def lsp_text_document__did_open(
         self, params: types.DidOpenTextDocumentParams
@@ -98,8 +107,15 @@ class Server(LanguageServer):
         self._published: dict[ProjectKey, set[str]] = {}
 
     def report_server_error(self, error: Exception, source: Any) -> None:
-        """Log an error; the client gets it as the answer to its request."""
-        _log.error("%s: %s", type(error).__name__, error)
+        """Log an error; the client gets it as the answer to its request.
+
+        One that a feature raises to refuse a request is no fault of the server.
+        """
+        refused = isinstance(error, JsonRpcException) and not isinstance(
+            error, JsonRpcInternalError
+        )
+        level = logging.INFO if refused else logging.ERROR
+        _log.log(level, "%s: %s", type(error).__name__, error)
 
     # Analyses
 

@@ -43,9 +43,11 @@ class Text:
 
     @cached_property
     def _rows(self) -> list[int]:
-        if "\r" not in self.source:
+        """The starts of lines as front ends count them: by line feeds, behind a byte-order mark."""
+        first = int(self.source.startswith("\ufeff"))
+        if "\r" not in self.source and not first:
             return self._starts
-        return [0, *(match.end() for match in _LINE_FEED.finditer(self.source))]
+        return [first, *(match.end() for match in _LINE_FEED.finditer(self.source))]
 
     @cached_property
     def _ascii(self) -> bool:
@@ -100,7 +102,7 @@ class Text:
     def span(self, file: str, start: int, end: int) -> Span:
         """The span of [start, end) in a file."""
         rows = self._rows
-        line, last = bisect_right(rows, start), bisect_right(rows, end)
+        line, last = (max(bisect_right(rows, place), 1) for place in (start, end))
         return Span(
             file, line, start - rows[line - 1] + 1, last, end - rows[last - 1] + 1
         )

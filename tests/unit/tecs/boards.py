@@ -10,8 +10,7 @@ from pathlib import Path
 from types import ModuleType
 
 from rtgen.backends import Artifact, Emission, Options, Owner
-from rtgen.backends.tecs.backend import BACKEND
-from rtgen.backends.types import BACKEND as TYPES
+from rtgen.backends.stage import BUILT_IN
 from rtgen.diagnostics import Diagnostic, has_errors
 from rtgen.frontends.cdl import load
 from rtgen.lowering.settings import Settings
@@ -102,7 +101,7 @@ def emitted(model: Model, *, corba: bool = False) -> tuple[Emission, list[Diagno
     findings = list(made.diagnostics)
     options = Options("robots", "nodes", "0.1.0", tecs_corba=corba)
     artifacts: list[Artifact] = []
-    for backend in () if has_errors(findings) else (TYPES, BACKEND):
+    for backend in () if has_errors(findings) else BUILT_IN:
         emission = backend.emit(made.model, options)
         artifacts += emission.artifacts
         findings += emission.diagnostics

@@ -24,6 +24,7 @@ PROJECT = '[sources]\npaths = ["cdl"]\n'
 PARTS = {
     "marshaller code": (
         "robots/tecs/board/server_marshaller.py",
+        "robots/tecs/board/components/server_marshaller/__init__.py",
         "robots/tecs/board/server_codec.py",
         "robots/tecs/board/_idl/server.py",
     ),

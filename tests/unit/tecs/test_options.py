@@ -217,7 +217,7 @@ def test_component_types_of_one_name(tmp_path: Path) -> None:
     text = joined(SERVER, "sServer")
     emission, (finding,) = emit(tmp_path, {"left.cdl": text, "right.cdl": text})
     assert finding.code == "CDL1006"
-    entries = texts(emission.artifacts)["robots/tecs/entry_points.txt"]
+    entries = texts(emission.artifacts)["robots/components/entry_points.txt"]
     for entry in (
         "ServerMarshaller = robots.tecs.left.server_marshaller:ServerMarshaller",
         "ServerClient = nodes.server_client:ServerClient",

@@ -5,25 +5,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import ClassVar
 
-from rtgen.runtime import (
-    Component,
-    ComponentProfile,
-    RTC_OK,
-    ReturnCode_t,
-    service_port,
-)
-from rtgen.runtime.opaque_rpc import (
-    Channel,
-    CommunicationChannel,
-    OpaqueRpc,
-    ProxyServant,
-)
+from rtgen.runtime import RTC_OK, ReturnCode_t
+from rtgen.runtime.opaque_rpc import Channel, CommunicationChannel, ProxyServant
 
 from . import MotorBoard, tagWheelState as tagWheelState_
 from ._types import tagWheelState
 from ._views import idl_tagWheelState
+from .components.motor_board_marshaller import MotorBoardMarshallerBase
 from .motor_board_codec import MotorBoardCodec
 from .motor_board_server import MotorBoardTarget
 
@@ -72,40 +61,8 @@ class _MotorBoardServant(ProxyServant, MotorBoard):
         return returned, idl_tagWheelState(state_out)
 
 
-class MotorBoardMarshaller(Component):
+class MotorBoardMarshaller(MotorBoardMarshallerBase):
     """Carries calls of sMotorBoard to a TECS board."""
-
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        "MotorBoardMarshaller",
-        category="TECS",
-        vendor="rtgen",
-        description="Carries calls of sMotorBoard to a TECS board",
-        rate=10.0,
-        max_instances=0,
-        ports=(
-            service_port(
-                "provider",
-                "motor_board",
-                MotorBoard,
-                "What sMotorBoard offers.",
-            ),
-            service_port(
-                "consumer",
-                "communication",
-                OpaqueRpc,
-                "The board's channel.",
-            ),
-        ),
-    )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.motor_board = self.add_provider("motor_board", "motor_board", MotorBoard)
-        self.communication = self.add_consumer(
-            "communication",
-            "communication",
-            OpaqueRpc,
-        )
 
     def on_initialize(self) -> ReturnCode_t:
         """Makes the proxy behind the service port."""

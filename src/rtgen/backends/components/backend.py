@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
-from rtgen.backends import Artifact, Emission, Options, Owner
+from rtgen.backends import Artifact, Emission, Options, Owner, Part, parts
 from rtgen.backends.components.base_module import base_module
 from rtgen.backends.components.checks import check, check_modules, components_of
 from rtgen.backends.components.locations import (
@@ -17,19 +16,10 @@ from rtgen.backends.components.locations import (
 from rtgen.backends.components.skeleton import skeleton_module
 from rtgen.backends.kit.python_text import header_comment
 from rtgen.backends.kit.rendering import render
-from rtgen.diagnostics import has_errors
-from rtgen.model import Component, Model, SourceFile
+from rtgen.diagnostics import Diagnostic, has_errors
+from rtgen.model import Component, Model
 from rtgen.typemap.idl_python_names import PythonNames
 from rtgen.typemap.python_names import module_name
-
-
-@dataclass(frozen=True, slots=True)
-class _Entry:
-    """A factory of instances of the component type `name`."""
-
-    name: str
-    module: str
-    factory: str
 
 
 class ComponentsBackend:
@@ -39,41 +29,42 @@ class ComponentsBackend:
 
     def emit(self, model: Model, options: Options) -> Emission:
         """All files of all components; none where a component has errors."""
-        found = [*check(model), *check_modules(model, options.skeleton_package)]
-        components = components_of(model)
-        if has_errors(found) or not components:
+        packages = list(parts(model, options))
+        found: list[Diagnostic] = []
+        for part in packages:
+            found += check(part.model)
+            found += check_modules(part.model, options.skeleton_package)
+        if has_errors(found):
             return Emission((), found)
-        names = PythonNames(model, options.package)
-        artifacts = list(_common(model, components, options))
-        for component in components:
-            artifacts += _of_component(model, names, component, options)
-        return Emission(artifacts, found)
+        artifacts: dict[str, Artifact] = {}
+        for part in packages:
+            for artifact in _of_part(part):
+                # Boards with a signature of one name share the skeleton of its client.
+                artifacts.setdefault(artifact.path, artifact)
+        return Emission([*artifacts.values(), *_entry_points(packages)], found)
 
 
 BACKEND = ComponentsBackend()
 
 
-def _common(
-    model: Model, components: Sequence[Component], options: Options
-) -> Iterator[Artifact]:
-    sources = list(
-        dict.fromkeys(source_of(model, component) for component in components)
-    )
-    origin = tuple(source.key for source in sources)
-    header = _header(options, sources)
-    folder = components_folder(options)
+def _of_part(part: Part) -> Iterator[Artifact]:
+    """The packages of a part's own components, with the folder they are in, and skeletons."""
+    components = components_of(part.own)
+    if not components:
+        return
+    header, origin = _header(part, components)
     package = render("components/components.py.j2", header=header)
-    yield Artifact(f"{folder}/__init__.py", package, origin)
-    ordered = sorted(components, key=lambda component: component.name[-1])
-    entries = [_entry(component, options) for component in ordered]
-    text = render("components/entry_points.txt.j2", header=header, entries=entries)
-    yield Artifact(f"{folder}/entry_points.txt", text, origin)
+    yield Artifact(f"{components_folder(part.options)}/__init__.py", package, origin)
+    names = PythonNames(part.model, part.options.package)
+    for component in components:
+        yield from _of_component(part, names, component)
 
 
 def _of_component(
-    model: Model, names: PythonNames, component: Component, options: Options
+    part: Part, names: PythonNames, component: Component
 ) -> Iterator[Artifact]:
-    origin = (source_of(model, component).key,)
+    model, options = part.model, part.options
+    origin = part.origin or (source_of(model, component).key,)
     base = base_module(model, names, component, options)
     yield Artifact(f"{package_folder(options, component)}/__init__.py", base, origin)
     if not component.factory:
@@ -82,9 +73,33 @@ def _of_component(
         yield Artifact(f"{module}.py", skeleton, origin, Owner.USER)
 
 
-def _header(options: Options, sources: Sequence[SourceFile]) -> str:
-    return header_comment(options.version, (source.key for source in sources))
+def _entry_points(packages: Sequence[Part]) -> Iterator[Artifact]:
+    """The factories of all component types, in the project's package.
+
+    Of two types of one name, that of the first part is listed.
+    """
+    entries: dict[str, str] = {}
+    origin: dict[str, None] = {}
+    for part in packages:
+        components = components_of(part.model)
+        origin |= dict.fromkeys(_header(part, components)[1])
+        for component in components:
+            target = ":".join(factory(component, part.options))
+            entries.setdefault(component.name[-1], target)
+    options = packages[0].options
+    if entries:
+        text = render(
+            "components/entry_points.txt.j2",
+            header=header_comment(options.version, origin),
+            entries=sorted(entries.items()),
+        )
+        path = f"{components_folder(options)}/entry_points.txt"
+        yield Artifact(path, text, tuple(origin))
 
 
-def _entry(component: Component, options: Options) -> _Entry:
-    return _Entry(component.name[-1], *factory(component, options))
+def _header(part: Part, components: Sequence[Component]) -> tuple[str, tuple[str, ...]]:
+    """The comment above what is made of components, and its origin."""
+    origin = part.origin or tuple(
+        dict.fromkeys(source_of(part.model, component).key for component in components)
+    )
+    return header_comment(part.options.version, origin), origin

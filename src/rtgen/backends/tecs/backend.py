@@ -4,14 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from rtgen.backends import Artifact, Emission, Options, Owner, rtc_profile
-from rtgen.backends.components.checks import check, components_of
-from rtgen.backends.components.locations import factory
-from rtgen.backends.components.skeleton import skeleton_module
+from rtgen.backends import Artifact, Emission, Options
 from rtgen.backends.kit.idl_text import idl_text
 from rtgen.backends.kit.python_text import header, header_comment
 from rtgen.backends.kit.quoting.python import docstring
-from rtgen.backends.kit.rendering import render
 from rtgen.backends.tecs.build_files import (
     build_scripts,
     communication_conf,
@@ -19,32 +15,28 @@ from rtgen.backends.tecs.build_files import (
 )
 from rtgen.backends.tecs.codec import codec_texts
 from rtgen.backends.tecs.marshaller_module import marshaller_module
-from rtgen.backends.tecs.rtc_text import client_module
 from rtgen.backends.tecs.server_module import server_module
 from rtgen.backends.tecs.service_text import ServiceText
 from rtgen.backends.tecs.types_module import types_text
 from rtgen.backends.tecs.views_module import views_module
-from rtgen.diagnostics import has_errors
 from rtgen.lowering.tecs.boards import BoardPackage, boards
 from rtgen.lowering.tecs.idl_model import IdlService
-from rtgen.lowering.tecs.plan import FOLDER, Service, TecsPackage
+from rtgen.lowering.tecs.plan import FOLDER, TecsPackage
 from rtgen.model import Component, Declaration, Model, SourceFile
 from rtgen.model.tecs import TecsConst
 from rtgen.typemap.idl_python_names import PythonNames, is_emitted
-from rtgen.typemap.python_names import module_name
 
 
 class TecsBackend:
-    """Emits codecs, RTCs, and files for tecsgen for the package of a CDL file."""
+    """Emits codecs, proxies, servers, and files for tecsgen for the package of a CDL file."""
 
     name = "tecs"
 
     def emit(self, model: Model, options: Options) -> Emission:
         """All files of all packages; none if there are errors."""
         found = list(boards(model))
-        findings = [finding for board in found for finding in check(board.model)]
-        if not found or has_errors(findings):
-            return Emission((), findings)
+        if not found:
+            return Emission()
         [shared] = (p for p in model.packages if p.name == FOLDER)
         inside = options.inside(shared)
         artifacts: list[Artifact] = []
@@ -57,20 +49,10 @@ class TecsBackend:
             artifacts.append(Artifact(typed, "", artifacts[0].origin))
         title = "TECS boards, a package for each CDL file."
         artifacts.append(_package(inside, title, shared.sources))
-        entries: dict[str, str] = {}
-        skeletons: dict[str, Artifact] = {}
-        for package in (shared, *found):
-            for component in components_of(package.own) or components_of(package.model):
-                target = ":".join(factory(component, options.inside(package)))
-                entries.setdefault(component.name[-1], target)
         for board in found:
             writer = _Writer(board, options.inside(board))
             artifacts += writer.artifacts([other.plan for other in found])
-            for skeleton in writer.skeletons():
-                skeletons.setdefault(skeleton.path, skeleton)
-        artifacts.append(_entry_points(entries, inside, shared.sources))
-        artifacts += skeletons.values()
-        return Emission(artifacts, findings)
+        return Emission(artifacts)
 
 
 BACKEND = TecsBackend()
@@ -107,17 +89,6 @@ class _Writer:
         if self.options.corba:
             for name, text in build_scripts(package, self.options).items():
                 yield self._artifact(name, text)
-
-    def skeletons(self) -> Iterator[Artifact]:
-        """The clients for the user to complete."""
-        model, options = self._side.model, self.options
-        names = PythonNames(model, options.package)
-        for service in self._package.services:
-            component = model.find((f"{service.name}Client",))
-            assert isinstance(component, Component)
-            text = skeleton_module(model, names, component, options)
-            path = f"{module_name(component.name[-1])}.py"
-            yield Artifact(path, text, self._package.origin, Owner.USER)
 
     def _artifact(self, name: str, text: str) -> Artifact:
         return Artifact(f"{self.options.folder}/{name}", text, self._package.origin)
@@ -157,9 +128,6 @@ class _Writer:
             marshaller = marshaller_module(service, self._side.model, names, idl)
             yield self._artifact(f"{stem}_marshaller.py", marshaller)
             yield self._artifact(f"{stem}_server.py", server_module(service))
-            yield from self._rtcs(idl.service, names)
-        folder = render("components/components.py.j2", header=self._header)
-        yield self._artifact("components/__init__.py", folder)
         if records or any(isinstance(d, TecsConst) for d in unit.declarations):
             types = types_text(unit, layouts, self._header)
             yield self._artifact("_types.py", types)
@@ -167,37 +135,3 @@ class _Writer:
             structs = list(records.values())
             views = views_module(self._side, names, structs, self._header)
             yield self._artifact("_views.py", views)
-
-    def _rtcs(self, service: Service, names: PythonNames) -> Iterator[Artifact]:
-        """The client's base, and the profiles of both RTCs."""
-        model, options = self._side.model, self.options
-        for kind in ("Marshaller", "Client"):
-            name = f"{service.name}{kind}"
-            component = model.find((name,))
-            assert isinstance(component, Component)
-            folder = f"components/{module_name(name)}"
-            profile = rtc_profile.profile_text(model, component, options)
-            if kind == "Marshaller":
-                yield self._artifact(f"{folder}/RTC.xml", profile)
-                continue
-            base = client_module(component, model, names, self._header)
-            yield self._artifact(f"{folder}/__init__.py", base)
-            place = _profile_name(self._package, service.name)
-            yield self._artifact(place, profile)
-
-
-def _profile_name(package: TecsPackage, name: str) -> str:
-    first = package.services[0].name == name
-    return "RTC.xml" if first else f"{name}.RTC.xml"
-
-
-def _entry_points(
-    entries: dict[str, str], options: Options, sources: Sequence[SourceFile]
-) -> Artifact:
-    origin = tuple(source.key for source in sources)
-    text = render(
-        "tecs/entry_points.txt.j2",
-        header=header_comment(options.version, origin),
-        entries=sorted(entries.items()),
-    )
-    return Artifact(f"{options.folder}/entry_points.txt", text, origin)

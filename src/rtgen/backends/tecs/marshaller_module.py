@@ -1,9 +1,10 @@
-"""The module `<name>_marshaller.py`: proxy, servant, and the RTC around them."""
+"""Prints the module `<name>_marshaller.py`: proxy, servant, and the RTC around them."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
+from rtgen.backends.components.base_module import class_names
 from rtgen.backends.components.imports import Imports, import_from
 from rtgen.backends.components.members import attributes_of
 from rtgen.backends.kit.python_text import fit_text
@@ -11,7 +12,6 @@ from rtgen.backends.kit.quoting.python import docstring, string_literal
 from rtgen.backends.kit.rendering import render
 from rtgen.backends.tecs.function_text import LOCALS, tuple_type
 from rtgen.backends.tecs.proxies import proxy_class
-from rtgen.backends.tecs.rtc_text import RUNTIME, rtc_class
 from rtgen.backends.tecs.service_text import (
     Method,
     ServiceText,
@@ -23,6 +23,7 @@ from rtgen.layouts.tdr import FunctionLayout, Item
 from rtgen.lowering.tecs.communication import FILE
 from rtgen.lowering.tecs.communication import RUNTIME as CHANNEL
 from rtgen.lowering.tecs.idl_model import IdlService
+from rtgen.lowering.tecs.rtc_components import MARSHALLER
 from rtgen.model import (
     VOID,
     Component,
@@ -33,13 +34,13 @@ from rtgen.model import (
     PrimitiveType,
 )
 from rtgen.typemap.idl_python_names import PythonNames, distinct
+from rtgen.typemap.python_names import module_name
 from rtgen.typemap.tecs_python import struct_class
 
 _ANY = PrimitiveType(Primitive.ANY)
 _VALUES = "rtgen.runtime.values"
 _BOUND = (
-    *("RTC_OK", "ReturnCode_t", "CommunicationChannel", "Channel", "ClassVar"),
-    *("ProxyServant", *RUNTIME),
+    *("RTC_OK", "ReturnCode_t", "CommunicationChannel", "Channel", "ProxyServant"),
 )
 _LOCALS = LOCALS | {"returned"}
 
@@ -50,7 +51,7 @@ def marshaller_module(
     """The module of a service; the model holds the IDL side of its package."""
     name = text.name
     structs = text.structs
-    component = model.find((f"{idl.service.name}Marshaller",))
+    component = model.find((f"{idl.service.name}{MARSHALLER}",))
     assert isinstance(component, Component)
     servant = f"_{name}Servant"
     own = (f"{name}Proxy", servant, f"{name}Marshaller", text.codec)
@@ -72,7 +73,8 @@ def marshaller_module(
     }
     functions = [text.method(function, call=True) for function in layouts]
     views = _views_used(layouts)
-    rtc = rtc_class(component, imports, f"{name}Marshaller")
+    package = module_name(component.name[-1])
+    base = imports.spell(f".components.{package}", class_names(component)[0])
     attributes = attributes_of(component)
     values = [line for line in imports.lines() if f"from {_VALUES} " in line]
     lines = [
@@ -86,7 +88,6 @@ def marshaller_module(
         "Channel",
         "CommunicationChannel",
         "ProxyServant",
-        _imported("OpaqueRpc", imports.spell(CHANNEL, "OpaqueRpc")),
         *(["make_tdr"] if text.makes_tdr else []),
     }
     rendered = render(
@@ -95,7 +96,7 @@ def marshaller_module(
         docstring=docstring(f"`{text.signature}`: calls of a TECS board.", 0),
         standard=standard_imports(functions),
         runtime=[
-            import_from("rtgen.runtime", ["RTC_OK", "ReturnCode_t", *RUNTIME]),
+            import_from("rtgen.runtime", ["RTC_OK", "ReturnCode_t"]),
             import_from(CHANNEL, used),
             *values,
         ],
@@ -107,15 +108,13 @@ def marshaller_module(
         interface=interface,
         interface_name="::".join(idl.interface.name),
         operations=operations,
-        rtc=rtc,
+        rtc=f"{name}{MARSHALLER}",
+        rtc_docstring=docstring(component.doc, 4),
+        base=base,
         provider=attributes.ports[0][1],
         consumer=attributes.ports[1][1],
     )
     return fit_text(rendered)
-
-
-def _imported(name: str, local: str) -> str:
-    return name if name == local else f"{name} as {local}"
 
 
 def _keyword(name: str, values: dict[str, str]) -> str:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from msgspec.structs import replace
 
-from rtgen.backends import Artifact, Emission, Options
+from rtgen.backends import Artifact, Emission, Options, parts
 from rtgen.backends.kit.python_text import header_comment
 from rtgen.backends.kit.quoting.python import docstring
 from rtgen.backends.types.calls import Calls
@@ -47,18 +47,20 @@ class TypesBackend:
 
     def emit(self, model: Model, options: Options) -> Emission:
         """All modules and packages; only diagnostics if there are errors."""
-        emission = self._emit(model, options)
-        artifacts, findings = [*emission.artifacts], [*emission.diagnostics]
-        for package in model.packages:
-            origin = tuple(source.key for source in package.sources)
-            made = self._emit(package.own, options.inside(package))
+        artifacts: list[Artifact] = []
+        findings: list[Diagnostic] = []
+        for part in parts(model, options):
+            made = self._emit(part.own, part.options)
+            findings += made.diagnostics
+            if part.origin is None:
+                artifacts += made.artifacts
+                continue
             # The marker of the project's package holds for those inside (PEP 561).
             artifacts += (
-                replace(each, origin=origin)
+                replace(each, origin=part.origin)
                 for each in made.artifacts
                 if not each.path.endswith(f"/{_TYPED}")
             )
-            findings += made.diagnostics
         return Emission(tuple(artifacts), tuple(findings))
 
     def _emit(self, model: Model, options: Options) -> Emission:

@@ -17,6 +17,7 @@ from rtgen.lowering.stage import Lowered
 from rtgen.lowering.tecs.communication import FILE, RUNTIME, communication_model
 from rtgen.lowering.tecs.idl_model import IdlSide, idl_side
 from rtgen.lowering.tecs.plan import FOLDER, TecsPackage, packages
+from rtgen.lowering.tecs.rtc_components import CLIENT
 from rtgen.lowering.tecs.rules import NOT_TRANSFERRED
 from rtgen.model import Model, Package
 
@@ -50,6 +51,7 @@ def lower(model: Model, settings: Settings) -> Lowered:
                 types=types,
                 conversions={FILE: FOLDER},
                 any_values=any(s.options.array == "any" for s in plan.services),
+                profiles=_profiles(plan),
                 plan=plan,
                 side=side,
                 layouts=tuple(layouts),
@@ -63,6 +65,14 @@ def boards(model: Model) -> Iterator[BoardPackage]:
     for package in model.packages:
         if isinstance(package, BoardPackage):
             yield package
+
+
+def _profiles(plan: TecsPackage) -> dict[str, str]:
+    """The first client's profile is the package's `RTC.xml`."""
+    first, *others = (service.name for service in plan.services)
+    return {f"{first}{CLIENT}": "RTC.xml"} | {
+        f"{name}{CLIENT}": f"{name}.RTC.xml" for name in others
+    }
 
 
 def _layouts(

@@ -11,7 +11,9 @@ from rtgen.typemap.python_names import identifier
 COMMUNICATION = ("OpaqueRpc",)
 """The interface of the communication RTC."""
 
-RTCS = ("Marshaller", "Client")
+MARSHALLER = "Marshaller"
+CLIENT = "Client"
+RTCS = (MARSHALLER, CLIENT)
 """The suffixes of the names of a service's RTCs."""
 
 
@@ -62,7 +64,7 @@ def components_of(
         )
 
     yield component(
-        f"{service.name}Marshaller",
+        f"{service.name}{MARSHALLER}",
         (
             port(PortKind.PROVIDER, service.module, offered, f"What {scoped} offers."),
             port(
@@ -73,10 +75,10 @@ def components_of(
             ),
         ),
         f"Carries calls of {scoped} to a TECS board.",
-        f".{service.module}_marshaller:{identifier(f'{service.name}Marshaller')}",
+        f".{service.module}_marshaller:{identifier(f'{service.name}{MARSHALLER}')}",
     )
     yield component(
-        f"{service.name}Client",
+        f"{service.name}{CLIENT}",
         (port(PortKind.CONSUMER, service.module, offered, f"What {scoped} offers."),),
         f"Calls {scoped} of a TECS board.",
     )

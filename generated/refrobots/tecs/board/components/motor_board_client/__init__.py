@@ -15,12 +15,16 @@ class MotorBoardClientBase(Component):
     """Calls sMotorBoard of a TECS board."""
 
     profile: ClassVar[ComponentProfile] = ComponentProfile(
-        "MotorBoardClient",
+        type_name="MotorBoardClient",
+        kind="DataFlowComponent",
         category="TECS",
         vendor="rtgen",
+        version="1.0.0",
         description="Calls sMotorBoard of a TECS board",
         rate=10.0,
         max_instances=0,
+        activity="PERIODIC",
+        execution="PeriodicExecutionContext",
         ports=(
             service_port(
                 "consumer",
@@ -34,3 +38,4 @@ class MotorBoardClientBase(Component):
     def __init__(self, instance_name: str | None = None) -> None:
         super().__init__(instance_name)
         self.motor_board = self.add_consumer("motor_board", "motor_board", MotorBoard)
+        """What sMotorBoard offers."""

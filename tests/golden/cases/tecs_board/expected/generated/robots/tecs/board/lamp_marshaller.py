@@ -4,19 +4,11 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
 
-from rtgen.runtime import (
-    Component,
-    ComponentProfile,
-    RTC_OK,
-    ReturnCode_t,
-    service_port,
-)
+from rtgen.runtime import RTC_OK, ReturnCode_t
 from rtgen.runtime.opaque_rpc import (
     Channel,
     CommunicationChannel,
-    OpaqueRpc,
     ProxyServant,
     make_tdr,
 )
@@ -24,6 +16,7 @@ from rtgen.runtime.opaque_rpc import (
 from . import nboard
 from ._types import nBoard_tagPoint
 from ._views import codec_nBoard_tagPoint
+from .components.lamp_marshaller import LampMarshallerBase
 from .lamp_codec import LampCodec
 from .lamp_server import LampTarget
 
@@ -51,35 +44,8 @@ class _LampServant(ProxyServant, nboard.Lamp):
         return self._proxy.dim(percent, level, codec_nBoard_tagPoint(at))
 
 
-class LampMarshaller(Component):
+class LampMarshaller(LampMarshallerBase):
     """Carries calls of nBoard::sLamp to a TECS board."""
-
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        "LampMarshaller",
-        category="TECS",
-        vendor="rtgen",
-        description="Carries calls of nBoard::sLamp to a TECS board",
-        rate=10.0,
-        max_instances=0,
-        ports=(
-            service_port("provider", "lamp", nboard.Lamp, "What nBoard::sLamp offers."),
-            service_port(
-                "consumer",
-                "communication",
-                OpaqueRpc,
-                "The board's channel.",
-            ),
-        ),
-    )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.lamp = self.add_provider("lamp", "lamp", nboard.Lamp)
-        self.communication = self.add_consumer(
-            "communication",
-            "communication",
-            OpaqueRpc,
-        )
 
     def on_initialize(self) -> ReturnCode_t:
         """Makes the proxy behind the service port."""

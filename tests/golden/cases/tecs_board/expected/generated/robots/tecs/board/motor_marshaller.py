@@ -5,19 +5,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import ClassVar
 
-from rtgen.runtime import (
-    Component,
-    ComponentProfile,
-    RTC_OK,
-    ReturnCode_t,
-    service_port,
-)
+from rtgen.runtime import RTC_OK, ReturnCode_t
 from rtgen.runtime.opaque_rpc import (
     Channel,
     CommunicationChannel,
-    OpaqueRpc,
     ProxyServant,
     make_tdr,
 )
@@ -30,6 +22,7 @@ from ._views import (
     idl_nBoard_tagPoint,
     idl_nBoard_tagState,
 )
+from .components.motor_marshaller import MotorMarshallerBase
 from .motor_codec import MotorCodec
 from .motor_server import MotorTarget
 
@@ -154,40 +147,8 @@ class _MotorServant(ProxyServant, nboard.Motor):
         self._proxy.stop(ord(why))
 
 
-class MotorMarshaller(Component):
+class MotorMarshaller(MotorMarshallerBase):
     """Carries calls of nBoard::sMotor to a TECS board."""
-
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        "MotorMarshaller",
-        category="TECS",
-        vendor="rtgen",
-        description="Carries calls of nBoard::sMotor to a TECS board",
-        rate=10.0,
-        max_instances=0,
-        ports=(
-            service_port(
-                "provider",
-                "motor",
-                nboard.Motor,
-                "What nBoard::sMotor offers.",
-            ),
-            service_port(
-                "consumer",
-                "communication",
-                OpaqueRpc,
-                "The board's channel.",
-            ),
-        ),
-    )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.motor = self.add_provider("motor", "motor", nboard.Motor)
-        self.communication = self.add_consumer(
-            "communication",
-            "communication",
-            OpaqueRpc,
-        )
 
     def on_initialize(self) -> ReturnCode_t:
         """Makes the proxy behind the service port."""

@@ -4,23 +4,12 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
 
-from rtgen.runtime import (
-    Component,
-    ComponentProfile,
-    RTC_OK,
-    ReturnCode_t,
-    service_port,
-)
-from rtgen.runtime.opaque_rpc import (
-    Channel,
-    CommunicationChannel,
-    OpaqueRpc,
-    ProxyServant,
-)
+from rtgen.runtime import RTC_OK, ReturnCode_t
+from rtgen.runtime.opaque_rpc import Channel, CommunicationChannel, ProxyServant
 
 from . import Server
+from .components.server_marshaller import ServerMarshallerBase
 from .server_codec import ServerCodec
 from .server_server import ServerTarget
 
@@ -52,35 +41,8 @@ class _ServerServant(ProxyServant, Server):
         return returned, chr(outdata_out & 255)
 
 
-class ServerMarshaller(Component):
+class ServerMarshaller(ServerMarshallerBase):
     """Carries calls of sServer to a TECS board."""
-
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        "ServerMarshaller",
-        category="TECS",
-        vendor="rtgen",
-        description="Carries calls of sServer to a TECS board",
-        rate=10.0,
-        max_instances=0,
-        ports=(
-            service_port("provider", "server", Server, "What sServer offers."),
-            service_port(
-                "consumer",
-                "communication",
-                OpaqueRpc,
-                "The board's channel.",
-            ),
-        ),
-    )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.server = self.add_provider("server", "server", Server)
-        self.communication = self.add_consumer(
-            "communication",
-            "communication",
-            OpaqueRpc,
-        )
 
     def on_initialize(self) -> ReturnCode_t:
         """Makes the proxy behind the service port."""

@@ -15,12 +15,16 @@ class LampClientBase(Component):
     """Calls nBoard::sLamp of a TECS board."""
 
     profile: ClassVar[ComponentProfile] = ComponentProfile(
-        "LampClient",
+        type_name="LampClient",
+        kind="DataFlowComponent",
         category="TECS",
         vendor="rtgen",
+        version="1.0.0",
         description="Calls nBoard::sLamp of a TECS board",
         rate=10.0,
         max_instances=0,
+        activity="PERIODIC",
+        execution="PeriodicExecutionContext",
         ports=(
             service_port("consumer", "lamp", nboard.Lamp, "What nBoard::sLamp offers."),
         ),
@@ -29,3 +33,4 @@ class LampClientBase(Component):
     def __init__(self, instance_name: str | None = None) -> None:
         super().__init__(instance_name)
         self.lamp = self.add_consumer("lamp", "lamp", nboard.Lamp)
+        """What nBoard::sLamp offers."""

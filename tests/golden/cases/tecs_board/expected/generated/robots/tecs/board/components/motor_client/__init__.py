@@ -15,12 +15,16 @@ class MotorClientBase(Component):
     """Calls nBoard::sMotor of a TECS board."""
 
     profile: ClassVar[ComponentProfile] = ComponentProfile(
-        "MotorClient",
+        type_name="MotorClient",
+        kind="DataFlowComponent",
         category="TECS",
         vendor="rtgen",
+        version="1.0.0",
         description="Calls nBoard::sMotor of a TECS board",
         rate=10.0,
         max_instances=0,
+        activity="PERIODIC",
+        execution="PeriodicExecutionContext",
         ports=(
             service_port(
                 "consumer",
@@ -34,3 +38,4 @@ class MotorClientBase(Component):
     def __init__(self, instance_name: str | None = None) -> None:
         super().__init__(instance_name)
         self.motor = self.add_consumer("motor", "motor", nboard.Motor)
+        """What nBoard::sMotor offers."""

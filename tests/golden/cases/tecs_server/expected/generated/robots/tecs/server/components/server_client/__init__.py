@@ -15,15 +15,20 @@ class ServerClientBase(Component):
     """Calls sServer of a TECS board."""
 
     profile: ClassVar[ComponentProfile] = ComponentProfile(
-        "ServerClient",
+        type_name="ServerClient",
+        kind="DataFlowComponent",
         category="TECS",
         vendor="rtgen",
+        version="1.0.0",
         description="Calls sServer of a TECS board",
         rate=10.0,
         max_instances=0,
+        activity="PERIODIC",
+        execution="PeriodicExecutionContext",
         ports=(service_port("consumer", "server", Server, "What sServer offers."),),
     )
 
     def __init__(self, instance_name: str | None = None) -> None:
         super().__init__(instance_name)
         self.server = self.add_consumer("server", "server", Server)
+        """What sServer offers."""

@@ -1,0 +1,152 @@
+"""Names that ROS 2 gives to topics, services and types on the wire.
+
+ROS 2 design, "Topic and Service name mapping to DDS"; rmw_cyclonedds and rmw_zenoh as of Jazzy.
+Names of ROS are fully qualified (`/robot/scan`), types as ROS writes them (`std_msgs/msg/String`).
+"""
+
+from __future__ import annotations
+
+import re
+import struct
+from typing import Final, NamedTuple
+
+TOPIC: Final = "rt"
+REQUEST: Final = "rq"
+REPLY: Final = "rr"
+"""Prefixes of DDS topics: of data, of requests and of replies."""
+
+DISCOVERY_TOPIC: Final = "ros_discovery_info"
+"""The DDS topic of rmw_dds_common/msg/ParticipantEntitiesInfo; it has no prefix."""
+DISCOVERY_TYPE: Final = "rmw_dds_common/msg/ParticipantEntitiesInfo"
+GID_SIZE: Final = 16
+"""Octets of an identifier of the middleware, in Jazzy."""
+
+LONGEST: Final = 248
+"""Characters of a fully qualified name: 255 of a DDS topic without prefix and suffix."""
+_PART: Final = re.compile(r"[A-Za-z_][A-Za-z0-9_]*", re.ASCII)
+_TYPE: Final = re.compile(
+    r"(?P<package>[a-z][a-z0-9_]*)/(?:(?P<kind>msg|srv|action)/)?(?P<name>[A-Z]\w*)",
+    re.ASCII,
+)
+_HASH: Final = re.compile(r"RIHS01_[0-9a-f]{64}")
+_REQUEST_HEADER: Final = struct.Struct("<Qq")
+
+
+def violation(name: str) -> str | None:
+    """Why a text is no name of a topic or service relative to a namespace, or with `/` before it.
+
+    None for a valid one. `~` and `{substitutions}` are not taken.
+    """
+    if len(name) > LONGEST:
+        return f"is longer than {LONGEST} characters"
+    parts = name.removeprefix("/").split("/")
+    if not all(_PART.fullmatch(part) for part in parts):
+        return "consists of words of letters, digits and _ between single /"
+    if any("__" in part for part in parts):
+        return "has no __"
+    return None
+
+
+def qualified(name: str, namespace: str = "/") -> str:
+    """The name with its namespace (`scan` in `/robot`: `/robot/scan`). Raises ValueError."""
+    space = namespace.strip("/")
+    whole = (
+        name if name.startswith("/") else f"/{space}/{name}" if space else f"/{name}"
+    )
+    if why := violation(whole):
+        raise ValueError(f"{name!r} {why}")
+    return whole
+
+
+def dds_topic(name: str) -> str:
+    """The DDS topic of a topic: `/scan` is `rt/scan`."""
+    return TOPIC + name
+
+
+def dds_service_topics(name: str) -> tuple[str, str]:
+    """The DDS topics of a service: `/add` has `rq/addRequest` and `rr/addReply`."""
+    return f"{REQUEST}{name}Request", f"{REPLY}{name}Reply"
+
+
+def parse_type(text: str) -> str | None:
+    """The full name of a type, `std_msgs/msg/String` of `std_msgs/String`; None if it is none."""
+    match = _TYPE.fullmatch(text)
+    if match is None:
+        return None
+    return "/".join((match["package"], match["kind"] or "msg", match["name"]))
+
+
+def dds_type(name: str) -> str:
+    """The type in DDS: `std_msgs/msg/String` is `std_msgs::msg::dds_::String_`.
+
+    The same for services, of whose requests `add/srv/Two_Request` is one.
+    """
+    *scope, last = name.split("/")
+    return "::".join((*scope, "dds_", f"{last}_"))
+
+
+def ros_type(name: str) -> str | None:
+    """The inverse of `dds_type`; None for types that ROS has not named."""
+    match name.split("::"):
+        case [package, kind, "dds_", last] if last.endswith("_"):
+            return f"{package}/{kind}/{last[:-1]}"
+    return None
+
+
+def user_data(type_hash: str, **more: str) -> bytes:
+    """USER_DATA of a reader or writer: `typehash=RIHS01_...;` behind other keys."""
+    return b"".join(
+        f"{key}={value};".encode()
+        for key, value in {**more, "typehash": type_hash}.items()
+    )
+
+
+def participant_data(enclave: str = "/") -> bytes:
+    """USER_DATA of a participant: `enclave=/;`."""
+    return f"enclave={enclave};".encode()
+
+
+def parse_user_data(data: bytes) -> dict[str, str]:
+    """The pairs of USER_DATA; what is none is left out."""
+    pairs = (part.partition("=") for part in data.decode("ascii", "replace").split(";"))
+    return {key: value for key, equals, value in pairs if equals and key}
+
+
+def type_hash_of(data: bytes) -> str | None:
+    """The hash of USER_DATA, if there is a valid one."""
+    found = parse_user_data(data).get("typehash", "")
+    return found if _HASH.fullmatch(found) else None
+
+
+def endpoint_id(gid: bytes) -> str:
+    """`clientid` or `serviceid` of USER_DATA: hexadecimal octets with dots, as rmw_cyclonedds.
+
+    The first octet is two characters wide, filled by a space.
+    """
+    first, *rest = gid
+    return ".".join((f"{first:2x}", *(f"{octet:x}" for octet in rest)))
+
+
+class RequestId(NamedTuple):
+    """What a request and its reply begin with: a number of the client, and one of the request."""
+
+    client: int
+    sequence: int
+
+
+def request_header(request: RequestId) -> bytes:
+    """The 16 octets of rmw_cyclonedds, behind the encapsulation header; little endian."""
+    return _REQUEST_HEADER.pack(*request)
+
+
+def parse_request(payload: bytes) -> tuple[RequestId, bytes]:
+    """Header and body of a request or reply; the body begins at offset 16 of the CDR stream.
+
+    `payload` has no encapsulation header. Raises ValueError for one that is too short.
+    """
+    if len(payload) < _REQUEST_HEADER.size:
+        raise ValueError(f"{len(payload)} octets are no request")
+    return (
+        RequestId(*_REQUEST_HEADER.unpack_from(payload)),
+        payload[_REQUEST_HEADER.size :],
+    )

@@ -1,0 +1,64 @@
+"""Quality of service of ROS 2: policies with the numbers of rmw, and the profiles (rmw, Jazzy)."""
+
+from __future__ import annotations
+
+from enum import IntEnum
+from typing import Final, NamedTuple
+
+
+class History(IntEnum):
+    """`rmw_qos_history_policy_e`."""
+
+    KEEP_LAST = 1
+    KEEP_ALL = 2
+
+
+class Reliability(IntEnum):
+    """`rmw_qos_reliability_policy_e`."""
+
+    RELIABLE = 1
+    BEST_EFFORT = 2
+
+
+class Durability(IntEnum):
+    """`rmw_qos_durability_policy_e`."""
+
+    TRANSIENT_LOCAL = 1
+    VOLATILE = 2
+
+
+class Liveliness(IntEnum):
+    """`rmw_qos_liveliness_policy_e`."""
+
+    AUTOMATIC = 1
+    MANUAL_BY_TOPIC = 3
+
+
+class Profile(NamedTuple):
+    """A profile. `deadline`, `lifespan` and `lease` in nanoseconds, None for none."""
+
+    depth: int = 10
+    reliability: Reliability = Reliability.RELIABLE
+    durability: Durability = Durability.VOLATILE
+    history: History = History.KEEP_LAST
+    deadline: int | None = None
+    lifespan: int | None = None
+    liveliness: Liveliness = Liveliness.AUTOMATIC
+    lease: int | None = None
+
+
+PROFILES: Final = {
+    "default": Profile(),
+    "sensor_data": Profile(5, Reliability.BEST_EFFORT),
+    "services_default": Profile(),
+    "parameters": Profile(1000),
+    "parameter_events": Profile(1000),
+    "clock": Profile(1, Reliability.BEST_EFFORT),
+    "rosout": Profile(1000, durability=Durability.TRANSIENT_LOCAL, lifespan=10 * 10**9),
+    "static_tf": Profile(1, durability=Durability.TRANSIENT_LOCAL),
+    "map": Profile(1, durability=Durability.TRANSIENT_LOCAL),
+}
+"""`rmw_qos_profile_*`; `clock` is rclcpp's, `rosout` rcl's, `static_tf` tf2_ros's, `map` nav2's."""
+
+GRAPH: Final = Profile(1, durability=Durability.TRANSIENT_LOCAL)
+"""Of `ros_discovery_info` (writers)."""
