@@ -13,6 +13,7 @@ from cyclonedds.domain import Domain, DomainParticipant
 from rtgen.runtime.dds import entities
 from rtgen.runtime.dds.dispatcher import Dispatcher
 from rtgen.runtime.dds.entities import Entities
+from rtgen.runtime.dds.numbers import Numbers, numbered
 from rtgen.runtime.dds.presence import Presences
 from rtgen.runtime.dds.rpc import DdsClient, DdsService
 from rtgen.runtime.distribution.medium import (
@@ -202,10 +203,10 @@ class DdsPublisher:
         self._closed = False
 
     def publish(self, octets: bytes, sequence: int) -> None:
-        """See `medium.Publisher`; DDS numbers samples itself."""
+        """See `medium.Publisher`."""
         if self._closed:
             raise MediumError("the publisher is closed")
-        entities.write(self._writer, octets, self._patience)
+        entities.write(self._writer, numbered(octets, sequence), self._patience)
 
     @property
     def matched(self) -> bool:
@@ -232,39 +233,38 @@ class DdsSubscription:
     ) -> None:
         self._on_sample = on_sample
         self._closed = False
-        self._counted = 0, 0
+        self._missed = 0
+        self._numbers = Numbers()
         self._reader = made.reader(check_name(topic.name), topic.type, qos)
         self._condition = entities.condition(self._reader)
         self._entry = dispatcher.add(self._condition, self._take)
 
     @property
     def lost(self) -> int:
-        """See `medium.Subscription`."""
-        return self._counts()[0]
+        """0: samples carry numbers."""
+        return 0
 
     @property
     def missed_deadlines(self) -> int:
         """See `medium.Subscription`."""
-        return self._counts()[1]
+        if not self._closed:
+            reader: Any = self._reader
+            status = reader.get_requested_deadline_missed_status()
+            self._missed = int(status.total_count)
+        return self._missed
 
     def close(self) -> None:
         """See `medium.Subscription`."""
         if not self._closed:
             self._entry.close()
-            self._counts()
+            self._missed = self.missed_deadlines
             self._closed = True
             entities.delete(self._condition)
             entities.delete(self._reader)
 
-    def _counts(self) -> tuple[int, int]:
-        if not self._closed:
-            reader: Any = self._reader
-            lost = reader.get_sample_lost_status()
-            missed = reader.get_requested_deadline_missed_status()
-            self._counted = int(lost.total_count), int(missed.total_count)
-        return self._counted
-
     def _take(self) -> None:
         for octets, info in entities.taken(self._reader):
             if info.valid_data:
-                self._on_sample(Sample(octets, info.publication_handle))
+                source = info.publication_handle
+                sequence = self._numbers.sequence(source, octets)
+                self._on_sample(Sample(octets, source, sequence))

@@ -1,0 +1,363 @@
+"""What is DDS's alone: types, QoS, programs of cyclonedds, processes that die."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+import pytest
+from distributed_system import Process, arrived, sample, wait_for
+from patience import PATIENCE
+
+pytest.importorskip("cyclonedds", reason="cyclonedds is not installed")
+
+from conftest import DOMAIN
+
+from refrobots import iis, rtc
+from rtgen.cli import run as rtgen
+from rtgen.runtime import idl, xcdr
+from rtgen.runtime.cdr import Aggregated
+from rtgen.runtime.dds.medium import DdsMedium, configuration
+from rtgen.runtime.dds.numbers import Numbers, numbered
+from rtgen.runtime.dds.types import idl_class
+from rtgen.runtime.distribution.data import encoder
+from rtgen.runtime.distribution.medium import (
+    MediumError,
+    PublishTimeoutError,
+    Qos,
+    Sample,
+    Topic,
+    representation,
+)
+
+ROOT = Path(__file__).parents[2]
+PEER = Path(__file__).with_name("cyclone_peer.py")
+
+
+@pytest.fixture
+def partition() -> str:
+    return f"test-{os.urandom(8).hex()}"
+
+
+@pytest.fixture
+def stack() -> Iterator[ExitStack]:
+    with ExitStack() as stack:
+        yield stack
+
+
+def medium(stack: ExitStack, partition: str) -> DdsMedium:
+    """One more participant, which ends with the test."""
+    made = DdsMedium(partition, domain=DOMAIN)
+    stack.callback(made.close)
+    return made
+
+
+# Types and samples.
+
+
+STRUCTS = [
+    type_
+    for module in (iis, rtc)
+    for _, type_ in sorted(vars(module).items())
+    if isinstance(type_, type)
+    and issubclass(type_, Aggregated)
+    and "WString" not in type_.__name__
+]
+
+
+@pytest.mark.parametrize("type_", STRUCTS, ids=lambda type_: type_.__name__)
+def test_cyclonedds_reads_what_our_codec_writes(type_: type[Any]) -> None:
+    value = type_()
+    payload = encoder(type_)(value)
+    assert payload == xcdr.serialize(value, representation(type_))
+    theirs = idl_class(type_)
+    read = theirs.deserialize(payload)
+    version = representation(type_).version
+    again = read.serialize(use_version_2=version == 2)
+    assert xcdr.deserialize(type_, again) == value
+    theirs.__idl__.fill_type_data()
+    assert theirs.__idl__.idl_transformed_typename == type_._descriptor_.name
+
+
+class Wide(Aggregated):
+    """A type that cyclonedds does not have."""
+
+    _descriptor_ = idl.struct("Wide", text=idl.WSTRING)
+
+    text: str = ""
+
+
+def test_a_type_that_dds_does_not_have_is_refused(
+    stack: ExitStack, partition: str
+) -> None:
+    with pytest.raises(MediumError, match="wstring cannot be sent over DDS"):
+        medium(stack, partition).publisher(Topic("t", Wide), Qos())
+
+
+def test_samples_are_numbered_without_change_of_meaning() -> None:
+    payload = encoder(rtc.TimedLong)(rtc.TimedLong(data=5))
+    numbers = Numbers()
+    assert numbers.sequence("other", payload) is None
+    sent = [1, 2, 5, 16383, 16384, 16385, 40000]
+    marked = [numbered(payload, number) for number in sent]
+    assert [numbers.sequence("one", each) for each in marked[:6]] == sent[:6]
+    # More than a cycle cannot be counted.
+    assert numbers.sequence("one", marked[6]) == 40000 - 16383
+    for each in marked:
+        assert xcdr.deserialize(rtc.TimedLong, each).data == 5
+        assert idl_class(rtc.TimedLong).deserialize(each).data == 5
+
+
+@pytest.mark.peer
+def test_a_program_of_cyclonedds_reads_and_drives_a_component(
+    stack: ExitStack, partition: str
+) -> None:
+    process = stack.enter_context(Process(medium(stack, partition), "a"))
+    node = process.node("a")
+    node.out.write(sample(0))
+    peer = stack.enter_context(
+        subprocess.Popen(
+            [sys.executable, str(PEER), str(DOMAIN), partition, configuration(None)],
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+    )
+    stack.callback(peer.kill)
+    wait_for(lambda: node.take() or peer.poll() is not None)
+    topic = process.transport._published["a"].topics["out"]
+    wait_for(lambda: topic.open().matched or peer.poll() is not None)
+    for number in range(5):
+        node.out.write(sample(number))
+    output, _ = peer.communicate(timeout=PATIENCE)
+    assert json.loads(output) == [0, 1, 2, 3, 4]
+    numbers = node.take()
+    assert numbers == [numbers[0] + n for n in range(len(numbers))]
+    assert numbers[0] % 1 == 0.5
+
+
+# QoS.
+
+
+def test_big_samples(stack: ExitStack, partition: str) -> None:
+    here, there = medium(stack, partition), medium(stack, partition)
+    topic = Topic("t", rtc.TimedOctetSeq)
+    got: list[Sample] = []
+    there.subscribe(topic, Qos(), got.append)
+    publisher = here.publisher(topic, Qos())
+    wait_for(lambda: publisher.matched)
+    value = rtc.TimedOctetSeq(data=os.urandom(10_000_000))
+    publisher.publish(encoder(rtc.TimedOctetSeq)(value), 1)
+    wait_for(lambda: got)
+    assert xcdr.deserialize(rtc.TimedOctetSeq, got[0].octets) == value
+
+
+def test_a_slow_reader_holds_up_a_writer_that_keeps_all(
+    stack: ExitStack, partition: str
+) -> None:
+    here, there = medium(stack, partition), medium(stack, partition)
+    topic = Topic("t", rtc.TimedOctetSeq)
+    go_on = threading.Event()
+    got: list[Sample] = []
+
+    def on_sample(one: Sample) -> None:
+        go_on.wait(PATIENCE)
+        got.append(one)
+
+    qos = Qos(depth=None, patience=0.01)
+    there.subscribe(topic, qos, on_sample)
+    publisher = here.publisher(topic, qos)
+    wait_for(lambda: publisher.matched)
+    octets = encoder(rtc.TimedOctetSeq)(rtc.TimedOctetSeq(data=bytes(1000)))
+
+    def has_room() -> bool:
+        try:
+            publisher.publish(octets, sent + 1)
+        except PublishTimeoutError:
+            return False
+        return True
+
+    sent = 0
+    while has_room():
+        sent += 1
+    go_on.set()
+    wait_for(lambda: len(got) == sent)
+    assert [one.sequence for one in got] == [*range(1, sent + 1)]
+
+
+def test_deadlines_are_watched(stack: ExitStack, partition: str) -> None:
+    here, there = medium(stack, partition), medium(stack, partition)
+    topic = Topic("t", rtc.TimedLong)
+    qos = Qos(deadline=0.02)
+    subscription = there.subscribe(topic, qos, lambda _: None)
+    publisher = here.publisher(topic, qos)
+    wait_for(lambda: publisher.matched)
+    publisher.publish(encoder(rtc.TimedLong)(rtc.TimedLong()), 1)
+    wait_for(lambda: subscription.missed_deadlines)
+
+
+def test_partitions_are_systems(stack: ExitStack, partition: str) -> None:
+    here, there = medium(stack, partition), medium(stack, partition + "x")
+    got: list[Sample] = []
+    there.subscribe(Topic("t", rtc.TimedLong), Qos(), got.append)
+    mine = medium(stack, partition)
+    mine.subscribe(Topic("t", rtc.TimedLong), Qos(), got.append)
+    publisher = here.publisher(Topic("t", rtc.TimedLong), Qos())
+    wait_for(lambda: publisher.matched)
+    publisher.publish(encoder(rtc.TimedLong)(rtc.TimedLong()), 1)
+    wait_for(lambda: got)
+    assert len(got) == 1
+
+
+def test_garbage_on_a_topic_is_counted(
+    stack: ExitStack, partition: str, caplog: pytest.LogCaptureFixture
+) -> None:
+    process = stack.enter_context(Process(medium(stack, partition), "a"))
+    other = medium(stack, partition)
+    # The same topic, with octets that are no sample of the type.
+    publisher = other.publisher(Topic("a/in/in", rtc.TimedDouble), Qos())
+    wait_for(lambda: publisher.matched)
+    with pytest.raises(MediumError):
+        publisher.publish(b"\0\1\0\0", 1)
+    publisher.publish(encoder(rtc.TimedDouble)(rtc.TimedDouble(data=4.0)), 2)
+    arrived(process.node("a"), [4])
+
+
+def test_a_domain_has_one_configuration(stack: ExitStack, partition: str) -> None:
+    medium(stack, partition)
+    with pytest.raises(MediumError, match="open with other options"):
+        DdsMedium(partition, domain=DOMAIN, interface="127.0.0.1")
+
+
+# The command.
+
+
+@pytest.mark.parametrize(
+    ("options", "code", "text"),
+    [
+        (["--transport", "dds"], 2, "--transport dds needs --clock real"),
+        (["--domain", "1"], 2, "--domain needs --transport dds"),
+        (["--clock", "real", "--transport", "dds", "--nameserver", "x"], 2, "corba"),
+        (
+            ["--clock", "real", "--transport", "dds", "--partition", "a b"],
+            3,
+            "'a b' cannot be a name between processes",
+        ),
+        (
+            ["--clock", "real", "--transport", "dds", "--interface", "nowhere0"],
+            3,
+            "domain 91",
+        ),
+    ],
+)
+def test_options_that_do_not_fit(
+    options: list[str], code: int, text: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    system = str(ROOT / "specs" / "navigation" / "rh3_goal.xml")
+    more = ["--domain", "91"] if "real" in options and code == 3 else []
+    assert rtgen(["run", system, *options, *more, "--until", "0.1"]) == code
+    assert text in capfd.readouterr().err
+
+
+class Run:
+    """`rtgen run` of a part of RH3's pipeline in a process of its own."""
+
+    def __init__(self, folder: Path, partition: str, only: str, *more: str) -> None:
+        self._errors = folder / f"{only}-{time.monotonic_ns()}.txt"
+        command = [sys.executable, "-m", "rtgen", "run"]
+        command += ["specs/navigation/rh3_goal.xml", "--clock", "real"]
+        command += ["--transport", "dds", "--domain", str(DOMAIN)]
+        command += ["--partition", partition, "--only", only, *more]
+        with self._errors.open("w", encoding="utf-8") as errors:
+            self.process = subprocess.Popen(
+                command, cwd=ROOT, stdout=subprocess.PIPE, stderr=errors, text=True
+            )
+
+    @property
+    def errors(self) -> str:
+        """Standard error so far."""
+        return self._errors.read_text(encoding="utf-8")
+
+    def wait_for(self, text: str) -> None:
+        """Waits until it wrote that."""
+        deadline = time.monotonic() + PATIENCE
+        while text not in self.errors:
+            assert self.process.poll() is None, self.errors
+            assert time.monotonic() < deadline, self.errors
+            time.sleep(0.05)
+
+    def kill(self) -> None:
+        """Ends it at once."""
+        self.process.kill()
+        assert self.process.stdout is not None
+        if not self.process.stdout.closed:
+            self.process.communicate()
+
+
+@pytest.fixture
+def start(tmp_path: Path, partition: str) -> Iterator[Callable[..., Run]]:
+    runs: list[Run] = []
+
+    def started(only: str, *more: str) -> Run:
+        runs.append(Run(tmp_path, partition, only, *more))
+        return runs[-1]
+
+    yield started
+    for run in runs:
+        run.kill()
+
+
+@pytest.mark.slow
+def test_rh3_in_three_processes_survives_the_loss_of_one(
+    start: Callable[..., Run], stack: ExitStack, partition: str
+) -> None:
+    """The process that steers is killed while the wheels turn: they stop until it is back."""
+    angles: deque[list[float]] = deque(maxlen=50)
+
+    def on_sample(one: Sample) -> None:
+        angles.append(list(xcdr.deserialize(rtc.TimedDoubleSeq, one.octets).data))
+
+    watch = medium(stack, partition)
+    topic = Topic("RefHardRh30/out/OutWheelAngle", rtc.TimedDoubleSeq)
+    watch.subscribe(topic, Qos(), on_sample)
+    robot = start("RefHardRh30,Odometry0")
+    way = start("PathFollower0,Navigation0")
+    console = start(
+        "PositionInput0,OmniTo2WD0",
+        *("--set", "PositionInput0.01_x=1.2"),
+        *("--set", "PositionInput0.01_y=1.2"),
+        *("--set", "PositionInput0.01_th=0"),
+    )
+    for run, instance in (
+        (robot, "Odometry0"),
+        (way, "PathFollower0"),
+        (console, "PositionInput0"),
+    ):
+        run.wait_for(f"{instance} ACTIVE")
+    wait_for(lambda: len({tuple(angle) for angle in list(angles)}) > 10)
+    way.kill()
+    robot.wait_for("PathFollower0 is lost")
+    console.wait_for("Navigation0 is lost")
+    angles.clear()
+    wait_for(lambda: len(angles) == 50)
+    assert len({tuple(angle) for angle in list(angles)}) == 1
+    again = start("PathFollower0,Navigation0")
+    again.wait_for("PathFollower0 ACTIVE")
+    console.wait_for("Navigation0 is there again")
+    console.process.wait(PATIENCE)
+    assert console.process.returncode == 0, console.errors
+    robot.process.send_signal(signal.SIGTERM)
+    output, _ = robot.process.communicate(timeout=PATIENCE)
+    [pose] = re.findall(r"final pose +\((\S+), (\S+), (\S+)\)", output)
+    assert abs(float(pose[0]) - 1.2) < 0.05
+    assert abs(float(pose[1]) - 1.2) < 0.05
