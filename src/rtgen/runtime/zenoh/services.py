@@ -113,7 +113,8 @@ class ZenohClient:
 
     def _result(self, reply: zenoh.Reply, timeout: float) -> bytes:
         if reply.ok is not None:
-            return reply.ok.payload.to_bytes()
+            octets: bytes = reply.ok.payload.to_bytes()
+            return octets
         error = b"" if reply.err is None else reply.err.payload.to_bytes()
         if error == _TIMEOUT:
             raise ReplyTimeoutError(f"no reply of {self._service} in {timeout} s")
