@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import csv
-import json
 import sys
 from pathlib import Path
-from typing import Any
 
 import can
 import pytest
@@ -22,6 +20,7 @@ from can_commands import (
 )
 from can_nodes import SPECS, nodes
 from device_bench import DEVICE, NODE_ID, number_of
+from json_schemas import valid
 
 from rtgen.cli import run
 from rtgen.cli.can import lss_scan
@@ -178,7 +177,7 @@ def test_sdo_by_name_and_number(capfd: pytest.CaptureFixture[str]) -> None:
         time = "Producer_heartbeat_time"
         assert command("sdo", "sdo", "write", "1", time, "0", *near) == 0
         assert command("sdo", "sdo", "read", "1", time, "--json", *near) == 0
-        assert json.loads(out(capfd)) == {
+        assert valid(out(capfd), "can.schema.json", "sdo") == {
             "node": 1,
             "node_name": "motor",
             "object": "1017:0",
@@ -311,7 +310,7 @@ def test_scan_tells_who_is_there(capfd: pytest.CaptureFixture[str]) -> None:
     wait = ["--for", "0.4"]
     with nodes("scan", {1: "motor_core_unit", 7: "epos_drive"}) as made:
         assert command("scan", "scan", "--no-lss", "--json", *wait) == 0
-        listed = json.loads(out(capfd))["nodes"]
+        listed = valid(out(capfd), "can.schema.json", "scan")["nodes"]
         assert [line["node"] for line in listed] == [1, 7]
         assert listed[1]["device"] == "Wheel drive 24/5 CiA 402 (drive)"
         assert listed[1]["product"] == 0x57443245
@@ -442,7 +441,7 @@ def test_plot_live_and_refusals(
 def test_timing(capfd: pytest.CaptureFixture[str]) -> None:
     path = str(SPECS / "rh3_beego.toml")
     assert run(["can", "timing", path, "--json"]) == 0
-    report: dict[str, Any] = json.loads(out(capfd))
+    report = valid(out(capfd), "can.schema.json", "timing")
     assert report["bit_rate"] == 1000
     frames = {(m["name"], m["id"], m["frame_ns"]) for m in report["messages"]}
     assert {("NMT", 0, 75_000), ("SYNC", 0x80, 55_000)} < frames

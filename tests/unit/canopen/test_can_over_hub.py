@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import signal
 import subprocess
 import sys
@@ -15,6 +14,7 @@ from typing import Any
 import pytest
 from can_nodes import SPECS, nodes
 from hub_process import HubProcess
+from json_schemas import valid
 from patience import PATIENCE
 
 from rtgen.cli import run
@@ -53,7 +53,7 @@ def ended(process: subprocess.Popen[str]) -> tuple[str, str]:
 
 
 def frames(text: str) -> list[dict[str, Any]]:
-    found = [json.loads(line) for line in text.splitlines()]
+    found = [valid(line, "can.schema.json", "frame") for line in text.splitlines()]
     return [{k: v for k, v in line.items() if k != "time"} for line in found]
 
 

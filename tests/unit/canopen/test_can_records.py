@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import json
 import os
 import signal
 import subprocess
@@ -24,6 +23,7 @@ from can_commands import (
     received,
     texts,
 )
+from json_schemas import valid
 from patience import PATIENCE
 from rich.console import Console as Terminal
 
@@ -50,7 +50,7 @@ KINDS = ["nmt", "sync", "tpdo4", "tpdo1", "sdo", "sdo", "emcy", "heartbeat", "tp
 
 
 def lines(text: str) -> list[dict[str, Any]]:
-    return [json.loads(line) for line in text.splitlines()]
+    return [valid(line, "can.schema.json", "frame") for line in text.splitlines()]
 
 
 def untimed(found: list[dict[str, Any]]) -> list[dict[str, Any]]:

@@ -7,6 +7,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from json_schemas import valid
 
 from rtgen.cli import run
 from rtgen.diff import revisions
@@ -40,8 +41,7 @@ def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def changes(capfd: pytest.CaptureFixture[str]) -> list[dict[str, object]]:
     """The changes that were printed as JSON."""
-    found = json.loads(capfd.readouterr().out)
-    assert found["format"] == "rtgen-diff/1"
+    found = valid(capfd.readouterr().out, "diff.schema.json")
     listed: list[dict[str, object]] = found["changes"]
     return listed
 

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import json
 from collections import Counter
 from pathlib import Path
 
 import pytest
 from change_cases import Case, cases, page, table
+from json_schemas import validator
 
 import rtgen
 from rtgen.diff.kinds.catalogue import KINDS
-from rtgen.diff.report import classes_text
+from rtgen.diff.report import as_json, classes_text
 
 PAGES = Path(rtgen.__file__).parent / "diagnostics" / "pages"
 DOCS = Path(__file__).parents[3] / "docs" / "diff.md"
@@ -34,6 +36,8 @@ def test_a_change_is_found_with_its_classes(case: Case, tmp_path: Path) -> None:
         assert change.old is not None or change.new is not None, change
         assert change.message
         assert change.subject
+    document = as_json(("old", "new"), found, {})
+    validator("diff.schema.json").validate(json.loads(json.dumps(document)))
 
 
 @pytest.mark.parametrize("case", cases()[::9], ids=lambda case: case.name)

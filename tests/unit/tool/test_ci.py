@@ -5,22 +5,20 @@ from __future__ import annotations
 import json
 import re
 import shlex
-from functools import cache
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import click
 import pytest
 import yaml
-from jsonschema import Draft202012Validator
-from referencing import Registry, Resource
+from json_schemas import SCHEMAS, validator
 
 from rtgen.cli import application, run
 
 ROOT = Path(__file__).parents[3]
 PAGE = (ROOT / "docs" / "ci.md").read_text(encoding="utf-8")
 BLOCKS = [yaml.safe_load(b) for b in re.findall(r"```yaml\n(.*?)```", PAGE, re.DOTALL)]
-SCHEMAS = ROOT / "src" / "rtgen" / "schemas"
 
 
 def parse(line: str) -> str:
@@ -67,17 +65,6 @@ def test_the_workflow_runs_commands_of_rtgen() -> None:
     assert checkout["with"]["fetch-depth"] == 0  # rtgen diff needs the other revision
 
 
-@cache
-def validator(name: str) -> Draft202012Validator:
-    schemas = {path.name: json.loads(path.read_text()) for path in SCHEMAS.iterdir()}
-    for schema in schemas.values():
-        Draft202012Validator.check_schema(schema)
-    resources = ((key, Resource.from_contents(s)) for key, s in schemas.items())
-    return Draft202012Validator(
-        schemas[name], registry=Registry().with_resources(resources)
-    )
-
-
 def printed(capfd: pytest.CaptureFixture[str], *words: str) -> tuple[Any, Any]:
     """The JSON on standard output, None if there is none, and on standard error."""
     capfd.readouterr()
@@ -107,6 +94,28 @@ def test_inspected_models_are_valid(
     assert model["declarations"]
     validator("inspect.schema.json").validate(model)
     validator("findings.schema.json").validate(findings)
+
+
+def commands_with_json(group: click.Group, *names: str) -> Iterator[str]:
+    """The commands below a group that have the option --json."""
+    for name in group.list_commands(click.Context(group)):
+        command = group.get_command(click.Context(group), name)
+        if isinstance(command, click.Group):
+            yield from commands_with_json(command, *names, name)
+        elif command and any("--json" in option.opts for option in command.params):
+            yield " ".join((*names, name))
+
+
+def test_each_json_has_a_schema_on_the_page() -> None:
+    rows = re.findall(
+        r"^\| `rtgen ([^`]+?) --json` \| \[(\S+?)\]\(", PAGE, re.MULTILINE
+    )
+    assert sorted({command.removesuffix(" --decode") for command, _ in rows}) == sorted(
+        commands_with_json(application)
+    )
+    assert {name for _, name in rows} | {"findings.schema.json"} == {
+        path.name for path in SCHEMAS.iterdir()
+    }
 
 
 def test_models_that_say_something_else_are_refused(
