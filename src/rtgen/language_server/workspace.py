@@ -31,7 +31,8 @@ from rtgen.language_server.indexing.index import (
     Place,
 )
 from rtgen.language_server.text import Shift, Shifts, Text
-from rtgen.project import Project, load, shown, with_arguments
+from rtgen.project import FILE_NAME, Project, load, shown, with_arguments
+from rtgen.project.kinds import is_definition
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,6 +102,12 @@ class Workspace:
                     return key
         return None
 
+    def _is_foreign(self, path: str) -> bool:
+        """Whether a file of a common suffix, as .toml, is of another tool."""
+        document = self.documents.at(path)
+        with overlaid({} if document is None else {path: document.data}):
+            return Path(path).name != FILE_NAME and not is_definition(Path(path))
+
     def forget_projects(self) -> None:
         """Look for the project of each file again: files or settings have changed."""
         with self._lock:
@@ -120,6 +127,10 @@ class Workspace:
         Those of back ends are the last ones, at their places of now, until `emit` renews them.
         Raises SupersededError when `is_superseded`.
         """
+        if key.file and self._is_foreign(key.file):
+            with self._lock:
+                self._states.pop(key, None)
+            return self._by_file(key, ())
         snapshot = self.documents.snapshot()
         with self._lock:
             state = self._states.setdefault(key, _State())
@@ -223,9 +234,11 @@ class Workspace:
         return None
 
     def view(self, uri: str) -> View | None:
-        """A document with what is known of it; None if it is not open."""
+        """A document with what is known of it; None if it is not open, or of another tool."""
         document = self.documents.of(uri)
         if document is None:
+            return None
+        if self.key_of(document.path).file and self._is_foreign(document.path):
             return None
         return View(self, document, self.analysis(document.path))
 

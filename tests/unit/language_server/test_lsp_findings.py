@@ -106,6 +106,22 @@ def test_a_file_beside_the_project(editor: Editor) -> None:
     assert errors(found[str(path)]) == ["IDL0200"]
 
 
+def test_files_of_other_tools_are_left_alone(editor: Editor) -> None:
+    for name, text in (
+        ("pyproject.toml", "[project]\nname = 'x'\n"),
+        ("ci.yml", "on: [push]\n"),
+        ("notes.xml", "<notes/>\n"),
+    ):
+        path = editor.folder / name
+        path.write_text(text)
+        workspace = editor.workspace
+        workspace.documents.open(path.as_uri(), 1, text)
+        assert workspace.analyse(workspace.key_of(str(path))) == {str(path): []}
+        assert workspace.view(path.as_uri()) is None
+    workspace.documents.open(path.as_uri(), 2, PROJECT["system_xml"])
+    assert workspace.view(path.as_uri()) is not None
+
+
 def test_faulty_settings_leave_what_was_known(editor: Editor) -> None:
     editor.open("types_idl")
     view = editor.open("rtgen_toml", "[sources\n")
