@@ -48,9 +48,10 @@ class SupersededError(Exception):
 class Analysis:
     """What is known of a project: `texts` by displayed path are those that it is known of.
 
-    `findings` are those of `rtgen lint` and of systems, `reading` those of front ends alone;
-    `emitting` are those of lowerings, back ends and behaviours, as `rtgen check` has them beside
-    these. As long as back ends have not run, `complete` are the definitions that they take.
+    `findings` are those of `rtgen lint`, `reading` those of front ends and of systems, with the
+    silenced ones; `emitting` are those of lowerings, back ends and behaviours, as `rtgen check`
+    has them beside these. As long as back ends have not run, `complete` are the definitions that
+    they take.
     """
 
     project: Project
@@ -143,7 +144,7 @@ def analyse(
         tuple(in_order(findings)),
         texts,
         Index(files.values()),
-        frozenset(result.diagnostics),
+        frozenset((*result.diagnostics, *of_systems)),
         complete,
     )
 
