@@ -16,7 +16,7 @@ from rtgen.recording.errors import RecordingError
 from rtgen.recording.mcap_reader import MAGIC, Channel, McapFile, Message
 from rtgen.recording.recorder import METADATA
 from rtgen.recording.schema_types import type_of
-from rtgen.recording.schemas import ENCODING, Schema
+from rtgen.recording.schemas import ENCODINGS, Schema
 from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.system.json_printers import plain
 from rtgen.runtime.xcdr import deserialize
@@ -47,11 +47,11 @@ class Decoders:
     def _decoder(self, channel: Channel) -> Callable[[bytes], Any]:
         if channel.encoding == "json":
             return json.loads
-        if (channel.encoding, channel.schema_encoding) != ("cdr", ENCODING):
-            schema = channel.schema_encoding or "no schema"
+        if channel.encoding != "cdr" or channel.schema.encoding not in ENCODINGS:
+            schema = channel.schema.encoding or "no schema"
             raise RecordingError(
                 f"{channel.topic}: no decoder for {channel.encoding} with {schema}",
-                hint=f"rtgen reads cdr with {ENCODING}, and json",
+                hint=f"rtgen reads cdr with {' or '.join(ENCODINGS)}, and json",
             )
         type_ = self._types.get(channel.schema)
         if type_ is None:

@@ -38,7 +38,6 @@ class Channel:
     id: int
     topic: str
     encoding: str
-    schema_encoding: str
     schema: Schema
     metadata: tuple[tuple[str, str], ...]
 
@@ -155,17 +154,14 @@ class McapFile:
 def _channel(record: Any, schema: Any) -> Channel:
     metadata = tuple(record.metadata.items())
     if schema is None:
-        none = Schema("", "")
-        return Channel(
-            record.id, record.topic, record.message_encoding, "", none, metadata
-        )
+        none = Schema("", "", "")
+        return Channel(record.id, record.topic, record.message_encoding, none, metadata)
     text = schema.data.decode("utf-8", "replace")
     return Channel(
         record.id,
         record.topic,
         record.message_encoding,
-        schema.encoding,
-        Schema(schema.name, text),
+        Schema(schema.name, text, schema.encoding),
         metadata,
     )
 

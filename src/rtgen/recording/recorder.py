@@ -10,7 +10,7 @@ from typing import Any, Final
 from rtgen.recording import messages
 from rtgen.recording.mcap_writer import McapWriter
 from rtgen.recording.messages import Topic
-from rtgen.recording.schemas import ENCODING, Schema, schema_of
+from rtgen.recording.schemas import Schema, schema_of
 from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.marshalling.compiler import compiled
 from rtgen.runtime.marshalling.descriptors import Descriptor
@@ -209,7 +209,7 @@ class Recorder:
 
     def _schema(self, schema: Schema) -> int:
         if schema not in self._schemas:
-            number = self._writer.schema(schema.name, ENCODING, schema.text)
+            number = self._writer.schema(schema.name, schema.encoding, schema.text)
             self._schemas[schema] = number
         return self._schemas[schema]
 

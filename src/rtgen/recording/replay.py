@@ -15,7 +15,7 @@ from rtgen.recording import messages
 from rtgen.recording.errors import RecordingError
 from rtgen.recording.mcap_reader import Channel, McapFile
 from rtgen.recording.recorder import METADATA
-from rtgen.recording.schemas import ENCODING, Schema, schema_of
+from rtgen.recording.schemas import Schema, schema_of
 from rtgen.runtime import Component, ComponentProfile, InPort, OutPort, System
 from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.system.simulated_time import SimulatedScheduler
@@ -164,7 +164,7 @@ class Replay:
             raise RecordingError(f"{where}: there is no such InPort now")
         in_port: InPort[Any] = component.in_ports[target[1]]
         channel = self._course.channels[source]
-        if (channel.encoding, channel.schema_encoding) != ("cdr", ENCODING):
+        if channel.encoding != "cdr":
             raise RecordingError(
                 f"{'.'.join(source)} is recorded as {channel.encoding}: it cannot be replayed"
             )

@@ -1,4 +1,4 @@
-"""Types made of the IDL text of a schema, so that messages can be read without generated code."""
+"""Types made of the text of a schema, so that messages can be read without generated code."""
 
 from __future__ import annotations
 
@@ -34,6 +34,7 @@ from rtgen.model import (
     Typedef,
     Union,
 )
+from rtgen.recording import ros_messages
 from rtgen.recording.errors import SchemaError
 from rtgen.recording.schemas import Schema
 from rtgen.runtime.cdr import Aggregated, Enumeration, Flags
@@ -73,6 +74,20 @@ def type_of(schema: Schema) -> type[DataType]:
     """
     if len(schema.text) > _LONGEST:
         raise SchemaError(f"{schema.name}: the schema has over {_LONGEST} characters")
+    if schema.encoding == ros_messages.ENCODING:
+        model = ros_messages.message_model(schema.name, schema.text)
+        name = tuple(schema.name.split("/"))
+    else:
+        model = _idl_model(schema)
+        name = tuple(schema.name.split("::"))
+    descriptor = Types(model).named(name, schema.name)
+    class_: type[DataType] | None = getattr(descriptor, "class_", None)
+    if class_ is None or not isinstance(descriptor, StructDescriptor | UnionDescriptor):
+        raise SchemaError(f"{schema.name} is no struct and no union of the schema")
+    return class_
+
+
+def _idl_model(schema: Schema) -> Model:
     text = VirtualFile(_FILE, schema.text, given=True)
     settings = Settings(root=Path(), ignore_case_clashes=True)
     result = read_idl((), settings, text=text)
@@ -80,15 +95,10 @@ def type_of(schema: Schema) -> type[DataType]:
         first = in_order(result.diagnostics)[0]
         line = 0 if first.span is None else first.span.line
         raise SchemaError(f"{schema.name}: line {line} of the schema: {first.message}")
-    name = tuple(schema.name.split("::"))
-    descriptor = _Types(result.model).named(name, schema.name)
-    class_: type[DataType] | None = getattr(descriptor, "class_", None)
-    if class_ is None or not isinstance(descriptor, StructDescriptor | UnionDescriptor):
-        raise SchemaError(f"{schema.name} is no struct and no union of the schema")
-    return class_
+    return result.model
 
 
-class _Types:
+class Types:
     """Descriptors and classes of the declarations of a schema.
 
     Names of attributes and classes are numbers: those of the file never become code.

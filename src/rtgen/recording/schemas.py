@@ -1,14 +1,14 @@
-"""IDL text of a type with everything that it depends on, from its descriptor.
+"""Texts that declare a type with everything that it depends on, from its descriptor.
 
-MCAP's registry calls such a schema `omgidl`: self-contained text, no preprocessor lines, the type
-by its scoped name.
+IDL, which MCAP's registry calls `omgidl`: self-contained, no preprocessor lines, the type by its
+scoped name. For messages of ROS 2 their own form (`ros_messages`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Final
 
 from rtgen.backends.kit.idl_text import idl_text
 from rtgen.diagnostics import Span
@@ -40,6 +40,7 @@ from rtgen.model import (
     Typedef,
     Union,
 )
+from rtgen.recording import ros_messages
 from rtgen.runtime.marshalling.descriptors import (
     AliasDescriptor,
     ArrayDescriptor,
@@ -61,8 +62,9 @@ from rtgen.runtime.marshalling.descriptors import (
     plain,
 )
 
-ENCODING = "omgidl"
-"""The name of the schema encoding in MCAP's registry."""
+ENCODING: Final = "omgidl"
+"""The name of IDL as a schema encoding in MCAP's registry."""
+ENCODINGS: Final = (ENCODING, ros_messages.ENCODING)
 
 _NOWHERE = Span("", 1, 1, 1, 1)
 _USUAL_BITS = 32
@@ -70,15 +72,21 @@ _USUAL_BITS = 32
 
 @dataclass(frozen=True, slots=True)
 class Schema:
-    """The scoped name of a type, and IDL that declares it."""
+    """The name of a type, and a text that declares it; `encoding` says in which language."""
 
     name: str
     text: str
+    encoding: str = ENCODING
 
 
 def schema_of(descriptor: Descriptor) -> Schema:
     """The schema of a struct or union. Raises TypeError for a type without IDL of its own."""
     described: Any = plain(descriptor)
+    if isinstance(described, StructDescriptor):
+        message = ros_messages.message_text(described)
+        if message is not None:
+            name = ros_messages.message_name(described.name)
+            return Schema(name, message, ros_messages.ENCODING)
     declarations = _Declarations()
     declarations.add(described)
     found = tuple(declarations.found.values())

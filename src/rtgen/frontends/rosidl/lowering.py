@@ -31,7 +31,7 @@ from rtgen.model import (
 
 _UNIT: Final = re.compile(r"\[([^,\]]+)\]")
 """The unit of a field, in its comment; rosidl_adapter takes it if it is the only one."""
-_FILLER: Final = "structure_needs_at_least_one_member"
+FILLER: Final = "structure_needs_at_least_one_member"
 """The member of a message without fields, of one octet."""
 
 
@@ -85,7 +85,7 @@ def _member(field: Field, package: str) -> Member:
 
 def _filler(message: Message) -> Member:
     type_ = PrimitiveType(Primitive.UINT8)
-    return Member(span=message.span, name=_FILLER, type=type_)
+    return Member(span=message.span, name=FILLER, type=type_)
 
 
 def _type(type_: FieldType, package: str) -> Type:

@@ -35,7 +35,7 @@ PRIMITIVES: Final = {
 STRINGS: Final = ("string", "wstring")
 MESSAGE_NAME: Final = re.compile(r"[A-Z][A-Za-z0-9]*")
 PACKAGE_NAME: Final = re.compile(r"(?!.*__)(?!.*_$)[a-z][a-z0-9_]*")
-_FIELD_NAME: Final = PACKAGE_NAME
+FIELD_NAME: Final = PACKAGE_NAME
 _CONSTANT_NAME: Final = re.compile(r"[A-Z](?:[A-Z0-9]|_(?=[A-Z0-9]))*")
 _SEPARATOR: Final = "---"
 _LINE: Final = re.compile(
@@ -178,7 +178,7 @@ class _Reader:
         self._fields[name] = Field(name, type_, place, doc, value, constant)
 
     def _is_name(self, name: str, span: Span, constant: bool) -> bool:
-        if (_CONSTANT_NAME if constant else _FIELD_NAME).fullmatch(name):
+        if (_CONSTANT_NAME if constant else FIELD_NAME).fullmatch(name):
             return True
         if constant:
             message = f"{name} is no name of a constant"
