@@ -27,6 +27,7 @@ from rtgen.cli.recording import (
     write_csv,
 )
 from rtgen.cli.recording_options import RecordingOptions, with_recording
+from rtgen.cli.ros2 import join, with_ros2
 from rtgen.cli.run_view import View, name_of
 from rtgen.cli.summary import summary
 from rtgen.cli.transports import TransportOptions, with_transport
@@ -90,6 +91,7 @@ _LOOK_PERIOD = SECOND // 10
     "--log", metavar="FILE", help="Write state changes and samples as JSON lines."
 )
 @with_recording
+@with_ros2
 @with_transport
 @with_failures
 @with_console
@@ -104,6 +106,7 @@ def run(
     picture: tuple[str, ...],
     log: str | None,
     recording: RecordingOptions,
+    ros2: str | None,
     carrying: TransportOptions,
     shown_failures: FailureOptions,
 ) -> int:
@@ -196,6 +199,7 @@ def run(
         if (log_stream := opened(files, log)) is not None:
             running.add_listener(JsonLinesRecorder(log_stream))
         recorder = recording.begin(files, running)
+        join(ros2, files, running, project, profile.name, simulated=simulated)
         samples: list[Sample] = []
         if of_poses or wanted:
             running.every(_SAMPLE_PERIOD, lambda: samples.append(view.sample()))

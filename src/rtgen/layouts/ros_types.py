@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from hashlib import sha256
+from collections.abc import Iterator, Sequence
 from typing import Any, Final
 
-from rtgen.facts.primitives import Primitive
+from rtgen.facts import ros_hash
 from rtgen.model import (
     ArrayType,
     Model,
@@ -19,31 +18,8 @@ from rtgen.model import (
     Type,
 )
 
-_NESTED: Final = 1
-_IDS: Final = {
-    Primitive.INT8: 2,
-    Primitive.UINT8: 3,
-    Primitive.SHORT: 4,
-    Primitive.UNSIGNED_SHORT: 5,
-    Primitive.LONG: 6,
-    Primitive.UNSIGNED_LONG: 7,
-    Primitive.LONG_LONG: 8,
-    Primitive.UNSIGNED_LONG_LONG: 9,
-    Primitive.FLOAT: 10,
-    Primitive.DOUBLE: 11,
-    Primitive.LONG_DOUBLE: 12,
-    Primitive.CHAR: 13,
-    Primitive.WCHAR: 14,
-    Primitive.BOOLEAN: 15,
-    Primitive.OCTET: 16,
-}
-_STRING, _BOUNDED_STRING = 17, 21
-"""Of wide strings, one more."""
-_ARRAY, _BOUNDED_SEQUENCE, _SEQUENCE = 48, 96, 144
-"""Identifiers of type_description_interfaces/msg/FieldType: of elements, and added to them."""
 EVENT_INFO: Final = ("service_msgs", "msg", "ServiceEventInfo")
 """The message that the events of each service contain."""
-_VERSION: Final = "RIHS01_"
 
 
 def type_name(name: ScopedName) -> str:
@@ -56,7 +32,7 @@ def type_hash(model: Model, struct: Struct) -> str:
     referenced: dict[str, Struct] = {}
     _collect(model, struct, referenced)
     described = {name: _individual(each) for name, each in referenced.items()}
-    return _hash(_individual(struct), described)
+    return ros_hash.rihs01(_individual(struct), described)
 
 
 def service_hash(model: Model, request: Struct, response: Struct) -> str:
@@ -96,20 +72,7 @@ def service_hash(model: Model, request: Struct, response: Struct) -> str:
         strict=True,
     )
     whole = _description(name, [(key, NamedType(each)) for key, each in members])
-    return _hash(whole, described)
-
-
-def _hash(whole: dict[str, Any], referenced: Mapping[str, dict[str, Any]]) -> str:
-    import json
-
-    description = {
-        "type_description": whole,
-        "referenced_type_descriptions": [
-            referenced[name] for name in sorted(referenced)
-        ],
-    }
-    text = json.dumps(description, separators=(", ", ": "), ensure_ascii=True)
-    return _VERSION + sha256(text.encode()).hexdigest()
+    return ros_hash.rihs01(whole, described)
 
 
 def _collect(model: Model, struct: Struct, found: dict[str, Struct]) -> None:
@@ -138,33 +101,26 @@ def _individual(struct: Struct) -> dict[str, Any]:
 def _description(
     name: ScopedName, fields: Sequence[tuple[str, Type]]
 ) -> dict[str, Any]:
-    return {
-        "type_name": type_name(name),
-        "fields": [{"name": key, "type": _field_type(type_)} for key, type_ in fields],
-    }
+    typed = ((key, _field_type(type_)) for key, type_ in fields)
+    return ros_hash.description(type_name(name), typed)
 
 
 def _field_type(type_: Type) -> dict[str, Any]:
-    added, capacity, element = 0, 0, type_
     if isinstance(type_, ArrayType) and len(type_.dimensions) == 1:
-        added, capacity, element = _ARRAY, type_.dimensions[0], type_.element
-    elif isinstance(type_, SequenceType):
-        added = _SEQUENCE if type_.bound is None else _BOUNDED_SEQUENCE
-        capacity, element = type_.bound or 0, type_.element
-    identifier, nested, length = 0, "", 0
-    if isinstance(element, NamedType):
-        identifier, nested = _NESTED, type_name(element.name)
-    elif isinstance(element, StringType):
-        length = element.bound or 0
-        identifier = _BOUNDED_STRING if length else _STRING
-        identifier += element.wide
-    elif isinstance(element, PrimitiveType) and element.kind in _IDS:
-        identifier = _IDS[element.kind]
-    else:
+        return ros_hash.field_type(_element(type_.element), array=type_.dimensions[0])
+    if isinstance(type_, SequenceType):
+        return ros_hash.field_type(_element(type_.element), sequence=type_.bound or 0)
+    return ros_hash.field_type(_element(type_))
+
+
+def _element(type_: Type) -> ros_hash.Element:
+    found = None
+    if isinstance(type_, NamedType):
+        return ros_hash.nested(type_name(type_.name))
+    if isinstance(type_, StringType):
+        return ros_hash.string(type_.bound, wide=type_.wide)
+    if isinstance(type_, PrimitiveType):
+        found = ros_hash.primitive(type_.kind)
+    if found is None:
         raise ValueError(f"ROS 2 has no type {type_}")
-    return {
-        "type_id": identifier + added,
-        "capacity": capacity,
-        "string_capacity": length,
-        "nested_type_name": nested,
-    }
+    return found

@@ -11,7 +11,9 @@ from pathlib import Path
 from typing import Any
 
 from rtgen.diagnostics import Diagnostic, InputError, Span, ToolError
+from rtgen.facts import ros_names
 from rtgen.facts.numeric import FORMS
+from rtgen.facts.ros_qos import PROFILES
 from rtgen.files import read_start
 from rtgen.project.rules import FILE_UNREADABLE, PATH_MISSING, UNKNOWN_KEY, WRONG_TYPE
 from rtgen.toml_text import TomlError, parse
@@ -111,6 +113,35 @@ def _adapter(value: Any) -> str | None:
     return None if fine else f"must be a table: {form}"
 
 
+def _ros_name(value: Any) -> str | None:
+    problem = (
+        "" if not isinstance(value, str) else ros_names.violation(value.strip("/"))
+    )
+    if value == "/" or problem is None:
+        return None
+    return f"must be a name of ROS 2, which {problem or 'is a string'}"
+
+
+def _ros_topics(value: Any) -> str | None:
+    """Topics by port; each a name, or a table with a profile."""
+    if not isinstance(value, dict):
+        return "must be a table of INSTANCE.PORT to topics"
+    for port, entry in value.items():
+        if port.count(".") != 1:
+            return f"holds {port!r}, which is not INSTANCE.PORT"
+        table = {"topic": entry} if isinstance(entry, str) else entry
+        fine = isinstance(table, dict) and {"topic"} <= set(table) <= {"topic", "qos"}
+        if not fine or not isinstance(table["topic"], str):
+            return f"holds {port!r}, which must be 'NAME' or {{ topic = 'NAME', qos = 'PROFILE' }}"
+        if why := ros_names.violation(table["topic"]):
+            return f"gives {port!r} the topic {table['topic']!r}; a name of ROS 2 {why}"
+        if table.get("qos", "default") not in PROFILES:
+            return (
+                f"gives {port!r} the qos {table['qos']!r}; known: {', '.join(PROFILES)}"
+            )
+    return None
+
+
 def _table(value: Any) -> str | None:
     return None if isinstance(value, dict) else "must be a table of a plug-in's options"
 
@@ -157,6 +188,14 @@ SCHEMA: dict[str, dict[str, Check] | Check] = {
     "small": {"sequence": _room, "string": _room, "buffer": _room},
     "components": _factory,
     "adapter": _adapter,
+    "ros2": {
+        "node": _ros_name,
+        "namespace": _ros_name,
+        "domain": _number(0, 232),
+        "interface": _text,
+        "zenoh": _text,
+        "topics": _ros_topics,
+    },
     "diff": {"use": _breaks, "allow": _allowances},
     "fmt": {"line-length": _number(20, 1000), "indent": _number(1, 16)},
     "lint": {"ignore": _texts, "select": _texts, "per-file-ignores": _patterns},

@@ -25,6 +25,7 @@ from rtgen.project.kinds import (
     is_definition,
     is_system,
 )
+from rtgen.project.ros2 import Ros2Settings, ros2_settings
 from rtgen.project.rules import PATH_OVERLAP, PROJECT_NAME, SOURCE_KIND, SOURCE_NONE
 
 if TYPE_CHECKING:
@@ -85,6 +86,7 @@ class Project(msgspec.Struct, frozen=True, kw_only=True):
     numeric: Numeric = "array"
     components: tuple[tuple[str, str], ...] = ()
     adapters: tuple[AdapterEntry, ...] = ()
+    ros2: Ros2Settings = Ros2Settings()
     form: Mapping[str, int] = msgspec.field(default_factory=dict)
     lint: tuple[tuple[str, str, Span], ...] = ()
     ignored_in_files: tuple[tuple[str, str, Span], ...] = ()
@@ -216,6 +218,7 @@ def load(start: Path | None = None) -> Project:
         extensibility=settings.text("output", "extensibility", "final"),
         numeric=cast("Numeric", settings.text("python", "numeric", "array")),
         components=tuple(sorted(settings.table("components").items())),
+        ros2=ros2_settings(settings),
         adapters=tuple(
             AdapterEntry(
                 name=name,

@@ -84,7 +84,8 @@ class _Domains:
                 entities.delete(domain)
 
 
-_DOMAINS = _Domains()
+DOMAINS = _Domains()
+"""Those of all media of this process."""
 
 
 class DdsMedium:
@@ -107,7 +108,7 @@ class DdsMedium:
         self._open: list[Token] = []
         self._lock = threading.Lock()
         text = configuration(interface) if config is None else _read(config)
-        _DOMAINS.open(domain, text)
+        DOMAINS.open(domain, text)
         try:
             with entities.reported(f"domain {domain}"):
                 self._participant = DomainParticipant(domain)
@@ -116,7 +117,7 @@ class DdsMedium:
                 self._control = Dispatcher(self._participant, "rtgen dds control")
             self._presences = Presences(self._made, self._control)
         except MediumError:
-            _DOMAINS.close(domain)
+            DOMAINS.close(domain)
             raise
 
     def publisher(self, topic: Topic, qos: Qos) -> DdsPublisher:
@@ -163,7 +164,7 @@ class DdsMedium:
         self._data.close()
         self._control.close()
         entities.delete(self._participant)
-        _DOMAINS.close(self._domain)
+        DOMAINS.close(self._domain)
 
     def _kept(self, made: _T) -> _T:
         with self._lock:

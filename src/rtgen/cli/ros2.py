@@ -1,0 +1,159 @@
+"""The option `--ros2` of `rtgen run`: ports of `[ros2.topics]` as topics of ROS 2."""
+
+from __future__ import annotations
+
+import functools
+import os
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from rtgen import runtime
+from rtgen.cli.common import Refusal
+from rtgen.diagnostics import Diagnostic, InputError, ToolError
+from rtgen.facts.ros import is_interface
+from rtgen.project import Project
+from rtgen.project.ros2 import Ros2Settings, TopicEntry
+from rtgen.systems.rules import ROS_TOPIC
+
+if TYPE_CHECKING:
+    from rtgen.runtime.ros2.network import RosNetwork, RosNode
+    from rtgen.runtime.ros2.ports import Joint
+
+_DOMAIN = "ROS_DOMAIN_ID"
+_LAST_DOMAIN = 232
+
+
+def with_ros2(command: Callable[..., int]) -> Callable[..., int]:
+    """Add the option to a command; the function gets it as `ros2`."""
+
+    @click.option(
+        "--ros2",
+        type=click.Choice(["dds", "zenoh"]),
+        help="Make the ports of [ros2.topics] topics of ROS 2 (real time).",
+    )
+    @functools.wraps(command)
+    def wrapped(*args: Any, **kwargs: Any) -> int:
+        return command(*args, **kwargs)
+
+    function: Callable[..., int] = wrapped
+    return function
+
+
+def join(
+    kind: str | None,
+    files: ExitStack,
+    running: runtime.System,
+    project: Project,
+    name: str,
+    *,
+    simulated: bool,
+) -> None:
+    """Make ports topics until `files` is closed. `name` is that of the system.
+
+    Raises Refusal for simulated time, InputError for ports that cannot be topics, ToolError if
+    the network fails.
+    """
+    if kind is None:
+        return
+    if simulated:
+        raise Refusal("--ros2 needs --clock real: nodes share no simulated time")
+    settings = project.ros2
+    from rtgen.runtime.ros2.network import Ros2Error, RosNode
+    from rtgen.runtime.ros2.ports import RosPorts
+
+    node = RosNode(
+        settings.node or _node_name(name),
+        settings.namespace,
+        _domain() if settings.domain is None else settings.domain,
+    )
+    joints = _joints(settings, running, node)
+    try:
+        network = _network(kind, node, settings, project)
+        files.callback(RosPorts(network, joints).close)
+    except Ros2Error as error:
+        raise ToolError(str(error)) from error
+
+
+def _node_name(system: str) -> str:
+    """A name of ROS made of that of a system."""
+    words = "".join(c if c.isascii() and c.isalnum() else " " for c in system).split()
+    name = "_".join(words) or "rtgen"
+    return f"rtgen_{name}" if name[0].isdigit() else name
+
+
+def _domain() -> int:
+    text = os.environ.get(_DOMAIN, "") or "0"
+    if not (text.isascii() and text.isdecimal() and int(text) <= _LAST_DOMAIN):
+        raise ToolError(f"{_DOMAIN} is {text!r}, no number from 0 to {_LAST_DOMAIN}")
+    return int(text)
+
+
+def _joints(
+    settings: Ros2Settings, running: runtime.System, node: RosNode
+) -> list[Joint]:
+    """The ports with their topics. Raises InputError with all that cannot be topics."""
+    from rtgen.runtime.ros2.ports import Joint
+
+    if not settings.topics:
+        hint = '[ros2.topics] "INSTANCE.PORT" = "TOPIC" in rtgen.toml'
+        raise InputError([ROS_TOPIC.at(None, "no port is a topic", hint=hint)])
+    found: list[Diagnostic] = []
+    joints = []
+    for entry in settings.topics:
+        problem = next(_problems(entry, running), None)
+        if problem is not None:
+            found.append(ROS_TOPIC.at(entry.span, problem))
+            continue
+        port = _ports(running, entry.instance)[entry.port]
+        joints.append(Joint(port, node.qualified(entry.topic), entry.profile))
+    if found:
+        raise InputError(found)
+    return joints
+
+
+def _problems(entry: TopicEntry, running: runtime.System) -> Iterator[str]:
+    """Why a port cannot be a topic."""
+    if entry.instance not in running.instances:
+        known = ", ".join(running.instances)
+        yield f"there is no component {entry.instance!r}; known: {known}"
+        return
+    ports = _ports(running, entry.instance)
+    if entry.port not in ports:
+        known = ", ".join(ports)
+        yield f"{entry.instance} has no data port {entry.port!r}; known: {known}"
+        return
+    name = str(ports[entry.port].type._descriptor_.name)
+    if not is_interface(name.split("::")):
+        yield (
+            f"{entry.instance}.{entry.port} carries {name}, which is no message of ROS 2; "
+            "join it to an adapter"
+        )
+
+
+def _ports(running: runtime.System, instance: str) -> dict[str, Any]:
+    component = running.component(instance)
+    return {**component.in_ports, **component.out_ports}
+
+
+def _network(
+    kind: str, node: RosNode, settings: Ros2Settings, project: Project
+) -> RosNetwork:
+    """The network. Raises ToolError, Ros2Error."""
+    try:
+        if kind == "dds":
+            from rtgen.runtime.ros2.dds import DdsNetwork
+
+            return DdsNetwork(node, interface=settings.interface)
+        from rtgen.runtime.ros2.zenoh import ZenohNetwork
+    except ImportError as error:
+        needed = {"dds": "cyclonedds", "zenoh": "eclipse-zenoh"}[kind]
+        message = f"--ros2 {kind} needs {needed}, which is not installed"
+        raise ToolError(message, hint=f"pip install 'rtgen[{kind}]'") from error
+    config = settings.zenoh
+    return ZenohNetwork(
+        node, config=None if config is None else Path(project.root, config)
+    )

@@ -1,0 +1,55 @@
+"""`[ros2]` of rtgen.toml: the node that a system is, and which ports are topics."""
+
+from __future__ import annotations
+
+import msgspec
+
+from rtgen.diagnostics import Span
+from rtgen.facts.ros_qos import PROFILES, Profile
+from rtgen.project.file import Settings
+
+
+class TopicEntry(msgspec.Struct, frozen=True, kw_only=True):
+    """A port (`INSTANCE.PORT`) with its topic; `span` is the place in rtgen.toml."""
+
+    instance: str
+    port: str
+    topic: str
+    profile: Profile
+    span: Span
+
+
+class Ros2Settings(msgspec.Struct, frozen=True, kw_only=True):
+    """`[ros2]`. None: the name of the system, ROS_DOMAIN_ID, loopback, rmw_zenoh's configuration.
+
+    `zenoh` is the path of a configuration of Zenoh, relative to the project.
+    """
+
+    node: str | None = None
+    namespace: str = "/"
+    domain: int | None = None
+    interface: str | None = None
+    zenoh: str | None = None
+    topics: tuple[TopicEntry, ...] = ()
+
+
+def ros2_settings(settings: Settings) -> Ros2Settings:
+    """The section of a validated rtgen.toml."""
+    section = settings.content.get("ros2", {})
+    rest = {key: value for key, value in section.items() if key != "topics"}
+    if "namespace" in rest:
+        rest["namespace"] = "/" + rest["namespace"].strip("/")
+    topics = []
+    for key, value in section.get("topics", {}).items():
+        instance, _, port = key.partition(".")
+        table = {"topic": value} if isinstance(value, str) else value
+        topics.append(
+            TopicEntry(
+                instance=instance,
+                port=port,
+                topic=table["topic"],
+                profile=PROFILES[table.get("qos", "default")],
+                span=settings.span("ros2.topics", key),
+            )
+        )
+    return Ros2Settings(**rest, topics=tuple(topics))

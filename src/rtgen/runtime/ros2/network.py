@@ -1,0 +1,75 @@
+"""The contract of the networks that ROS 2 uses, and what names a topic on them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Protocol, TypeAlias
+
+from rtgen.facts import ros_names
+from rtgen.facts.ros_qos import Profile
+from rtgen.runtime.ros2.types import ros_name, type_hash
+
+
+class Ros2Error(Exception):
+    """A port cannot be a topic, or the network cannot work as configured."""
+
+
+@dataclass(frozen=True)
+class RosTopic:
+    """A topic: its fully qualified name, and the generated class of its messages."""
+
+    name: str
+    type: type[Any]
+
+    @cached_property
+    def type_name(self) -> str:
+        """`std_msgs/msg/Float32`. Raises Ros2Error if the class is that of no message."""
+        found = ros_name(self.type)
+        if found is None:
+            own = self.type._descriptor_.name
+            raise Ros2Error(f"{self.name}: {own} is no message of ROS 2")
+        return found
+
+    @cached_property
+    def type_hash(self) -> str:
+        """`RIHS01_...`."""
+        return type_hash(self.type)
+
+
+@dataclass(frozen=True, slots=True)
+class RosNode:
+    """The node that a process is, with its domain."""
+
+    name: str
+    namespace: str = "/"
+    domain: int = 0
+
+    def qualified(self, name: str) -> str:
+        """The name of a topic in the node's namespace. Raises Ros2Error."""
+        try:
+            return ros_names.qualified(name, self.namespace)
+        except ValueError as error:
+            raise Ros2Error(str(error)) from error
+
+
+OnMessage: TypeAlias = Callable[[bytes], None]
+"""Takes a serialized message with its encapsulation header, in a thread of the network."""
+Publish: TypeAlias = Callable[[bytes], None]
+"""Sends a serialized message with its encapsulation header; from one thread at a time."""
+
+
+class RosNetwork(Protocol):
+    """One node on one network. Methods raise Ros2Error."""
+
+    def publisher(self, topic: RosTopic, profile: Profile) -> Publish:
+        """A publisher of a topic."""
+
+    def subscribe(
+        self, topic: RosTopic, profile: Profile, on_message: OnMessage
+    ) -> None:
+        """Receive the messages of a topic until `close`."""
+
+    def close(self) -> None:
+        """End everything of the node."""

@@ -1,0 +1,67 @@
+"""Types of ROS 2 as generated classes have them: names, and hashes made of their descriptors."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from rtgen.facts import ros_hash
+from rtgen.facts.ros import is_interface
+from rtgen.runtime.marshalling.descriptors import (
+    ArrayDescriptor,
+    PrimitiveDescriptor,
+    SequenceDescriptor,
+    StringDescriptor,
+    StructDescriptor,
+    plain,
+)
+
+
+def ros_name(type_: type[Any]) -> str | None:
+    """The name of a generated class of a message (`std_msgs/msg/Float32`); None for others."""
+    name = str(type_._descriptor_.name).split("::")
+    return "/".join(name) if is_interface(name) else None
+
+
+def type_hash(type_: type[Any]) -> str:
+    """The hash (`RIHS01_...`) of a message. Raises ValueError for what ROS 2 lacks."""
+    described: dict[str, dict[str, Any]] = {}
+    whole = _described(type_._descriptor_, described)
+    return ros_hash.rihs01(whole, described)
+
+
+def _described(struct: Any, found: dict[str, dict[str, Any]]) -> dict[str, Any]:
+    fields = [(m.name, _field(m.type, found)) for m in struct.members]
+    return ros_hash.description(_slashed(struct), fields)
+
+
+def _slashed(struct: Any) -> str:
+    return str(struct.name).replace("::", "/")
+
+
+def _field(descriptor: Any, found: dict[str, dict[str, Any]]) -> dict[str, Any]:
+    descriptor = plain(descriptor)
+    match descriptor:
+        case ArrayDescriptor(element=element, dimensions=(length,)):
+            return ros_hash.field_type(_element(element, found), array=length)
+        case SequenceDescriptor(element=element, bound=bound):
+            return ros_hash.field_type(_element(element, found), sequence=bound or 0)
+    return ros_hash.field_type(_element(descriptor, found))
+
+
+def _element(descriptor: Any, found: dict[str, dict[str, Any]]) -> ros_hash.Element:
+    descriptor = plain(descriptor)
+    made = None
+    match descriptor:
+        case StructDescriptor():
+            name = _slashed(descriptor)
+            if name not in found:
+                found[name] = {}
+                found[name] = _described(descriptor, found)
+            return ros_hash.nested(name)
+        case StringDescriptor(wide=wide, bound=bound):
+            return ros_hash.string(bound, wide=wide)
+        case PrimitiveDescriptor(name=name):
+            made = ros_hash.primitive(name)
+    if made is None:
+        raise ValueError(f"ROS 2 has no type {descriptor}")
+    return made

@@ -1,0 +1,158 @@
+"""ROS 2 over Zenoh, as rmw_zenoh does it: key expressions, liveliness tokens, attachments."""
+
+from __future__ import annotations
+
+import threading
+import time
+from hashlib import sha256
+from itertools import count
+from pathlib import Path
+from typing import Any
+
+import zenoh
+
+from rtgen.facts import ros_zenoh
+from rtgen.facts.ros_names import GID_SIZE
+from rtgen.facts.ros_qos import Durability, History, Profile, Reliability
+from rtgen.facts.ros_zenoh import Attachment, Entity, Node
+from rtgen.runtime.failures import log
+from rtgen.runtime.ros2.network import (
+    OnMessage,
+    Publish,
+    Ros2Error,
+    RosNode,
+    RosTopic,
+)
+
+ROUTER = "tcp/localhost:7447"
+"""Where the router of rmw_zenoh is looked for."""
+
+_UNBOUNDED = 1000
+"""Samples that a publisher keeps for those who come later, if its history is keep all."""
+
+
+def configuration(
+    *, connect: str | None = ROUTER, listen: str = "tcp/127.0.0.1:0"
+) -> Any:
+    """The configuration of a peer as rmw_zenoh has it: no multicast, others found by gossip."""
+    config = zenoh.Config()
+    config.insert_json5("mode", '"peer"')
+    config.insert_json5("connect/endpoints", f'["{connect}"]' if connect else "[]")
+    config.insert_json5("listen/endpoints", f'["{listen}"]')
+    config.insert_json5("scouting/multicast/enabled", "false")
+    config.insert_json5("timestamping/enabled", "true")
+    return config
+
+
+class ZenohNetwork:
+    """See `RosNetwork`. `config` is a file of Zenoh, or a configuration; rmw_zenoh's by default.
+
+    Raises Ros2Error.
+    """
+
+    def __init__(self, node: RosNode, *, config: Path | Any | None = None) -> None:
+        try:
+            if isinstance(config, Path):
+                config = zenoh.Config.from_file(str(config))
+            self._session: Any = zenoh.open(config or configuration())
+        except (zenoh.ZError, OSError, ValueError) as error:
+            raise Ros2Error(f"Zenoh cannot be opened: {error}") from error
+        identity = str(self._session.zid())
+        self._node = Node(node.domain, identity, 0, node.name, node.namespace)
+        self._numbers = count(1)
+        self._closed = False
+        self._kept: list[Any] = [self._token(ros_zenoh.node_token(self._node))]
+
+    def publisher(self, topic: RosTopic, profile: Profile) -> Publish:
+        """See `RosNetwork`."""
+        key = self._key(topic)
+        reliable = profile.reliability is Reliability.RELIABLE
+        options: dict[str, Any] = {
+            "reliability": (
+                zenoh.Reliability.RELIABLE
+                if reliable
+                else zenoh.Reliability.BEST_EFFORT
+            ),
+            "congestion_control": (
+                zenoh.CongestionControl.BLOCK
+                if reliable and profile.history is History.KEEP_ALL
+                else zenoh.CongestionControl.DROP
+            ),
+        }
+        try:
+            if profile.durability is Durability.TRANSIENT_LOCAL:
+                keep_all = profile.history is History.KEEP_ALL
+                cache = zenoh.ext.CacheConfig(_UNBOUNDED if keep_all else profile.depth)
+                publisher: Any = zenoh.ext.declare_advanced_publisher(
+                    self._session, key, cache=cache, publisher_detection=True, **options
+                )
+            else:
+                publisher = self._session.declare_publisher(key, **options)
+            gid = self._present(ros_zenoh.PUBLISHER, topic, profile)
+        except zenoh.ZError as error:
+            raise Ros2Error(f"{topic.name}: {error}") from error
+        self._kept.append(publisher)
+        numbers = count(1)
+        lock = threading.Lock()
+
+        def publish(octets: bytes) -> None:
+            with lock:
+                with_it = Attachment(next(numbers), time.time_ns(), gid)
+                try:
+                    publisher.put(octets, attachment=ros_zenoh.attachment(with_it))
+                except zenoh.ZError as error:
+                    raise Ros2Error(f"{topic.name}: {error}") from error
+
+        return publish
+
+    def subscribe(
+        self, topic: RosTopic, profile: Profile, on_message: OnMessage
+    ) -> None:
+        """See `RosNetwork`."""
+
+        def take(sample: Any) -> None:
+            try:
+                on_message(sample.payload.to_bytes())
+            except Exception:
+                # Zenoh prints what a callback raises, and goes on.
+                log.exception("a message of %s cannot be handled", topic.name)
+
+        key = self._key(topic)
+        try:
+            if profile.durability is Durability.TRANSIENT_LOCAL:
+                history = zenoh.ext.HistoryConfig(
+                    detect_late_publishers=True, max_samples=profile.depth
+                )
+                subscriber: Any = zenoh.ext.declare_advanced_subscriber(
+                    self._session, key, take, history=history
+                )
+            else:
+                subscriber = self._session.declare_subscriber(key, take)
+            self._kept.append(subscriber)
+            self._present(ros_zenoh.SUBSCRIPTION, topic, profile)
+        except zenoh.ZError as error:
+            raise Ros2Error(f"{topic.name}: {error}") from error
+
+    def close(self) -> None:
+        """See `RosNetwork`."""
+        if self._closed:
+            return
+        self._closed = True
+        for each in reversed(self._kept):
+            each.undeclare()
+        self._session.close()
+
+    def _key(self, topic: RosTopic) -> str:
+        return ros_zenoh.key_expression(
+            self._node.domain, topic.name, topic.type_name, topic.type_hash
+        )
+
+    def _present(self, kind: str, topic: RosTopic, profile: Profile) -> bytes:
+        """Declare the token of an entity; its identifier for attachments."""
+        entity = Entity(kind, topic.name, topic.type_name, topic.type_hash, profile)
+        token = ros_zenoh.entity_token(self._node, next(self._numbers), entity)
+        self._kept.append(self._token(token))
+        return sha256(token.encode()).digest()[:GID_SIZE]
+
+    def _token(self, text: str) -> Any:
+        return self._session.liveliness().declare_token(text)

@@ -1,0 +1,278 @@
+"""Ports as topics beside readers and writers of cyclonedds and Zenoh that know only ROS's names.
+
+Names, types and hashes of the other side are written down as ROS 2 has them.
+"""
+
+from __future__ import annotations
+
+import socket
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from types import ModuleType
+from typing import Any
+
+import pytest
+
+from rtgen.facts.ros_qos import PROFILES, History, Profile
+from rtgen.facts.ros_zenoh import parse_attachment
+from rtgen.runtime.ports.data_ports import InPort, OutPort
+from rtgen.runtime.ros2.network import Ros2Error, RosNode, RosTopic
+from rtgen.runtime.ros2.ports import Joint, RosPorts
+
+cyclonedds = pytest.importorskip("cyclonedds", reason="cyclonedds is not installed")
+zenoh = pytest.importorskip("zenoh", reason="eclipse-zenoh is not installed")
+
+FLOAT32 = "RIHS01_7170d3d8f841f7be3172ce5f4f59f3a4d7f63b0447e8b33327601ad64d83d6e2"
+DOMAIN = 91
+WAIT = 20.0
+
+
+def await_(condition: Callable[[], Any]) -> Any:
+    """The value of a condition once it is true."""
+    deadline = time.monotonic() + WAIT
+    while not (found := condition()) and time.monotonic() < deadline:
+        time.sleep(0.01)
+    assert found
+    return found
+
+
+@pytest.fixture
+def stack() -> Iterator[ExitStack]:
+    with ExitStack() as made:
+        yield made
+
+
+def dds_class() -> Any:
+    from cyclonedds.idl import make_idl_struct
+    from cyclonedds.idl.types import float32
+
+    name = "std_msgs::msg::dds_::Float32_"
+    return make_idl_struct("Float32_", name, {"data": float32})
+
+
+def participant() -> Any:
+    from cyclonedds.domain import DomainParticipant
+
+    return DomainParticipant(DOMAIN)
+
+
+def reliable() -> Any:
+    from cyclonedds.qos import Policy, Qos
+
+    return Qos(
+        Policy.Reliability.Reliable(1_000_000_000),
+        Policy.DataRepresentation(True, False),
+    )
+
+
+def ports(
+    network: Any, messages: dict[str, ModuleType], profile: Profile
+) -> tuple[RosPorts, OutPort[Any], InPort[Any]]:
+    type_ = messages["std_msgs"].Float32
+    out: OutPort[Any] = OutPort("out", type_, "node0")
+    in_: InPort[Any] = InPort("in", type_, "node0")
+    joints = [Joint(out, "/robot/speed", profile), Joint(in_, "/robot/goal", profile)]
+    return RosPorts(network, joints), out, in_
+
+
+def dds_network() -> Any:
+    from rtgen.runtime.ros2.dds import DdsNetwork
+
+    return DdsNetwork(RosNode("node", "/robot", DOMAIN))
+
+
+def test_dds(messages: dict[str, ModuleType], stack: ExitStack) -> None:
+    from cyclonedds.pub import DataWriter
+    from cyclonedds.sub import DataReader
+    from cyclonedds.topic import Topic
+
+    made, out, in_ = ports(dds_network(), messages, PROFILES["default"])
+    stack.callback(made.close)
+    type_ = dds_class()
+    part = participant()
+    reader = DataReader(part, Topic(part, "rt/robot/speed", type_), reliable())
+    writer = DataWriter(part, Topic(part, "rt/robot/goal", type_), reliable())
+    await_(reader.get_matched_publications)
+    await_(writer.get_matched_subscriptions)
+    out.write(messages["std_msgs"].Float32(2.5))
+    assert await_(lambda: reader.take(8))[0].data == 2.5
+    writer.write(type_(data=-4.0))
+    await_(in_.is_new)
+    assert in_.read() == messages["std_msgs"].Float32(-4.0)
+
+
+def test_dds_shows_the_hash_and_the_node(
+    messages: dict[str, ModuleType], stack: ExitStack
+) -> None:
+    """In USER_DATA, and on `ros_discovery_info`, whose reader is made of rtgen's messages."""
+    from cyclonedds.builtin import (
+        BuiltinDataReader,
+        BuiltinTopicDcpsParticipant,
+        BuiltinTopicDcpsPublication,
+    )
+    from cyclonedds.qos import Policy
+
+    from rtgen.runtime.ros2.graph import ParticipantEntitiesInfo
+    from rtgen.runtime.xcdr import deserialize
+
+    network = dds_network()
+    made, _, _ = ports(network, messages, PROFILES["default"])
+    stack.callback(made.close)
+    other = dds_network()
+    stack.callback(other.close)
+    graph: list[bytes] = []
+    topic = RosTopic("/x", ParticipantEntitiesInfo)
+    # The graph's topic has no prefix.
+    from rtgen.facts import ros_names
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(ros_names, "dds_topic", lambda _: "ros_discovery_info")
+        # Nodes share one instance: the last message alone would be that of one node.
+        every = PROFILES["map"]._replace(history=History.KEEP_ALL)
+        other.subscribe(topic, every, graph.append)
+    part = participant()
+    publications = BuiltinDataReader(part, BuiltinTopicDcpsPublication)
+
+    def speed() -> Any:
+        found = [p for p in publications.take(64) if p.topic_name == "rt/robot/speed"]
+        return found[0] if found else None
+
+    found = await_(speed)
+    assert found.type_name == "std_msgs::msg::dds_::Float32_"
+    assert bytes(found.qos[Policy.Userdata].data) == f"typehash={FLOAT32};".encode()
+    participants = BuiltinDataReader(part, BuiltinTopicDcpsParticipant)
+    data = [p.qos[Policy.Userdata] for p in participants.take(64)]
+    assert b"enclave=/;" in [bytes(each.data) for each in data if each is not None]
+
+    def node() -> Any:
+        infos = [deserialize(ParticipantEntitiesInfo, octets) for octets in graph]
+        return [
+            node
+            for info in infos
+            for node in info.node_entities_info_seq
+            if node.reader_gid_seq and node.writer_gid_seq
+        ]
+
+    shown = await_(node)[0]
+    assert (shown.node_namespace, shown.node_name) == ("/robot", "node")
+    assert bytes(shown.writer_gid_seq[0].data) == found.key.bytes
+
+
+def free_port() -> int:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        port: int = server.getsockname()[1]
+        return port
+
+
+def zenoh_pair(stack: ExitStack) -> tuple[Any, Any, str]:
+    """A network of rtgen, a session of Zenoh alone that is joined to it, and its place."""
+    from rtgen.runtime.ros2.zenoh import ZenohNetwork, configuration
+
+    place = f"tcp/127.0.0.1:{free_port()}"
+    plain = zenoh.open(configuration(connect=None, listen=place))
+    stack.callback(plain.close)
+    config = configuration(connect=place)
+    network = ZenohNetwork(RosNode("node", "/robot", DOMAIN), config=config)
+    return network, plain, place
+
+
+SPEED = f"91/robot/speed/std_msgs::msg::dds_::Float32_/{FLOAT32}"
+GOAL = f"91/robot/goal/std_msgs::msg::dds_::Float32_/{FLOAT32}"
+
+
+def test_zenoh(messages: dict[str, ModuleType], stack: ExitStack) -> None:
+    network, plain, _ = zenoh_pair(stack)
+    made, out, in_ = ports(network, messages, PROFILES["default"])
+    stack.callback(made.close)
+    came: list[Any] = []
+    stack.callback(plain.declare_subscriber(SPEED, came.append).undeclare)
+
+    def written() -> bool:
+        out.write(messages["std_msgs"].Float32(2.5))
+        return bool(came)
+
+    await_(written)
+    sample = came[0]
+    assert sample.payload.to_bytes() == b"\x00\x01\x00\x00\x00\x00\x20\x40"
+    attachment = parse_attachment(sample.attachment.to_bytes())
+    assert attachment.sequence >= 1
+    publisher = plain.declare_publisher(GOAL)
+
+    def arrived() -> bool:
+        publisher.put(b"\x00\x01\x00\x00\x00\x00\x80\xc0")
+        return in_.is_new()
+
+    await_(arrived)
+    assert in_.read() == messages["std_msgs"].Float32(-4.0)
+
+
+def test_zenoh_shows_its_tokens(
+    messages: dict[str, ModuleType], stack: ExitStack
+) -> None:
+    network, plain, _ = zenoh_pair(stack)
+    made, _, _ = ports(network, messages, PROFILES["sensor_data"])
+    stack.callback(made.close)
+    zid = str(network._session.zid())
+    entity = f"std_msgs::msg::dds_::Float32_/{FLOAT32}/2::,5:,:,:,,"
+    expected = {
+        f"@ros2_lv/91/{zid}/0/0/NN/%/%robot/node",
+        f"@ros2_lv/91/{zid}/0/1/MP/%/%robot/node/%robot%speed/{entity}",
+        f"@ros2_lv/91/{zid}/0/2/MS/%/%robot/node/%robot%goal/{entity}",
+    }
+
+    def tokens() -> set[str]:
+        replies = plain.liveliness().get("@ros2_lv/91/**")
+        return {str(reply.ok.key_expr) for reply in replies if reply.ok is not None}
+
+    assert await_(lambda: tokens() if len(tokens()) == 3 else None) == expected
+
+
+@pytest.mark.parametrize("kind", ["dds", "zenoh"])
+def test_late_subscriptions_get_the_last_message(
+    kind: str, messages: dict[str, ModuleType], stack: ExitStack
+) -> None:
+    """A map is published once, and read by nodes that come later."""
+    type_ = messages["std_msgs"].Float32
+    topic = RosTopic("/map", type_)
+    if kind == "dds":
+        one, two = dds_network(), dds_network()
+    else:
+        from rtgen.runtime.ros2.zenoh import ZenohNetwork, configuration
+
+        one, _, place = zenoh_pair(stack)
+        node = RosNode("late", "/robot", DOMAIN)
+        two = ZenohNetwork(node, config=configuration(connect=place))
+    stack.callback(one.close)
+    stack.callback(two.close)
+    one.publisher(topic, PROFILES["map"])(b"\x00\x01\x00\x00" + type_(7.0).to_cdr(True))
+    came: list[bytes] = []
+    two.subscribe(topic, PROFILES["map"], came.append)
+    assert await_(lambda: came)[0][4:] == type_(7.0).to_cdr(True)
+
+
+def test_other_types_are_refused(messages: dict[str, ModuleType]) -> None:
+    from rtgen.runtime import idl
+    from rtgen.runtime.cdr import Aggregated
+
+    class Own(Aggregated):
+        _descriptor_ = idl.struct("lab::Own", x=idl.DOUBLE)
+
+    out: OutPort[Any] = OutPort("out", Own, "node0")
+    with pytest.raises(Ros2Error, match="lab::Own is no message of ROS 2"):
+        RosPorts(dds_network(), [Joint(out, "/own", PROFILES["default"])])
+
+
+def test_garbage_is_counted(messages: dict[str, ModuleType], stack: ExitStack) -> None:
+    network, plain, _ = zenoh_pair(stack)
+    made, _, in_ = ports(network, messages, PROFILES["default"])
+    stack.callback(made.close)
+    publisher = plain.declare_publisher(GOAL)
+    reader = made._made[1]
+
+    def refused() -> bool:
+        publisher.put(b"\x00\x01\x00\x00\x01")
+        return reader.invalid > 0
+
+    await_(refused)
+    assert not in_.is_new()
