@@ -1,0 +1,128 @@
+"""`[ros2]` of rtgen.toml and `rtgen run --ros2`: what is read, what is refused."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from rtgen.cli import run as rtgen
+from rtgen.diagnostics import InputError
+from rtgen.facts.ros_qos import PROFILES
+from rtgen.project import Project, load
+
+SYSTEM = """<?xml version="1.0" encoding="UTF-8"?>
+<rts:RtsProfile rts:id="RTSystem:me:plain:1.0.0" rts:version="0.2"
+    xmlns:rts="http://www.openrtp.org/namespaces/rts">
+  <rts:Components rts:id="RTC:me:Demo:Plain:1.0.0" rts:instanceName="P0"
+      rts:pathUri="localhost/P0.rtc" rts:compositeType="None" rts:isRequired="true"/>
+</rts:RtsProfile>
+"""
+MODULE = """
+from rtgen.runtime import Component, ComponentProfile, idl
+from rtgen.runtime.cdr import Aggregated
+
+
+class Own(Aggregated):
+    _descriptor_ = idl.struct("lab::Own", x=idl.DOUBLE)
+
+    x: float = 0.0
+
+
+class Plain(Component):
+    profile = ComponentProfile("Plain", rate=10.0)
+
+    def __init__(self, instance_name=None):
+        super().__init__(instance_name)
+        self.add_out_port("own", Own)
+"""
+
+
+@pytest.fixture(autouse=True)
+def _in_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+def written(text: str) -> Project:
+    Path("rtgen.toml").write_text(text)
+    return load()
+
+
+def test_a_whole_section() -> None:
+    settings = written(
+        '[ros2]\nnode = "n"\nnamespace = "a/b"\ndomain = 7\ninterface = "eth0"\n'
+        'zenoh = "z.json5"\n[ros2.topics]\n"A0.out" = "x"\n'
+        '"A0.in" = { topic = "/y", qos = "map" }\n'
+    ).ros2
+    assert (settings.node, settings.namespace, settings.domain) == ("n", "/a/b", 7)
+    assert (settings.interface, settings.zenoh) == ("eth0", "z.json5")
+    first, second = settings.topics
+    assert (first.instance, first.port, first.topic) == ("A0", "out", "x")
+    assert first.profile == PROFILES["default"]
+    assert (second.topic, second.profile) == ("/y", PROFILES["map"])
+    assert (first.span.line, second.span.line) == (8, 9)
+
+
+WRONG = {
+    '[ros2]\nnode = "a b"': "'node' in [ros2] must be a name of ROS 2, which consists of words",
+    '[ros2]\nnamespace = "a__b"': "has no __",
+    "[ros2]\ndomain = 233": "must be a number from 0 to 232",
+    "[ros2]\nnodes = 1": "unknown key 'nodes' in [ros2]",
+    '[ros2.topics]\n"A0" = "x"': "holds 'A0', which is not INSTANCE.PORT",
+    '[ros2.topics]\n"A0.p" = 1': "holds 'A0.p', which must be 'NAME'",
+    '[ros2.topics]\n"A0.p" = "x y"': "gives 'A0.p' the topic 'x y'; a name of ROS 2",
+    '[ros2.topics]\n"A0.p" = {topic="x", qos="best"}': "gives 'A0.p' the qos 'best'; known:",
+}
+
+
+@pytest.mark.parametrize("text", WRONG)
+def test_wrong_sections_have_a_place(text: str) -> None:
+    with pytest.raises(InputError) as error:
+        written(text)
+    [finding] = error.value.diagnostics
+    assert WRONG[text] in finding.message
+    assert finding.span is not None
+
+
+@pytest.fixture
+def system(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> str:
+    name = f"plain_{tmp_path.name}"
+    Path(f"{name}.py").write_text(MODULE)
+    monkeypatch.syspath_prepend(tmp_path)
+    Path("s.xml").write_text(SYSTEM)
+    return f'[components]\nPlain = "{name}:Plain"\n'
+
+
+REFUSED = {
+    "": (["--clock", "real"], "no port is a topic"),
+    '"P0.own" = "x"': (
+        ["--clock", "real"],
+        "carries lab::Own, which is no message of ROS 2",
+    ),
+    '"P1.own" = "x"': (["--clock", "real"], "there is no component 'P1'; known: P0"),
+    '"P0.other" = "x"': (
+        ["--clock", "real"],
+        "P0 has no data port 'other'; known: own",
+    ),
+    '"P0.own" = "y"': ([], "--ros2 needs --clock real"),
+}
+
+
+@pytest.mark.parametrize("entry", REFUSED)
+def test_refused_before_the_start(
+    entry: str, system: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    Path("rtgen.toml").write_text(f"{system}[ros2.topics]\n{entry}\n")
+    options, message = REFUSED[entry]
+    assert rtgen(["run", "s.xml", "--ros2", "dds", "--until", "1", *options]) == 2
+    assert message in capsys.readouterr().err
+
+
+def test_domain_of_the_environment(
+    system: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    Path("rtgen.toml").write_text(f'{system}[ros2.topics]\n"P0.own" = "x"\n')
+    monkeypatch.setenv("ROS_DOMAIN_ID", "many")
+    command = ["run", "s.xml", "--ros2", "dds", "--until", "1", "--clock", "real"]
+    assert rtgen(command) == 3
+    assert "ROS_DOMAIN_ID is 'many', no number from 0 to 232" in capsys.readouterr().err
