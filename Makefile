@@ -49,14 +49,16 @@ test: SELECTED = -m "not once or slow or peer or random"
 test: $(VENV)/test.stamp
 	$(MAKE) --no-print-directory -j 2 pytest lint types imports drift interpreters SELECTED='$(SELECTED)'
 
+CHECKED = src tests benchmarks requirements editors hatch_build.py mkdocs_hooks.py
+
 lint: $(VENV)/test.stamp
-	$(BIN)/black --check --quiet src tests benchmarks requirements
-	$(BIN)/ruff check src tests benchmarks requirements
+	$(BIN)/black --check --quiet $(CHECKED)
+	$(BIN)/ruff check $(CHECKED)
 
 types: mypy-3.11 mypy-3.12 mypy-3.13 pyright
 
 mypy-%: $(VENV)/test.stamp
-	$(BIN)/mypy --python-version $* src generated
+	$(BIN)/mypy --python-version $* src generated mkdocs_hooks.py editors/vscode/pack.py
 
 pyright: $(VENV)/test.stamp
 	PYRIGHT_PYTHON_IGNORE_WARNINGS=1 $(BIN)/pyright --pythonpath $(BIN)/python
@@ -118,8 +120,8 @@ bench: $(VENV)/bench.stamp
 	for script in benchmarks/*.py; do $(BIN)/python $$script || exit 1; done
 
 format: $(VENV)/test.stamp
-	$(BIN)/black --quiet src tests benchmarks requirements
-	$(BIN)/ruff check --fix src tests benchmarks requirements
+	$(BIN)/black --quiet $(CHECKED)
+	$(BIN)/ruff check --fix $(CHECKED)
 
 clean:
 	rm -rf build dist $(VENV)

@@ -1,4 +1,4 @@
-"""Pages of the site that are made of the program: commands from click, diagnostics from the rules."""
+"""Pages of the site that are made of the program: commands of click, diagnostics of the rules."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ import rtgen
 import rtgen.runtime
 from rtgen.cli import application
 from rtgen.diagnostics.explain import rules, story
+from rtgen.documentation.site import ASSETS
 
 _OUTSIDE = re.compile(r"!?\[([^\]]*)\]\((?:\.\./)+(?!decisions/)[^)]*\)")
 
@@ -27,6 +28,8 @@ def on_files(files: Files, *, config: Any, **_: Any) -> Files:
     }
     for path, text in made.items():
         files.append(File.generated(config, path, content=text))
+    for path, asset in ASSETS.items():
+        files.append(File.generated(config, path, content=asset.read_text("utf-8")))
     return files
 
 

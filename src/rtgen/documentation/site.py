@@ -16,7 +16,14 @@ SETTINGS = "mkdocs.yml"
 PAGES = "docs"
 """The folder of the pages, beside the settings."""
 
-_ASSETS = Path(__file__).parents[1] / "templates" / "documentation"
+_TEMPLATES = Path(__file__).parents[1] / "templates" / "documentation"
+ASSETS = {
+    "site.css": _TEMPLATES / "site.css",
+    # The plug-in `offline` loads its own from the network unless there is one of this name.
+    "iframe-worker.js": _TEMPLATES / "folder_worker.js",
+}
+"""What pages load beside the theme, by path."""
+
 _Listed = tuple[str, Page]
 
 
@@ -67,16 +74,11 @@ def site(
     made = [_index(title, chapters)]
     made += [page for pages in chapters.values() for _, page in pages]
     files = [page.file for page in made] + pictures
-    assets = {
-        "site.css": "site.css",
-        # The plug-in `offline` loads its own from the network unless there is one of this name.
-        "folder_worker.js": "iframe-worker.js",
-    }
     return [
         *(File(f"{PAGES}/{file.path}", file.text) for file in files),
         *(
-            File(f"{PAGES}/{path}", (_ASSETS / name).read_text("utf-8"))
-            for name, path in assets.items()
+            File(f"{PAGES}/{path}", asset.read_text("utf-8"))
+            for path, asset in ASSETS.items()
         ),
         File(SETTINGS, _settings(title, chapters)),
     ]
@@ -110,6 +112,6 @@ def _settings(title: str, chapters: Mapping[str, Sequence[_Listed]]) -> str:
     for chapter, pages in chapters.items():
         entries = [{name: f"{page.path}.md"} for name, page in pages]
         navigation.append({chapter: entries})
-    template = json.loads((_ASSETS / "mkdocs.json").read_text("utf-8"))
+    template = json.loads((_TEMPLATES / "mkdocs.json").read_text("utf-8"))
     settings = {"site_name": title, **template, "nav": navigation}
     return json.dumps(settings, indent=2) + "\n"

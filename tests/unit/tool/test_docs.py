@@ -28,17 +28,23 @@ SVG_LINK = "{http://www.w3.org/2000/svg}a"
 
 
 class Links(HTMLParser):
-    """The addresses that a page leads to or loads, and the anchors that it has."""
+    """The addresses that a page leads to or loads, and the anchors that it has.
+
+    `outside` are those of links to other sites.
+    """
 
     def __init__(self) -> None:
         super().__init__()
         self.addresses: list[str] = []
+        self.outside: list[str] = []
         self.anchors: set[str] = set()
         self.scripts: list[str] = []
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         for name, value in attrs:
-            if name in ("href", "src", "data") and value:
+            if tag == "a" and value and value.startswith(("http:", "https:")):
+                self.outside.append(value)
+            elif name in ("href", "src", "data") and value:
                 self.addresses.append(value)
             if name == "id" and value:
                 self.anchors.add(value)
@@ -52,13 +58,17 @@ def links_of(page: Path) -> Links:
     return found
 
 
-def check_links(folder: Path) -> int:
-    """Every address in pages and pictures leads to a file and an anchor; returns how many."""
+def check_links(folder: Path, *, leads_out: bool = False) -> int:
+    """Every address in pages and pictures leads to a file and an anchor; returns how many.
+
+    `leads_out`: links may go to other sites.
+    """
     pages = {page: links_of(page) for page in sorted(folder.rglob("*.html"))}
     addresses = [(page, a) for page, found in pages.items() for a in found.addresses]
     for picture in sorted(folder.rglob("*.svg")):
         root = etree.parse(picture).getroot()
         addresses += [(picture, a.get("href", "")) for a in root.iter(SVG_LINK)]
+    assert leads_out or not any(found.outside for found in pages.values())
     for page, address in addresses:
         if page.name == "404.html":  # has absolute addresses, for a server's root
             continue
@@ -114,6 +124,8 @@ def test_the_documentation_of_rtgen_is_a_site(tmp_path: Path) -> None:
     assert "rtgen can timing net.toml" in commands
     diagnostics = (tmp_path / "reference" / "diagnostics.html").read_text("utf-8")
     assert all(code in diagnostics for code in ("IDL0101", "CDL0009", "EDS0402"))
+    assert check_links(tmp_path, leads_out=True) > 5000
+    assert (tmp_path / "search" / "search_index.js").stat().st_size > 100_000
 
 
 @pytest.fixture(scope="module")
