@@ -15,7 +15,8 @@ from rtgen.runtime.zenoh.session import plain
 class Declared:
     """Tokens, subscribers and other declarations of a session; a `Token`.
 
-    `end` is called once, before the declaration is withdrawn.
+    `end` is called once, before the declaration is withdrawn. Zenoh withdraws what nobody refers
+    to, so a declaration that has to last has a keeper.
     """
 
     def __init__(
@@ -29,6 +30,13 @@ class Declared:
         self._end = end
         self._closing = threading.Lock()
         self.closed = False
+        self._keeper: set[Declared] = set()
+
+    def kept_by(self, keeper: set[Declared]) -> Declared:
+        """This, which the keeper refers to until it is closed."""
+        self._keeper = keeper
+        keeper.add(self)
+        return self
 
     def close(self) -> None:
         """Withdraw the declarations; those of a closed session are withdrawn already."""
@@ -36,6 +44,7 @@ class Declared:
             if self.closed:
                 return
             self.closed = True
+        self._keeper.discard(self)
         if self._end is not None:
             self._end()
         while self._declarations:

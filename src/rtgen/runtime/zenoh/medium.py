@@ -38,6 +38,7 @@ class ZenohMedium:
         self._keys = Keys.of(system)
         self._session = open_session(endpoints or Endpoints())
         self._served: Counter[str] = Counter()
+        self._kept: set[Declared] = set()
 
     def publisher(self, topic: Topic, qos: Qos) -> Publisher:
         """See `Medium`."""
@@ -53,7 +54,8 @@ class ZenohMedium:
         """See `Medium`."""
         key = self._keys.service(service)
         with reported(service):
-            return ZenohService(self._session, key, on_request, self._served)
+            made = ZenohService(self._session, key, on_request, self._served)
+        return made.kept_by(self._kept)
 
     def client(self, service: str) -> Client:
         """See `Medium`."""
@@ -66,7 +68,7 @@ class ZenohMedium:
         key = self._keys.presence(check_name(name), uuid.uuid4().hex)
         with reported(name):
             token = self._session.liveliness().declare_token(key)
-        return Declared(self._session, token)
+        return Declared(self._session, token).kept_by(self._kept)
 
     def watch(self, prefix: str, on_change: OnChange) -> Token:
         """See `Medium`."""
@@ -75,10 +77,12 @@ class ZenohMedium:
             subscriber = self._session.liveliness().declare_subscriber(
                 self._keys.presences(prefix), watching.on_token, history=True
             )
-        return Declared(self._session, subscriber, end=watching.end)
+        made = Declared(self._session, subscriber, end=watching.end)
+        return made.kept_by(self._kept)
 
     def close(self) -> None:
         """See `Medium`."""
+        self._kept.clear()
         if not self._session.is_closed():
             with reported("zenoh"):
                 self._session.close()
