@@ -9,7 +9,6 @@ import signal
 import subprocess
 import sys
 import threading
-import time
 from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
@@ -22,7 +21,8 @@ from patience import PATIENCE
 
 pytest.importorskip("cyclonedds", reason="cyclonedds is not installed")
 
-from conftest import DOMAIN
+from media import DOMAIN
+from runs import Run
 
 from refrobots import iis, rtc
 from rtgen.cli import run as rtgen
@@ -269,47 +269,13 @@ def test_options_that_do_not_fit(
     assert text in capfd.readouterr().err
 
 
-class Run:
-    """`rtgen run` of a part of RH3's pipeline in a process of its own."""
-
-    def __init__(self, folder: Path, partition: str, only: str, *more: str) -> None:
-        self._errors = folder / f"{only}-{time.monotonic_ns()}.txt"
-        command = [sys.executable, "-m", "rtgen", "run"]
-        command += ["specs/navigation/rh3_goal.xml", "--clock", "real"]
-        command += ["--transport", "dds", "--domain", str(DOMAIN)]
-        command += ["--partition", partition, "--only", only, *more]
-        with self._errors.open("w", encoding="utf-8") as errors:
-            self.process = subprocess.Popen(
-                command, cwd=ROOT, stdout=subprocess.PIPE, stderr=errors, text=True
-            )
-
-    @property
-    def errors(self) -> str:
-        """Standard error so far."""
-        return self._errors.read_text(encoding="utf-8")
-
-    def wait_for(self, text: str) -> None:
-        """Waits until it wrote that."""
-        deadline = time.monotonic() + PATIENCE
-        while text not in self.errors:
-            assert self.process.poll() is None, self.errors
-            assert time.monotonic() < deadline, self.errors
-            time.sleep(0.05)
-
-    def kill(self) -> None:
-        """Ends it at once."""
-        self.process.kill()
-        assert self.process.stdout is not None
-        if not self.process.stdout.closed:
-            self.process.communicate()
-
-
 @pytest.fixture
 def start(tmp_path: Path, partition: str) -> Iterator[Callable[..., Run]]:
     runs: list[Run] = []
+    transport = ["dds", "--domain", str(DOMAIN), "--partition", partition]
 
     def started(only: str, *more: str) -> Run:
-        runs.append(Run(tmp_path, partition, only, *more))
+        runs.append(Run(tmp_path, transport, only, *more))
         return runs[-1]
 
     yield started

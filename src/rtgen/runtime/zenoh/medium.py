@@ -102,7 +102,7 @@ class _Presences:
         """A token came or went; a lost link can report one twice."""
         key = str(sample.key_expr)
         name = self._keys.present(key)
-        if not name.startswith(self._prefix):
+        if not name or not name.startswith(self._prefix):
             return
         with self._lock:
             tokens = self._tokens.setdefault(name, set())

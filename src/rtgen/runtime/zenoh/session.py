@@ -41,7 +41,7 @@ class Endpoints:
 
 def open_session(endpoints: Endpoints) -> zenoh.Session:
     """Open a session. Raises MediumError."""
-    with reported("zenoh"):
+    with reported(str(endpoints.config or "zenoh")):
         return zenoh.open(_configuration(endpoints))
 
 
@@ -56,7 +56,7 @@ def reported(what: str) -> Iterator[None]:
 
 def plain(error: zenoh.ZError) -> str:
     """The message of an error."""
-    return _PLACE_IN_SOURCE.sub("", str(error)).rstrip(". ")
+    return " ".join(_PLACE_IN_SOURCE.sub("", str(error)).split()).rstrip(".")
 
 
 def _configuration(endpoints: Endpoints) -> zenoh.Config:

@@ -1,0 +1,55 @@
+"""`rtgen run` of parts of RH3's pipeline, each in a process of its own."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+from patience import PATIENCE
+
+ROOT = Path(__file__).parents[2]
+ROBOT = "RefHardRh30,Odometry0"
+WAY = "PathFollower0,Navigation0"
+CONSOLE = "PositionInput0,OmniTo2WD0"
+GOAL = (1.2, 1.2)
+TO_GOAL = [
+    *("--set", f"PositionInput0.01_x={GOAL[0]}"),
+    *("--set", f"PositionInput0.01_y={GOAL[1]}"),
+    *("--set", "PositionInput0.01_th=0"),
+]
+
+
+class Run:
+    """The run of some components, with the options of a transport."""
+
+    def __init__(self, folder: Path, transport: list[str], only: str, *more: str):
+        self._errors = folder / f"{only}-{time.monotonic_ns()}.txt"
+        command = [sys.executable, "-m", "rtgen", "run"]
+        command += ["specs/navigation/rh3_goal.xml", "--clock", "real"]
+        command += ["--transport", *transport, "--only", only, *more]
+        with self._errors.open("w", encoding="utf-8") as errors:
+            self.process = subprocess.Popen(
+                command, cwd=ROOT, stdout=subprocess.PIPE, stderr=errors, text=True
+            )
+
+    @property
+    def errors(self) -> str:
+        """Standard error so far."""
+        return self._errors.read_text(encoding="utf-8")
+
+    def wait_for(self, text: str) -> None:
+        """Waits until it wrote that."""
+        deadline = time.monotonic() + PATIENCE
+        while text not in self.errors:
+            assert self.process.poll() is None, self.errors
+            assert time.monotonic() < deadline, self.errors
+            time.sleep(0.05)
+
+    def kill(self) -> None:
+        """Ends it at once."""
+        self.process.kill()
+        assert self.process.stdout is not None
+        if not self.process.stdout.closed:
+            self.process.communicate()

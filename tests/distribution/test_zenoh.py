@@ -1,0 +1,273 @@
+"""What is Zenoh's alone: programs of eclipse-zenoh, routers, configuration files, the command."""
+
+from __future__ import annotations
+
+import json
+import re
+import signal
+import struct
+from collections import deque
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+import media
+import pytest
+from distributed_system import Process, sample, wait_for
+from patience import PATIENCE
+
+pytest.importorskip("zenoh", reason="eclipse-zenoh is not installed")
+
+import zenoh
+from runs import CONSOLE, GOAL, ROBOT, ROOT, TO_GOAL, WAY, Run
+
+from rtgen.cli import run as rtgen
+from rtgen.runtime.distribution.medium import MediumError
+from rtgen.runtime.zenoh.medium import ZenohMedium
+from rtgen.runtime.zenoh.session import Endpoints, open_session
+
+TIMED_DOUBLE = struct.Struct("<4xIId")
+"""XCDR1 of BasicDataType.idl's TimedDouble, behind the header: time in s and ns, the number."""
+HEADER = b"\0\1\0\0"
+
+
+@pytest.fixture
+def locator() -> str:
+    return f"tcp/127.0.0.1:{media.free_port()}"
+
+
+@pytest.fixture
+def stack() -> Iterator[ExitStack]:
+    with ExitStack() as stack:
+        yield stack
+
+
+def plain_session(connect: str) -> zenoh.Session:
+    """A session as a program without rtgen makes it."""
+    config = zenoh.Config()
+    config.insert_json5("connect/endpoints", json.dumps([connect]))
+    config.insert_json5("listen/endpoints", "[]")
+    config.insert_json5("scouting/multicast/enabled", "false")
+    return zenoh.open(config)
+
+
+def test_a_program_of_eclipse_zenoh_reads_and_drives_a_component(
+    stack: ExitStack, locator: str
+) -> None:
+    medium = ZenohMedium("plain", Endpoints(listen=(locator,)))
+    node = stack.enter_context(Process(medium, "a")).node("a")
+    program = stack.enter_context(plain_session(locator))
+    read: list[bytes] = []
+    subscriber = program.declare_subscriber(
+        "plain/topic/a/out/out/RTC::TimedDouble",
+        lambda each: read.append(each.payload.to_bytes()),
+    )
+    writer = program.declare_publisher("plain/topic/a/in/in/RTC::TimedDouble")
+    node.out.write(sample(-1))
+    wait_for(lambda: node.out.write(sample(-1)) is not None and read)
+    for number in range(500):
+        node.out.write(sample(number))
+    wait_for(lambda: TIMED_DOUBLE.unpack(read[-1])[2] == 499)
+    values = [TIMED_DOUBLE.unpack(octets) for octets in read]
+    assert {octets[:4] for octets in read} == {HEADER}
+    assert [v for v in values if v[2] >= 0] == [(1, 2, n) for n in range(500)]
+
+    def driven() -> bool:
+        writer.put(HEADER + TIMED_DOUBLE.pack(3, 4, 7.5)[4:])
+        return node.inward.is_new()
+
+    wait_for(driven)
+    value = node.inward.read()
+    assert (value.tm.sec, value.tm.nsec, value.data) == (3, 4, 7.5)
+    subscriber.undeclare()
+
+
+@pytest.mark.parametrize(
+    "octets",
+    [b"", b"\0", b"\0\1\0\0", b"\xff" * 64, HEADER + bytes(15), bytes(1 << 20)],
+    ids=["nothing", "one", "header", "ones", "cut off", "a megabyte"],
+)
+def test_garbage_is_counted_and_harms_nobody(
+    stack: ExitStack, locator: str, octets: bytes
+) -> None:
+    first = ZenohMedium("plain", Endpoints(listen=(locator,)))
+    a = stack.enter_context(Process(first, "a"))
+    second = ZenohMedium("plain", Endpoints(connect=(locator,), listen=(_any(),)))
+    b = stack.enter_context(Process(second, "b"))
+    connector = b.connect("a.out", "b.in")
+    a.connect("a.out", "b.in")
+    for process in (a, b):
+        process.ready()
+    program = stack.enter_context(plain_session(locator))
+    keys = (
+        "plain/topic/a/out/out/RTC::TimedDouble",
+        "plain/topic/b/in/in/RTC::TimedDouble",
+        "plain/presence/strange",
+        "plain/flow/a/out/out/RTC::TimedDouble/x",
+    )
+
+    def send_all() -> int:
+        for key in keys:
+            program.put(key, octets)
+            program.put(key, octets, attachment=octets[:24])
+        return connector.arrivals.invalid
+
+    wait_for(send_all)
+    for key in ("plain/service/b/control", "plain/service/b/given/rpc"):
+        for reply in program.get(key, payload=octets, timeout=0.3):
+            assert reply.ok is None or reply.ok.payload.to_bytes()
+    token = program.liveliness().declare_token("plain/presence/strange")
+    for number in range(5):
+        a.node("a").out.write(sample(number))
+    wait_for(lambda: b.node("b").take()[-1:] == [4.0])
+    assert b.node("b").received == [0.0, 1.0, 2.0, 3.0, 4.0]
+    assert connector.lost == connector.arrivals.invalid
+    assert not [name for name in b.transport.peers.instances if name not in "ab"]
+    token.undeclare()
+
+
+def _any() -> str:
+    return "tcp/127.0.0.1:0"
+
+
+def test_a_router_that_is_started_again_is_found(
+    stack: ExitStack, locator: str
+) -> None:
+    with media.router(locator):
+        a, b = (
+            stack.enter_context(
+                Process(ZenohMedium("s", Endpoints(connect=(locator,))), name)
+            )
+            for name in ("a", "b")
+        )
+        connector = b.connect("a.out", "b.in")
+        a.connect("a.out", "b.in")
+        for process in (a, b):
+            process.ready()
+    wait_for(lambda: a.transport.peers.is_lost("b") and b.transport.peers.is_lost("a"))
+    with media.router(locator):
+        wait_for(lambda: a.transport.peers.is_elsewhere("b"))
+        node, other = a.node("a"), b.node("b")
+        numbers = iter(range(1, 100_000))
+        wait_for(
+            lambda: (node.out.write(sample(next(numbers))) and other.take())
+            or other.take()
+        )
+        assert other.received == sorted(set(other.received))
+        assert connector.arrivals.doubles == 0
+        b.close()
+        a.close()
+
+
+@pytest.mark.parametrize(
+    ("text", "wanted"),
+    [
+        ("{ mode: 'nothing' }", "nothing"),
+        ("{ mode: ", "zenoh.json5: .*expected"),
+        ("{ connect: { endpoints: ['here'] } }", "Endpoints must be of the form"),
+    ],
+)
+def test_a_wrong_configuration_file_is_reported(
+    tmp_path: Path, text: str, wanted: str
+) -> None:
+    file = tmp_path / "zenoh.json5"
+    file.write_text(text, encoding="utf-8")
+    with pytest.raises(MediumError, match=wanted) as caught:
+        open_session(Endpoints(file))
+    assert ".rs:" not in str(caught.value)
+
+
+def test_locators_replace_those_of_the_file(tmp_path: Path, locator: str) -> None:
+    file = tmp_path / "zenoh.json5"
+    file.write_text(
+        "{ mode: 'peer', listen: { endpoints: ['tcp/192.0.2.1:7447'] },"
+        " scouting: { multicast: { enabled: false } } }",
+        encoding="utf-8",
+    )
+    with (
+        open_session(Endpoints(file, listen=(locator,))),
+        plain_session(locator) as session,
+    ):
+        wait_for(lambda: session.info.peers_zid())
+
+
+# The command.
+
+
+@pytest.mark.parametrize(
+    ("options", "code", "text"),
+    [
+        (["--transport", "zenoh"], 2, "--transport zenoh needs --clock real"),
+        (["--connect", "tcp/127.0.0.1:1"], 2, "--connect needs --transport zenoh"),
+        (
+            ["--clock", "real", "--transport", "zenoh", "--listen", "here"],
+            2,
+            "'here' is not PROTOCOL/ADDRESS",
+        ),
+        (
+            ["--clock", "real", "--transport", "zenoh", "--listen", "tcp/192.0.2.1:1"],
+            3,
+            "zenoh:",
+        ),
+    ],
+)
+def test_options_that_do_not_fit(
+    options: list[str], code: int, text: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    system = str(ROOT / "specs" / "navigation" / "rh3_goal.xml")
+    assert rtgen(["run", system, *options, "--until", "0.1"]) == code
+    assert text in capfd.readouterr().err
+
+
+@pytest.fixture
+def start(tmp_path: Path, locator: str) -> Iterator[Callable[..., Run]]:
+    runs: list[Run] = []
+
+    def started(only: str, *more: str) -> Run:
+        runs.append(Run(tmp_path, ["zenoh", "--connect", locator], only, *more))
+        return runs[-1]
+
+    yield started
+    for run in runs:
+        run.kill()
+
+
+@pytest.mark.slow
+def test_rh3_in_three_processes_behind_a_router_survives_the_loss_of_one(
+    start: Callable[..., Run], stack: ExitStack, locator: str
+) -> None:
+    """The process that steers is killed while the wheels turn: they stop until it is back."""
+    stack.enter_context(media.router(locator))
+    angles: deque[bytes] = deque(maxlen=50)
+    watch = stack.enter_context(plain_session(locator))
+    watch.declare_subscriber(
+        "*/topic/RefHardRh30/out/OutWheelAngle/*",
+        # Behind header and time: the number of angles, and the angles.
+        lambda each: angles.append(each.payload.to_bytes()[12:]),
+    )
+    robot, way = start(ROBOT), start(WAY)
+    console = start(CONSOLE, *TO_GOAL)
+    for run, instance in (
+        (robot, "Odometry0"),
+        (way, "PathFollower0"),
+        (console, "PositionInput0"),
+    ):
+        run.wait_for(f"{instance} ACTIVE")
+    wait_for(lambda: len(set(angles.copy())) > 10)
+    way.kill()
+    robot.wait_for("PathFollower0 is lost")
+    console.wait_for("Navigation0 is lost")
+    angles.clear()
+    wait_for(lambda: len(angles) == 50 and len(set(angles.copy())) == 1)
+    again = start(WAY)
+    again.wait_for("PathFollower0 ACTIVE")
+    console.wait_for("Navigation0 is there again")
+    console.process.wait(PATIENCE)
+    assert console.process.returncode == 0, console.errors
+    robot.process.send_signal(signal.SIGTERM)
+    output, _ = robot.process.communicate(timeout=PATIENCE)
+    found: Any = re.findall(r"final pose +\((\S+), (\S+), (\S+)\)", output)
+    [pose] = found
+    assert abs(float(pose[0]) - GOAL[0]) < 0.05
+    assert abs(float(pose[1]) - GOAL[1]) < 0.05
