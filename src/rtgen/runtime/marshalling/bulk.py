@@ -15,7 +15,8 @@ from rtgen.runtime.marshalling.numeric import (
     is_swapped,
     octets_of,
     packed,
-    swapped,
+    swapped_array,
+    swapped_octets,
 )
 from rtgen.runtime.marshalling.octets import exact, flat
 
@@ -75,13 +76,12 @@ def _putter(atom: Atom, order: Order) -> _Put:
 
     def put(items: Any) -> tuple[int, Any]:
         if items.__class__ is NumericArray and items.typecode == code and items:
-            if other:
-                items = swapped(items[:], items)
-            return -len(items), (items.tobytes(),)
+            octets = swapped_octets(items) if other else items.tobytes()
+            return -len(items), (octets,)
         view = buffer_of(items, code, size)
         if view is None or not len(view):
             return len(items), items
-        return -len(view), (octets_of(view, code, order),)
+        return -len(view), (octets_of(view, order),)
 
     return put
 
@@ -97,15 +97,15 @@ def _array_taker(atom: Atom, order: Order) -> _Take:
         end = start + count * size
         if end > len(data):
             raise ValueError("a length beyond the end")
-        octets: Buffer
-        if end - start <= _SLICED and type(data) is bytes:
-            octets = data[start:end]
-            made = NumericArray(code, octets)
-        else:
-            octets = memoryview(data)[start:end]
-            made = NumericArray(code)
-            made.frombytes(octets)
-        return (swapped(made, octets) if other else made), end
+        short = end - start <= _SLICED and type(data) is bytes
+        octets: Buffer = data[start:end] if short else memoryview(data)[start:end]
+        if other:
+            return swapped_array(octets, code), end
+        if short:
+            return NumericArray(code, octets), end
+        made = NumericArray(code)
+        made.frombytes(octets)
+        return made, end
 
     return take
 
@@ -132,7 +132,7 @@ def _numpy_taker(atom: Atom, order: Order) -> _Take:
     return take
 
 
-def _array_octets(node: AtomArray, order: Order) -> Callable[[Any], bytes]:
+def _array_octets(node: AtomArray, order: Order) -> Callable[[Any], bytes | bytearray]:
     code, size = node.atom.code, node.atom.size
     if len(node.dimensions) > 1:
         return _nested_octets(node, order)
@@ -140,10 +140,10 @@ def _array_octets(node: AtomArray, order: Order) -> Callable[[Any], bytes]:
     return lambda items: packed(exact(items, length), code, size, order)
 
 
-def _nested_octets(node: AtomArray, order: Order) -> Callable[[Any], bytes]:
+def _nested_octets(node: AtomArray, order: Order) -> Callable[[Any], bytes | bytearray]:
     code, size = node.atom.code, node.atom.size
 
-    def octets(items: Any) -> bytes:
+    def octets(items: Any) -> bytes | bytearray:
         shape = getattr(items, "shape", None)
         if shape is None:
             items = flat(items, node.dimensions)
