@@ -42,7 +42,8 @@ class Newest(Generic[T]):
 
     def is_late(self, now: int) -> bool:
         """Whether the newest sample, or the wait for the first one, is beyond the limit."""
-        return 0.0 < self._limit() * SECOND < now - self._time
+        waited = now - self._time
+        return waited > 0 and 0.0 < self._limit() * SECOND < waited
 
     @property
     def complaint(self) -> str:
@@ -52,9 +53,11 @@ class Newest(Generic[T]):
     def _checked(self, sample: Any, now: int) -> T | None:
         if sample is None:
             return None
-        stamp = sample.tm.sec * SECOND + sample.tm.nsec
+        tm = sample.tm
+        stamp = tm.sec * SECOND + tm.nsec
         time = stamp if 0 < stamp <= now else now
-        if 0.0 < self._limit() * SECOND < now - time:
+        age = now - time
+        if age and 0.0 < self._limit() * SECOND < age:
             return None
         if time > self._time:
             self._time = time
@@ -69,6 +72,9 @@ def complaints(now: int, *inputs: Newest[Any]) -> str:
 
 def all_in_time(component: Component, now: int, *inputs: Newest[Any]) -> bool:
     """Whether no input is late; the component reports late ones."""
-    late = complaints(now, *inputs)
-    component.report(late)
-    return not late
+    for one in inputs:
+        if one.is_late(now):
+            component.report(complaints(now, *inputs))
+            return False
+    component.report("")
+    return True

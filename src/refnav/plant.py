@@ -74,7 +74,10 @@ class Plant:
         """
         speeds = self.speeds
         for i, target in enumerate(targets):
-            speeds[i] = limited(speeds[i], target, most, step)
+            if target == speeds[i] and -most <= target <= most:
+                speeds[i] = target
+            else:
+                speeds[i] = limited(speeds[i], target, most, step)
 
     def roll(self, dt: float) -> None:
         """Run for `dt` [s] at the present wheel speeds."""
@@ -89,7 +92,8 @@ class Plant:
         x, y, self.theta = advance(
             self.x, self.y, self.theta, forward, turned, sideways
         )
-        self.touches = self._is_blocked(x, y, abs(forward) + abs(sideways))
+        way = abs(forward) + abs(sideways)
+        self.touches = bool(self.room.things) and self._is_blocked(x, y, way)
         if self.touches:
             # The wheels may have turned: encoders count, the body stays.
             self.halt()
@@ -98,8 +102,6 @@ class Plant:
 
     def _is_blocked(self, x: float, y: float, way: float) -> bool:
         """Whether the body cannot get to a point, which is at most `way` [m] away."""
-        if not self.room.things:
-            return False
         # Nothing can be touched on a way shorter than the room left when it was last measured.
         self._space -= way
         if self._space > 0.0:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from hashlib import sha256
 from pathlib import Path
 
@@ -91,38 +92,34 @@ class _Run:
         )
         if file is None:
             return
-        findings = Findings()
         if file.data is None:
-            findings.report(ini.too_large(file.name))
             device, text = None, ""
+            self._diagnostics.append(ini.too_large(file.name))
         else:
-            device, text = read_bytes(
-                file.data, file.name, findings, key=file.key, node_id=self._node_id
-            )
+            device, text, found = _read(file.data, file.name, file.key, self._node_id)
+            self._diagnostics += found
         self._texts[file.name] = text
-        self._diagnostics += findings.diagnostics
         self._devices += [device] if device is not None else []
 
 
-def read_bytes(
-    data: bytes,
-    file: str,
-    findings: Findings,
-    *,
-    key: str = "",
-    node_id: int | None = None,
-) -> tuple[Device | None, str]:
-    """Read a device description (None if it has errors) and its text.
+@lru_cache(maxsize=32)  # buses read the descriptions again that are read as devices
+def _read(
+    data: bytes, file: str, key: str, node_id: int | None
+) -> tuple[Device | None, str, tuple[Diagnostic, ...]]:
+    """A device (None if its description has errors), the text, and the diagnostics.
 
     `file` is the path for messages; the suffix `.dcf`, in any case, marks a DCF.
     """
+    findings = Findings()
     document = ini.read(data, file, findings)
     device = None if findings.failed else _described(document, findings, node_id)
     findings.rewrite(lambda found: _in_section(found, document))
-    if device is None or findings.failed:
-        return None, document.text
-    digest = sha256(data).hexdigest()
-    return replace(device, key=key or file, sha256=digest), document.text
+    if device is not None:
+        digest = sha256(data).hexdigest()
+        device = replace(device, key=key or file, sha256=digest)
+    if findings.failed:
+        device = None
+    return device, document.text, findings.diagnostics
 
 
 def _in_section(found: Diagnostic, document: ini.Document) -> Diagnostic:
