@@ -131,12 +131,16 @@ class Conversions:
         if text is Text.CHARACTERS:
             return f'{raw}.decode("latin-1")'
         if text is Text.STRING:
-            # As `text_value`, which is called to raise, since calls are most of the time.
-            whole = f"{raw}.find(0) == len({raw}) - 1"
-            return f"{raw}[:-1].decode() if {whole} else {name(text_value)}({raw})"
+            return f"{name(text_value)}({raw})"
         if text is Text.UNITS:
             return f"{name(unit_text)}({raw}, little_endian)"
         return f"{name(wide_value)}({raw}{'' if bound is None else f', {bound}'})"
+
+    def unpacked_string(self, raw: str, last: str) -> str:
+        """The expression for a string from its octets and the last one, which is NUL."""
+        # As `text_value`, which is called to raise, since calls are most of the time.
+        refused = f"{self._name(text_value)}({raw} + bytes([{last}]))"
+        return f"{raw}.decode() if not {last} and 0 not in {raw} else {refused}"
 
 
 def each(convert: Callable[[Atom, str], str], atom: Atom, items: str) -> str | None:

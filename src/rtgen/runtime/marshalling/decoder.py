@@ -35,6 +35,7 @@ from rtgen.runtime.marshalling.nodes import (
     Parameter,
     Path,
     Records,
+    Text,
     TextArray,
     TextSequence,
 )
@@ -89,7 +90,9 @@ class Decoder:
         value = lines[-1].removeprefix("return ")
         layout = self._layouts.of(run)
         title = f"{self._refer.format} from_cdr of {title}"
-        readers = Repeated(run, layout, self._name, value, self._refer.namespace, title)
+        readers = Repeated(
+            run, layout, self._name, self._further, value, self._refer.namespace, title
+        )
         return readers.lines(lines)
 
     def parts(self, steps: tuple[Step, ...], node: Node) -> list[str]:
@@ -327,6 +330,8 @@ class Decoder:
                 return each(convert.unpacked, atom, raw) or raw
             case TextArray(text=text):
                 return convert.unpacked_text(text, raw)
+            case TextSequence(text=Text.STRING):
+                return convert.unpacked_string(raw, self._locals.name(path, "nul_"))
             case TextSequence(text=text, bound=bound):
                 return convert.unpacked_text(text, raw, bound)
         return raw
@@ -425,6 +430,7 @@ class Decoder:
         for entry in entries:
             name = self._name(entry, prefix)
             names.append(f"*{name}" if entry.star else name)
+            names += self._further(entry, prefix)
         if len(names) > 1:
             return ", ".join(names)
         return f"({names[0]},)"
@@ -432,6 +438,12 @@ class Decoder:
     def _name(self, entry: Entry, prefix: Path = ()) -> str:
         path = (*prefix, *entry.field.path)
         return self._locals.name(path, "n_" if entry.count else "")
+
+    def _further(self, entry: Entry, prefix: Path = ()) -> list[str]:
+        """The variable for the last octet of a string, which `struct` reads by itself."""
+        if entry.count or getattr(entry.field.node, "text", None) is not Text.STRING:
+            return []
+        return [self._locals.name((*prefix, *entry.field.path), "nul_")]
 
     def _check(self, entry: Entry, prefix: Path) -> None:
         """Check of the bound, directly after reading the count."""

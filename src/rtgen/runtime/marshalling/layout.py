@@ -32,6 +32,7 @@ from rtgen.runtime.marshalling.nodes import (
     Records,
     Reference,
     Repeat,
+    Text,
     TextArray,
     TextSequence,
 )
@@ -271,8 +272,8 @@ def _counted_token(node: Placed) -> tuple[str, int, int]:
     match node:
         case AtomSequence(atom=atom):
             return f"*{_aligned(atom)}", atom.size, atom.align
-        case TextSequence():
-            return "*s", 1, 1
+        case TextSequence(text=text):
+            return ("*z" if text is Text.STRING else "*s"), 1, 1
         case Records(size=size, align=align):
             return f"*{size}s/{align}", size, align
     raise TypeError(node)

@@ -59,8 +59,8 @@ def is_repeatable(steps: tuple[Step, ...]) -> bool:
 class Repeated:
     """The readers of a function by size of the body, and what makes them.
 
-    `layout` is the table of the run; `names` gives the variable of an entry; `value` is the
-    expression of the value.
+    `layout` is the table of the run; `names` gives the variable of an entry, `further` those
+    that follow it; `value` is the expression of the value.
     """
 
     def __init__(
@@ -68,6 +68,7 @@ class Repeated:
         run: Run,
         layout: Any,
         names: Callable[[Entry], str],
+        further: Callable[[Entry], list[str]],
         value: str,
         namespace: Namespace,
         title: str,
@@ -78,6 +79,7 @@ class Repeated:
         self._run = run
         self._layout = layout
         self._names = names
+        self._further = further
         self._value = value
         self._namespace = namespace
         self._title = title
@@ -153,7 +155,7 @@ class Repeated:
                 gathered.append(f"    {name} = [{', '.join(items)}]")
                 targets += items
                 continue
-            targets.append(name)
+            targets += [name, *self._further(entry)]
         table = self._layout.pack_little if little_endian else self._layout.pack_big
         text = "\n".join(
             [

@@ -1,7 +1,8 @@
 """Tables of `struct` calls for the runs of a layout.
 
 A run is given as sections of tokens. `I`, `3d`, `*i` stand for `struct` codes: one, three, as many
-as the next count says; `*48s/8` for 48 octets each, aligned to 8. `@4` in front says that the
+as the next count says; `*48s/8` for 48 octets each, aligned to 8; `*z` for octets of which
+the last one, the NUL of a string, is read as a number of its own. `@4` in front says that the
 section begins at an offset of 4 modulo 8; `=` that padding is settled and the rest is a `struct`
 format; `!` that the section is not read by `struct`. A negative count stands for as many items that
 are packed as octets, or skipped when the section is read.
@@ -31,7 +32,18 @@ SHAPES_KEPT = 512
 """The largest number of cached shapes; a full table is cleared."""
 
 _TOKEN = re.compile(r"(\*?)(\d*)([a-zA-Z])(?:/(\d+))?(?: |$)")
-_SIZES = {"b": 1, "B": 1, "c": 1, "s": 1, "h": 2, "H": 2, "i": 4, "I": 4, "f": 4}
+_SIZES = {
+    "b": 1,
+    "B": 1,
+    "c": 1,
+    "s": 1,
+    "z": 1,
+    "h": 2,
+    "H": 2,
+    "i": 4,
+    "I": 4,
+    "f": 4,
+}
 
 
 class Fixed:
@@ -127,8 +139,6 @@ def _reader(order: str, section: str) -> Any:
 class _Table(dict[Any, _V], ABC):
     """A cache filled on lookup, cleared when full."""
 
-    skipped = "s"
-
     def __init__(self, order: str, *sections: str) -> None:
         self._order = order
         self._sections = sections
@@ -144,48 +154,41 @@ class _Table(dict[Any, _V], ABC):
         """The value of a key that is not in the cache."""
 
     def shape(self, counts: Iterable[int]) -> Struct:
-        """The shape of those counts, from offset 0."""
-        return self._struct(0, counts)
+        """The shape of those counts, from offset 0, for reading."""
+        return self._struct(0, counts, True)
 
-    def _struct(self, phase: int, counts: Iterable[int]) -> Struct:
-        arranged = _arranged(self._sections, phase, iter(counts), self.skipped)
+    def _struct(self, phase: int, counts: Iterable[int], reads: bool) -> Struct:
+        arranged = _arranged(self._sections, phase, iter(counts), reads)
         return Struct(self._order + arranged)
 
 
 class _Shapes(_Table[Callable[..., bytes]]):
     def _made(self, key: Any) -> Callable[..., bytes]:
-        return self._struct(0, key if isinstance(key, tuple) else (key,)).pack
+        return self._struct(0, key if isinstance(key, tuple) else (key,), False).pack
 
 
 class _PhasedShapes(_Table[Callable[..., bytes]]):
     def _made(self, key: Any) -> Callable[..., bytes]:
         phase, *counts = key if isinstance(key, tuple) else (key,)
-        return self._struct(phase, counts).pack
+        return self._struct(phase, counts, False).pack
 
 
 class _Readers(_Table[_Reader]):
-    skipped = "x"
-
     def _made(self, key: int) -> _Reader:
-        made = self._struct(int(self._sections[0][1]), (key,))
+        made = self._struct(int(self._sections[0][1]), (key,), True)
         return made.unpack_from, made.size
 
 
 class _PhasedReaders(_Table[_Reader]):
-    skipped = "x"
-
     def _made(self, key: int) -> _Reader:
-        made = self._struct(key & 7, (key >> 3,))
+        made = self._struct(key & 7, (key >> 3,), True)
         return made.unpack_from, made.size
 
 
 def _arranged(
-    sections: Iterable[str], phase: int, counts: Iterator[int], skipped: str
+    sections: Iterable[str], phase: int, counts: Iterator[int], reads: bool
 ) -> str:
-    """The `struct` format of the sections from offset `phase`.
-
-    `skipped` is the code for the octets of a negative count.
-    """
+    """The `struct` format of the sections from offset `phase`, for reading or for writing."""
     texts: list[str] = []
     offset = phase
     for section in sections:
@@ -199,8 +202,13 @@ def _arranged(
             padding = -offset % int(align or size) if number or not star else 0
             if number < 0:
                 number *= -size
-                code, size = skipped, 1
-            texts.append(f"{padding}x{number}{code}")
+                code, size = "x" if reads else "s", 1
+            text = f"{number}{code}"
+            if code == "z":
+                text = f"{number}s"
+                if reads:
+                    text = f"{number - 1}sB" if number else "0s0s"
+            texts.append(f"{padding}x{text}")
             offset += padding + number * size
     return "".join(texts)
 

@@ -13,6 +13,7 @@ from rtgen.runtime.marshalling.formats import Format
 from rtgen.runtime.marshalling.initial import initial_value
 from rtgen.runtime.marshalling.layout import (
     ANYWHERE,
+    Position,
     steps_of,
 )
 from rtgen.runtime.marshalling.nodes import (
@@ -53,7 +54,7 @@ def encode(
         body.block(head)
         body.choose_here()
         node = members.get(branch.attribute) or tree_of(branch.type, refer.format)
-        steps = steps_of(node, ANYWHERE)
+        steps = steps_of(node, ANYWHERE if listed else _behind(switch))
         path = (branch.attribute,)
         encoder.bind(path, "inner")
         encoder.steps(steps, path)
@@ -99,7 +100,7 @@ def decode(
             body.block("else:")
         node = tree_of(branch.type, refer.format)
         path = (branch.attribute,)
-        decoder.steps(steps_of(node, ANYWHERE), path)
+        decoder.steps(steps_of(node, _behind(switch)), path)
         body.add(f"value = {decoder.value(node, path)}")
         if evolving:
             body.end()
@@ -110,6 +111,11 @@ def decode(
     end = "end" if evolving else "offset"
     body.add(f"return {refer.made(descriptor)}(selected, value), {end}")
     return body.lines
+
+
+def _behind(switch: Atom) -> Position:
+    """What is known of the offset behind a discriminator."""
+    return ANYWHERE.aligned(switch.align).after(switch.size)
 
 
 def _decode_list(
