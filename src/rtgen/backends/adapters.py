@@ -8,12 +8,14 @@ from rtgen.backends import Artifact, Emission, Options
 from rtgen.backends.components.imports import Imports
 from rtgen.backends.components.locations import source_of
 from rtgen.backends.kit.python_text import fit_text, header_comment
-from rtgen.backends.kit.quoting.python import docstring
+from rtgen.backends.kit.quoting.python import docstring, number_literal, string_literal
 from rtgen.model import Adapter, Component, Model, NamedType, ScopedName, Struct
+from rtgen.model.components import AdapterConstant
 from rtgen.typemap.idl_python_names import PythonNames
 from rtgen.typemap.python_names import module_name
 
 _METHODS = frozenset({"annotations", "ec_id", "int", "made", "sample", "self"})
+_CONVERSIONS = "rtgen.runtime.ros2.conversions"
 _RUNTIME = ("RTC_OK", "ReturnCode_t")
 
 
@@ -49,7 +51,7 @@ def _module(
     model: Model, names: PythonNames, adapter: Adapter, options: Options, header: str
 ) -> str:
     base = f"{adapter.name}Base"
-    taken = {adapter.name, base, *_METHODS, *_RUNTIME}
+    taken = {adapter.name, base, *_METHODS, *_RUNTIME, adapter.conversion}
     types = Imports(model, names, "..", taken, options.external)
     made = types.type_name(adapter.target)
     body = [
@@ -64,11 +66,19 @@ def _module(
             f" sample.{_path(model, names, adapter.source, source)}"
             for to, source in adapter.copies
         ),
+        *_converted(adapter),
+        *(
+            f"            made.{_path(model, names, adapter.target, to)} ="
+            f" {_literal(value)}"
+            for to, value in adapter.constants
+        ),
         "            self.output.write(made)",
         "        return RTC_OK",
     ]
     folder = module_name(adapter.name)
     imports = [*types.lines(), f"from ..components.{folder} import {base}"]
+    if adapter.conversion:
+        imports.append(f"from {_CONVERSIONS} import {adapter.conversion}")
     head = [
         "from __future__ import annotations",
         "",
@@ -80,6 +90,21 @@ def _module(
     ]
     title = docstring(f"{adapter.name}: {_doc(adapter)}", 0)
     return fit_text(f"{header}{title}\n" + "\n".join([*head, *body]) + "\n")
+
+
+def _converted(adapter: Adapter) -> Iterator[str]:
+    if adapter.conversion:
+        yield f"            {adapter.conversion}(sample, made)"
+    if adapter.stamps:
+        yield "            self.stamp(made)"
+
+
+def _literal(value: AdapterConstant) -> str:
+    if isinstance(value, str):
+        return string_literal(value)
+    if isinstance(value, tuple):
+        return f"[{', '.join(map(string_literal, value))}]"
+    return number_literal(value)
 
 
 def _doc(adapter: Adapter) -> str:

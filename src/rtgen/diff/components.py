@@ -259,7 +259,7 @@ def _adapters(
             source, target = ("::".join(n) for n in (other.source, other.target))
             text = f"adapter {other.name} leads from {source} to {target}"
             yield change(kinds.ADAPTER_TYPES, other.name, text, one.span, other.span)
-        elif one.copies != other.copies:
+        elif (one.copies, one.constants) != (other.copies, other.constants):
             text = f"adapter {other.name} copies other members"
             yield change(kinds.ADAPTER_COPIES, other.name, text, one.span, other.span)
 

@@ -10,5 +10,12 @@ ADAPTER_TYPE = Rule(
 )
 ADAPTER_MEMBER = Rule("ADP0003", "adapter with an unknown member", Severity.ERROR)
 ADAPTER_VALUE = Rule("ADP0004", "members that do not fit", Severity.ERROR)
+ADAPTER_UNIT = Rule("ADP0005", "members of different units", Severity.ERROR)
 
-RULES: tuple[Rule, ...] = (ADAPTER_NAME, ADAPTER_TYPE, ADAPTER_MEMBER, ADAPTER_VALUE)
+RULES: tuple[Rule, ...] = (
+    ADAPTER_NAME,
+    ADAPTER_TYPE,
+    ADAPTER_MEMBER,
+    ADAPTER_VALUE,
+    ADAPTER_UNIT,
+)

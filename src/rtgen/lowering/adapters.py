@@ -11,11 +11,13 @@ from typing import Final
 from msgspec.structs import replace
 
 from rtgen.diagnostics import Diagnostic, InputError, Rule
-from rtgen.facts.primitives import INTEGER_RANGES
+from rtgen.facts.primitives import FLOAT_LIMITS, INTEGER_RANGES
+from rtgen.facts.ros_adapters import Pair, pair_of
 from rtgen.lowering.adapter_rules import (
     ADAPTER_MEMBER,
     ADAPTER_NAME,
     ADAPTER_TYPE,
+    ADAPTER_UNIT,
     ADAPTER_VALUE,
 )
 from rtgen.lowering.settings import AdapterEntry, Settings
@@ -30,13 +32,17 @@ from rtgen.model import (
     PortKind,
     Primitive,
     PrimitiveType,
+    SequenceType,
     SourceFile,
+    StringType,
     Struct,
     Type,
 )
+from rtgen.model.components import AdapterConstant
 from rtgen.typemap.python_names import module_name
 
 _NAME: Final = re.compile(r"[A-Za-z]\w*", re.ASCII)
+_UNIT: Final = re.compile(r"\[([^,\]]+)\]")
 _HELD: Final = {
     **INTEGER_RANGES,
     Primitive.FLOAT: (-(2**24), 2**24),
@@ -57,7 +63,13 @@ def lower(model: Model, settings: Settings) -> Lowered:
             adapters.append(_Maker(model, entry).adapter())
         except InputError as error:
             findings += error.diagnostics
-    text = repr([(a.name, a.source, a.target, a.copies) for a in adapters])
+    text = repr(
+        [
+            (a.name, a.source, a.target, a.copies)
+            + ((a.conversion, a.constants) if a.conversion or a.constants else ())
+            for a in adapters
+        ]
+    )
     name = entries[0].span.file
     file = SourceFile(
         name=name, key=name, sha256=sha256(text.encode()).hexdigest(), main=True
@@ -120,10 +132,15 @@ class _Maker:
             why = "there is one already" if taken else "it must be an identifier"
             raise self._error(ADAPTER_NAME, f"adapter {entry.name!r}: {why}")
         source, target = self._struct(entry.source), self._struct(entry.target)
+        constants = tuple(self._constant(target, *pair) for pair in entry.constants)
+        pair = pair_of(source.scoped, target.scoped)
+        if pair is not None and not entry.mapping:
+            return self._conversion(source, target, *pair, constants)
         copies: dict[tuple[str, ...], tuple[str, ...]] = {}
         for to, from_ in entry.mapping:
             to_path, from_path = tuple(to.split(".")), tuple(from_.split("."))
             self._check(self._type(target, to_path), self._type(source, from_path), to)
+            self._check_units(target, to_path, source, from_path)
             for known in copies:
                 shorter = min(len(known), len(to_path))
                 if known[:shorter] == to_path[:shorter]:
@@ -145,7 +162,76 @@ class _Maker:
                 sorted(copies.items(), key=lambda pair: order.index(pair[0][0]))
             ),
             span=entry.span,
+            constants=constants,
         )
+
+    def _conversion(
+        self,
+        source: Struct,
+        target: Struct,
+        pair: Pair,
+        to_ros: bool,
+        constants: tuple[tuple[tuple[str, ...], AdapterConstant], ...],
+    ) -> Adapter:
+        """The adapter of a pair of RT-Middleware and ROS 2."""
+        rtm, ros = (source, target) if to_ros else (target, source)
+        for struct, units in ((rtm, pair.rtm_units), (ros, pair.ros_units)):
+            for path, unit in units.items():
+                names = tuple(path.split("."))
+                self._type(struct, names)
+                own = self._unit(struct, names)
+                if unit is not None and own not in (unit, None):
+                    message = f"{path!r} of {struct.scoped} is in {own}, not in {unit}"
+                    raise self._error(ADAPTER_UNIT, message)
+        return Adapter(
+            name=self.entry.name,
+            source=source.name,
+            target=target.name,
+            copies=(),
+            span=self.entry.span,
+            conversion=pair.write if to_ros else pair.read,
+            stamps=not to_ros and not pair.stamped,
+            constants=constants,
+        )
+
+    def _constant(
+        self, target: Struct, path: str, value: AdapterConstant
+    ) -> tuple[tuple[str, ...], AdapterConstant]:
+        """A member with its value, if that fits."""
+        names = tuple(path.split("."))
+        if not _takes(self._type(target, names), value):
+            shown = list(value) if isinstance(value, tuple) else value
+            message = f"{path!r} is {self._type(target, names)}, which is not {shown!r}"
+            raise self._error(ADAPTER_VALUE, message)
+        return names, value
+
+    def _check_units(
+        self,
+        target: Struct,
+        to: tuple[str, ...],
+        source: Struct,
+        from_: tuple[str, ...],
+    ) -> None:
+        own, theirs = self._unit(target, to), self._unit(source, from_)
+        if own is not None and theirs is not None and own != theirs:
+            message = f"{'.'.join(to)!r} is in {own}, {'.'.join(from_)!r} in {theirs}"
+            raise self._error(ADAPTER_UNIT, message)
+
+    def _unit(self, struct: Struct, path: tuple[str, ...]) -> str | None:
+        """The unit of a member of known type: that of `@unit`, or the only one in its comment."""
+        *outer, name = path
+        if outer:
+            inner = self._type(struct, tuple(outer))
+            assert isinstance(inner, NamedType)
+            found = self.model.find(inner.name)
+            assert isinstance(found, Struct)
+            struct = found
+        member = next(m for m in self._members(struct) if m.name == name)
+        annotation = member.annotation("unit")
+        if annotation is not None:
+            return str(dict(annotation.arguments)["value"])
+        units = _UNIT.findall(member.doc)
+        return units[0] if len(units) == 1 else None
 
     def _struct(self, scoped: str) -> Struct:
         name = tuple(scoped.removeprefix("::").split("::"))
@@ -203,6 +289,24 @@ class _Maker:
         if rule is not ADAPTER_NAME:
             message = f"adapter {self.entry.name!r}: {message}"
         return InputError([rule.at(self.entry.span, message, hint=hint)])
+
+
+def _takes(type_: Type, value: AdapterConstant) -> bool:
+    """Whether a member of the type can have the value."""
+    if isinstance(type_, SequenceType):
+        if not isinstance(value, tuple) or not isinstance(type_.element, StringType):
+            return False
+        return type_.bound is None or len(value) <= type_.bound
+    if isinstance(type_, StringType):
+        return isinstance(value, str) and len(value) <= (type_.bound or len(value))
+    if not isinstance(type_, PrimitiveType) or isinstance(value, str | tuple):
+        return False
+    if type_.kind is Primitive.BOOLEAN or isinstance(value, bool):
+        return type_.kind is Primitive.BOOLEAN and isinstance(value, bool)
+    if type_.kind in INTEGER_RANGES:
+        low, high = INTEGER_RANGES[type_.kind]
+        return isinstance(value, int) and low <= value <= high
+    return type_.kind in FLOAT_LIMITS and abs(value) <= FLOAT_LIMITS[type_.kind]
 
 
 def _holds(to: Type, from_: Type) -> bool:

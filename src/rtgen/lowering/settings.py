@@ -9,16 +9,21 @@ import msgspec
 
 from rtgen.diagnostics import Span
 from rtgen.facts.numeric import Numeric
+from rtgen.model.components import AdapterConstant
 
 
 class AdapterEntry(msgspec.Struct, frozen=True, kw_only=True):
-    """`[adapter.NAME]`: scoped names of structs, and which member of `source` fills which."""
+    """`[adapter.NAME]`: scoped names of structs, and which member of `source` fills which.
+
+    `constants` are members of the target with values.
+    """
 
     name: str
     source: str
     target: str
     mapping: tuple[tuple[str, str], ...]
     span: Span
+    constants: tuple[tuple[str, AdapterConstant], ...] = ()
 
 
 class Settings(msgspec.Struct, frozen=True, kw_only=True):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from enum import StrEnum
+from typing import TypeAlias
 
 import msgspec
 
@@ -96,10 +97,17 @@ class Component(Declaration, frozen=True, kw_only=True):
         )
 
 
+AdapterConstant: TypeAlias = bool | int | float | str | tuple[str, ...]
+"""A value of `[adapter.NAME] set`."""
+
+
 class Adapter(msgspec.Struct, frozen=True, kw_only=True):
     """Copies members from one struct to another; implemented by the component `name`.
 
     `copies` are pairs of target member and source member, each as a path of member names.
+    `conversion` is a function of `rtgen.runtime.ros2.conversions` that fills the target in their
+    place; `stamps`: the time of the target is that of the conversion. `constants` are members of
+    the target with their values.
     """
 
     name: str
@@ -107,6 +115,9 @@ class Adapter(msgspec.Struct, frozen=True, kw_only=True):
     target: ScopedName
     copies: tuple[tuple[tuple[str, ...], tuple[str, ...]], ...]
     span: Span
+    conversion: str = ""
+    stamps: bool = False
+    constants: tuple[tuple[tuple[str, ...], AdapterConstant], ...] = ()
 
 
 class SystemComponent(Unspelled, frozen=True, eq=False, kw_only=True):

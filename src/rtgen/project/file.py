@@ -102,15 +102,27 @@ def _factory(value: Any) -> str | None:
 
 def _adapter(value: Any) -> str | None:
     fine = isinstance(value, dict) and {"from", "to"} <= set(value) <= {
-        *("from", "to", "map")
+        *("from", "to", "map", "set")
     }
     if fine:
-        pairs = value.get("map", {})
+        pairs, constants = value.get("map", {}), value.get("set", {})
         fine = isinstance(pairs, dict) and all(
             isinstance(v, str) for v in (value["from"], value["to"], *pairs.values())
         )
-    form = 'from = "TYPE", to = "TYPE", map = { "MEMBER" = "MEMBER" }'
+        fine = fine and isinstance(constants, dict)
+        fine = fine and all(map(_is_constant, constants.values()))
+    form = (
+        'from = "TYPE", to = "TYPE", map = { "MEMBER" = "MEMBER" }, '
+        'set = { "MEMBER" = VALUE }'
+    )
     return None if fine else f"must be a table: {form}"
+
+
+def _is_constant(value: Any) -> bool:
+    """Whether it is a text, a number, a truth value or a list of texts."""
+    if isinstance(value, list):
+        return all(isinstance(each, str) for each in value)
+    return isinstance(value, bool | int | float | str)
 
 
 def _ros_name(value: Any) -> str | None:

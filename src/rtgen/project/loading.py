@@ -226,6 +226,10 @@ def load(start: Path | None = None) -> Project:
                 target=table["to"],
                 mapping=tuple(table.get("map", {}).items()),
                 span=settings.span("adapter", name),
+                constants=tuple(
+                    (path, tuple(each) if isinstance(each, list) else each)
+                    for path, each in table.get("set", {}).items()
+                ),
             )
             for name, table in settings.tables("adapter").items()
         ),

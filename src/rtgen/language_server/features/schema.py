@@ -68,7 +68,7 @@ def project_keys(path: tuple[str, ...]) -> Iterator[tuple[str, str]]:
     if isinstance(section, dict) and len(path) == 1:
         yield from ((name, "") for name in section)
     elif path[0] == "adapter":
-        yield from ((name, "") for name in ("from", "to", "map"))
+        yield from ((name, "") for name in ("from", "to", "map", "set"))
 
 
 def key_at(text: Text, offset: int) -> Key | None:
