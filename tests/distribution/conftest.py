@@ -12,10 +12,24 @@ from distributed_system import Process
 from rtgen.runtime.distribution.medium import Medium
 
 
+class _Closing:
+    """An engine whose media end with the test."""
+
+    def __init__(self, engine: media.Engine, stack: ExitStack) -> None:
+        self._engine = engine
+        self._stack = stack
+        self.address = engine.address
+
+    def medium(self, system: str = media.SYSTEM) -> Medium:
+        made = self._engine.medium(system)
+        self._stack.callback(made.close)
+        return made
+
+
 @pytest.fixture(params=media.ENGINES)
 def network(request: pytest.FixtureRequest) -> Iterator[media.Engine]:
-    with media.engine(request.param) as engine:
-        yield engine
+    with media.engine(request.param) as engine, ExitStack() as stack:
+        yield _Closing(engine, stack)
 
 
 @pytest.fixture

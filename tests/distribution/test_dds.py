@@ -29,7 +29,7 @@ from rtgen.cli import run as rtgen
 from rtgen.runtime import idl, xcdr
 from rtgen.runtime.cdr import Aggregated
 from rtgen.runtime.dds.medium import DdsMedium, configuration
-from rtgen.runtime.dds.numbers import Numbers, numbered
+from rtgen.runtime.dds.numbers import DOUBLE, Numbers, numbered, plain
 from rtgen.runtime.dds.types import idl_class
 from rtgen.runtime.distribution.data import encoder
 from rtgen.runtime.distribution.medium import (
@@ -112,6 +112,8 @@ def test_samples_are_numbered_without_change_of_meaning() -> None:
     sent = [1, 2, 5, 16383, 16384, 16385, 40000]
     marked = [numbered(payload, number) for number in sent]
     assert [numbers.sequence("one", each) for each in marked[:6]] == sent[:6]
+    assert numbers.sequence("one", marked[5]) == DOUBLE
+    assert [plain(each) for each in marked] == [payload] * len(marked)
     # More than a cycle cannot be counted.
     assert numbers.sequence("one", marked[6]) == 40000 - 16383
     for each in marked:
@@ -237,6 +239,23 @@ def test_a_domain_has_one_configuration(stack: ExitStack, partition: str) -> Non
     medium(stack, partition)
     with pytest.raises(MediumError, match="open with other options"):
         DdsMedium(partition, domain=DOMAIN, interface="127.0.0.1")
+
+
+def test_security_that_cannot_be_had_is_refused(tmp_path: Path, partition: str) -> None:
+    """The wheel of cyclonedds has no security plug-ins: without them nothing is sent."""
+    part = '<Library path="nowhere_{0}" initFunction="i" finalizeFunction="f"/>'
+    config = tmp_path / "secure.xml"
+    config.write_text(
+        "<CycloneDDS><Domain><Security>"
+        f"<Authentication>{part.format('auth')}<IdentityCertificate>data:,x"
+        "</IdentityCertificate><IdentityCA>data:,x</IdentityCA><PrivateKey>data:,x"
+        f"</PrivateKey></Authentication><AccessControl>{part.format('ac')}"
+        "<Governance>data:,x</Governance><PermissionsCA>data:,x</PermissionsCA>"
+        f"<Permissions>data:,x</Permissions></AccessControl><Cryptographic>"
+        f"{part.format('crypto')}</Cryptographic></Security></Domain></CycloneDDS>"
+    )
+    with pytest.raises(MediumError, match="domain 89"):
+        DdsMedium(partition, domain=89, config=config)
 
 
 # The command.

@@ -226,8 +226,11 @@ def test_a_process_that_dies_fails_the_call_and_is_found_again(
 def test_requests_are_carried_out_once(
     called: tuple[Process, Process], network: Any
 ) -> None:
-
-    client = network.medium().client("b/given/rpc")
+    medium = network.medium()
+    seen: list[str] = []
+    medium.watch("b/", lambda name, present: seen.append(name))
+    wait_for(lambda: seen)
+    client = medium.client("b/given/rpc")
     request = envelope.Request(b"0" * 16, 1, "end", b"", True, True)
     octets = envelope.request_octets(request)
     client.call(octets, 10)

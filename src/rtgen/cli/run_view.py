@@ -63,6 +63,10 @@ def _why_lost(
     if full < connector.dropped:
         policy = connector.settings.push_policy.value
         return f"left out by the push policy {policy!r} of the connection"
+    if full < connector.missed:
+        return (
+            "on the way from the other process; dataport.qos.depth keeps more of them"
+        )
     length = connector.buffer.settings.length
     what = "newer ones took their place" if connector.overwritten else "write refused"
     if state is not runtime.ACTIVE_STATE:

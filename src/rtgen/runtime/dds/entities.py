@@ -47,7 +47,7 @@ def reported(what: str) -> Iterator[None]:
     try:
         yield
     except DDSException as error:
-        raise MediumError(f"{what}: {error.msg}") from error
+        raise MediumError(f"{what}: {error}") from error
     except TypeError as error:
         raise MediumError(f"{what}: {error}") from error
 

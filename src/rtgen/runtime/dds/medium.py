@@ -13,7 +13,7 @@ from cyclonedds.domain import Domain, DomainParticipant
 from rtgen.runtime.dds import entities
 from rtgen.runtime.dds.dispatcher import Dispatcher
 from rtgen.runtime.dds.entities import Entities
-from rtgen.runtime.dds.numbers import Numbers, numbered
+from rtgen.runtime.dds.numbers import DOUBLE, Numbers, numbered, plain
 from rtgen.runtime.dds.presence import Presences
 from rtgen.runtime.dds.rpc import DdsClient, DdsService
 from rtgen.runtime.distribution.medium import (
@@ -268,4 +268,6 @@ class DdsSubscription:
             if info.valid_data:
                 source = info.publication_handle
                 sequence = self._numbers.sequence(source, octets)
-                self._on_sample(Sample(octets, source, sequence))
+                if sequence != DOUBLE:
+                    sent = octets if sequence is None else plain(octets)
+                    self._on_sample(Sample(sent, source, sequence))

@@ -12,6 +12,7 @@ from collections import OrderedDict
 from collections.abc import Hashable
 
 _CYCLE = (1 << 14) - 1
+DOUBLE = -1
 _SOURCES = 256
 """Writers of one topic whose numbers are remembered."""
 
@@ -23,6 +24,11 @@ def numbered(octets: bytes, sequence: int) -> bytes:
     return b"%b%b%b" % (octets[:2], options.to_bytes(2, "big"), octets[4:])
 
 
+def plain(octets: bytes) -> bytes:
+    """The payload without its number."""
+    return b"%b%b%b" % (octets[:2], bytes((0, octets[3] & 3)), octets[4:])
+
+
 class Numbers:
     """Counts the numbers of each writer on beyond their 14 bits."""
 
@@ -30,9 +36,11 @@ class Numbers:
         self._last: OrderedDict[Hashable, int] = OrderedDict()
 
     def sequence(self, source: Hashable, octets: bytes) -> int | None:
-        """The sequence number of a payload; None if it has none.
+        """The sequence number of a payload; None if it has none, DOUBLE if it came before.
 
-        A writer's samples come in order, so each is less than a cycle after the one before.
+        A writer's samples come in order, so each is less than a cycle after the one before. A
+        write that found no room with one reader of its process, and was repeated, comes twice to
+        the others.
         """
         number = int.from_bytes(octets[2:4], "big") >> 2
         if not number:
@@ -42,7 +50,9 @@ class Numbers:
             sequence = number
         else:
             step = (number - last) % _CYCLE
-            sequence = last + (step or _CYCLE)
+            if not step:
+                return DOUBLE
+            sequence = last + step
         self._last[source] = sequence
         if len(self._last) > _SOURCES:
             self._last.popitem(last=False)

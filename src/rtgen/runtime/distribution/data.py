@@ -270,9 +270,9 @@ class ReceivingConnector(DataConnector[Any]):
         return True
 
     @property
-    def lost(self) -> int:
-        """All samples that did not reach the reader."""
-        return super().lost + self.arrivals.missed + self.arrivals.invalid
+    def missed(self) -> int:
+        """See `DataConnector`."""
+        return self.arrivals.missed + self.arrivals.invalid
 
     def attach(self) -> None:
         """Makes the connection: from now on samples flow. Raises TransportError."""

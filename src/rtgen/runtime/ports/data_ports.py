@@ -381,9 +381,15 @@ class DataConnector(Generic[T]):
         return self.publisher.dropped if self.publisher else 0
 
     @property
+    def missed(self) -> int:
+        """Samples that were lost, or could not be decoded, on the way from another process."""
+        return 0
+
+    @property
     def lost(self) -> int:
         """All samples that did not reach the reader."""
-        return self.overwritten + self.refused + self.dropped + self.cut
+        here = self.overwritten + self.refused + self.dropped + self.cut
+        return here + self.missed
 
     def send(self, value: T) -> PortStatus:
         """Takes a snapshot and delivers it, or leaves it to the publisher."""
