@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from pathlib import Path
 
 _PACKAGE = Path(__file__).resolve().parent
@@ -59,6 +60,7 @@ def idl_source(name: str) -> str:
     return idl_file(name).read_text("utf-8")
 
 
+@cache
 def ros_interfaces() -> tuple[str, ...]:
     """The interface files of ROS 2 that ship with rtgen (`std_msgs/msg/Header.msg`), in order."""
     files = _ROS.glob("*/*/*.*")
