@@ -3,10 +3,10 @@
     python benchmarks/transports.py [ROUNDS]
 
 Samples: the writer of one process, the reader of another, that counts what arrives. `write` is
-the writer's path alone, per sample: our port's (snapshot of nothing, encoding, the engine's put)
-beside cyclonedds-python's `write` of its own class, and Zenoh's `put` of octets that `struct` has
-packed, which is the least that a program has to do. `arrives` are samples per second, and of how
-many, until the last one is there. Latency is half of a round trip by two topics, one sample at a
+the writer's path alone, per sample: ours (encoding, and the engine's publisher) beside
+cyclonedds-python's `write` of its own class, and Zenoh's `put` of octets that `struct` has packed,
+which is the least that a program has to do. `arrives` are samples per second until the last one is
+there, `of` the share that arrived. Latency is half of a round trip by two topics, one sample at a
 time. Calls have no arguments. Rounds of ours and of a peer alternate; figures are medians of
 rounds.
 """

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
 import signal
 import struct
+import subprocess
 from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
@@ -190,6 +192,78 @@ def test_locators_replace_those_of_the_file(tmp_path: Path, locator: str) -> Non
         plain_session(locator) as session,
     ):
         wait_for(lambda: session.info.peers_zid())
+
+
+SITE = """
+{{ mode: "router", listen: {{ endpoints: ["tls/{place}"] }},
+  scouting: {{ multicast: {{ enabled: false }} }},
+  transport: {{ link: {{ tls: {{ root_ca_certificate: "{folder}/site.pem", enable_mtls: true,
+    listen_certificate: "{folder}/router.pem", listen_private_key: "{folder}/router.key" }} }} }},
+  access_control: {{ enabled: true, default_permission: "deny",
+    rules: [ {{ id: "system", permission: "allow", flows: ["ingress", "egress"],
+      messages: ["put", "delete", "declare_subscriber", "query", "reply", "declare_queryable",
+        "liveliness_token", "liveliness_query", "declare_liveliness_subscriber"],
+      key_exprs: ["ours/**"] }} ],
+    subjects: [ {{ id: "robots", cert_common_names: ["robot"] }} ],
+    policies: [ {{ rules: ["system"], subjects: ["robots"] }} ] }} }}
+"""
+MEMBER = """
+{{ mode: "client", connect: {{ endpoints: ["tls/{place}"] }},
+  scouting: {{ multicast: {{ enabled: false }} }},
+  transport: {{ link: {{ tls: {{ root_ca_certificate: "{folder}/site.pem", enable_mtls: true,
+    connect_certificate: "{folder}/{name}.pem",
+    connect_private_key: "{folder}/{name}.key" }} }} }} }}
+"""
+
+
+def certify(folder: Path, *names: str) -> None:
+    """Makes keys and certificates of a site."""
+    openssl = shutil.which("openssl")
+    if openssl is None:
+        pytest.skip("openssl is not installed")
+    key = ["-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes"]
+    alternative = "subjectAltName=DNS:localhost,IP:127.0.0.1"
+
+    def make(name: str, *more: str) -> None:
+        command = [openssl, "req", "-x509", *key, "-keyout", f"{name}.key"]
+        command += ["-out", f"{name}.pem", "-days", "2", "-subj", f"/CN={name}"]
+        subprocess.run([*command, *more], cwd=folder, check=True, capture_output=True)
+
+    make("site")
+    for name in names:
+        leaf = ["-addext", alternative, "-addext", "basicConstraints=critical,CA:FALSE"]
+        make(name, *leaf, "-CA", "site.pem", "-CAkey", "site.key")
+
+
+def test_files_of_zenoh_encrypt_and_keep_strangers_out(
+    stack: ExitStack, tmp_path: Path
+) -> None:
+    certify(tmp_path, "router", "robot", "stranger")
+    place = f"127.0.0.1:{media.free_port()}"
+
+    def file(text: str, name: str) -> Path:
+        made = tmp_path / f"{name}.json5"
+        text = text.format(place=place, folder=tmp_path.as_posix(), name=name)
+        made.write_text(text, encoding="utf-8")
+        return made
+
+    stack.enter_context(open_session(Endpoints(file(SITE, "router"))))
+
+    def joined(name: str, system: str) -> ZenohMedium:
+        made = ZenohMedium(system, Endpoints(file(MEMBER, name)))
+        stack.callback(made.close)
+        return made
+
+    seen: list[tuple[str, str]] = []
+    members = [joined("robot", "ours"), joined("robot", "ours")]
+    others = [joined("stranger", "ours"), joined("robot", "theirs")]
+    for medium, who in ((members[0], "member"), (others[0], "stranger")):
+        medium.watch("", lambda name, _, who=who: seen.append((who, name)))
+    for medium, name in ((others[0], "a"), (others[1], "b"), (members[1], "c")):
+        medium.announce(name)
+    wait_for(lambda: len(seen) == 2)
+    # What a stranger announces, it sees itself alone.
+    assert sorted(seen) == [("member", "c"), ("stranger", "a")]
 
 
 # The command.

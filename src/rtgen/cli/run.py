@@ -122,9 +122,9 @@ def run(
     INSTANCE.PORT[index] are values over time, anything else is the file, by default values.csv and
     values.svg below build. Without any of them the file gets the trajectory.
 
-    With --transport corba service calls go over omniORB; with --transport dds samples and calls go
-    over DDS. With --only this process runs a part of the system, and they go to the processes that
-    run the rest.
+    With --transport corba service calls go over omniORB; with --transport dds or zenoh samples and
+    calls go over DDS or Zenoh. With --only this process runs a part of the system, and they go to
+    the processes that run the rest.
     """
     simulated = clock == "sim"
     carrying.check(simulated=simulated)
