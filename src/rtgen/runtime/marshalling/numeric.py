@@ -20,7 +20,7 @@ _N = TypeVar("_N", int, float)
 Order: TypeAlias = Literal["<", ">"]
 """A byte order, as `struct` has it."""
 
-_SWAPPED_BY_NUMPY = 1000
+_SWAPPED_BY_NUMPY = 2500
 
 _SWAPPED = {"<": sys.byteorder == "big", ">": sys.byteorder == "little"}
 _ORDERS = {**_SWAPPED, "!": sys.byteorder == "little"}
