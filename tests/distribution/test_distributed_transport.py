@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 from distributed_system import Process, arrived, sample, wait_for
+from patience import PATIENCE
 
 from rtgen import runtime
 from rtgen.runtime.cdr import CdrError
@@ -289,7 +290,9 @@ def test_ports_of_other_processes_are_checked(pair: tuple[Process, Process]) -> 
 
 def test_another_process_is_watched_and_steered(pair: tuple[Process, Process]) -> None:
     here, there = pair
-    wait_for(lambda: here.transport.peers.is_present("b"))
+    here.transport.await_instance("b", PATIENCE)
+    with pytest.raises(runtime.TransportError, match="has nobody"):
+        here.transport.await_instance("nobody", 0)
     asker = here.transport.peers.asker("b")
     assert asker.state().state == "INACTIVE_STATE"
     described = asker.describe()

@@ -234,6 +234,14 @@ class DistributedTransport:
                     f"another process of this system runs {instance}, too"
                 )
 
+    def await_instance(self, instance: str, seconds: float) -> None:
+        """Wait until a process has an instance. Raises TransportError after so many seconds."""
+        deadline = time.monotonic() + seconds
+        while not self.peers.is_present(instance):
+            if time.monotonic() > deadline:
+                raise TransportError(f"no process of this system has {instance}")
+            self.peers.wait(_LOOK_AGAIN)
+
     def is_ready(self, instance: str, before: Collection[str]) -> bool:
         """Whether the providers are ACTIVE that other processes activate before an instance."""
         return all(
