@@ -1,4 +1,4 @@
-"""Samples and calls between two processes: direct, corba, dds, zenoh, beside the libraries alone.
+"""Samples and calls over dds and zenoh, between two processes, beside the libraries alone.
 
     python benchmarks/transports.py [ROUNDS]
 
@@ -7,8 +7,8 @@ the writer's path alone, per sample: ours (encoding, and the engine's publisher)
 cyclonedds-python's `write` of its own class, and Zenoh's `put` of octets that `struct` has packed,
 which is the least that a program has to do. `arrives` are samples per second until the last one is
 there, `of` the share that arrived. Latency is half of a round trip by two topics, one sample at a
-time. Calls have no arguments. Rounds of ours and of a peer alternate; figures are medians of
-rounds.
+time. Calls have no arguments (over CORBA: `corba.py`). Rounds of ours and of a peer alternate;
+figures are medians of rounds.
 """
 
 from __future__ import annotations

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from functools import partial
 
 import media
 import pytest
@@ -213,15 +214,16 @@ def test_nothing_comes_after_close(join: Join) -> None:
     publisher.close()
 
 
-@pytest.mark.parametrize("name", ["", "/a", "a/", "a b", "a*", "ä", "a" * 201, "a?b#"])
-def test_wrong_names_are_refused(join: Join, name: str) -> None:
+def test_wrong_names_are_refused(join: Join) -> None:
     medium = join()
-    for attempt in (
-        lambda: medium.publisher(Topic(name, TOPIC.type), Qos()),
-        lambda: medium.subscribe(Topic(name, TOPIC.type), Qos(), lambda _: None),
-        lambda: medium.serve(name, lambda *_: None),
-        lambda: medium.client(name),
-        lambda: medium.announce(name),
-    ):
-        with pytest.raises(MediumError, match="cannot be a name"):
-            attempt()
+    for name in ("", "/a", "a/", "a b", "a*", "ä", "a" * 201, "a?b#"):
+        topic = Topic(name, TOPIC.type)
+        for attempt in (
+            partial(medium.publisher, topic, Qos()),
+            partial(medium.subscribe, topic, Qos(), lambda _: None),
+            partial(medium.serve, name, lambda *_: None),
+            partial(medium.client, name),
+            partial(medium.announce, name),
+        ):
+            with pytest.raises(MediumError, match="cannot be a name"):
+                attempt()
