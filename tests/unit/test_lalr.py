@@ -152,9 +152,7 @@ def test_every_definition_file_has_the_tree_that_lark_gives(
     library = Library(ROOT, [])
     source = library.open(path)
     assert source is not None
-    unit = Preprocessor(library, lambda _: None).translation_unit(
-        source, predefined({})
-    )
+    unit = Preprocessor(library).translation_unit(source, predefined({}))
     assert lalr.Parser(ours, unit.text).run() == plain(peer.parse(unit.text))
 
 
