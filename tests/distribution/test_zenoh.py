@@ -26,6 +26,7 @@ from runs import CONSOLE, GOAL, ROBOT, ROOT, TO_GOAL, WAY, Run
 
 from rtgen.cli import run as rtgen
 from rtgen.runtime.distribution.medium import MediumError
+from rtgen.runtime.zenoh import session
 from rtgen.runtime.zenoh.medium import ZenohMedium
 from rtgen.runtime.zenoh.session import Endpoints, open_session
 
@@ -192,6 +193,30 @@ def test_locators_replace_those_of_the_file(tmp_path: Path, locator: str) -> Non
         plain_session(locator) as session,
     ):
         wait_for(lambda: session.info.peers_zid())
+
+
+def test_processes_of_one_machine_meet_without_options(
+    stack: ExitStack, locator: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(session, "MEETING_PLACE", locator)
+
+    def joined() -> ZenohMedium:
+        medium = ZenohMedium("machine")
+        stack.callback(medium.close)
+        return medium
+
+    seen: list[tuple[str, bool]] = []
+    first, second, third = joined(), joined(), joined()
+    third.watch("", lambda name, present: seen.append((name, present)))
+    second.announce("second")
+    first.announce("first")
+    wait_for(lambda: len(seen) == 2)
+    # The first one listened at the meeting place: the others go on, and are found.
+    first.close()
+    wait_for(lambda: ("first", False) in seen)
+    joined().announce("fourth")
+    wait_for(lambda: ("fourth", True) in seen)
+    assert ("second", False) not in seen
 
 
 SITE = """
