@@ -29,7 +29,7 @@ endif
 endif
 endif
 
-.PHONY: demo gallery test check format lint types pyright imports drift pytest test-openrtm interpreters lowest lock licences wheels fuzz bench clean
+.PHONY: demo gallery test check format lint types pyright imports drift pytest test-openrtm interpreters interpreter interpreted lowest lock licences wheels fuzz bench clean
 
 demo: $(VENV)/demo.stamp
 	$(BIN)/rtgen generate
@@ -46,8 +46,9 @@ gallery: $(VENV)/test.stamp
 # Tests wait for clocks and processes now and then; what else is checked is done meanwhile. What is
 # the same on each interpreter, and fast, is left to the further one: `pytest` alone runs all.
 test: SELECTED = -m "not once or slow or peer or random"
-test: $(VENV)/test.stamp
-	$(MAKE) --no-print-directory -j 2 pytest lint types imports drift interpreters SELECTED='$(SELECTED)'
+test: $(VENV)/bin/python
+	$(MAKE) --no-print-directory -j 2 $(VENV)/test.stamp interpreter
+	$(MAKE) --no-print-directory -j 2 pytest lint types imports drift interpreted SELECTED='$(SELECTED)'
 
 CHECKED = src tests benchmarks requirements editors hatch_build.py mkdocs_hooks.py
 
@@ -83,8 +84,15 @@ test-openrtm: $(VENV)/test.stamp
 # The fast tests again on another interpreter, those with peers left out, with the coverage of lines.
 # Each commit tries one; `tests/interpreters.py --all` tries all that this machine has.
 # With a lower priority than the tests beside them, which wait for each other's processes.
-interpreters: $(VENV)/test.stamp
-	nice -n 5 $(BIN)/python tests/interpreters.py
+interpreters: interpreter
+	$(MAKE) --no-print-directory interpreted
+
+# The environment of the other interpreter; one processor installs it, one that of this one.
+interpreter: $(VENV)/bin/python
+	$(BIN)/python tests/interpreters.py --install
+
+interpreted:
+	nice -n 5 $(BIN)/python tests/interpreters.py --installed
 
 # The same on this interpreter with the lowest versions that pyproject.toml allows.
 lowest: $(VENV)/release.stamp

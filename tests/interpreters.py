@@ -1,7 +1,8 @@
 """Builds the wheel and runs the fast tests on it with another interpreter.
 
 One of those found, chosen by the commit, so that commits try them in turn; `--all` tries each.
-`--lowest` uses this interpreter and the lowest versions that pyproject.toml allows.
+`--lowest` uses this interpreter and the lowest versions that pyproject.toml allows. `--install`
+makes the environments alone, `--installed` runs the tests in those that were made.
 """
 
 from __future__ import annotations
@@ -53,9 +54,12 @@ def find(version: str) -> str | None:
     return None
 
 
-def build(folder: Path) -> Path:
-    """The wheel of the working tree, made in that folder."""
-    command = [sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps"]
+def build(python: str, folder: Path) -> Path:
+    """The wheel of the working tree, made in that folder by the pip of an environment.
+
+    That of this one may not be there yet: both are installed at once.
+    """
+    command = [python, "-m", "pip", "wheel", "--quiet", "--no-deps"]
     command += ["--disable-pip-version-check", "--wheel-dir", str(folder), str(ROOT)]
     subprocess.run(command, check=True)
     return next(folder.glob("rtgen-*.whl"))
@@ -75,7 +79,7 @@ def make(interpreter: str, folder: Path, *, lowest: bool = False) -> None:
     else:
         install = [python, "-m", "pip", "install", "--quiet", "--no-compile"]
         install += ["--disable-pip-version-check"]
-    subprocess.run([*install, f"{build(folder)}[plot,test]"], check=True)
+    subprocess.run([*install, f"{build(python, folder)}[plot,test]"], check=True)
     _install_application(python, folder)
 
 
@@ -153,14 +157,17 @@ def main() -> int:
         if version != own and (path := find(version)) is not None
     }
     for version in SUPPORTED:
-        if version != own and version not in found:
+        if version not in (own, *found) and "--installed" not in sys.argv[1:]:
             print(f"Python {version}: not found, not tested", flush=True)
     found = found or {own: sys.executable}
     tried = list(found) if "--all" in sys.argv[1:] else [chosen([*found], commit())]
     failed = []
     for version in tried:
         folder = ENVIRONMENTS / version
-        make(found[version], folder)
+        if "--installed" not in sys.argv[1:]:
+            make(found[version], folder)
+        if "--install" in sys.argv[1:]:
+            continue
         code, output = run_tests(folder, measured=version in MONITORED)
         print(f"Python {version}: the fast tests on the wheel\n{output}", flush=True)
         if code != 0:
