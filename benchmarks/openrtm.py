@@ -139,7 +139,7 @@ def example(descriptor: Any, types: dict[str, type[Any]], length: int) -> Any:
 
 
 def default(descriptor: Any) -> Any:
-    """The initial value of what is no plain data."""
+    """The initial value of what is not plain data."""
     from rtgen.runtime.values import AnyValue
 
     return AnyValue() if getattr(descriptor, "name", "") == "any" else None

@@ -357,7 +357,7 @@ def _difference(expected: str, printed: str) -> str:
 
 
 def _import(text: str) -> None:
-    """Carry out the imports of installed packages; SyntaxError if the text is no Python."""
+    """Carry out the imports of installed packages; SyntaxError if the text is not Python."""
     for node in ast.parse(text).body:
         if isinstance(node, ast.Import | ast.ImportFrom):
             names = [alias.name for alias in node.names]

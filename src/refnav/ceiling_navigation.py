@@ -55,7 +55,7 @@ class CeilingNavigation(CeilingNavigationBase):
         config = self.config
         if len(sample.data) % config.ImageWidth:
             return self.fail(
-                f"CameraData: {len(sample.data)} pixels are no rows of {config.ImageWidth}"
+                f"CameraData: {len(sample.data)} pixels are not rows of {config.ImageWidth}"
             )
         view = View(
             config.ImageWidth,

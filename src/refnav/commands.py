@@ -42,7 +42,7 @@ def parse(line: str) -> Command | None:
         if len(points) < 2:
             raise CommandError("a path needs two or more waypoints")
         return Command(points)
-    raise CommandError(f"{verb!r} is no command; expected {SYNTAX}")
+    raise CommandError(f"{verb!r} is not a command; expected {SYNTAX}")
 
 
 def parse_all(text: str, name: str) -> tuple[Command, ...]:
@@ -69,8 +69,10 @@ def _pose(text: str) -> Pose:
         x, y, theta = map(float, numbers)
     except ValueError:
         raise CommandError(
-            f"{text.strip()!r} is no pose; expected three numbers"
+            f"{text.strip()!r} is not a pose; expected three numbers"
         ) from None
     if not (isfinite(x) and isfinite(y) and isfinite(theta)):
-        raise CommandError(f"{text.strip()!r} is no pose; the numbers must be finite")
+        raise CommandError(
+            f"{text.strip()!r} is not a pose; the numbers must be finite"
+        )
     return Pose(x, y, theta)

@@ -159,5 +159,5 @@ class Board:
 def converted(voltage: float) -> int:
     """The converter's value for a voltage."""
     if not isfinite(voltage):
-        raise ValueError(f"{voltage} is no voltage")
+        raise ValueError(f"{voltage} is not a voltage")
     return min(max(round(voltage / FULL_SCALE * 0x7FFF), -0x8000), 0x7FFF)

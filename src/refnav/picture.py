@@ -31,7 +31,9 @@ class Picture:
 
     def __init__(self, path: Path) -> None:
         if path.suffix.lower() not in KINDS:
-            raise PictureError(f"{path.name} is no picture; one of {', '.join(KINDS)}")
+            raise PictureError(
+                f"{path.name} is not a picture; one of {', '.join(KINDS)}"
+            )
         if find_spec("matplotlib") is None:
             raise PictureError("a picture needs matplotlib: pip install 'rtgen[plot]'")
         self._path = path

@@ -12,7 +12,7 @@ from refrobots import iis, rtc
 REMEMBERED = 128
 """How many poses are kept."""
 TURN_JUMP = 0.6
-"""A heading this far from the one before is no motion of the base [rad]."""
+"""A heading this far from the one before is not a motion of the base [rad]."""
 
 
 def jumped(before: Pose, here: Pose, most: float) -> str:

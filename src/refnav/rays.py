@@ -10,7 +10,7 @@ def walls_of(text: str) -> "list[tuple[float, float, float, float]]":
     walls = []
     for words in entries(text):
         if len(words) != 4:
-            raise ValueError(" ".join(words) + " is no wall")
+            raise ValueError(" ".join(words) + " is not a wall")
         x1, y1, x2, y2 = [float(word) for word in words]
         walls.append((x1, y1, x2, y2))
     return walls

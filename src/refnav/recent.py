@@ -35,7 +35,7 @@ class Recent:
 def octets_of(digits: str) -> bytes:
     """The 16 octets of a ucode in hexadecimal digits, the missing ones 0. Raises ValueError."""
     if not 0 < len(digits) <= 32:
-        raise ValueError(digits + " is no ucode of 1 to 32 hexadecimal digits")
+        raise ValueError(digits + " is not a ucode of 1 to 32 hexadecimal digits")
     number = int(digits, 16)
     return number.to_bytes(16, "big")
 

@@ -136,7 +136,7 @@ class Robot(Component, Generic[P]):
             self._follower = None
 
     def _follow(self, target: iis.TimedPosition) -> None:
-        # The track of one robot is no track of another, so a new leader is followed anew.
+        # The track of one robot is not a track of another, so a new leader is followed anew.
         if self._follower is None or target.id != self._leader:
             self._follower = WAYS[self.config.following]()
             self._leader = list(target.id)

@@ -79,7 +79,7 @@ def parse(text: str, name: str) -> RouteMap:
 
 def _node(name: str, line: int, value: float) -> int:
     if value != int(value):
-        raise mistake(name, line, f"{value} is no number of a node")
+        raise mistake(name, line, f"{value} is not a number of a node")
     return int(value)
 
 

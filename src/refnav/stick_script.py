@@ -60,7 +60,7 @@ def parse(text: str, name: str, columns: int, most: float = 1.0) -> Script:
                 f" {len(words)} numbers found"
             )
         if not 0.0 < seconds <= LONGEST:
-            raise ScriptError(f"{name}:{number}: {words[0]} is no duration [s]")
+            raise ScriptError(f"{name}:{number}: {words[0]} is not a duration [s]")
         if not all(isfinite(value) and abs(value) <= most for value in held):
             raise ScriptError(f"{name}:{number}: values go from {-most:g} to {most:g}")
         end += round(seconds * 1000.0)

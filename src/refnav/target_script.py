@@ -36,7 +36,7 @@ def parse(text: str, name: str) -> tuple[TargetList, ...]:
         try:
             found = TargetList(_number(at), _targets(rest.strip()))
         except ValueError:
-            message = f"{name}:{number}: {content!r} is no {SYNTAX}"
+            message = f"{name}:{number}: {content!r} is not of the form {SYNTAX}"
             raise ScriptError(message) from None
         if found.at < 0.0 or (lists and found.at < lists[-1].at):
             raise ScriptError(f"{name}:{number}: {at} s is before what went before")

@@ -22,7 +22,7 @@ class UcodeReader(UcodeReaderBase):
         markers = []
         for words in entries(self.config.markers):
             if len(words) != 3:
-                return self.fail("markers: " + " ".join(words) + " is no marker")
+                return self.fail("markers: " + " ".join(words) + " is not a marker")
             markers.append((octets_of(words[0]), float(words[1]), float(words[2])))
         self._markers = markers
         try:

@@ -41,7 +41,7 @@ def read(
     `define` macros by name; `lowered` adds what lowerings make: the types and the components of
     devices, the packages of TECS boards. Back ends need it for these.
 
-    Raises InputError for a path that is no definition and for a wrong `rtgen.toml`; whatever is
+    Raises InputError for a path that is not a definition and for a wrong `rtgen.toml`; whatever is
     wrong in definitions is among the diagnostics.
     """
     paths: list[str] = []

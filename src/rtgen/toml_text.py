@@ -15,7 +15,7 @@ _DEEP_KEY = re.compile(rf"(?<![\w-])(?:{_PART}){{{MOST_LEVELS}}}")
 
 
 class TomlError(Exception):
-    """The text is no TOML; `span` says where."""
+    """The text is not TOML; `span` says where."""
 
     def __init__(self, message: str, span: Span) -> None:
         super().__init__(message)

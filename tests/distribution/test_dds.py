@@ -226,7 +226,7 @@ def test_garbage_on_a_topic_is_counted(
 ) -> None:
     process = stack.enter_context(Process(medium(stack, partition), "a"))
     other = medium(stack, partition)
-    # The same topic, with octets that are no sample of the type.
+    # The same topic, with octets that are not sample of the type.
     publisher = other.publisher(Topic("a/in/in", rtc.TimedDouble), Qos())
     wait_for(lambda: publisher.matched)
     with pytest.raises(MediumError):

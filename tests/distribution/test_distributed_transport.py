@@ -281,7 +281,7 @@ def test_two_processes_do_not_run_one_instance(start: Start) -> None:
 def test_ports_of_other_processes_are_checked(pair: tuple[Process, Process]) -> None:
     here, _ = pair
     here.connect("a.out", "b.nowhere")
-    with pytest.raises(runtime.ConnectError, match=r"b.nowhere is no InPort"):
+    with pytest.raises(runtime.ConnectError, match=r"b.nowhere is not an InPort"):
         here.transport.await_others(1)
 
 

@@ -266,7 +266,7 @@ class Program:
         return self.basic()
 
     def wrong_type(self) -> tuple[list[str], Shape]:
-        """What is no type, or none for this place."""
+        """What is not a type, or none for this place."""
         pools = (self.exceptions, self.modules, self.constants, self.components)
         pool = self.chance.choice(pools)
         if pool and self.odds(0.6):

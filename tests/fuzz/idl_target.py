@@ -120,7 +120,7 @@ def findings(
     for d in diagnostics:
         rule = _CODES.get(d.code)
         if rule is None or rule.severity is not d.severity:
-            raise ViolationError(f"{d.code} is no rule of that severity")
+            raise ViolationError(f"{d.code} is not a rule of that severity")
         if not d.message:
             raise ViolationError(f"{d.code} says nothing")
         if d.span is None:

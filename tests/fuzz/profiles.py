@@ -123,7 +123,7 @@ class ProfileTarget:
 def _hold(found: Iterable[Diagnostic]) -> None:
     for d in found:
         if d.code not in _CODES:
-            raise ViolationError(f"{d.code} is no finding of a profile")
+            raise ViolationError(f"{d.code} is not a finding of a profile")
 
 
 def _as_yaml(data: bytes) -> bytes:

@@ -427,7 +427,7 @@ def test_a_naming_service_elsewhere_is_not_started(
         assert "usage: start.sh" in completed.stderr
     completed = script(folder / "connect.py", rtm_environment, "--rate-scale", "nan")
     assert completed.returncode == 2
-    assert "nan is no number above 0" in completed.stderr
+    assert "nan is not a number above 0" in completed.stderr
     bare = {**rtm_environment, "PYTHONPATH": ""}
     if not middleware.REAL:
         completed = script(folder / "start.sh", bare)

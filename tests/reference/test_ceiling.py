@@ -135,7 +135,7 @@ def test_a_picture_of_another_size_is_an_error() -> None:
     bench.send("LocalizedPosition", sample(Pose(2.0, 4.0, 1.0)))
     bench.send("CameraData", rtc.TimedOctetSeq(data=bytes(1000)))
     bench.run(0.04)
-    assert bench.component.reason == "CameraData: 1000 pixels are no rows of 320"
+    assert bench.component.reason == "CameraData: 1000 pixels are not rows of 320"
 
 
 @pytest.mark.parametrize(

@@ -33,10 +33,10 @@ def test_nothing(line: str) -> None:
         ("path 1 2 3;", "three numbers"),
         ("goal 1 2", "three numbers"),
         ("goal 1 2 3 4", "three numbers"),
-        ("goal 1 2 east", "'1 2 east' is no pose"),
+        ("goal 1 2 east", "'1 2 east' is not a pose"),
         ("goal 1 2 nan", "finite"),
         ("goal 1 inf 3", "finite"),
-        ("gaol 1 2 3", "'gaol' is no command"),
+        ("gaol 1 2 3", "'gaol' is not a command"),
     ],
 )
 def test_what_is_not_understood(line: str, message: str) -> None:

@@ -51,7 +51,7 @@ def test_a_scan_measures_the_walls() -> None:
 @pytest.mark.parametrize(
     ("parameters", "why"),
     [
-        ({"walls": "1 2 3"}, "walls: 1 2 3 is no wall"),
+        ({"walls": "1 2 3"}, "walls: 1 2 3 is not a wall"),
         ({"end_angle": "-3.0"}, "end_angle is not above start_angle"),
     ],
 )
@@ -98,7 +98,7 @@ def test_walls_that_are_none() -> None:
     bench = Bench(UcodeReader("UcodeReader0"), 5.0)
     bench.set(walls="1 2 3")
     bench.activate()
-    assert bench.component.reason == "walls: 1 2 3 is no wall"
+    assert bench.component.reason == "walls: 1 2 3 is not a wall"
 
 
 def test_what_was_not_hit_is_no_obstacle_at_the_sensor() -> None:

@@ -155,5 +155,5 @@ def test_angle_reference(board: Board) -> None:
 def test_converter() -> None:
     assert converted(5.0) == converted(7.0) == 0x7FFF
     assert converted(-9.0) == -0x8000
-    with pytest.raises(ValueError, match="nan is no voltage"):
+    with pytest.raises(ValueError, match="nan is not a voltage"):
         converted(nan)

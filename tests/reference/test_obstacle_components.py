@@ -296,7 +296,7 @@ def test_a_picture_of_an_unknown_kind() -> None:
     bench.set(picture="seen.gif")
     bench.activate()
     assert bench.component.reason == (
-        "picture: seen.gif is no picture; one of .svg, .png, .pdf"
+        "picture: seen.gif is not a picture; one of .svg, .png, .pdf"
     )
 
 

@@ -97,7 +97,7 @@ def test_a_finish_from_before_the_command_does_not_count(tmp_path: Path) -> None
     ("text", "reason"),
     [
         ("path 1 2 3\n", "tour.txt:1: a path needs two or more waypoints"),
-        ("goal 1 2 3\nhello\n", "tour.txt:2: 'hello' is no command"),
+        ("goal 1 2 3\nhello\n", "tour.txt:2: 'hello' is not a command"),
         ("", "tour.txt: holds no command"),
         (None, "No such file"),
     ],
@@ -140,7 +140,7 @@ def test_the_console_takes_goals_paths_and_the_set_path(
     assert captured.out == ""
     assert "'goal X Y TH'" in captured.err
     assert "a path needs two or more waypoints" in captured.err
-    assert "'what?' is no command" in captured.err
+    assert "'what?' is not a command" in captured.err
 
 
 def test_an_execution_does_not_wait_for_the_console() -> None:

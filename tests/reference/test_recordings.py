@@ -196,7 +196,7 @@ def test_replay_prints_events(goal: Path, capfd: pytest.CaptureFixture[str]) -> 
     ("arguments", "what", "code"),
     [
         (["replay", "{goal}", "--only", "Odometry0"], "--into", 2),
-        (["replay", "{goal}.jsonl", "--into", str(GOAL)], "is no MCAP file", 3),
+        (["replay", "{goal}.jsonl", "--into", str(GOAL)], "is not an MCAP file", 3),
         (["replay", "{goal}", "--into", str(GOAL), "--only", "X"], "X", 2),
         (["log", "csv", "{goal}", "Odometry0.Odometry"], "did you mean", 2),
         (["log", "csv", "{goal}", "Odometry0"], "names no value of a port", 2),

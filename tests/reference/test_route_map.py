@@ -1,4 +1,4 @@
-"""The map of the planner: cheapest ways, nearest nodes, and texts that are no map."""
+"""The map of the planner: cheapest ways, nearest nodes, and texts that are not map."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ def test_no_way_is_cheaper(
         ("l 0 1 0\n", "map:1: no node"),
         ("n 0 0 0\n", "map:1: n and 4 finite numbers expected"),
         ("n 0 0 0 nan\n", "map:1: n and 4 finite numbers expected"),
-        ("\nn 0.5 0 0 0\n", "map:2: 0.5 is no number of a node"),
+        ("\nn 0.5 0 0 0\n", "map:2: 0.5 is not a number of a node"),
         ("n 0 0 0 0\nn 0 1 0 0\n", "map:2: node 0 is there already"),
         ("n 0 0 0 0\nl 0 1 0\n", "map:2: there is no node 1"),
         ("n 0 0 0 x\n", "map:1: not numbers: 'n 0 0 0 x'"),

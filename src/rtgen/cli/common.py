@@ -49,7 +49,7 @@ class FiniteRange(click.FloatRange):
         """Convert the option's text. Raises click.BadParameter."""
         number: float = super().convert(value, param, ctx)
         if not math.isfinite(number):
-            self.fail(f"{value} is no number of that range.", param, ctx)
+            self.fail(f"{value} is not a number of that range.", param, ctx)
         return number
 
 
@@ -335,7 +335,9 @@ def _macros(
     for text in values:
         name, equals, value = text.partition("=")
         if not (name.isascii() and name.isidentifier()):
-            raise click.BadParameter(f"{name!r} is no identifier", context, parameter)
+            raise click.BadParameter(
+                f"{name!r} is not an identifier", context, parameter
+            )
         macros.append((name, value if equals else "1"))
     return macros
 

@@ -274,7 +274,7 @@ def _check_measures(wanted: Sequence[Measure], view: View) -> None:
     findings = [
         MEASURE.at(
             measure.span,
-            f"{name!r} is no pose of the system",
+            f"{name!r} is not a pose of the system",
             hint=f"rtgen.run.pose names: {known}",
         )
         for measure in wanted

@@ -135,7 +135,7 @@ class View:
             raise InputError([OBSERVABLE.at(span, str(error))]) from None
         if len(values) not in (0, _POSE):
             message = (
-                f"{key}: {name} is no pose: a pose has {_POSE} values, "
+                f"{key}: {name} is not a pose: a pose has {_POSE} values, "
                 f"x [m], y [m] and heading [rad], and {name} has {len(values)}"
             )
             raise InputError([OBSERVABLE.at(span, message)])

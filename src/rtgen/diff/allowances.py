@@ -51,7 +51,7 @@ def allowed(
             what = (
                 "allows nothing"
                 if each.code.upper() in known
-                else "is no code of a change"
+                else "is not a code of a change"
             )
             text = f"{each.code} {what}; its reason was: {each.reason}"
             unused.append(

@@ -47,8 +47,8 @@ def commit_of(repository: Path, revision: str) -> str | None:
 
 
 def unknown_revision(repository: Path | None, word: str) -> InputError:
-    """The error for a word that is no file, folder or revision."""
-    message = f"{word!r} is no file, no folder and no git revision"
+    """The error for a word that is not a file, folder or revision."""
+    message = f"{word!r} is not a file, folder or git revision"
     if repository is None:
         hint = "the working folder is in no git repository"
     else:

@@ -121,5 +121,5 @@ TYPE_CODE_KINDS: Final[Mapping[str, int]] = {
 }
 """`TCKind` of the types whose type code has no parameters (CORBA 3.3 part 2, table 9.2).
 
-`null` is no type of IDL. `int8` and `uint8` have no kind in CORBA.
+`null` is not a type of IDL. `int8` and `uint8` have no kind in CORBA.
 """

@@ -33,7 +33,7 @@ _REQUEST_HEADER: Final = struct.Struct("<Qq")
 
 
 def violation(name: str) -> str | None:
-    """Why a text is no name of a topic or service relative to a namespace, or with `/` before it.
+    """Why a text is not a name of a topic or service: relative to a namespace, or with `/` first.
 
     None for a valid one. `~` and `{substitutions}` are not taken.
     """
@@ -69,7 +69,7 @@ def dds_service_topics(name: str) -> tuple[str, str]:
 
 
 def parse_type(text: str) -> str | None:
-    """The full name of a type, `std_msgs/msg/String` of `std_msgs/String`; None if it is none."""
+    """The full name of a type, `std_msgs/msg/String` of `std_msgs/String`; None for other texts."""
     match = _TYPE.fullmatch(text)
     if match is None:
         return None
@@ -107,7 +107,7 @@ def participant_data(enclave: str = "/") -> bytes:
 
 
 def parse_user_data(data: bytes) -> dict[str, str]:
-    """The pairs of USER_DATA; what is none is left out."""
+    """The pairs of USER_DATA; malformed pairs are left out."""
     pairs = (part.partition("=") for part in data.decode("ascii", "replace").split(";"))
     return {key: value for key, equals, value in pairs if equals and key}
 
@@ -145,7 +145,7 @@ def parse_request(payload: bytes) -> tuple[RequestId, bytes]:
     `payload` has no encapsulation header. Raises ValueError for one that is too short.
     """
     if len(payload) < _REQUEST_HEADER.size:
-        raise ValueError(f"{len(payload)} octets are no request")
+        raise ValueError(f"{len(payload)} octets are not a request")
     return (
         RequestId(*_REQUEST_HEADER.unpack_from(payload)),
         payload[_REQUEST_HEADER.size :],

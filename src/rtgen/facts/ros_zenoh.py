@@ -148,6 +148,6 @@ def attachment(value: Attachment) -> bytes:
 def parse_attachment(octets: bytes) -> Attachment:
     """The inverse of `attachment`. Raises ValueError."""
     if len(octets) != _ATTACHMENT.size or octets[16] != GID_SIZE:
-        raise ValueError("is no attachment of rmw_zenoh")
+        raise ValueError("is not an attachment of rmw_zenoh")
     sequence, time, _, gid = _ATTACHMENT.unpack(octets)
     return Attachment(sequence, time, gid)

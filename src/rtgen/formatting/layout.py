@@ -353,7 +353,7 @@ class Layout:
         return None
 
     def _closes_templates(self, index: int) -> bool:
-        """Whether a `>>` closes two templates, and is no shift in a bound."""
+        """Whether a `>>` closes two templates, and is not a shift in a bound."""
         brackets = self._spacing.brackets
         if [each.mark for each in brackets[-2:]] != ["<", "<"]:
             return False

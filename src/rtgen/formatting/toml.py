@@ -47,7 +47,7 @@ def changed_text(
 ) -> str:
     """The text in its form; `lines`: only hunks within them, first to last, from 1.
 
-    Raises InputError for a text that is no TOML, ToolError without tombi.
+    Raises InputError for a text that is not TOML, ToolError without tombi.
     """
     before = _values(text, name)
     new = _formatted(text, name, options)

@@ -240,7 +240,7 @@ def parse(text: str, file: str) -> Element:
 
 
 def _element(form: _Form, name: tuple[str, str], node: Node, depth: int) -> Element:
-    """An element. Raises YamlError for what is no profile."""
+    """An element. Raises YamlError for what is not a profile."""
     namespace, local = name
     content = node.content
     if depth > _MAX_DEPTH:
@@ -282,7 +282,7 @@ def _split(form: _Form, key: str, span: Span, inside: str) -> tuple[str, str]:
         prefix, name = "", key
     namespace = form.namespaces.get(prefix) if separator else inside
     if namespace is None or not _NAME.fullmatch(name):
-        raise YamlError(f"{key!r} is no key of a profile", span)
+        raise YamlError(f"{key!r} is not a key of a profile", span)
     return namespace, name
 
 

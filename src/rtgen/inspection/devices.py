@@ -98,7 +98,7 @@ def _entry(entry: PdoEntry) -> Json:
 
 
 def value_of(value: Value | None, node_id: int | None) -> Any:
-    """A value as JSON has it: octets as hexadecimal digits, what is no number in JSON as text."""
+    """A value as JSON has it: octets as hexadecimal digits, NaN and infinities as text."""
     match resolved(value, node_id):
         case bytes() as octets:
             return octets.hex()

@@ -226,7 +226,7 @@ def _texts(
 
 
 def _add_unread(collector: Collector, texts: dict[str, Text]) -> None:
-    """Add the texts of C headers, which are no sources of findings."""
+    """Add the texts of C headers, which are not sources of findings."""
     for file in collector.files:
         if file not in texts:
             try:

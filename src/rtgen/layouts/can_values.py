@@ -49,4 +49,4 @@ def octets(data_type: int, value: Value) -> bytes:
         pass
     if isinstance(value, NodeRelative):
         raise CanValueError(f"{value} depends on the node-id, which is not known")
-    raise CanValueError(f"{value!r} is no value of data type {data_type:04X}h")
+    raise CanValueError(f"{value!r} is not a value of data type {data_type:04X}h")

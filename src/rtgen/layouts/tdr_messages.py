@@ -142,7 +142,7 @@ def _check_names(item: Item, names: set[str], function: TecsFunction) -> None:
         for name in references(expression):
             if name not in names:
                 raise TransferError(
-                    item.span, f"{name!r} is no parameter of {function.name!r}"
+                    item.span, f"{name!r} is not a parameter of {function.name!r}"
                 )
 
 
@@ -423,7 +423,7 @@ def _check_element(element: Node, span: Span) -> None:
 def _target(type_: CType, span: Span) -> CType:
     pointer = resolve(type_)
     if not isinstance(pointer, CPointerType):
-        raise TransferError(span, f"{type_} is no pointer")
+        raise TransferError(span, f"{type_} is not a pointer")
     return pointer.target
 
 

@@ -276,7 +276,7 @@ class _Maker:
             return type_
         inner = self.model.find(type_.name) if isinstance(type_, NamedType) else None
         if not isinstance(inner, Struct):
-            message = f"{name!r} of {struct.scoped} is no struct"
+            message = f"{name!r} of {struct.scoped} is not a struct"
             raise self._error(ADAPTER_MEMBER, message)
         return self._type(inner, tuple(rest))
 

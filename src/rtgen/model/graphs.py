@@ -12,7 +12,7 @@ def groups(edges: Mapping[Node, Collection[Node]]) -> Iterator[list[Node]]:
     """The strongly connected components, each after those it refers to.
 
     A node outside of cycles is a group of one. Tarjan's algorithm, without recursion; targets
-    that are no keys of `edges` are ignored.
+    that are not keys of `edges` are ignored.
     """
     order: dict[Node, int] = {}
     lowest: dict[Node, int] = {}

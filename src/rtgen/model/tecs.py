@@ -244,7 +244,7 @@ class Through(msgspec.Struct, frozen=True, kw_only=True):
 class Join(msgspec.Struct, frozen=True, kw_only=True):
     """A resolved join of a call port to an entry port; `through` in the order from the caller.
 
-    `index` is the subscript of the call port, None if it is no array.
+    `index` is the subscript of the call port, None if it is not an array.
     """
 
     port: str

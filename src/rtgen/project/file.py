@@ -62,7 +62,7 @@ def _macros(value: Any) -> str | None:
         return "must be a list of 'NAME=VALUE', or a table of names to values"
     value = macros(value)
     wrong = next((name for name in value if not is_macro(name)), None)
-    return None if wrong is None else f"holds {wrong!r}, which is no identifier"
+    return None if wrong is None else f"holds {wrong!r}, which is not an identifier"
 
 
 def _patterns(value: Any) -> str | None:

@@ -55,7 +55,7 @@ def is_component_profile(path: Path) -> bool:
 
 
 def is_system(path: Path) -> bool:
-    """Whether it describes a system (RtsProfile, in XML or YAML), and is no other such file."""
+    """Whether it describes a system (RtsProfile, in XML or YAML), and is not an other such file."""
     return _begins_as(path, _SYSTEMS)
 
 

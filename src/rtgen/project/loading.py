@@ -58,7 +58,7 @@ class Project(msgspec.Struct, frozen=True, kw_only=True):
     `output` and `skeletons` are absolute, and neither may lead out of `base`. `tecs_path` are the
     folders of the environment's TECSPATH, which imports of CDL are looked for in at last;
     `tecs_corba`: whether services of TECS boards can be called over CORBA. `node_id` is the
-    node that devices are read for. `systems` are the RtsProfiles among the sources, which are no
+    node that devices are read for. `systems` are the RtsProfiles among the sources, which are not
     definitions. `ignored_in_files` has pattern, code and place of each entry of `[lint]
     per-file-ignores`, its patterns relative to `root`. `form` is `[fmt]`; `plugins` has the options
     of plug-ins, `[plugin.NAME]`.
@@ -278,7 +278,7 @@ def with_arguments(
     `add`: the paths are read beside what rtgen.toml names, not in place of it; without, the
     project's adapters are left out, since their types need not be there. Systems alone are read
     with the definitions and adapters of rtgen.toml.
-    Raises InputError where a path is no definition file.
+    Raises InputError where a path is not a definition file.
     """
     changes = project
     if output is not None:
@@ -429,7 +429,9 @@ def _check_kind(path: Path, target: str) -> Diagnostic | None:
     else:
         kinds = ", ".join(f"*{s}" for s in (*SUFFIXES, ".toml", ".xml"))
         hint = f"rtgen reads {kinds}"
-    return SOURCE_KIND.at(None, f"{path.as_posix()} is no definition file", hint=hint)
+    return SOURCE_KIND.at(
+        None, f"{path.as_posix()} is not a definition file", hint=hint
+    )
 
 
 def _check_names(
@@ -438,7 +440,7 @@ def _check_names(
     package = project.package
     where = settings.span("output", "package")
     if not (package.isidentifier() and package.isascii()) or keyword.iskeyword(package):
-        yield PROJECT_NAME.at(where, f"package {package!r} is no Python identifier")
+        yield PROJECT_NAME.at(where, f"package {package!r} is not Python identifier")
     elif package in _RESERVED_PACKAGES or package in sys.stdlib_module_names:
         yield PROJECT_NAME.at(
             where,
@@ -450,7 +452,7 @@ def _check_names(
     is_name = skeletons.isascii() and skeletons.isidentifier()
     if skeletons and (not is_name or keyword.iskeyword(skeletons)):
         yield PROJECT_NAME.at(
-            where, f"skeleton folder {skeletons!r} is no Python identifier"
+            where, f"skeleton folder {skeletons!r} is not Python identifier"
         )
     elif skeletons == package:
         yield PROJECT_NAME.at(

@@ -12,4 +12,4 @@ class RecordingError(Exception):
 
 
 class SchemaError(RecordingError):
-    """A schema that is no IDL, or not of the type that it is to have."""
+    """A schema that is not IDL, or not of the type that it is to have."""

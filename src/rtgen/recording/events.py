@@ -75,7 +75,7 @@ class Log:
         """The units of ports, by instance and port, as far as samples of them were read."""
         if self.mcap is None and head[:1] not in (b"{", b""):
             raise RecordingError(
-                f"{path} is no recording: neither MCAP nor JSON lines",
+                f"{path} is not a recording: neither MCAP nor JSON lines",
                 hint="rtgen run --record FILE.mcap or --log FILE writes one",
             )
 
@@ -125,7 +125,7 @@ class Log:
                 value = decoders.value(message)
                 inside = {"value": value} if found["event"] == "sample" else value
                 if not isinstance(inside, dict):
-                    raise RecordingError(f"{channel.topic}: a message is no object")
+                    raise RecordingError(f"{channel.topic}: a message is not an object")
                 event = {"t": message.time - start, **found, **_written(inside)}
                 if not _is_shared(found) or wanted(event):
                     yield event

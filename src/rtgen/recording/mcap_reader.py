@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 _DAMAGE = (ValueError, OverflowError, struct.error)
-"""What readers of records raise for octets that are none, beside `McapError`."""
+"""What readers of records raise for invalid octets, beside `McapError`."""
 _FRAMING = struct.Struct("<BQ")
 _LARGEST = 1 << 28
 """Octets of the largest chunk or record that is read, without compression."""
@@ -59,7 +59,7 @@ class McapFile:
     """An MCAP file that is read from the beginning, any number of times."""
 
     def __init__(self, path: str | Path) -> None:
-        """Raises RecordingError if there is no such file, or if it is no MCAP file."""
+        """Raises RecordingError if there is no such file, or if it is not an MCAP file."""
         if find_spec("mcap") is None:
             raise RecordingError(
                 "recordings need mcap, which is not installed",
@@ -147,7 +147,7 @@ class McapFile:
             ) from error
         if stream.read(len(MAGIC)) != MAGIC:
             stream.close()
-            raise RecordingError(f"{self.path} is no MCAP file")
+            raise RecordingError(f"{self.path} is not an MCAP file")
         return stream
 
 

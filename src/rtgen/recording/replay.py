@@ -75,7 +75,7 @@ def course_of(file: McapFile) -> Course:
     described = file.metadata.get(METADATA, {})
     if described.get("layout") != "1":
         raise RecordingError(
-            f"{file.path} cannot be replayed: it is no recording of rtgen run --record"
+            f"{file.path} cannot be replayed: it is not a recording of rtgen run --record"
         )
     start = described.get("start", "")
     found = Course(file, int(start) if start.isascii() and start.isdecimal() else 0)

@@ -28,11 +28,11 @@ class ParametersError(CallbackError):
 
 
 class ReturnValueError(CallbackError):
-    """A callback returned a value that is no ReturnCode_t."""
+    """A callback returned a value that is not a ReturnCode_t."""
 
     def __init__(self, returned: str, code: CodeType | None = None) -> None:
         super().__init__(
-            f"the callback returned {returned}, which is no ReturnCode_t: "
+            f"the callback returned {returned}, which is not a ReturnCode_t: "
             "does it end with 'return RTC_OK'?",
             code,
         )

@@ -82,7 +82,7 @@ def deserialize(type_: type[_T], payload: Buffer) -> _T:
         representation = Representation(octets[0] << 8 | octets[1])
     except ValueError:
         number = octets[0] << 8 | octets[1]
-        message = f"{number:#06x} is no encapsulation of XCDR"
+        message = f"{number:#06x} is not an encapsulation of XCDR"
         raise CdrError(_name(type_), message) from None
     _check_kind(type_, representation)
     end = len(octets) - (octets[3] & 3)

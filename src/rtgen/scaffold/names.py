@@ -46,7 +46,7 @@ def _fault(given: str) -> str | None:
     if len(given) > LONGEST:
         return f"is longer than {LONGEST} characters"
     if not _FORM.fullmatch(given):
-        return "is no name that files, IDL and Python can have"
+        return "is not a name that files, IDL and Python can have"
     made = _forms(given)
     if keyword.iskeyword(made.module.rstrip("_")) or hasattr(builtins, made.type):
         return "is a word of Python"

@@ -32,7 +32,7 @@ def system_of(name: str, model: Model, wanted: Sequence[str]) -> System:
 
     Data flows in this order: an InPort is connected to the nearest OutPort of its type before it.
     A consumer is connected to the nearest provider of its interface. Raises InputError for a name
-    that is no component of the model.
+    that is not a component of the model.
     """
     known = {d.name[-1]: d for d in model.declarations if isinstance(d, Component)}
     if not wanted:

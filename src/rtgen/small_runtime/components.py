@@ -124,7 +124,7 @@ class Component:
         before = getattr(config, name)
         if isinstance(before, bool):
             if text not in ("true", "false", "1", "0"):
-                raise ValueError(text + " is no boolean")
+                raise ValueError(text + " is not a boolean")
             setattr(config, name, text in ("true", "1"))
         else:
             setattr(config, name, type(before)(text))

@@ -8,7 +8,7 @@ _NOT_PACKED = (getattr(struct, "error", ValueError), ValueError, OverflowError)
 
 
 class CodecError(ValueError):
-    """Octets that are no value of the type, or a buffer that is too short."""
+    """Octets that are not value of the type, or a buffer that is too short."""
 
 
 class Wire:
@@ -51,7 +51,7 @@ class Wire:
         """The next boolean. Raises CodecError."""
         value = self.take("<B", 1)
         if value > 1:
-            raise CodecError(f"{value} is no boolean")
+            raise CodecError(f"{value} is not a boolean")
         return bool(value)
 
     def put_octets(self, value: bytes) -> None:
@@ -89,7 +89,7 @@ class Wire:
         try:
             text = octets[:-1].decode()
         except UnicodeError as error:
-            raise CodecError("a string is no UTF-8") from error
+            raise CodecError("a string is not UTF-8") from error
         if "\x00" in text:
             raise CodecError("a string cannot hold NUL")
         return text

@@ -136,7 +136,7 @@ def _unknown_property(
     near = nearest(key, table)
     if near is None and connector_properties.is_foreign(key):
         return
-    message = f"`{key[:80]}` is no connector property of OpenRTM"
+    message = f"`{key[:80]}` is not a connector property of OpenRTM"
     yield UNKNOWN_PROPERTY.at(span, message, hint=_guess(near))
 
 
@@ -261,7 +261,9 @@ def _data_port(
         if port.kind is wanted:
             return port
     if named:
-        message = f"{end} is no {wanted.value}; data goes from an OutPort to an InPort"
+        message = (
+            f"{end} is not an {wanted.value}; data goes from an OutPort to an InPort"
+        )
         return PORTS_DIFFER.at(end.span, message)
     return _unknown_port(end, [p.name for p in ports if p.kind is wanted], "data port")
 

@@ -128,7 +128,9 @@ def _seconds(part: str, text: str, span: Span | None) -> int:
         seconds = math.nan
     if not 0.0 <= seconds < 1e9:
         hint = "SECONDS, INSTANCE=STATE, or both with a comma between"
-        raise InputError([CONDITION.at(span, f"{text!r} is no condition", hint=hint)])
+        raise InputError(
+            [CONDITION.at(span, f"{text!r} is not a condition", hint=hint)]
+        )
     return round(seconds * SECOND)
 
 
@@ -450,7 +452,7 @@ _FORMS = {
 
 
 def _parameter_text(value: object) -> str | None:
-    """A TOML value as the text of a parameter; None if it is no parameter value."""
+    """A TOML value as the text of a parameter; None if it is not a parameter value."""
     match value:
         case str():
             return value

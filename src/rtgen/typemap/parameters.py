@@ -109,7 +109,7 @@ class Parameters:
     def constraint(self, parameter: ConfigurationParameter) -> Constraint | None:
         """The constraint as written, else from the bounds, else from the enum's members.
 
-        Raises ConstraintError for a malformed constraint, or for one on a value that is no
+        Raises ConstraintError for a malformed constraint, or for one on a value that is not a
         number.
         """
         written = parse(parameter.constraint)

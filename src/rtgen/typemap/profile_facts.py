@@ -61,7 +61,7 @@ _KINDS: dict[str, tuple[type, str]] = {
         ),
         (str, "text"),
     ),
-    **dict.fromkeys(("supports", "files", "order", "annotations"), (list, "list")),
+    **dict.fromkeys(("supports", "files", "order", "annotations"), (list, "a list")),
 }
 """JSON types of facts; those not listed are values of parameters."""
 
@@ -83,16 +83,16 @@ def facts_from(text: str) -> Facts:
     except RecursionError:
         raise ValueError("it is nested too deep") from None
     if not isinstance(found, dict):
-        raise ValueError("it is no object of JSON")
+        raise ValueError("it is not an object of JSON")
     return found
 
 
 def checked(found: Any) -> tuple[Facts, list[str]]:
     """The facts of valid types, and messages about the others."""
     if not isinstance(found, dict):
-        return {}, ["it is no object of JSON"]
+        return {}, ["it is not an object of JSON"]
     wrong = {
-        key: f"`{key}` is no {word}"
+        key: f"`{key}` is not {word}"
         for key, (kind, word) in _KINDS.items()
         if found.get(key) is not None and not isinstance(found[key], kind)
     }
@@ -126,7 +126,7 @@ def value_from_json(found: Any) -> ConstantValue:
                 return Decimal(digits)
             except InvalidOperation:
                 pass
-    raise ValueError(f"{str(found)[:40]} is no value")
+    raise ValueError(f"{str(found)[:40]} is not a value")
 
 
 def annotations_to_json(entries: Sequence[WrittenAnnotation]) -> list[Any]:
@@ -162,9 +162,9 @@ def _entry(found: Any) -> WrittenAnnotation:
                     case [str(key), value]:
                         pairs.append((key, value_from_json(value)))
                     case _:
-                        raise ValueError(f"{str(pair)[:40]} is no argument")
+                        raise ValueError(f"{str(pair)[:40]} is not an argument")
             return Annotation(name, tuple(pairs))
-    raise ValueError(f"{str(found)[:40]} is no annotation")
+    raise ValueError(f"{str(found)[:40]} is not an annotation")
 
 
 # What attributes do not say.

@@ -15,7 +15,7 @@ UNKNOWN_TYPE = Rule("RTC0537", "type not found", Severity.WARNING)
 WRONG_TYPE = Rule("RTC0538", "type is of another kind", Severity.WARNING)
 PARAMETER_TYPE = Rule("RTC0539", "unknown type of a parameter", Severity.WARNING)
 PARAMETER_VALUE = Rule(
-    "RTC0540", "default is no value of the parameter's type", Severity.WARNING
+    "RTC0540", "default is not a value of the parameter's type", Severity.WARNING
 )
 CONSTRAINT = Rule("RTC0541", "constraint that cannot be had", Severity.WARNING)
 TWICE = Rule("RTC0542", "two of one name", Severity.WARNING)

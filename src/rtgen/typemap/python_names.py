@@ -29,7 +29,7 @@ def identifier(name: str, reserved: Collection[str] = ()) -> str:
 
 @lru_cache(maxsize=16384)
 def _plain(name: str) -> str:
-    """The name as an identifier that is no keyword."""
+    """The name as an identifier that is not a keyword."""
     name = words(name)
     if not name.isidentifier():
         name = f"o_{name}"

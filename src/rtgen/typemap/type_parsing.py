@@ -33,7 +33,7 @@ def parsed(text: str) -> Type:
         return SequenceType(parsed(found[1]), _bound(found[2]))
     if _NAME.fullmatch(text):
         return NamedType(tuple(text.split("::")))
-    raise ValueError(f"{text[:40]!r} is no type")
+    raise ValueError(f"{text[:40]!r} is not a type")
 
 
 def _bound(text: str | None) -> int | None:

@@ -89,7 +89,7 @@ PROBES = [
         *["IDL0803"] * 5,
     ),
     alone(
-        "comments that are no key",
+        "comments that are not key",
         "struct S {\n @optional long a; // @key of it\n //@key\n @optional long b; //@keys\n /* @key */ @optional long c; //key\n @optional long d;\n //@key\n};",
     ),
     alone(

@@ -211,7 +211,7 @@ PROBES = [
         "struct Foo { long a; }; struct S { ::Foo foo; };",
     ),
     same(
-        "own name is no introduction",
+        "own name is not an introduction",
         "module M { typedef long T; struct S { T a; }; };",
     ),
     refused(

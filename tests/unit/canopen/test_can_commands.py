@@ -81,19 +81,19 @@ def test_frames_as_people_write_them(frame: str, sent: str) -> None:
 @pytest.mark.parametrize(
     ("frame", "message"),
     [
-        ("181", "is no frame: write ID#HEX"),
+        ("181", "is not a frame: write ID#HEX"),
         ("181#0", "hexadecimal digits"),
         ("FFF#00", "hexadecimal digits"),
         ("181#112233445566778899", "hexadecimal digits"),
-        ("sync x", "no counter"),
-        ("sync 300", "no counter"),
-        ("nmt go all", "no NMT command"),
+        ("sync x", "not a counter"),
+        ("sync 300", "not a counter"),
+        ("nmt go all", "not an NMT command"),
         ("nmt start frnt_left", "did you mean front_left?"),
         ("front_left.rpdo9", "no valid rpdo9; there are"),
         ("front_left.rpdo1 Contrlword=1", "did you mean Controlword?"),
         ("front_left.rpdo1 Zzz=1", "it has Controlword"),
-        ("front_left.rpdo1 Controlword", "no OBJECT=VALUE"),
-        ("front_left.rpdo1 Controlword=x", "is no integer (u16)"),
+        ("front_left.rpdo1 Controlword", "not OBJECT=VALUE"),
+        ("front_left.rpdo1 Controlword=x", "is not an integer (u16)"),
         ("front_left.rpdo1 Controlword=70000", "over 65535"),
         ("9.rpdo1 Controlword=1", "9 is not described"),
     ],
@@ -142,7 +142,7 @@ def test_a_sequence(tmp_path: Path) -> None:
     ("text", "code", "message"),
     [
         ("080#\n1.0 081#\n0.5 082#\n", 2, "s.txt:3: 0.5 s is before the line above"),
-        ("080#\nnonsense\n", 2, "s.txt:2: 'nonsense' is no frame"),
+        ("080#\nnonsense\n", 2, "s.txt:2: 'nonsense' is not a frame"),
         ("# nothing\n", 2, "there is no frame"),
     ],
 )
@@ -229,7 +229,7 @@ def test_sdo_refusals(capfd: pytest.CaptureFixture[str]) -> None:
         assert command(*write, "Producer_heartbeat_time", "70000", *near) == 2
         assert "over 65535" in shown(capfd.readouterr().err)
         assert command(*write, "Producer_heartbeat_time", "fast", *near) == 2
-        assert "'fast' is no integer" in shown(capfd.readouterr().err)
+        assert "'fast' is not an integer" in shown(capfd.readouterr().err)
         assert command(*write, "Producer_heartbeat_tim", "1", *near) == 2
         assert "did you mean Producer_heartbeat_time?" in shown(capfd.readouterr().err)
         assert command(*write, "6060", *near) == 2

@@ -177,8 +177,8 @@ def test_the_table_has_a_row_for_each_identifier() -> None:
             3,
             "is `rtgen can hub` running?",
         ),
-        (["monitor", "--option", "x"], 2, "no KEY=VALUE"),
-        (["monitor", "--eds", "300=a.eds"], 2, "no node-id"),
+        (["monitor", "--option", "x"], 2, "not KEY=VALUE"),
+        (["monitor", "--eds", "300=a.eds"], 2, "not a node-id"),
         (["monitor", "--bus", "missing.toml"], 2, "EDS0700"),
         (["monitor", "--eds", "1=missing.eds"], 2, "missing.eds"),
         (["monitor", "--bus", "a.eds"], 2, "--eds NODE-ID=FILE"),
@@ -212,12 +212,12 @@ def test_files_that_are_no_records(
     name: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / name
-    path.write_bytes(b"this is no record\n" * 20)
+    path.write_bytes(b"this is not a record\n" * 20)
     code = run(["can", "replay", str(path), "--decode"])
     captured = capfd.readouterr()
     assert captured.out == ""
     if name != "a.asc":
-        # python-can passes over lines that are no messages in ASC.
+        # python-can passes over lines that are not messages in ASC.
         assert code == 2
         assert "this is no" in captured.err
 

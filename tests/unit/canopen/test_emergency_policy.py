@@ -44,7 +44,7 @@ def test_the_last_pattern_that_matches_decides(
 
 @pytest.mark.parametrize("patterns", ["", "82x", "0x8210", "xxxx,", "gggg", "--82xx"])
 def test_what_is_no_pattern(patterns: str) -> None:
-    with pytest.raises(ValueError, match="is no pattern of emergency codes"):
+    with pytest.raises(ValueError, match="is not a pattern of emergency codes"):
         EmergencyPolicy(patterns)
 
 
@@ -97,7 +97,7 @@ def test_a_parameter_that_is_no_list_of_patterns() -> None:
         bench.system.activate("Drive0")
         bench.until("ERROR")
         assert bench.reason == (
-            "emergency_stop: 'all' is no pattern of emergency codes, such as 23xx or -82xx"
+            "emergency_stop: 'all' is not a pattern of emergency codes, such as 23xx or -82xx"
         )
 
 

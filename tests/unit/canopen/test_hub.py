@@ -684,7 +684,7 @@ def test_what_cannot_be_served(capfd: pytest.CaptureFixture[str]) -> None:
     assert "'fire=1' is no fault" in capfd.readouterr().err
     words = ["can", "hub", "--port", "0", "--slcan-pty", "--slcan-channel", "no name"]
     assert run(words) == 3
-    assert "'no name' is no name of a channel" in capfd.readouterr().err
+    assert "'no name' is not a name of a channel" in capfd.readouterr().err
 
 
 def send_until_full_then_receive(bus: OpenBus, hub_end: socket.socket) -> None:

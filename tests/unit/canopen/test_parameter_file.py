@@ -89,8 +89,8 @@ def _value(key: str, octets: object) -> Callable[[dict[str, Any]], object]:
 @pytest.mark.parametrize(
     ("change", "reason"),
     [
-        (lambda _: [], "these are no stored parameters"),
-        (_of(format="other/1"), "these are no stored parameters"),
+        (lambda _: [], "these are not stored parameters"),
+        (_of(format="other/1"), "these are not stored parameters"),
         (_of(vendor=1), "parameters of another device: vendor 1, not"),
         (_of(device="Other"), "parameters of another device: device Other, not Bench"),
         (_of(values=3), "it has no values"),

@@ -259,7 +259,7 @@ def test_objects_are_read_and_written_by_their_types() -> None:
 
 
 def test_values_of_another_length() -> None:
-    """Some servers send 4 octets whatever the type; fewer than the type has are no value."""
+    """Some servers send 4 octets whatever the type; fewer than the type has are not value."""
     with active() as bench:
         bench.node.objects.values[0x1001, 0] = b"\x11\0\0\0"
         assert bench.proxy.read_object(0x1001) == 0x11

@@ -168,7 +168,7 @@ def test_a_node_of_another_kind(monkeypatch: pytest.MonkeyPatch) -> None:
     with Bench(settings={"network": "net"}) as bench:
         bench.system.activate("Drive0")
         bench.until("ERROR")
-        assert bench.reason == "node 5 of the network net is no Drive, but Board"
+        assert bench.reason == "node 5 of the network net is not a Drive, but Board"
 
 
 def test_the_boot_time_out_is_that_of_the_network(

@@ -131,7 +131,7 @@ def test_refused_values() -> None:
 
 
 def test_a_transfer_after_an_abort_that_was_lost() -> None:
-    """The server, still in the block, takes what can be no segment for the next request."""
+    """The server, still in the block, takes what can be not a segment for the next request."""
     values = Values()
     first = line(values, [ONCE, TWICE, ONCE, LOST, LOST], block_size=1)
     with pytest.raises(SdoAbort):

@@ -62,7 +62,7 @@ def test_examples_of_explain(code: str) -> None:
     [
         ("Q", "Q is not known: a join leads to a cell", None),
         ("Inne", "Inne is not known: a join leads to a cell", "did you mean Inner?"),
-        ("n", "n is no cell of tC: a join leads to a cell", None),
+        ("n", "n is not a cell of tC: a join leads to a cell", None),
         ("Worker", "Worker is not known: a join leads to a cell", None),
     ],
 )

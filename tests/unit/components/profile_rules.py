@@ -240,7 +240,7 @@ def _element(element: etree._Element) -> Iterable[str]:
     name = _name(element)
     rule = _rule(element, name)
     if rule is None:
-        yield f"{name} is no element of a profile"
+        yield f"{name} is not an element of a profile"
         return
     found = {_qualified(str(key)): str(value) for key, value in element.attrib.items()}
     if found.pop("xsi:type", "") != rule.type:

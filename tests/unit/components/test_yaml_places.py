@@ -46,8 +46,8 @@ def test_a_system() -> None:
 @pytest.mark.parametrize(
     ("text", "place", "message"),
     [
-        ("rtsProfile: {a b: c}", (1, 14), "'a b' is no key of a profile"),
-        ("rtsProfile: {no::a: c}", (1, 14), "'no::a' is no key of a profile"),
+        ("rtsProfile: {a b: c}", (1, 14), "'a b' is not a key of a profile"),
+        ("rtsProfile: {no::a: c}", (1, 14), "'no::a' is not a key of a profile"),
         ("rtsProfile: {id: x,\n rts::id: y}", (2, 2), "`id` is given twice"),
         ('rtsProfile: {id: "\\0"}', (1, 18), "`id` has a character that XML cannot"),
         ('rtsProfile: {id: "\\ud800"}', (1, 18), "`id` has a character"),
@@ -60,7 +60,7 @@ def test_a_system() -> None:
         ("- a", (1, 1), "there is neither `rtcProfile` nor `rtsProfile`"),
         ("", (1, 1), "there is neither `rtcProfile` nor `rtsProfile`"),
         ("a: &x b\nc: *x", (2, 4), "an alias"),
-        ("? [a]\n: b", (1, 3), "not YAML: a key that is no text"),
+        ("? [a]\n: b", (1, 3), "not YAML: a key that is not text"),
         ("a: [b", (1, 6), "not YAML: expected ',' or ']', but got '<stream end>'"),
     ],
 )

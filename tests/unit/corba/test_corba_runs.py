@@ -357,7 +357,7 @@ def test_a_provider_that_is_named_by_a_property(
         here.transport.await_others(1.0)
     here.system.disconnect(here.system.connectors[0])
     for properties, message in (
-        ({wish: "Counter0.port.other.provided.Calc::Adder.Adder"}, "is no provider"),
+        ({wish: "Counter0.port.other.provided.Calc::Adder.Adder"}, "is not a provider"),
         ({"Caller0.port.adding.required.X.Y": key}, "names no consumer"),
         ({"port.connection.x": "y"}, "unknown connector property"),
     ):
@@ -585,7 +585,7 @@ REAL = ["--clock", "real", "--transport", "corba"]
         ([*REAL, "--nameserver", "localhost:x"], 2, "is not HOST or HOST:PORT"),
         ([*REAL, "--nameserver", "127.0.0.1:65536"], 2, "is not HOST or HOST:PORT"),
         ([*REAL, "--nameserver", ""], 2, "is not HOST or HOST:PORT"),
-        ([*REAL, "--call-timeout", "nan"], 2, "nan is no number of that range"),
+        ([*REAL, "--call-timeout", "nan"], 2, "nan is not a number of that range"),
         ([*REAL, "--wait", "inf"], 2, "is not in the range"),
     ],
 )

@@ -205,10 +205,10 @@ def test_forms_for_machines(capfd: pytest.CaptureFixture[str]) -> None:
     ("arguments", "message"),
     [
         (["nain"], "did you mean main?"),
-        (["--against", "specs"], "no file, no folder and no git revision"),
-        (["--help:x"], "no git revision"),
+        (["--against", "specs"], "not a file, folder or git revision"),
+        (["--help:x"], "or git revision"),
         (["main:robot/none.idl"], "main has no robot/none.idl"),
-        (["main", "none.idl"], "'none.idl' is no file"),
+        (["main", "none.idl"], "'none.idl' is not a file"),
         ([], "name OLD"),
         (["a", "b", "c"], "two versions"),
         (["--against", "main", "a", "b"], "one argument"),

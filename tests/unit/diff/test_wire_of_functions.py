@@ -197,7 +197,7 @@ def changed(found: Sample, random: Random) -> tuple[TecsUnit, Signature]:
 
 
 def _same(read: object, written: object) -> bool:
-    """Whether values are equal, and of the same types: a truth value is no number."""
+    """Whether values are equal, and of the same types: a truth value is not a number."""
     return repr(plain(read)) == repr(plain(written))
 
 

@@ -119,7 +119,7 @@ def test_request_header() -> None:
     octets = ros_names.request_header(request)
     assert octets == bytes((8, 7, 6, 5, 4, 3, 2, 1, 5, 0, 0, 0, 0, 0, 0, 0))
     assert ros_names.parse_request(octets + b"body") == (request, b"body")
-    with pytest.raises(ValueError, match="no request"):
+    with pytest.raises(ValueError, match="not a request"):
         ros_names.parse_request(octets[:-1])
 
 
@@ -270,5 +270,5 @@ def test_attachment() -> None:
 
 @pytest.mark.parametrize("octets", [b"", bytes(32), bytes(33), bytes(34)])
 def test_no_attachment(octets: bytes) -> None:
-    with pytest.raises(ValueError, match="no attachment"):
+    with pytest.raises(ValueError, match="not an attachment"):
         ros_zenoh.parse_attachment(octets)

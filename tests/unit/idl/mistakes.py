@@ -422,7 +422,7 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     ),
     "0b1": (
         "const long A = §0b101;",
-        "IDL0109: 0b101 is no number",
+        "IDL0109: 0b101 is not a number",
         "write 5 or 0x5",
     ),
     "089": (
@@ -522,7 +522,7 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     ),
     "const range": (
         "const octet A = §256;",
-        "IDL0501: 256 is no octet: 0 to 255",
+        "IDL0501: 256 is out of the range of octet: 0 to 255",
         "short holds it",
     ),
     "const without type": (
@@ -582,7 +582,7 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     ),
     "inclued": (
         '§#inclued "wheel.idl"\nstruct S { Wheel a; };',
-        "IDL0021: '#inclued' is no directive",
+        "IDL0021: '#inclued' is not a directive",
         "did you mean #include?",
     ),
     "import": (
@@ -622,22 +622,22 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     ),
     "unsigned double": (
         "struct S { §unsigned double a; };",
-        "IDL0121: 'unsigned double' is no type",
+        "IDL0121: 'unsigned double' is not a type",
         "write double: floating-point numbers have a sign",
     ),
     "unsigned char": (
         "struct S { §unsigned char a; };",
-        "IDL0121: 'unsigned char' is no type",
+        "IDL0121: 'unsigned char' is not a type",
         "write octet for a byte without sign",
     ),
     "unsigned int": (
         "struct S { §unsigned int a; };",
-        "IDL0121: 'unsigned int' is no type",
+        "IDL0121: 'unsigned int' is not a type",
         "write unsigned long (32 bits)",
     ),
     "unsigned": (
         "struct S { §unsigned a; };",
-        "IDL0121: 'unsigned' is no type",
+        "IDL0121: 'unsigned' is not a type",
         "write unsigned short, unsigned long or unsigned long long",
     ),
     "signed": (
@@ -667,22 +667,22 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     ),
     "long int": (
         "struct S { §long int a; };",
-        "IDL0121: 'long int' is no type",
+        "IDL0121: 'long int' is not a type",
         "write long",
     ),
     "long float": (
         "struct S { §long float a; };",
-        "IDL0121: 'long float' is no type",
+        "IDL0121: 'long float' is not a type",
         "write double",
     ),
     "short int": (
         "struct S { §short int a; };",
-        "IDL0121: 'short int' is no type",
+        "IDL0121: 'short int' is not a type",
         "write short",
     ),
     "long long long": (
         "struct S { §long long long a; };",
-        "IDL0121: 'long long long' is no type",
+        "IDL0121: 'long long long' is not a type",
         "write long long",
     ),
     "bool": (
@@ -1357,7 +1357,7 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     ),
     "digit name": (
         "struct S { long §2nd; };",
-        "IDL0100: '2nd' is no name: it begins with a digit",
+        "IDL0100: '2nd' is not a name: it begins with a digit",
         "a name begins with a letter",
     ),
     "dollar name": (
@@ -1387,17 +1387,17 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     ),
     "hash comment": (
         "§# this is a comment\nstruct S { long a; };",
-        "IDL0021: '#this' is no directive",
+        "IDL0021: '#this' is not a directive",
         "a comment begins with //, a pragma with #pragma",
     ),
     "dash comment": (
         "§-- this is a comment\nstruct S { long a; };",
-        "IDL0121: this is no comment in IDL",
+        "IDL0121: this is not a comment in IDL",
         "write // ... or /* ... */",
     ),
     "xml comment": (
         "§<!-- this is a comment -->\nstruct S { long a; };",
-        "IDL0121: this is no comment in IDL",
+        "IDL0121: this is not a comment in IDL",
         "write // ... or /* ... */",
     ),
     "inheritance extends": (

@@ -41,8 +41,8 @@ def test_values(text: str, value: ConstantValue) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("const octet T = 256;", "256 is no octet: 0 to 255"),
-        ("const unsigned long T = -1;", "-1 is no unsigned long: 0 to 4294967295"),
+        ("const octet T = 256;", "256 is out of the range of octet: 0 to 255"),
+        ("const unsigned long T = -1;", "-1 is out of the range of unsigned long: 0 to 4294967295"),
         ("const long T = 1 / 0;", "division by zero"),
         (
             "const long T = 1.5;",
@@ -51,7 +51,7 @@ def test_values(text: str, value: ConstantValue) -> None:
         ('const long T = "a";', "an integer is wanted here, not a string"),
         ("const long T = 1 << 64;", "a shift by 64 is not from 0 to 31"),
         ('const string<2> T = "abc";', "3 characters do not fit into string<2>"),
-        ("enum E { A }; enum F { B }; const E T = B;", "B is no enumerator of E"),
+        ("enum E { A }; enum F { B }; const E T = B;", "B is not an enumerator of E"),
         ("const boolean T = 1;", "a boolean is wanted here, not an integer"),
     ],
 )

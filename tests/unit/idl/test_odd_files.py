@@ -1,4 +1,4 @@
-"""What is no regular file is not read: a pipe would block, a device has no end."""
+"""What is not a regular file is not read: a pipe would block, a device has no end."""
 
 import os
 from pathlib import Path
@@ -29,7 +29,7 @@ def errors_of(text: str | None = None) -> str:
 
 
 def test_as_input() -> None:
-    assert "IDL0001]: pipe.idl is no regular file" in errors_of()
+    assert "IDL0001]: pipe.idl is not a regular file" in errors_of()
 
 
 def test_included() -> None:

@@ -104,7 +104,7 @@ def test_what_is_renamed_is_read_without_findings(editor: Editor) -> None:
 @pytest.mark.parametrize(
     ("name", "reason"),
     [
-        ("two words", "is no name"),
+        ("two words", "is not a name"),
         ("struct", "is a keyword of IDL"),
         ("points", "there is a typedef Points beside it"),
     ],

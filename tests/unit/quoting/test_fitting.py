@@ -1,4 +1,4 @@
-"""The line fitter: a text in a literal is no part of the statement, however it looks."""
+"""The line fitter: a text in a literal is not part of the statement, however it looks."""
 
 from __future__ import annotations
 

@@ -275,7 +275,7 @@ def test_files_of_others_cannot_be_replayed(tmp_path: Path) -> None:
     with McapWriter(path) as writer:
         channel = writer.channel("/x", "json", 0, {})
         writer.message(channel, 5, b'{"a": 1}')
-    with pytest.raises(RecordingError, match="no recording of rtgen run --record"):
+    with pytest.raises(RecordingError, match="not a recording of rtgen run --record"):
         course_of(McapFile(path))
     expected = {"t": 5, "event": "sample", "instance": "", "port": "/x"}
     assert [*Log(path).events()] == [expected | {"value": {"a": 1}}]

@@ -110,8 +110,8 @@ def test_rosbags_reads_every_schema_and_decodes_the_same_octets() -> None:
     [
         ("A", "struct B { long x; };", "declares no A"),
         ("A", "struct A { long x }", "line 1 of the schema"),
-        ("A", "typedef long A;", "is no struct and no union"),
-        ("A", "enum A { X };", "is no struct and no union"),
+        ("A", "typedef long A;", "is neither a struct nor a union"),
+        ("A", "enum A { X };", "is neither a struct nor a union"),
         ("A", "struct A { long x; };" + " " * (1 << 20), "has over"),
         ("A", '#include "/etc/passwd"\nstruct A { long x; };', "of the schema"),
     ],

@@ -183,7 +183,7 @@ def test_the_logger_gets_the_place_where_a_callback_without_an_answer_is(
     system.activate("n0")
     system.run(until_ns=3 * MS)
     [record] = caplog.records
-    assert "returned 'nothing', which is no ReturnCode_t" in record.getMessage()
+    assert "returned 'nothing', which is not a ReturnCode_t" in record.getMessage()
     assert f"({__file__}, line " in record.getMessage()
 
 

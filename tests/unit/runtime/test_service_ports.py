@@ -312,7 +312,7 @@ def test_names_can_be_joined_by_hand() -> None:
     [
         (
             {"taker.port.calls.required.Adder.other": "nobody"},
-            "'nobody' is no provider",
+            "'nobody' is not a provider",
         ),
         ({"taker.port.calls.required.Adder.ghost": "x"}, "names no consumer"),
         ({"port.connection.strictness": "lax"}, "strict or best_effort"),

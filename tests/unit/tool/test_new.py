@@ -52,7 +52,7 @@ def check_it_is_whole(project: Path, generated: Path | None) -> None:
     check_by_mypy([project / "src", project / "tests"], search)
     command = [sys.executable, "-W", "error", "-m", "pytest", "-q"]
     command += ["-p", "no:cacheprovider", "-c", "pyproject.toml"]
-    # Plug-ins of this environment are no part of a new project.
+    # Plug-ins of this environment are not part of a new project.
     alone = {**os.environ, "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}
     done = subprocess.run(
         command, cwd=project, env=alone, capture_output=True, text=True

@@ -365,9 +365,9 @@ def test_what_does_not_fit_is_refused(
         (
             "pose",
             "M0.speed",
-            "rtgen.run.pose: M0.speed is no pose: a pose has 3 values",
+            "rtgen.run.pose: M0.speed is not a pose: a pose has 3 values",
         ),
-        ("goal", "M0.speed", "rtgen.run.goal: M0.speed is no pose"),
+        ("goal", "M0.speed", "rtgen.run.goal: M0.speed is not a pose"),
         ("pose", "M0.broken", "ZeroDivisionError: division by zero"),
     ],
 )

@@ -47,7 +47,7 @@ TEN_WAYS = (
         "Controller0.on_execute at 0.000 s: NameError: name 'Powr' is not defined"),
     Break("the answer", "        return RTC_OK\n", "", 1, 13,
         "Controller0.on_execute at 0.000 s: ReturnValueError: the callback returned None, "
-        "which is no ReturnCode_t: does it end with 'return RTC_OK'?"),
+        "which is not a ReturnCode_t: does it end with 'return RTC_OK'?"),
     Break("exit", "            cold =",
         "            raise SystemExit('too hot')\n            cold =", 1, 17,
         "Controller0.on_execute at 0.000 s: SystemExit: too hot"),

@@ -387,7 +387,7 @@ class Values:
         return items
 
     def _repeated(self, element: Descriptor, items: Any) -> Any:
-        """Many items, where they are no objects that may be shared."""
+        """Many items, where they are not objects that may be shared."""
         match plain(element):
             case PrimitiveDescriptor(name) if name not in ("any", "ValueBase"):
                 return items * self._random.choice(_LONG)

@@ -49,7 +49,7 @@ def test_structs_in_structs_in_structs(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("depth", [MOST_LOOPS + 1, MOST_LOOPS + 2])
 def test_sequences_in_sequences(tmp_path: Path, depth: int) -> None:
-    """The innermost sequence, of numbers, is no loop."""
+    """The innermost sequence, of numbers, is not a loop."""
     type_ = "sequence<" * depth + "long" + ">" * depth
     text = f"struct S {{ {type_} x; }};"
     if depth > MOST_LOOPS + 1:

@@ -432,7 +432,7 @@ def test_octets(forms: Any, errors: Any) -> None:
         ("one", bytes(3), MarshalError),  # truncated
         ("one", bytes(5), MarshalError),  # an octet too many
         ("one", b"\2\0\0\0", BadOperation),  # the servant's own call failed so
-        ("several", bytes(4), MarshalError),  # the result is no long
+        ("several", bytes(4), MarshalError),  # the result is not a long
         ("repeated", b"", UnknownException),
         ("_get_one", b"", BadOperation),
     ],

@@ -34,7 +34,7 @@ class NavigationConfiguration:
     in the source.
     """
     MaxJump: float = 0.3
-    """A position this far from the one before, on the way, is no motion: its source was [m]
+    """A position this far from the one before, on the way, is not a motion: its source was [m]
     restarted, and the travel ends in ERROR; 0 never. Not in the source.
     """
     ProgressTimeout: float = 20.0
@@ -139,7 +139,7 @@ class NavigationBase(Component):
                 default="0.3",
                 minimum=0.0,
                 unit="m",
-                description="A position this far from the one before, on the way, is no motion: its source was",
+                description="A position this far from the one before, on the way, is not a motion: its source was",
             ),
             ParameterProfile(
                 name="ProgressTimeout",

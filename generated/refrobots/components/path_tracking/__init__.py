@@ -31,7 +31,7 @@ class PathTrackingConfiguration:
     this; 0 never.
     """
     MaxJump: float = 0.3
-    """A position this far from the one before, on the way, is no motion: its source was [m]
+    """A position this far from the one before, on the way, is not a motion: its source was [m]
     restarted, and the travel ends in ERROR; 0 never.
     """
 
@@ -150,7 +150,7 @@ class PathTrackingBase(Component):
                 default="0.3",
                 minimum=0.0,
                 unit="m",
-                description="A position this far from the one before, on the way, is no motion: its source was",
+                description="A position this far from the one before, on the way, is not a motion: its source was",
             ),
         ),
     )

@@ -108,7 +108,7 @@ def _basic(component: Component) -> Iterator[Diagnostic]:
         if not is_date(date):
             hint = f'write it like `{key}="2025-02-11T10:30:00+00:00"`'
             yield finding(
-                rules.DATE, f"`{key}` is {date!r}, which is no xsd:dateTime", hint
+                rules.DATE, f"`{key}` is {date!r}, which is not an xsd:dateTime", hint
             )
     for key, value, known in (
         ("activity", component.activity, _ACTIVITIES),
@@ -184,7 +184,8 @@ def _ports(model: Model, component: Component) -> Iterator[Diagnostic]:
             if not isinstance(declaration, Interface) or declaration.local:
                 verb = "provides" if port.kind is PortKind.PROVIDER else "uses"
                 yield rules.INTERFACE.at(
-                    port.span, f"`{verb}` wants an interface, and `{port.type}` is none"
+                    port.span,
+                    f"`{verb}` needs an interface, and `{port.type}` is not one",
                 )
             key = (port.kind, port.port, port.instance)
             earlier = offered.setdefault(key, port)

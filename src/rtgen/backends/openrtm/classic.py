@@ -102,7 +102,7 @@ class Classic:
             case Native():
                 yield f"`{declaration.scoped}` is native"
             case Component() | Home():
-                yield f"`{declaration.scoped}` is no type"
+                yield f"`{declaration.scoped}` is not a type"
             case Enum(members=members):
                 if [member.value for member in members] != list(range(len(members))):
                     yield f"`{declaration.scoped}` has enumerators with values of their own"

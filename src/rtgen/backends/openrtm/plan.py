@@ -179,7 +179,7 @@ class Unit:
 
 @dataclass(frozen=True, slots=True)
 class DataPort:
-    """A data port: `name` is OpenRTM's, `attribute` the behaviour's; `type` is no alias."""
+    """A data port: `name` is OpenRTM's, `attribute` the behaviour's; `type` is not an alias."""
 
     port: Port
     name: str

@@ -309,7 +309,7 @@ class _Writer:
             c = components.get(instance)
             value = None if c is None else _value(c, plans[c.type], name)
             if value is None:
-                message = f"`{PER_CYCLE}`: {entry} is no parameter with a number"
+                message = f"`{PER_CYCLE}`: {entry} is not a parameter with a number"
                 span = Span(self._system.file, 1, 1, 1, 2)
                 self.findings.append(rules.PER_CYCLE.at(span, message))
             else:

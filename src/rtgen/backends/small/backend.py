@@ -93,7 +93,7 @@ def _check(model: Model, component: Component, limits: Limits) -> None:
         if not isinstance(type_, NamedType) or not isinstance(
             model.find(type_.name), Struct
         ):
-            raise NoFormError(f"the type of {port.name} is no struct")
+            raise NoFormError(f"the type of {port.name} is not a struct")
         needed = reachable(model, type_.name)
         forms = Forms(model, limits, dict.fromkeys(needed, "_"))
         for name in needed:

@@ -39,7 +39,7 @@ def frame_of_text(text: str, known: NodeIndex) -> Frame:
         return _command(words[1], words[2], known)
     if _PDO.fullmatch(head):
         return _pdo(head, words[1:], known)
-    raise Refusal(f"{text!r} is no frame: write {FORMS}")
+    raise Refusal(f"{text!r} is not a frame: write {FORMS}")
 
 
 def _raw(text: str) -> Frame:
@@ -55,7 +55,7 @@ def _raw(text: str) -> Frame:
         )
     except ValueError as error:
         raise Refusal(
-            f"{text!r} is no frame: ID is 3 or 8 hexadecimal digits (up to 7FF or 1FFFFFFF), "
+            f"{text!r} is not a frame: ID is 3 or 8 hexadecimal digits (up to 7FF or 1FFFFFFF), "
             "the data are up to 8 octets in hex, or R"
         ) from error
 
@@ -66,13 +66,13 @@ def _sync(words: list[str]) -> Frame:
     try:
         return Frame(SYNC, int(words[0]).to_bytes(1, "little"))
     except (ValueError, OverflowError) as error:
-        raise Refusal(f"{words[0]!r} is no counter of SYNC (0 to 255)") from error
+        raise Refusal(f"{words[0]!r} is not a counter of SYNC (0 to 255)") from error
 
 
 def _command(name: str, node: str, known: NodeIndex) -> Frame:
     command = _COMMANDS.get(name.lower())
     if command is None:
-        raise Refusal(f"{name!r} is no NMT command: {', '.join(_COMMANDS)}")
+        raise Refusal(f"{name!r} is not an NMT command: {', '.join(_COMMANDS)}")
     return command_frame(command, 0 if node == "all" else known.node(node))
 
 
@@ -97,7 +97,7 @@ def _packed(node: DescribedNode, route: Route, assignments: Iterable[str]) -> by
     for text in assignments:
         name, equals, value = text.partition("=")
         if not equals:
-            raise Refusal(f"{text!r} is no OBJECT=VALUE")
+            raise Refusal(f"{text!r} is not OBJECT=VALUE")
         entry = mapped.get(name.lower())
         if entry is None:
             close = get_close_matches(name.lower(), mapped, n=1)

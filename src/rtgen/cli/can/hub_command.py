@@ -161,5 +161,5 @@ def _pseudo_terminal(hub: Hub, channel: str) -> SlcanPty:
         raise ToolError("this system has no pseudo-terminals") from error
     bus = hub.bus(channel)
     if bus is None:
-        raise ToolError(f"{channel!r} is no name of a channel")
+        raise ToolError(f"{channel!r} is not a name of a channel")
     return SlcanPty(hub, bus)

@@ -20,7 +20,7 @@ KINDS = {".log": "candump log", ".asc": "Vector ASC", ".blf": "Vector BLF"}
 
 
 def check_kind(path: Path) -> None:
-    """Raise Refusal for a suffix that is no log format."""
+    """Raise Refusal for a suffix that is not a log format."""
     if path.suffix.lower() not in KINDS:
         known = ", ".join(f"{suffix} ({kind})" for suffix, kind in KINDS.items())
         raise Refusal(f"{path}: the suffix has to name a log format: {known}")
@@ -74,4 +74,6 @@ def _read(path: Path) -> Iterator[Message]:
     except (ValueError, IndexError, struct.error, zlib.error, BLFParseError) as error:
         after = f"after {found} frames " if found else ""
         said = " ".join(str(error).split())
-        raise Refusal(f"{path}: {after}this is no {KINDS[suffix]}: {said}") from error
+        raise Refusal(
+            f"{path}: {after}this is not a {KINDS[suffix]} file: {said}"
+        ) from error

@@ -166,7 +166,7 @@ def _arguments(
     for text in values:
         name, equals, value = text.partition("=")
         if not equals or not name.isidentifier():
-            raise click.BadParameter(f"{text!r} is no KEY=VALUE", context, parameter)
+            raise click.BadParameter(f"{text!r} is not KEY=VALUE", context, parameter)
         found[name] = option(value)
     return found
 
@@ -185,7 +185,7 @@ def _descriptions(
         except ValueError:
             node_id = 0
         if not 1 <= node_id <= 127:
-            message = f"{node!r} is no node-id (1 to 127)"
+            message = f"{node!r} is not a node-id (1 to 127)"
             raise click.BadParameter(message, context, parameter)
         found.append((node_id, Path(path)))
     return found

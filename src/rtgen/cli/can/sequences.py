@@ -35,7 +35,7 @@ def read_sequence(path: Path, known: NodeIndex) -> list[Step]:
     except OSError as error:
         raise ToolError(f"cannot read {path}: {error.strerror}") from error
     except UnicodeDecodeError as error:
-        raise Refusal(f"{path}: this is no text in UTF-8") from error
+        raise Refusal(f"{path}: this is not text in UTF-8") from error
     steps = list(_steps(path, text, known))
     if not steps:
         raise Refusal(f"{path}: there is no frame in this file")

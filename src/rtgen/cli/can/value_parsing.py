@@ -25,7 +25,7 @@ def parsed_value(thing: DescribedObject, text: str) -> ObjectValue:
         if isinstance(error, ObjectValueError):
             raise Refusal(f"{thing}: {error}") from error
         hint = "" if thing.name else ", or tell its --type"
-        problem = f"{text!r} is no {_called(thing.kind)}{hint}"
+        problem = f"{text!r} is not {_called(thing.kind)}{hint}"
         raise Refusal(f"{thing}: {problem}") from error
 
 
@@ -65,12 +65,12 @@ def _integer(text: str) -> int:
 def _called(kind: Kind) -> str:
     """The name of a kind of values in a message."""
     if limits(kind) is not None:
-        return f"integer ({kind})"
+        return f"an integer ({kind})"
     return {
-        "bool": "boolean: true or false",
-        "r32": "number",
-        "r64": "number",
-        "octets": "row of octets: write them in hex",
-        "time_of_day": "time: write it as 2026-01-31T12:00:00",
-        "time_difference": "time: write it in seconds",
+        "bool": "a boolean: true or false",
+        "r32": "a number",
+        "r64": "a number",
+        "octets": "octets: write them in hex",
+        "time_of_day": "a time: write it as 2026-01-31T12:00:00",
+        "time_difference": "a time: write it in seconds",
     }.get(kind, kind)

@@ -94,7 +94,7 @@ def host_and_port(text: str) -> tuple[str, int]:
     """Split HOST:PORT. Raises ClickException."""
     host, _, port = text.rpartition(":")
     if not host or not port.isdecimal() or not 0 < int(port) < 65536:
-        raise refused(f"{text!r} is no HOST:PORT")
+        raise refused(f"{text!r} is not HOST:PORT")
     return host.removeprefix("[").removesuffix("]"), int(port)
 
 

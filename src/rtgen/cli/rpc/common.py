@@ -155,7 +155,7 @@ def parsed(text: str) -> Json:
     try:
         value: Json = json.loads(text)
     except (ValueError, RecursionError) as error:
-        raise refused(f"this is no JSON: {error}") from error
+        raise refused(f"this is not JSON: {error}") from error
     return value
 
 
@@ -169,7 +169,7 @@ def octets(text: str) -> bytes:
     try:
         return bytes.fromhex(text)
     except ValueError as error:
-        raise refused(f"{text[:40]!r} is no hex: {error}") from error
+        raise refused(f"{text[:40]!r} is not hex: {error}") from error
 
 
 def _unknown(what: str, name: str, known: list[str]) -> click.ClickException:

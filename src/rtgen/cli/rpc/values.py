@@ -38,7 +38,7 @@ _LAST_UTF16 = 0xFFFF
 
 
 class JsonError(ValueError):
-    """JSON that is no value of the type; the message names the place."""
+    """JSON that is not a value of the type; the message names the place."""
 
 
 def to_json(node: Node, value: object) -> Json:
@@ -255,7 +255,7 @@ def _octets_from_json(value: Json, place: str) -> bytes:
     octets = []
     for each in _list(value, place):
         if not isinstance(each, int) or not -128 <= each <= 255:
-            raise JsonError(f"{place}: {each!r} is no octet")
+            raise JsonError(f"{place}: {each!r} is not an octet")
         octets.append(each & 0xFF)
     return bytes(octets)
 
@@ -276,7 +276,7 @@ def _text_from_json(node: String, value: Json, place: str) -> object:
     found = []
     for unit in units:
         if not isinstance(unit, int) or not low <= unit <= _mask(node):
-            raise JsonError(f"{place}: {unit!r} is no code unit")
+            raise JsonError(f"{place}: {unit!r} is not a code unit")
         wrapped = unit > _mask(node) // 2 and node.kind.islower()
         found.append(unit - _mask(node) - 1 if wrapped else unit)
     return found

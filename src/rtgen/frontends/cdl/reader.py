@@ -124,7 +124,7 @@ class Reader:
         definitions = [d.strip() for d in given.split(",") if d.strip()]
         wrong = next((d for d in definitions if not _DEFINITION.fullmatch(d)), None)
         if wrong is not None:
-            message = f"'{wrong}' is no definition of a macro"
+            message = f"'{wrong}' is not a definition of a macro"
             self._report(header_rules.HEADER_DEFINITION.at(span, message))
             return
         file = None

@@ -133,7 +133,7 @@ class Information:
         declared = number(entry, self._findings)
         if declared is not None and 1 <= declared <= 127:
             return declared
-        message = f"{entry.value[:40]} is no node-id (1 to 127)"
+        message = f"{entry.value[:40]} is not a node-id (1 to 127)"
         self._findings.add(information.NODE_ID, entry.span, message)
         return None
 

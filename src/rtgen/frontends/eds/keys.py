@@ -78,10 +78,10 @@ class _Checker:
                 continue
             meant = self._meant(key, keys, section)
             if meant is None:
-                message = f"{entry.key} is no key of [{section.name}]"
+                message = f"{entry.key} is not a key of [{section.name}]"
                 self._findings.add(lexical.UNKNOWN_KEY, entry.key_span, message)
             else:
-                message = f"{entry.key} is no key of [{section.name}]; it is ignored"
+                message = f"{entry.key} is not a key of [{section.name}]; it is ignored"
                 self._findings.add(
                     lexical.MISSPELT_KEY,
                     entry.key_span,

@@ -55,7 +55,7 @@ def check(
         for _, entry in entries:
             index = index_of(entry)
             if index is None:
-                message = f"{entry.value[:40]} is no index; it is ignored"
+                message = f"{entry.value[:40]} is not an index; it is ignored"
                 findings.add(information.BAD_ENTRY, entry.span, message)
                 continue
             _check_entry(name, index, entry.span, listed, described, findings)

@@ -115,14 +115,14 @@ def limit(
 
 
 def _bad(entry: Entry, findings: Findings, kind: str) -> None:
-    message = f"{entry.key}: this is no {kind}; it is ignored"
+    message = f"{entry.key}: this is not {kind}; it is ignored"
     findings.add(values.BAD_VALUE, entry.span, message)
 
 
 def _octets(text: str, entry: Entry, findings: Findings) -> bytes | None:
     found = _HEX_OCTETS.fullmatch(re.sub(r"\s+", "", text))
     if found is None:
-        _bad(entry, findings, "row of hexadecimal octets")
+        _bad(entry, findings, "hexadecimal octets")
         return None
     if text[:2] in ("0x", "0X"):
         message = "octets have no 0x in front"
@@ -152,7 +152,7 @@ def _real(text: str, entry: Entry, type_: DataType, findings: Findings) -> float
             _out_of_range(entry, type_, findings)
             return None
         return result
-    _bad(entry, findings, "number")
+    _bad(entry, findings, "a number")
     return None
 
 
@@ -162,7 +162,7 @@ def _integer(
     if "$" in text:
         formula = _formula(text, entry, findings)
         if formula is None:
-            _bad(entry, findings, "number or formula with $NODEID")
+            _bad(entry, findings, "a number or formula with $NODEID")
         elif abs(formula.offset) >= 1 << 64:
             _out_of_range(entry, type_, findings)
             formula = None
@@ -174,7 +174,7 @@ def _integer(
         return result
     parsed = parse(text)
     if parsed is None:
-        _bad(entry, findings, "number")
+        _bad(entry, findings, "a number")
         return None
     _report(parsed, entry, findings)
     fitted = _fitted(parsed.value, type_)

@@ -196,7 +196,7 @@ class ObjectReader:
             for member in members[1:]:
                 if member.data_type != members[0].data_type:
                     message = (
-                        f"sub-index {member.subindex} is no {type_text(members[0])}, "
+                        f"sub-index {member.subindex} is not {type_text(members[0])}, "
                         "as the first one"
                     )
                     self._findings.add(rules.ARRAY_TYPES, member.span, message)
@@ -204,7 +204,7 @@ class ObjectReader:
 
     def _check_first(self, first: Variable, highest: int) -> None:
         if first.data_type != DataType.UNSIGNED8:
-            message = f"sub-index 0 is no UNSIGNED8, but {type_text(first)}"
+            message = f"sub-index 0 is not UNSIGNED8, but {type_text(first)}"
             self._findings.add(rules.SUB0_TYPE, first.span, message)
         declared = first.default
         if first.index in _COUNT_OTHER_THINGS or not isinstance(declared, int):
@@ -221,7 +221,7 @@ class ObjectReader:
         for key in sorted(entries):
             declared = index_of(entries[key])
             if declared is None:
-                message = f"{entries[key].value[:40]} is no index"
+                message = f"{entries[key].value[:40]} is not an index"
                 self._findings.add(information.BAD_ENTRY, entries[key].span, message)
             else:
                 yield declared

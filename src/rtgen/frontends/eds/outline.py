@@ -97,7 +97,7 @@ def _place(name: str, section: Section, result: Outline, findings: Findings) -> 
     elif (found := _MODULE.fullmatch(name)) is not None:
         _place_module(found, section, result, findings)
     elif not _place_object(name, "", section, result.objects, findings):
-        message = f"[{section.name}] is no section of CiA 306"
+        message = f"[{section.name}] is not a section of CiA 306"
         findings.add(lexical.UNKNOWN_SECTION, section.span, message)
         result.further.append(section)
 
@@ -120,7 +120,7 @@ def _place_module(
         case "subext", rest if re.fullmatch("[0-9a-f]{4}", rest):
             module.extensions[int(rest, 16)] = section
         case _:
-            message = f"[{section.name}] is no section of CiA 306"
+            message = f"[{section.name}] is not a section of CiA 306"
             findings.add(lexical.UNKNOWN_SECTION, section.span, message)
             result.further.append(section)
 

@@ -168,7 +168,7 @@ class VariableReader:
         if written in Access.__members__.values():
             return Access(written), written
         meant = _OTHER_ACCESS.get(written, Access.RO)
-        message = f"{word[:40]} is no access type; it is taken for {meant}"
+        message = f"{word[:40]} is not an access type; it is taken for {meant}"
         self._findings.add(rules.UNKNOWN_ACCESS, entry.span, message)
         return meant, written
 

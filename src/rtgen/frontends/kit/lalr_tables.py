@@ -16,7 +16,7 @@ _GUARDED = re.compile(r"(\w+)(\(\?=.*\))", re.DOTALL)
 def make(text: str) -> dict[str, Any]:
     """The tables of a grammar: plain data, as `lalr.Grammar` takes them.
 
-    `terminals` stand in the order in which they are tried. Words are no terminals of the lexer,
+    `terminals` stand in the order in which they are tried. Words are not terminals of the lexer,
     but take precedence over identifiers: `words` always, `guarded` where what follows them fits.
     """
     from lark import Lark

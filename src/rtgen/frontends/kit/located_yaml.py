@@ -78,7 +78,7 @@ def _content(node: Any, file: str) -> Content:
     for key, value in node.value:
         place = _span(file, key.start_mark, key.end_mark)
         if key.id != "scalar":
-            raise YamlError("not YAML: a key that is no text", place)
+            raise YamlError("not YAML: a key that is not text", place)
         content[key.value] = _node(value, file, place)
     return content
 

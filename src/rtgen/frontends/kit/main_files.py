@@ -33,7 +33,7 @@ def open_main(
         return None
     if source is None:
         there = path.exists()
-        state = "is no regular file" if there else "does not exist"
+        state = "is not a regular file" if there else "does not exist"
         message = f"{shown} {'is a folder' if path.is_dir() else state}"
         others = path.parent.glob(beside)
         near = nearest(path.name, (p.name for p in others if p.is_file()))

@@ -36,12 +36,12 @@ def identity(path: Path, findings: Findings, span: Span) -> tuple[str, str, str]
     package = folder.parent.name if folder.name == kind else _DEFAULT_PACKAGE
     name = path.stem
     if not MESSAGE_NAME.fullmatch(name):
-        message = f"{name} is no name of an interface"
+        message = f"{name} is not a name of an interface"
         hint = "letters and digits, a capital first"
         findings.add(rules.BAD_NAME, span, message, hint=hint)
         return None
     if not PACKAGE_NAME.fullmatch(package):
-        message = f"{package} is no name of a package"
+        message = f"{package} is not a name of a package"
         hint = (
             f"the file stands in PACKAGE/{kind}/; lower-case letters, digits, single _"
         )

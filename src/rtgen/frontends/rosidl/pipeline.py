@@ -181,7 +181,7 @@ class _Run:
     def _report_spelling(self, type_: FieldType) -> None:
         near = nearest(type_.base, (*PRIMITIVES, *STRINGS))
         hint = f"did you mean {near}?" if near else "types are Name or package/Name"
-        message = f"{type_.base} is no type"
+        message = f"{type_.base} is not a type"
         self._findings.add(rules.BAD_TYPE, type_.span, message, hint=hint)
 
     def _message(

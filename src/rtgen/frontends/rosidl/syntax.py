@@ -181,10 +181,10 @@ class _Reader:
         if (_CONSTANT_NAME if constant else FIELD_NAME).fullmatch(name):
             return True
         if constant:
-            message = f"{name} is no name of a constant"
+            message = f"{name} is not a name of a constant"
             hint = "capitals and digits, single underscores between them"
         else:
-            message = f"{name} is no name of a field"
+            message = f"{name} is not a name of a field"
             hint = "lower-case letters and digits, single underscores between them"
             if _CONSTANT_NAME.fullmatch(name):
                 hint = f"a constant is written {name}=VALUE"
@@ -194,7 +194,7 @@ class _Reader:
     def _type(self, text: str, span: Span) -> FieldType | None:
         match = _TYPE.fullmatch(text)
         if match is None:
-            message = f"{text} is no type"
+            message = f"{text} is not a type"
             hint = "arrays are T[3], T[], T[<=3]; bounded strings string<=10"
             self._findings.add(rules.BAD_TYPE, span, message, hint=hint)
             return None

@@ -1,4 +1,4 @@
-"""Values of constants and defaults."""
+"""Values of constants and defaults in interface files of ROS 2."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def _scalar(text: str, kind: Primitive | None, verbatim: bool) -> Scalar:
     try:
         number = int(text, 0)
     except ValueError:
-        raise ValueError("is no integer") from None
+        raise ValueError("is not an integer") from None
     lowest, highest = INTEGER_RANGES[kind]
     if not lowest <= number <= highest:
         raise ValueError(f"is not in {lowest} to {highest}")
@@ -64,7 +64,7 @@ def _real(text: str, kind: Primitive) -> float:
     try:
         number = float(text)
     except ValueError:
-        raise ValueError("is no number") from None
+        raise ValueError("is not a number") from None
     if math.isfinite(number) and abs(number) > FLOAT_LIMITS[kind]:
         raise ValueError("is too large for float32")
     return number

@@ -95,7 +95,7 @@ def _comparisons(element: Element) -> tuple[Comparison, ...]:
     units = [_unit(item) for item in _constraints(element)]
     found = tuple(unit for unit in units if isinstance(unit, Comparison))
     if not found or len(found) != len(units):
-        raise NoTextFormError(f"`{element.name[1]}` of what is no comparison")
+        raise NoTextFormError(f"`{element.name[1]}` of what is not a comparison")
     return found
 
 

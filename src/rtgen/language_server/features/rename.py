@@ -66,7 +66,7 @@ def renamed(view: View, position: Position, name: str) -> WorkspaceEdit:
 def _check_name(definition: Definition, language: str, name: str) -> None:
     form = _INSTANCE if definition.kind is Kind.INSTANCE else _NAME
     if not form.fullmatch(name):
-        raise RenameError(f"{name!r} is no name")
+        raise RenameError(f"{name!r} is not a name")
     if language == "idl" and name.lower() in FOLDED:
         raise RenameError(f"{name} is a keyword of IDL")
     if language == "cdl" and name in cdl_keywords.RESERVED:

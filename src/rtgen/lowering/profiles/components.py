@@ -130,7 +130,7 @@ class Lowering:
     def _name(self, profile: RtcProfile) -> ScopedName:
         """The component's name, with a diagnostic if it had to be changed."""
         last = profile_escapes.word(profile.name, "Component")[:_LONGEST_NAME]
-        why = "is no identifier" if len(last) < _LONGEST_NAME else "is too long"
+        why = "is not an identifier" if len(last) < _LONGEST_NAME else "is too long"
         name = self._definitions.name(profile, last)
         known = self._by_name.get(name)
         if isinstance(known, Component):
@@ -241,8 +241,8 @@ class Lowering:
         )
         if isinstance(declaration, Interface if service else _DATA):
             return type_
-        wanted = "interface" if service else "struct or union"
-        message = f"{port.type} is no {wanted}; it stays opaque"
+        wanted = "an interface" if service else "a struct or union"
+        message = f"{port.type} is not {wanted}; it stays opaque"
         self._report_at(rules.WRONG_TYPE, port.type_span, message)
         return self._stand_in(profile, port, written, service)
 

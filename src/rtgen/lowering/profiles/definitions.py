@@ -160,10 +160,10 @@ class Definitions:
             if len(parts) > 20 or any(
                 profile_escapes.word(p, "X") != p for p in modules
             ):
-                raise ValueError(f"{text[:40]!r} is no scoped name")
+                raise ValueError(f"{text[:40]!r} is not a scoped name")
             for depth in range(1, len(parts)):
                 if tuple(parts[:depth]) in self.declared:
-                    raise ValueError(f"{'::'.join(parts[:depth])} is no module")
+                    raise ValueError(f"{'::'.join(parts[:depth])} is not a module")
             return (*modules, last)
         return (last,)
 
@@ -221,7 +221,7 @@ class Definitions:
         ports = _inherited(made.ports, base.ports)
         configuration = _inherited(made.configuration, base.configuration)
         if ports is None or configuration is None:
-            message = f"it is no {text} any more: what it inherits was changed"
+            message = f"it is no longer a {text}: what it inherits was changed"
             self._report_at(made.span, message)
             return made
         return replace(made, base=base.name, ports=ports, configuration=configuration)

@@ -122,7 +122,7 @@ def over_service(class_: type[O], service: ObjectDictionary) -> O:
 
     `service` is a consumer of the proxy's port `sdo`. Raises what the service raises
     (CANopen::SdoAbort, CANopen::BusGone), and ObjectValueError for a value that an object cannot
-    have, or octets that are no value of it.
+    have, or octets that are not value of it.
     """
     kinds = {
         entry.number: entry.description.kind for entry in _entries(class_).values()

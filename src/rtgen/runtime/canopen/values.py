@@ -187,7 +187,7 @@ def from_bits(kind: Kind, raw: int, bits: int) -> ObjectValue:
 
 
 def _foreign(kind: Kind, value: object) -> ObjectValueError:
-    return ObjectValueError(f"{value!r} is no value of kind {kind}")
+    return ObjectValueError(f"{value!r} is not a value of kind {kind}")
 
 
 def _integer(kind: Kind, value: ObjectValue) -> int:

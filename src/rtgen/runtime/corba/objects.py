@@ -171,7 +171,7 @@ class Objects:
         if isinstance(value, Servant):
             return self._servant(value)
         if not isinstance(value, ObjectReference):
-            raise TypeError(f"{value!r} is no object")
+            raise TypeError(f"{value!r} is not an object")
         octets = bytearray(b"\1\0\0\0")
         write_reference(octets, value, True)
         return self._orb.string_to_object(f"IOR:{octets.hex()}")

@@ -19,6 +19,16 @@ import omniORB
 from omniORB import CORBA, tcInternal
 
 from rtgen.runtime.cdr import UserException
+from rtgen.runtime.corba.wire_conversions import (
+    Convert,
+    each,
+    int8_of,
+    latin_octet,
+    latin_octets,
+    latin_text,
+    octet_of,
+    through,
+)
 from rtgen.runtime.marshalling.descriptors import (
     AliasDescriptor,
     ArrayDescriptor,
@@ -44,7 +54,6 @@ from rtgen.runtime.marshalling.octets import (
 from rtgen.runtime.services.servants import MarshalError, Servant
 from rtgen.runtime.values import decoded, encoded
 
-Convert: TypeAlias = Callable[[Any], Any]
 Interface: TypeAlias = type[Servant] | None
 
 _PRIMITIVES = {
@@ -150,11 +159,11 @@ class WireTypes:
                     tcInternal.tv_TypeCode, CORBA._tc_TypeCode, descriptor
                 )
             case PrimitiveDescriptor("char"):
-                return WireType(tcInternal.tv_octet, _latin_octet, chr)
+                return WireType(tcInternal.tv_octet, latin_octet, chr)
             case PrimitiveDescriptor("wchar"):
                 return WireType(_WIDE_CHARACTER, wide_character, wide_character_value)
             case PrimitiveDescriptor("int8"):
-                return WireType(tcInternal.tv_octet, _octet, _signed)
+                return WireType(tcInternal.tv_octet, octet_of, int8_of)
             case PrimitiveDescriptor("Object"):
                 return self._reference(descriptor, None)
             case InterfaceDescriptor(local=False):
@@ -316,13 +325,13 @@ class _Members:
         """An object with the members for omniORBpy to read."""
         made = SimpleNamespace()
         for name, attribute, wire in self.entries:
-            setattr(made, name, _through(wire.outgoing, getattr(value, attribute)))
+            setattr(made, name, through(wire.outgoing, getattr(value, attribute)))
         return made
 
     def incoming(self, values: Iterable[Any]) -> Iterable[Any]:
         """Convert the values of the members in order."""
         for (_, _, wire), value in zip(self.entries, values, strict=True):
-            yield _through(wire.incoming, value)
+            yield through(wire.incoming, value)
 
     def maker(self, class_: Callable[..., Any]) -> Convert:
         """The function by which omniORBpy constructs a struct."""
@@ -340,7 +349,7 @@ def _union_maker(
         branch = descriptor.branch(discriminator)
         if branch is not None:
             wire = wires[descriptor.branches.index(branch)]
-            value = _through(wire.incoming, value)
+            value = through(wire.incoming, value)
         return class_(discriminator, value)
 
     return make
@@ -352,7 +361,7 @@ def _union_outgoing(descriptor: UnionDescriptor, wires: Sequence[WireType]) -> C
         branch = descriptor.branch(union.discriminator)
         if branch is not None:
             wire = wires[descriptor.branches.index(branch)]
-            value = _through(wire.outgoing, value)
+            value = through(wire.outgoing, value)
         return SimpleNamespace(_d=union.discriminator, _v=value)
 
     return outgoing
@@ -446,8 +455,8 @@ def _items(
 ) -> tuple[Convert | None, Convert | None]:
     """Conversions for the items of a sequence or an array, outgoing and incoming."""
     if plain(element) == _CHAR:
-        return _latin_octets, _latin_text
-    return _each(wire.outgoing), _each(wire.incoming)
+        return latin_octets, latin_text
+    return each(wire.outgoing), each(wire.incoming)
 
 
 def _formed(
@@ -459,45 +468,9 @@ def _formed(
         return items
     outgoing, incoming = items
     return (
-        lambda value: _through(outgoing, listed(descriptor, value)),
-        lambda wire: formed(descriptor, _through(incoming, wire)),
+        lambda value: through(outgoing, listed(descriptor, value)),
+        lambda wire: formed(descriptor, through(incoming, wire)),
     )
-
-
-def _each(convert: Convert | None) -> Convert | None:
-    if convert is None:
-        return None
-    return lambda items: [convert(item) for item in items]
-
-
-# As octets, because omniORB would convert characters between code sets; they are ISO 8859-1.
-
-
-def _latin_octet(character: str) -> int:
-    (octet,) = character.encode("latin-1")
-    return octet
-
-
-def _latin_octets(text: str) -> bytes:
-    return text.encode("latin-1")
-
-
-def _latin_text(octets: bytes) -> str:
-    return octets.decode("latin-1")
-
-
-def _through(convert: Convert | None, value: Any) -> Any:
-    return value if convert is None else convert(value)
-
-
-def _octet(number: int) -> int:
-    if not -128 <= number < 128:
-        raise ValueError(f"{number} is no int8")
-    return number & 255
-
-
-def _signed(octet: int) -> int:
-    return octet - 256 if octet > 127 else octet
 
 
 def _last(name: str) -> str:

@@ -24,7 +24,7 @@ LONGEST_OPERATION = 1024
 
 
 class EnvelopeError(ValueError):
-    """The octets are no request, or no reply."""
+    """The octets are not request, or no reply."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -81,7 +81,7 @@ class ServedProvider:
         except BaseException as error:
             if not ends_run(error):
                 raise
-            # This is no thread of the run; that ends in the main thread.
+            # This is not a thread of the run; that ends in the main thread.
             interrupt_main()
             answer = calls.failure(UnknownException(described(error)))
         if not request.oneway:

@@ -284,7 +284,7 @@ class DistributedTransport:
         if port is None:
             kind = "InPort" if sends else "OutPort"
             known = ", ".join(ports) or "none"
-            raise PortTypeError(f"{there} is no {kind}; known: {known}")
+            raise PortTypeError(f"{there} is not an {kind}; known: {known}")
         _check_type(here, there, port)
         return True
 

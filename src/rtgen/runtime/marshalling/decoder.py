@@ -40,6 +40,7 @@ from rtgen.runtime.marshalling.nodes import (
     TextSequence,
 )
 from rtgen.runtime.marshalling.octets import nested, read_reference
+from rtgen.runtime.marshalling.position import Position
 from rtgen.runtime.marshalling.references import References
 from rtgen.runtime.marshalling.repeated import Repeated
 from rtgen.runtime.marshalling.shapes import Layouts
@@ -52,17 +53,16 @@ _MOST_COMPARED = 8
 """The number of ids that are compared one by one."""
 
 
-class Decoder:
+class Decoder(Position):
     """Writes the body of `from_cdr` or of a function that reads at an offset."""
 
     def __init__(self, references: References) -> None:
+        super().__init__(Body(references.namespace))
         self._refer = references
         self._convert = Conversions(references.namespace)
         self._layouts = Layouts()
         self._locals = Locals(references.namespace)
-        self._offset: int | None = None
         self._readers = 0
-        self.body = Body(references.namespace)
         self.cut = False
         """Whether `data` stands for a part of the data somewhere."""
 
@@ -492,27 +492,6 @@ class Decoder:
         targets = inner.targets(node.fields)
         value = inner.value(node.element, ())
         return f"[{value} for {targets} in {records}({self._locals.name(path)})]"
-
-    def refuse(self, condition: str, message: str = "wrong length") -> None:
-        """A statement that raises ValueError on a condition."""
-        self.body.block(f"if {condition}:")
-        self.body.add(f'raise ValueError("{message}")')
-        self.body.end()
-
-    def _place(self) -> str:
-        return "offset" if self._offset is None else str(self._offset)
-
-    def _advance(self, size: int) -> None:
-        if self._offset is None:
-            self.body.add(f"offset += {size}")
-        else:
-            self._offset += size
-
-    def _settle(self) -> None:
-        """Keep the offset in a variable from here on."""
-        if self._offset is not None:
-            self.body.add(f"offset = {self._offset}")
-            self._offset = None
 
 
 class _Record(Decoder):

@@ -221,7 +221,7 @@ class MemberDescriptor:
 class StructDescriptor(Named):
     """A struct: its members in the order of the wire, those of its bases first.
 
-    `extensibility` is `final`, `appendable` or `mutable`; `nested`: it is no topic by itself.
+    `extensibility` is `final`, `appendable` or `mutable`; `nested`: it is not a topic by itself.
     `opaque`: its name is all that was known when it was generated.
     """
 

@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 else:
 
     class _Array(array):
-        """Subscripted by type checkers only: Python 3.11's array is no generic class."""
+        """Subscripted by type checkers only: Python 3.11's array is not a generic class."""
 
         __slots__ = ()
 

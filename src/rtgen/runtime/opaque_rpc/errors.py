@@ -71,7 +71,7 @@ class RpcError(ServiceError):
 
 
 class ProtocolError(RpcError):
-    """The bytes that came are no message of the signature, or ask for more than is allowed."""
+    """The bytes that came are not message of the signature, or ask for more than is allowed."""
 
 
 class ChannelError(RpcError):

@@ -263,7 +263,7 @@ class _SerialReader(MessageReader):
         self._server = server
 
     def head(self, n: int) -> bytes:
-        """See `MessageReader`. Passes over what is no start of a request."""
+        """See `MessageReader`. Passes over what is not a start of a request."""
         found = super().head(1)
         while found:
             if not any(start.startswith(found) for start in self._server.starts):

@@ -45,7 +45,7 @@ class Tdr:
 
     def __post_init__(self) -> None:
         if self.order not in ("network", "little", "big"):
-            raise ValueError(f"{self.order!r} is no TDR: network, little or big")
+            raise ValueError(f"{self.order!r} is not a TDR: network, little or big")
         for bits in (self.short_bits, self.int_bits, self.long_bits, self.intptr_bits):
             if bits not in STRUCT_CODES:
                 raise ValueError(f"{bits} bits: a width is 16, 32 or 64")

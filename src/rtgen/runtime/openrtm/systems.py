@@ -127,7 +127,7 @@ def _options(system: System, arguments: Sequence[str] | None) -> argparse.Namesp
 def _positive(text: str) -> float:
     number = float(text)
     if not (isfinite(number) and number > 0):
-        raise argparse.ArgumentTypeError(f"{text} is no number above 0")
+        raise argparse.ArgumentTypeError(f"{text} is not a number above 0")
     return number
 
 

@@ -1,4 +1,4 @@
-"""Support for generated conversions: omniORB's classes of types, and types that are no plain data.
+"""Support for generated conversions: omniORB's classes of types, and types that are not plain data.
 
 The classes are looked up by repository id among those that the stubs have registered with omniORB,
 whatever their package.
@@ -178,7 +178,7 @@ ANYTHING = Octets(ANY, CORBA.TC_any)
 TYPE_CODE = Octets(PrimitiveDescriptor("CORBA::TypeCode"), CORBA.TC_TypeCode)
 OBJECT = Octets(PrimitiveDescriptor("Object"), CORBA.TC_Object)
 VALUE = Octets(PrimitiveDescriptor("ValueBase"), "IDL:omg.org/CORBA/ValueBase:1.0")
-"""Conversions of the basic types that are no plain data."""
+"""Conversions of the basic types that are not plain data."""
 
 
 NO_CONTEXT = CORBA.Context("", None)

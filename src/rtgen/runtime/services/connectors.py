@@ -130,7 +130,7 @@ def _partner(
                 _check_interfaces(consumer, provider)
                 return provider
         raise ConnectorPropertyError(
-            f"connector property {wish!r}: {selected!r} is no provider"
+            f"connector property {wish!r}: {selected!r} is not a provider"
         )
     fitting = [p for p in there.providers if _interface_difference(consumer, p) is None]
     for provider in fitting:

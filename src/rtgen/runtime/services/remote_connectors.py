@@ -126,6 +126,6 @@ def _selected(
     prefix = f"{there.instance}.port.{there.port}.provided."
     if not selected.startswith(prefix):
         raise ConnectorPropertyError(
-            f"connector property {wish!r}: {selected!r} is no provider of {there}"
+            f"connector property {wish!r}: {selected!r} is not a provider of {there}"
         )
     return selected.rpartition(".")[2]

@@ -22,7 +22,7 @@ from rtgen.runtime.timing.traffic import ConnectionChange
 class Observation:
     """The listeners of a system, and the watchers of its OutPorts.
 
-    Their exceptions go to `end_run`: they are no failures of a component.
+    Their exceptions go to `end_run`: they are not failures of a component.
     """
 
     def __init__(

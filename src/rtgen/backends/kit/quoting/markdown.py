@@ -52,7 +52,7 @@ def paragraphs(value: str) -> Markdown:
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> Markdown:
-    """A table; cells that are no Markdown are quoted. Columns that are empty are left out."""
+    """A table; cells that are not Markdown are quoted. Columns that are empty are left out."""
     cells = [[text(cell) for cell in row] for row in rows]
     if not cells:
         return Markdown("")

@@ -114,7 +114,7 @@ class Declarations:
             place = _PLACE.fullmatch(str(error))
             where = int(place[1]) - 2 if place else 0
             what = place[3] if place else str(error)
-            raise NotCError(what or "this is no C", line + max(where, 0)) from None
+            raise NotCError(what or "this is not C", line + max(where, 0)) from None
         except (AssertionError, RecursionError) as error:
             raise NotCError("this is not understood", line) from error
         self._found = []

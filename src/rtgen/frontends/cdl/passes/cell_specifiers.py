@@ -65,7 +65,7 @@ class CellSpecifiers:
             self._report(
                 rules.PROTOTYPE.at(
                     place.span(marks[0]),
-                    f"{cell.name} is no prototype: it {reason}",
+                    f"{cell.name} is not a prototype: it {reason}",
                     related=[Related(cell.span, "defined here")] if cell.span else [],
                 )
             )
@@ -118,9 +118,7 @@ class CellSpecifiers:
                 if p.hidden is not None
             ]
             near = nearest(".".join((port, function, parameter)), entries)
-            message = (
-                f"{port}.{function}.{parameter} is no parameter that needs an allocator"
-            )
+            message = f"{port}.{function}.{parameter} is not a parameter that needs an allocator"
             hint = f"did you mean {near}?" if near else None
             self._report(rules.ALLOCATOR_OF_CELL.at(span, message, hint=hint))
             return

@@ -339,7 +339,7 @@ class Cells:
                     self._report(
                         celltype_rules.INNER_EXPRESSION.at(
                             place.span(value),
-                            f"the value of {node.name.text} is no constant",
+                            f"the value of {node.name.text} is not a constant",
                             hint="inside a composite only composite.name can stand",
                         )
                     )
@@ -385,7 +385,7 @@ class Cells:
             self._report(
                 rules.REVERSE_JOIN.at(
                     place.span(node),
-                    f"{cell.name} is no prototype, and the signature is not callback",
+                    f"{cell.name} is not a prototype, and the signature is not callback",
                     hint=f"write the join in {node.target.owner}: "
                     f"{node.target.port.text} = {cell.name}.{node.name.text}",
                 )

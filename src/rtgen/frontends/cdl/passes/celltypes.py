@@ -178,7 +178,7 @@ class Celltypes:
         self._report(
             rules.BAD_PORT_SIZE.at(
                 place.span(index),
-                f"the size of {node.name.text} is no constant integer",
+                f"the size of {node.name.text} is not a constant integer",
                 hint=f"write a number, or {node.name.text}[] for an array of any size",
             )
         )
@@ -242,11 +242,11 @@ class Celltypes:
                 return None  # has errors, already reported
             if owner is None and self._unseen(target.owner, place):
                 return None
-            message = f"{target.owner} is no celltype"
+            message = f"{target.owner} is not a celltype"
             return message, "name a singleton celltype that is declared before", []
         if owner.kind is not Kind.CELL and not type_.singleton:
             related = [Related(type_.entity.place, "declared here")]
-            return f"{type_.name} is no singleton", None, related
+            return f"{type_.name} is not a singleton", None, related
         caller = type_.members.get(target.port.text)
         if not isinstance(caller, Port) or caller.kind != "call":
             near = nearest(
@@ -255,7 +255,7 @@ class Celltypes:
             hint = f"did you mean {near}?" if near else None
             return f"{type_.name} has no call port {target.port.text}", hint, []
         if not caller.array or caller.size is not None:
-            message = f"{caller.name} is no call port array without a size"
+            message = f"{caller.name} is not a call port array without a size"
             hint = f"declare it as {caller.name}[]"
             return message, hint, [Related(caller.span, "declared here")]
         return None
@@ -350,7 +350,7 @@ class Celltypes:
             self._report(
                 rules.SIZE_IS_OF_NO_POINTER.at(
                     variable.span,
-                    f"{variable.name} has size_is and is no pointer",
+                    f"{variable.name} has size_is and is not a pointer",
                     hint=f"declare *{variable.name}",
                 )
             )

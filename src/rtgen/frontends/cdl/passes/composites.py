@@ -243,7 +243,7 @@ class Composites:
             self._report(
                 rules.COMPOSITE_SINGLETON.at(
                     span,
-                    f"{composite.name} is no singleton, but its cell {single.name} is",
+                    f"{composite.name} is not a singleton, but its cell {single.name} is",
                     related=[Related(single.entity.place, "the cell")],
                     hint="put [singleton] before the composite",
                 )

@@ -54,7 +54,7 @@ class Factories:
                     self._report(
                         rules.FACTORY_TEXT.at(
                             place.span(text),
-                            f"the {what} is no string",
+                            f"the {what} is not a string",
                             hint='put it between " "',
                         )
                     )
@@ -84,7 +84,7 @@ class Factories:
                 continue
             attributes = [v.name for v in type_.variables if v.kind == "attr"]
             near = nearest(argument.text, attributes)
-            state = "is no attribute" if found else "is not known"
+            state = "is not an attribute" if found else "is not known"
             self._report(
                 rules.FACTORY_ARGUMENT.at(
                     place.span(argument),
@@ -108,7 +108,7 @@ class Factories:
             if letter in "$<{" and letter:
                 return  # values by number or name
             if letter not in _LETTERS:
-                message = f"{found[0]!r} is no conversion"
+                message = f"{found[0]!r} is not a conversion"
             elif not left:
                 message = (
                     f"the format has more places than values ({len(call.arguments)})"

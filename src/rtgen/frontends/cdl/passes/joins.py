@@ -149,7 +149,7 @@ class Joins:
             message = (
                 f"{join.name} is an array and needs a subscript"
                 if port.array
-                else f"{join.name} is no array and has no subscript"
+                else f"{join.name} is not an array and has no subscript"
             )
             hint = f"write {join.name}[0] or {join.name}[]" if port.array else None
             related = [Related(port.span, "declared here")]
@@ -163,7 +163,7 @@ class Joins:
             self._report(
                 rules.NOT_A_TARGET.at(
                     join.place.span(value),
-                    f"{join.name} is a call port, and this is no entry port",
+                    f"{join.name} is a call port, and this is not an entry port",
                     hint="write Cell.eEntry or Cell.eEntry[0]",
                 )
             )
@@ -235,7 +235,7 @@ class Joins:
             near = nearest(plain, inside.inner)
             hint = f"did you mean {near}?" if near else None
             found = None
-            state = f"is no cell of {inside.name}" if member else "is not known"
+            state = f"is not a cell of {inside.name}" if member else "is not known"
         else:
             found = target.place.lookup(name)
             if found is not None and found.kind is Kind.CELL:
@@ -307,7 +307,7 @@ class Joins:
         if entry.array and target.index is None:
             problem = f"{entry.name} is an array and needs a subscript"
         elif not entry.array and target.index is not None:
-            problem = f"{entry.name} is no array"
+            problem = f"{entry.name} is not an array"
         elif (target.index or 0) >= (entry.size or math.inf):
             problem = f"{entry.name} has {entry.size} places, from 0 on"
         if problem is not None:

@@ -229,7 +229,7 @@ class ParameterAnalysis(SignatureAnalysis):
             if isinstance(found, Entity) and found.kind is Kind.SIGNATURE:
                 parameter.allocator = found.name
             else:
-                message = f"'{name}' is no signature"
+                message = f"'{name}' is not a signature"
                 hint = "name the signature of the allocator; it is declared before"
                 self._report(rules.ALLOCATOR, name, message, hint)
                 parameter.good = False
@@ -255,7 +255,7 @@ class ParameterAnalysis(SignatureAnalysis):
         for word in (*_LENGTHS, "nullable"):
             if word in parameter.given:
                 name = parameter.name.text
-                message = f"'{word}' is about pointers, and '{name}' is none"
+                message = f"'{word}' applies to pointers, and '{name}' is not one"
                 self._report(rules.SIZE_OF_SCALAR, parameter.given[word], message)
                 parameter.good = False
 

@@ -55,7 +55,7 @@ class Requirements:
             what = (
                 "is an array"
                 if isinstance(port, Port) and port.array
-                else "is no entry port"
+                else "is not an entry port"
             )
             self._report(
                 rules.REQUIRED_NOT_ENTRY.at(
@@ -113,7 +113,7 @@ class Requirements:
             self._report(
                 rules.REQUIRED_NOT_SINGLETON.at(
                     place.span(owner),
-                    f"{type_.name} is no singleton",
+                    f"{type_.name} is not a singleton",
                     related=[Related(type_.entity.place, "declared here")],
                     hint="put [singleton] before it, or use a call port",
                 )

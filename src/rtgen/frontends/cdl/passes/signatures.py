@@ -123,7 +123,7 @@ class _Signature(SignatureAnalysis):
             self._report(
                 rules.NOT_A_FUNCTION,
                 name,
-                f"'{name.text}' is no function",
+                f"'{name.text}' is not a function",
                 "put its parameters behind it, or ( void )",
             )
             return None

@@ -285,7 +285,7 @@ class Types:
             self._report(
                 rules.MEMBER_SIZE.at(
                     unit.place(name),
-                    f"'{name.text}' is no pointer, so {' and '.join(given)} cannot apply",
+                    f"'{name.text}' is not a pointer, so {' and '.join(given)} cannot apply",
                 )
             )
             return None

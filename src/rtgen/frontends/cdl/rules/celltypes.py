@@ -16,10 +16,10 @@ UNKNOWN_REQUIRED = Rule(
     "CDL0509", "required celltype or cell not found", Severity.ERROR
 )
 REQUIRED_NOT_SINGLETON = Rule(
-    "CDL0510", "required celltype is no singleton", Severity.ERROR
+    "CDL0510", "required celltype is not a singleton", Severity.ERROR
 )
 REQUIRED_NOT_ENTRY = Rule(
-    "CDL0511", "required port is no single entry port", Severity.ERROR
+    "CDL0511", "required port is not a single entry port", Severity.ERROR
 )
 REQUIRE_CLASH = Rule("CDL0512", "functions of one name required twice", Severity.ERROR)
 UNKNOWN_FACTORY_FUNCTION = Rule(
@@ -32,7 +32,7 @@ FACTORY_ARGUMENT = Rule(
     "CDL0515", "argument of write is not an attribute", Severity.ERROR
 )
 SIZE_IS_OF_NO_POINTER = Rule(
-    "CDL0516", "size_is of something that is no pointer", Severity.ERROR
+    "CDL0516", "size_is of something that is not a pointer", Severity.ERROR
 )
 SIZED_INITIALISER = Rule(
     "CDL0517", "initialiser that does not fit size_is", Severity.ERROR
@@ -62,7 +62,7 @@ UNKNOWN_INNER_NAME = Rule(
 EXPORT_KIND = Rule("CDL0534", "exported as another kind", Severity.ERROR)
 EXPORT_MISMATCH = Rule("CDL0535", "exported with another type", Severity.ERROR)
 COMPOSITE_SINGLETON = Rule(
-    "CDL0536", "composite of a singleton is no singleton", Severity.ERROR
+    "CDL0536", "composite of a singleton is not a singleton", Severity.ERROR
 )
 NO_SINGLETON_INSIDE = Rule(
     "CDL0537", "singleton without a singleton inside", Severity.WARNING

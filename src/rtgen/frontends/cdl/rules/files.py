@@ -1,4 +1,4 @@
-"""Rules about files and what they hold together (CDL00xx)."""
+"""Rules about files, imports, and their contents as a whole (CDL00xx)."""
 
 from __future__ import annotations
 

@@ -17,7 +17,7 @@ LINK_UNITS = Rule("CDL0705", "join between link units", Severity.ERROR)
 KIND_TWICE = Rule("CDL0706", "two kinds of one region", Severity.ERROR)
 UNKNOWN_PLUGIN = Rule("CDL0710", "unknown plug-in", Severity.WARNING)
 THROUGH_ATTRIBUTE = Rule(
-    "CDL0711", "through before something that is no join", Severity.WARNING
+    "CDL0711", "through before something that is not a join", Severity.WARNING
 )
 THROUGH_IGNORED = Rule("CDL0712", "through without effect", Severity.WARNING)
 BAD_ARGUMENT = Rule("CDL0713", "malformed argument of a plug-in", Severity.ERROR)

@@ -243,7 +243,7 @@ def _number(s: ErrorContext) -> Recovery | None:
     )
     return s.recovery(
         lexical.NUMBER,
-        f"{number} is no number of CDL",
+        f"{number} is not a number of CDL",
         hint,
         at=(before.start(), s.end),
         instead=True,
@@ -267,7 +267,7 @@ def _specifier(s: ErrorContext) -> Recovery | None:
     found = nearest(s.text, SPECIFIERS)
     return s.recovery(
         syntax.UNKNOWN_SPECIFIER,
-        f"'{s.text}' is no specifier",
+        f"'{s.text}' is not a specifier",
         f"did you mean '{found}'?" if found else None,
         feed=("NULLABLE",) if s.following in (",", "]") else (),
         instead=s.following in (",", "]"),
@@ -286,7 +286,7 @@ def _unknown_type(s: ErrorContext) -> Recovery | None:
         if found is not None:
             return s.recovery(
                 syntax.MISSPELT_KEYWORD,
-                f"'{s.text}' is no keyword",
+                f"'{s.text}' is not a keyword",
                 f"did you mean '{found}'?",
                 feed=(TERMINALS[found],),
                 instead=True,
@@ -383,7 +383,7 @@ def _misspelt(s: ErrorContext) -> Recovery | None:
         return None
     return s.recovery(
         syntax.MISSPELT_KEYWORD,
-        f"'{s.text}' is no keyword",
+        f"'{s.text}' is not a keyword",
         f"did you mean '{found}'?",
         feed=(TERMINALS[found],),
         instead=True,
@@ -460,7 +460,7 @@ def bad_character(unit: Unit, start: int) -> tuple[Diagnostic, int]:
         rest = text.find("'", start + 1, line_end)
         end = rest + 1 if rest >= 0 else end
         message = (
-            "this is no character literal: one character stands between the quotes"
+            "this is not a character literal: one character stands between the quotes"
         )
         return lexical.BAD_CHARACTER.at(unit.span(start, end), message), end
     message = f"the character {character!r} cannot stand here"

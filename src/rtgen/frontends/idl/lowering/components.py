@@ -117,7 +117,7 @@ class Components:
         profile = {key: found for key, found in profile.items() if key in known}
         for key in _DATES:
             if key in profile and not _DATE.fullmatch(profile[key]):
-                message = f'"{profile[key]}" is no date with a time zone'
+                message = f'"{profile[key]}" is not a date with a time zone'
                 hint = "write 2011-09-26T10:00:00+09:00"
                 self._report(rules.BAD_DATE.at(entity.span, message, hint=hint))
                 del profile[key]
@@ -239,7 +239,7 @@ class Components:
             return []
         span = unit.span(node.type.start, node.type.end)
         if node.readonly:
-            message = "a read-only attribute is no configuration parameter"
+            message = "a read-only attribute is not a configuration parameter"
             hint = "leave readonly out"
             self._report(rules.PASSED_OVER.at(span, message, hint=hint))
             return []

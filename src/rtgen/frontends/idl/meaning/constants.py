@@ -261,7 +261,7 @@ class Constants:
             self._fail(syntax.BAD_LITERAL, node, str(error), error.hint)
             raise _NoValueError from error
         for escape in found.unknown_escapes:
-            message = f"\\{escape} is no escape; {escape} is taken"
+            message = f"\\{escape} is not an escape; {escape} is taken"
             hint = f"write {escape}, or \\\\ for a backslash"
             self._report_at(syntax.UNKNOWN_ESCAPE, node, message, hint)
         if found.broken:
@@ -292,7 +292,7 @@ class Constants:
             self._fail(
                 name_rules.NOT_A_VALUE,
                 node,
-                f"{node} is no constant",
+                f"{node} is not a constant",
                 "a value is a literal, a constant or an enumerator",
                 entity if isinstance(entity, Entity) else None,
             )
@@ -431,7 +431,7 @@ class Constants:
                 low, high = INTEGER_RANGES[kind]
                 assert isinstance(value, int)
                 if not low <= value <= high:
-                    message = f"{value} is no {kind}: {low} to {high}"
+                    message = f"{value} is out of the range of {kind}: {low} to {high}"
                     self._fail(rules.OUT_OF_RANGE, node, message, wider(value))
             case PrimitiveType(kind) if kind in FLOATS:
                 assert isinstance(value, float)
@@ -451,9 +451,7 @@ class Constants:
                 assert isinstance(value, EnumeratorName)
                 owner = self._types.enum_of(value.name)
                 if owner != name:
-                    message = (
-                        f"{'::'.join(value.name)} is no enumerator of {'::'.join(name)}"
-                    )
+                    message = f"{'::'.join(value.name)} is not an enumerator of {'::'.join(name)}"
                     hint = f"write an enumerator of {'::'.join(name)}"
                     self._fail(rules.WRONG_ENUM, node, message, hint)
         return value

@@ -98,7 +98,7 @@ CONVERSIONS = {
     (
         OperandClass.INTEGER,
         OperandClass.ENUM,
-    ): "an enumerator is no number: write its number, or use the enum",
+    ): "an enumerator is not a number: write its number, or use the enum",
 }
 
 

@@ -185,7 +185,7 @@ class Types:
             self._report(
                 rules.VOID.at(
                     unit.span(node.start, node.end),
-                    "void is no type for an element",
+                    "void is not a type for an element",
                     hint="write octet for bytes, any for whatever it is",
                 )
             )

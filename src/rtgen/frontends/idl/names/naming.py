@@ -305,7 +305,7 @@ class Naming(ABC):
             self._report(
                 rules.CONSTANT_AS_TYPE.at(
                     self._unit.span(node.start, node.end),
-                    f"{called(entity)} is no type: its own type is taken",
+                    f"{called(entity)} is not a type: its own type is taken",
                     related=[Related(entity.span, "declared here")],
                     hint="name the type",
                 )
@@ -314,7 +314,9 @@ class Naming(ABC):
         self.tables.references[node] = None
         if not entity.poisoned:
             what = (
-                "can only be raised" if entity.kind is Kind.EXCEPTION else "is no type"
+                "can only be raised"
+                if entity.kind is Kind.EXCEPTION
+                else "is not a type"
             )
             self._report(
                 rules.NOT_A_TYPE.at(

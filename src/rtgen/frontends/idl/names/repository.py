@@ -100,7 +100,7 @@ class Identities:
             self._report(
                 rules.ODD_ID.at(
                     span,
-                    f'"{text}" is no usual repository id',
+                    f'"{text}" is not a usual repository id',
                     hint="write IDL:path/name:1.0",
                 )
             )

@@ -316,7 +316,7 @@ class Resolver(TypeNames):
             self._report(
                 type_rules.BAD_BASE.at(
                     self._unit.span(node.manages.start, node.manages.end),
-                    f"{called(managed)} is no component that a home could manage",
+                    f"{called(managed)} is not a component that a home could manage",
                     related=[Related(managed.span, "declared here")],
                     hint="name a component",
                 )

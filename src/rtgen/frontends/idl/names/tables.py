@@ -23,7 +23,7 @@ IDL_4_TYPES = {
     "int64": Primitive.LONG_LONG,
     "uint64": Primitive.UNSIGNED_LONG_LONG,
 }
-"""Integer names of IDL 4 that are no keywords: a declaration of the name takes precedence."""
+"""Integer names of IDL 4 that are not keywords: a declaration of the name takes precedence."""
 
 CORBA_TYPES = {
     "CORBA::Object": Primitive.OBJECT,

@@ -64,7 +64,7 @@ class TypeNames(Naming):
     def _base(
         self, name: tree.ScopedName, entity: Entity, kinds: tuple[Kind, ...]
     ) -> Entity | None:
-        """The base with this name, through typedefs; None, with a diagnostic, if it is no base."""
+        """The base with this name, through typedefs; else None, with a diagnostic."""
         found = self._find(entity.scope, name)
         while isinstance(found, Entity) and found.kind is Kind.TYPEDEF:
             if found.declarator is None or found.declarator.dimensions:

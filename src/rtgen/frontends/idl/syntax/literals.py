@@ -88,11 +88,11 @@ def number(text: str) -> int | float | Decimal:
         raise LiteralError(f"{shown} ends with '{suffix}'", f"write {plain}")
     if _BINARY.fullmatch(text) and len(text) < 70:
         value = int(text, 2)
-        raise LiteralError(f"{shown} is no number", f"write {value} or {value:#x}")
+        raise LiteralError(f"{shown} is not a number", f"write {value} or {value:#x}")
     if _GROUPED.fullmatch(text):
-        raise LiteralError(f"{shown} is no number", f"write {text.replace('_', '')}")
+        raise LiteralError(f"{shown} is not a number", f"write {text.replace('_', '')}")
     raise LiteralError(
-        f"{shown} is no number",
+        f"{shown} is not a number",
         "write 10, 0x1f, 1.5 or 1.5e-3; fixed-point ones end with d",
     )
 
@@ -125,7 +125,7 @@ def text(parts: tuple[str, ...], character: bool) -> LiteralText:
         raise LiteralError(message, "use sequence<octet> for bytes")
     if character and not wide and ord(value) > 255:
         raise LiteralError(
-            f"'{value}' is no char", f"a wide character is written L'{value}'"
+            f"'{value}' is not a char", f"a wide character is written L'{value}'"
         )
     broken = any("\n" in part for part in parts)
     return LiteralText(value, wide, tuple(unknown), broken)

@@ -28,7 +28,7 @@ TIMES = {
 def predefined(values: Mapping[str, str]) -> dict[str, Macro]:
     """The macro table at the start of a translation unit: predefined macros and `values`.
 
-    Raises ExpansionError for a name that is no identifier.
+    Raises ExpansionError for a name that is not an identifier.
     """
     table = {**_ASKED_FOR, **values}
     macros = {}

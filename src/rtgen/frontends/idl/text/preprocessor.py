@@ -401,7 +401,7 @@ class _File:
                 self._report(
                     lexical.UNKNOWN_DIRECTIVE.at(
                         span,
-                        f"'#{name or rest.split()[0]}' is no directive",
+                        f"'#{name or rest.split()[0]}' is not a directive",
                         hint=(
                             f"did you mean #{near}?"
                             if near

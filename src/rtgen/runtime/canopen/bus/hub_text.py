@@ -15,7 +15,7 @@ _ELEMENT: Final = re.compile(rb"\s*<([\0-;=?-\x7f]{0,%d})>" % (_LONGEST - 2))
 _IDENTIFIER: Final = re.compile(r"[0-9A-Fa-f]{1,3}|[01][0-9A-Fa-f]{7}")
 _LONG_IDENTIFIER: Final = 8
 _END_OF_TIME: Final = 1e11
-"""Seconds; what is later is no time stamp."""
+"""Seconds; what is later is not a time stamp."""
 _DIGITS: Final = "0123456789ABCDEFabcdef"
 _OCTETS: Final = {
     high + low: int(high + low, 16) for high in ("", *_DIGITS) for low in _DIGITS
@@ -26,7 +26,7 @@ _SLCAN: Final = re.compile(
 
 
 class Malformed(ValueError):
-    """Text that is no valid frame."""
+    """Text that is not a valid frame."""
 
 
 class Elements:

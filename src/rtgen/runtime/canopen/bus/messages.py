@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 def frame_of(message: can.Message) -> Frame | None:
-    """Convert a message to a frame; None if it is no frame of classical CAN."""
+    """Convert a message to a frame; None if it is not a frame of classical CAN."""
     if message.is_error_frame or message.is_fd or message.dlc > MAX_DATA:
         return None
     data = b"" if message.is_remote_frame else bytes(message.data)

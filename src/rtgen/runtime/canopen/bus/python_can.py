@@ -58,7 +58,7 @@ class BusAddress:
         host = options.get("host", "127.0.0.1")
         port = options.get("port", SOCKETCAND_PORT)
         if not isinstance(port, int) or not 0 < port < 65536:
-            raise LinkError(f"{port!r} is no port")
+            raise LinkError(f"{port!r} is not a port")
         return str(host), port
 
     def __str__(self) -> str:
@@ -76,18 +76,20 @@ def bus_address(
     `bitrate` is in bit/s, 0 for the interface's default. Raises LinkError.
     """
     if bitrate < 0:
-        raise LinkError(f"{bitrate} is no bit rate")
+        raise LinkError(f"{bitrate} is not a bit rate")
     found: dict[str, Option] = {}
     for part in filter(None, (part.strip() for part in options.split(","))):
         name, equals, text = (word.strip() for word in part.partition("="))
         if not equals or not name.isidentifier():
-            raise LinkError(f"{part!r} is no option; options are NAME=VALUE,NAME=VALUE")
+            raise LinkError(
+                f"{part!r} is not an option; options are NAME=VALUE,NAME=VALUE"
+            )
         if name in ("interface", "channel", "bitrate"):
             raise LinkError(f"{name} is a parameter of its own, and no option")
         found[name] = option(text)
     address = BusAddress(interface, channel, bitrate, tuple(sorted(found.items())))
     if not channel or not channel.isprintable():
-        raise LinkError(f"{channel!r} is no channel")
+        raise LinkError(f"{channel!r} is not a channel")
     # An invalid host or port of the hub is reported here.
     str(address)
     return address
@@ -209,7 +211,7 @@ class OpenBus:
             self._hub.interrupt()
 
     def close(self) -> None:
-        """Close the bus; a disconnected other end is no error."""
+        """Close the bus; a disconnected other end is not an error."""
         import can
 
         try:

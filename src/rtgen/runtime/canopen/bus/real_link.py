@@ -54,7 +54,7 @@ class RealLink(SharedLink):
         self._on_attached = on_attached
         self._may_close = may_close
         self.ignored = 0
-        """Messages that were no frames of classical CAN and reported no change of the bus."""
+        """Messages that were not frames of classical CAN and reported no change of the bus."""
         bus = open_bus(address)
         self._bus: OpenBus | None = bus
         self.carries_remote_frames = bus.carries_remote_frames

@@ -39,7 +39,7 @@ class SocketcandBus(can.BusABC):
         self._limit = _PATIENCE
         self._received: deque[tuple[Frame | int, float]] = deque()
         self.malformed = 0
-        """Number of received texts that were no frames."""
+        """Number of received texts that were not frames."""
         self.channel = channel
         self.channel_info = f"socketcand {channel} at {host}:{port}"
         self._socket = socket.create_connection((host, port), _PATIENCE)

@@ -38,7 +38,7 @@ def place(
         raise NodeError(f"the network {name} has no node {node_id}")
     if node.module != module:
         raise NodeError(
-            f"node {node.id} of the network {name} is no {module}, but {node.module}"
+            f"node {node.id} of the network {name} is not a {module}, but {node.module}"
         )
     return network, node
 

@@ -137,7 +137,7 @@ class DeviceDictionary:
             except Exception:
                 log.exception("read hook of %04X:%02X", *number)
                 raise SdoAbort(sdo.GENERAL_ERROR) from None
-            # Reading is no event; otherwise a TPDO would trigger itself forever.
+            # Reading is not an event; otherwise a TPDO would trigger itself forever.
             self._octets[number] = octets
         return self._octets[number]
 

@@ -55,13 +55,13 @@ class ParameterFile:
         except OSError as error:
             raise self._error(error.strerror or str(error)) from None
         if len(text) > _MOST:
-            raise self._error(f"over {_MOST} octets are no stored parameters")
+            raise self._error(f"over {_MOST} octets are not stored parameters")
         try:
             content = json.loads(text)
         except (ValueError, RecursionError):
             raise self._error("this is not JSON, or not all of it") from None
         if not isinstance(content, dict) or content.get("format") != FORMAT:
-            raise self._error(f"these are no stored parameters ({FORMAT})")
+            raise self._error(f"these are not stored parameters ({FORMAT})")
         head = self._head()
         for key, ours in head.items():
             if content.get(key) != ours:

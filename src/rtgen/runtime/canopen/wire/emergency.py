@@ -129,7 +129,7 @@ class EmergencyPolicy:
             found = _PATTERN.fullmatch(text.strip())
             if found is None:
                 raise ValueError(
-                    f"{text.strip()!r} is no pattern of emergency codes, such as 23xx or -82xx"
+                    f"{text.strip()!r} is not a pattern of emergency codes, such as 23xx or -82xx"
                 )
             digits = re.sub("[xX]", ".", found[2].upper())
             self._rules.append((not found[1], re.compile(digits)))

@@ -48,7 +48,7 @@ class Context(msgspec.Struct, frozen=True):
         self.report(rule.at(span, message, related=related, hint=hint))
 
     def target(self, name: tree.ScopedName) -> Entity | None:
-        """The declaration of a name, None if it is no declaration."""
+        """The declaration of a name, None if it is not a declaration."""
         found = self.types.tables.references.get(name)
         return found if isinstance(found, Entity) else None
 

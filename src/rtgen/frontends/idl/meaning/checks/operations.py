@@ -65,7 +65,7 @@ def _operation(
         name = "".join(part[1:-1] for part in text.parts)
         if not _CONTEXT.fullmatch(name):
             hint = "letters, digits, '.' and '_'; one '*' at the end"
-            message = f'"{name}" is no context name'
+            message = f'"{name}" is not a context name'
             context.report_at(rules.BAD_CONTEXT, unit, text, message, hint=hint)
 
 

@@ -144,7 +144,7 @@ def bitset(entity: Entity, context: Context) -> None:
                 1 if kind is Primitive.BOOLEAN else _WIDTH.get(kind) if kind else None
             )
             if width is None:
-                message = f"{field.type} is no type for a bit field"
+                message = f"{field.type} is not a type for a bit field"
                 hint = "it is an integer, octet or boolean type"
                 context.report(rules.BAD_BITFIELD.at(field.span, message, hint=hint))
                 continue

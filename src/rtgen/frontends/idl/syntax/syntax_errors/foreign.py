@@ -121,7 +121,7 @@ def number_type(s: ErrorContext) -> Recovery | None:
         text = f"unsigned {s.text}" if known else "unsigned"
         return s.recover(
             syntax.FOREIGN,
-            f"'{text}' is no type",
+            f"'{text}' is not a type",
             hint,
             at=(word.start, until),
             feed=("LONG",),
@@ -134,7 +134,7 @@ def number_type(s: ErrorContext) -> Recovery | None:
             start = s.before[len(texts) - size + 1].start
             return s.recover(
                 syntax.FOREIGN,
-                f"'{' '.join(run)}' is no type",
+                f"'{' '.join(run)}' is not a type",
                 hint,
                 at=(start, s.end),
                 instead=True,
@@ -142,7 +142,7 @@ def number_type(s: ErrorContext) -> Recovery | None:
         if s.kind == "IDENT" and tuple(texts[-size:]) == run and run[-1] == "int":
             return s.recover(
                 syntax.FOREIGN,
-                f"'{' '.join(run)}' is no type",
+                f"'{' '.join(run)}' is not a type",
                 hint,
                 at=(s.before[-size].start, s.before[-1].end),
             )

@@ -358,7 +358,7 @@ def marks(s: ErrorContext) -> Recovery | None:
             instead=True,
         )
     if s.text in ("-", "<") and not s.before and s.following in ("-", "!"):
-        return _foreign(s, "this is no comment in IDL", "write // ... or /* ... */")
+        return _foreign(s, "this is not a comment in IDL", "write // ... or /* ... */")
     if s.text == ">" and s.previous == ">":
         return s.recover(
             syntax.UNEXPECTED, "this '>' closes nothing", "remove it", instead=True
@@ -376,7 +376,7 @@ def marks(s: ErrorContext) -> Recovery | None:
     if is_word and "IDENT" in s.accepted and "NUMBER" not in s.accepted:
         return s.recover(
             syntax.UNEXPECTED,
-            f"'{s.text}' is no name: it begins with a digit",
+            f"'{s.text}' is not a name: it begins with a digit",
             "a name begins with a letter",
         )
     if s.kind == "NUMBER" and s.previous == "<" and "NUMBER" not in s.accepted:

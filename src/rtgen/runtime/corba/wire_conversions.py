@@ -1,0 +1,48 @@
+"""Conversions of single values between rtgen's form and omniORBpy's."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, TypeAlias
+
+Convert: TypeAlias = Callable[[Any], Any]
+
+
+def each(convert: Convert | None) -> Convert | None:
+    """The conversion of a list of items."""
+    if convert is None:
+        return None
+    return lambda items: [convert(item) for item in items]
+
+
+def through(convert: Convert | None, value: Any) -> Any:
+    """The converted value; None converts nothing."""
+    return value if convert is None else convert(value)
+
+
+def octet_of(number: int) -> int:
+    """An int8 as an octet. Raises ValueError."""
+    if not -128 <= number < 128:
+        raise ValueError(f"{number} is not an int8")
+    return number & 255
+
+
+def int8_of(octet: int) -> int:
+    """An octet as an int8."""
+    return octet - 256 if octet > 127 else octet
+
+
+# As octets, because omniORB would convert characters between code sets; they are ISO 8859-1.
+
+
+def latin_octet(character: str) -> int:
+    (octet,) = character.encode("latin-1")
+    return octet
+
+
+def latin_octets(text: str) -> bytes:
+    return text.encode("latin-1")
+
+
+def latin_text(octets: bytes) -> str:
+    return octets.decode("latin-1")
