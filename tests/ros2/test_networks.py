@@ -259,7 +259,7 @@ def test_other_types_are_refused(messages: dict[str, ModuleType]) -> None:
         _descriptor_ = idl.struct("lab::Own", x=idl.DOUBLE)
 
     out: OutPort[Any] = OutPort("out", Own, "node0")
-    with pytest.raises(Ros2Error, match="lab::Own is no message of ROS 2"):
+    with pytest.raises(Ros2Error, match="lab::Own is not a message of ROS 2"):
         RosPorts(dds_network(), [Joint(out, "/own", PROFILES["default"])])
 
 

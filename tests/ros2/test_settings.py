@@ -97,7 +97,7 @@ REFUSED = {
     "": (["--clock", "real"], "no port is a topic"),
     '"P0.own" = "x"': (
         ["--clock", "real"],
-        "carries lab::Own, which is no message of ROS 2",
+        "carries lab::Own, which is not a message of ROS 2",
     ),
     '"P1.own" = "x"': (["--clock", "real"], "there is no component 'P1'; known: P0"),
     '"P0.other" = "x"': (

@@ -129,7 +129,7 @@ def _problems(entry: TopicEntry, running: runtime.System) -> Iterator[str]:
     name = str(ports[entry.port].type._descriptor_.name)
     if not is_interface(name.split("::")):
         yield (
-            f"{entry.instance}.{entry.port} carries {name}, which is no message of ROS 2; "
+            f"{entry.instance}.{entry.port} carries {name}, which is not a message of ROS 2; "
             "join it to an adapter"
         )
 

@@ -51,7 +51,7 @@ class _NoMessageError(Exception):
 
 
 def message_text(descriptor: StructDescriptor) -> str | None:
-    """The text of a message and of those that it contains; None if it is no message of ROS 2.
+    """The text of a message and of those that it contains; None if it is not a message of ROS 2.
 
     Messages are structs that are named as rosidl names them (`std_msgs::msg::Header`) and have
     members that interface files can declare. Strings of 16-bit characters are left out, for which
@@ -148,7 +148,7 @@ def message_model(name: str, text: str) -> Model:
 
 
 def _scoped(text: str, package: str = "") -> ScopedName | None:
-    """The scoped name of `Name`, `package/Name` or `package/msg/Name`; None if it is no name."""
+    """The scoped name of `Name`, `package/Name` or `package/msg/Name`; None if it is not a name."""
     words = text.split("/")
     if len(words) == 1:
         words.insert(0, package)

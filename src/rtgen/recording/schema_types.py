@@ -83,7 +83,9 @@ def type_of(schema: Schema) -> type[DataType]:
     descriptor = Types(model).named(name, schema.name)
     class_: type[DataType] | None = getattr(descriptor, "class_", None)
     if class_ is None or not isinstance(descriptor, StructDescriptor | UnionDescriptor):
-        raise SchemaError(f"{schema.name} is no struct and no union of the schema")
+        raise SchemaError(
+            f"{schema.name} is neither a struct nor a union of the schema"
+        )
     return class_
 
 
@@ -184,7 +186,7 @@ class Types:
                 return bitset
             case Typedef(type=type_):
                 return AliasDescriptor("", name, self._type(type_))
-        raise SchemaError(f"{name} is no type of data")
+        raise SchemaError(f"{name} is not a type of data")
 
     def _members(self, struct: Struct) -> tuple[MemberDescriptor, ...]:
         """The members, those of the bases first."""

@@ -42,7 +42,10 @@ def test_values(text: str, value: ConstantValue) -> None:
     ("text", "message"),
     [
         ("const octet T = 256;", "256 is out of the range of octet: 0 to 255"),
-        ("const unsigned long T = -1;", "-1 is out of the range of unsigned long: 0 to 4294967295"),
+        (
+            "const unsigned long T = -1;",
+            "-1 is out of the range of unsigned long: 0 to 4294967295",
+        ),
         ("const long T = 1 / 0;", "division by zero"),
         (
             "const long T = 1.5;",

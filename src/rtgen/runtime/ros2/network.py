@@ -29,7 +29,7 @@ class RosTopic:
         found = ros_name(self.type)
         if found is None:
             own = self.type._descriptor_.name
-            raise Ros2Error(f"{self.name}: {own} is no message of ROS 2")
+            raise Ros2Error(f"{self.name}: {own} is not a message of ROS 2")
         return found
 
     @cached_property
