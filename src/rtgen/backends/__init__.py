@@ -47,7 +47,8 @@ class Options(msgspec.Struct, frozen=True):
     importable. `small` is the capacity of unbounded sequences and strings, and of InPorts, on the
     target small. `marshalled`: whether calls of interfaces, and sequences by themselves, have
     codecs; `tecs_corba`: whether those of TECS boards have them without OpenRTM, too. `lazy`:
-    packages import their modules on demand. `plugins` has the table `[plugin.NAME]` of rtgen.toml
+    packages import their modules on demand. `ros_interfaces`: write interface files of ROS 2, too.
+    `plugins` has the table `[plugin.NAME]` of rtgen.toml
     for each name.
     """
 
@@ -64,6 +65,7 @@ class Options(msgspec.Struct, frozen=True):
     marshalled: bool = True
     tecs_corba: bool = False
     lazy: bool = False
+    ros_interfaces: bool = False
     plugins: Mapping[str, Mapping[str, Any]] = msgspec.field(default_factory=dict)
 
     @property

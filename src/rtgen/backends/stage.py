@@ -40,6 +40,11 @@ BUILT_IN: Final = (
         "adapters", "rtgen.backends.adapters", lambda model, _: bool(model.adapters)
     ),
     DeferredBackend(
+        "ros-interfaces",
+        "rtgen.backends.ros_interfaces",
+        lambda _, options: options.ros_interfaces,
+    ),
+    DeferredBackend(
         "openrtm",
         "rtgen.backends.openrtm.backend",
         lambda _, options: options.target == "openrtm",

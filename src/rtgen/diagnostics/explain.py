@@ -15,6 +15,7 @@ MODULES = (
     "rtgen.backends.components.rules",
     "rtgen.backends.openrtm.rules",
     "rtgen.backends.openrtm.system_rules",
+    "rtgen.backends.ros_interfaces.rules",
     "rtgen.backends.small.rules",
     "rtgen.lowering.tecs.rules",
     "rtgen.backends.types.rules",

@@ -83,6 +83,7 @@ class Cache:
                 project.small,
                 project.representation,
                 project.extensibility,
+                project.ros2.interfaces,
                 project.numeric,
                 project.tecs_corba,
                 project.components,

@@ -206,6 +206,7 @@ SCHEMA: dict[str, dict[str, Check] | Check] = {
         "domain": _number(0, 232),
         "interface": _text,
         "zenoh": _text,
+        "interfaces": _flag,
         "topics": _ros_topics,
     },
     "diff": {"use": _breaks, "allow": _allowances},

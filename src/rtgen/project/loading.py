@@ -134,6 +134,7 @@ class Project(msgspec.Struct, frozen=True, kw_only=True):
             representation=self.representation,
             extensibility=self.extensibility,
             tecs_corba=self.tecs_corba,
+            ros_interfaces=self.ros2.interfaces,
             factories=dict(self.components),
             skeleton_path=self.skeleton_path,
             plugins=self.plugins,

@@ -22,7 +22,8 @@ class TopicEntry(msgspec.Struct, frozen=True, kw_only=True):
 class Ros2Settings(msgspec.Struct, frozen=True, kw_only=True):
     """`[ros2]`. None: the name of the system, ROS_DOMAIN_ID, loopback, rmw_zenoh's configuration.
 
-    `zenoh` is the path of a configuration of Zenoh, relative to the project.
+    `zenoh` is the path of a configuration of Zenoh, relative to the project; `interfaces`: write
+    interface files of ROS 2.
     """
 
     node: str | None = None
@@ -30,6 +31,7 @@ class Ros2Settings(msgspec.Struct, frozen=True, kw_only=True):
     domain: int | None = None
     interface: str | None = None
     zenoh: str | None = None
+    interfaces: bool = False
     topics: tuple[TopicEntry, ...] = ()
 
 

@@ -1,0 +1,9 @@
+"""The rule of interface files of ROS 2 that cannot be written."""
+
+from __future__ import annotations
+
+from rtgen.diagnostics import Rule, Severity
+
+NOT_IN_ROS = Rule("ROS0120", "declaration that ROS 2 cannot express", Severity.WARNING)
+
+RULES = (NOT_IN_ROS,)

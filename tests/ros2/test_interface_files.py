@@ -1,0 +1,133 @@
+"""IDL as interface files of ROS 2: read back by rtgen and by rosbags, or refused with a place."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import rtgen
+from rtgen.backends import Options
+from rtgen.backends.ros_interfaces import BACKEND
+from rtgen.cli import run
+from rtgen.frontends.rosidl import load
+from rtgen.layouts.ros_types import type_hash
+from rtgen.model import Struct
+
+IDL = """
+#include "std_msgs/msg/Header.idl"
+module Lab {
+    enum Mode { IDLE, BUSY };
+    typedef sequence<double, 4> Few;
+    struct Base { @unit("s") double age; };
+    /** A place.
+        Of an arm. */
+    struct path_point : Base {
+        std_msgs::msg::Header header;
+        boolean a; octet b; int8 d; uint8 e; short f; unsigned short g;
+        long h; unsigned long i; long long j; unsigned long long k;
+        float l; double m; string n; string<5> p;
+        Few q; sequence<string> r; double s[3];
+        Mode state;  ///< What it does.
+        double minAngle;  ///< The least [rad].
+    };
+    struct Letter { char c; wstring text; };
+    struct Route { sequence<path_point> points; };
+    union Either switch (boolean) { case TRUE: long a; };
+    struct WithUnion { Either part; };
+    struct Outer { WithUnion inner; };
+    struct Matrix { double m[2][2]; };
+    struct Maybe { @optional long x; };
+    struct Clash { long aB; long a_b; };
+    exception Broken {};
+    interface Arm {
+        double move(in path_point where, inout long speed, out string text);
+        void stop();
+        void may_fail() raises (Broken);
+    };
+};
+"""
+OPTIONS = Options("robots", "", "0", ros_interfaces=True)
+LEFT_OUT = [
+    "Lab::WithUnion has no message of ROS 2, which does not have the type Lab::Either",
+    "Lab::Outer has no message of ROS 2, which does not have the type Lab::WithUnion",
+    "Lab::Matrix has no message of ROS 2, which does not have arrays of several dimensions",
+    "Lab::Maybe has no message of ROS 2, which does not have optional members",
+    "Lab::Clash has no message of ROS 2, which does not have the name a_b beside the others",
+    "Lab::Arm::may_fail has no service of ROS 2, which does not have exceptions",
+]
+
+
+def test_read_back(tmp_path: Path) -> None:
+    emission = BACKEND.emit(rtgen.compile(IDL), OPTIONS)
+    assert [d.message for d in emission.diagnostics] == LEFT_OUT
+    assert all(d.span is not None for d in emission.diagnostics)
+    paths = []
+    for artifact in emission.artifacts:
+        path = tmp_path / artifact.path
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(artifact.text, encoding="utf-8")
+        paths.append(path)
+    assert {path.relative_to(tmp_path).as_posix() for path in paths} == {
+        *(
+            "ros2/lab/msg/Base.msg",
+            "ros2/lab/msg/PathPoint.msg",
+            "ros2/lab/msg/Route.msg",
+        ),
+        "ros2/lab/msg/Letter.msg",
+        *("ros2/lab/srv/ArmMove.srv", "ros2/lab/srv/ArmStop.srv"),
+    }
+    result = load(paths, root=tmp_path)
+    assert not result.diagnostics
+    own = rtgen.compile(IDL)
+    point = own.find(("Lab", "path_point"))
+    back = result.model.find(("lab", "msg", "PathPoint"))
+    assert isinstance(point, Struct)
+    assert isinstance(back, Struct)
+    assert back.doc == "A place.\nOf an arm."
+    wanted = ["double", *(str(own.unalias(m.type)) for m in point.members)]
+    wanted[-2] = "unsigned long"
+    assert [str(m.type) for m in back.members] == wanted
+    assert [m.name for m in back.members][-2:] == ["state", "min_angle"]
+    unit = back.members[0].annotation("unit")
+    assert unit is not None
+    assert unit.arguments == (("value", "s"),)
+    reply = result.model.find(("lab", "srv", "ArmMove_Response"))
+    assert isinstance(reply, Struct)
+    assert [m.name for m in reply.members] == ["return_value", "speed", "text"]
+
+
+def test_rosbags_reads_them(tmp_path: Path) -> None:
+    """Its hashes are those of rtgen; it has no `wstring`, and another idea of `char`."""
+    typesys = pytest.importorskip("rosbags.typesys")
+    store = typesys.get_typestore(typesys.Stores.ROS2_JAZZY)
+    paths = []
+    for artifact in BACKEND.emit(rtgen.compile(IDL), OPTIONS).artifacts:
+        path = tmp_path / artifact.path
+        if path.suffix == ".msg":
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(artifact.text, encoding="utf-8")
+            paths.append(path)
+            store.register(
+                typesys.get_types_from_msg(artifact.text, f"lab/msg/{path.stem}")
+            )
+    result = load(paths, root=tmp_path)
+    assert not result.diagnostics
+    model = result.model
+    for name in ("Base", "PathPoint", "Route"):
+        struct = model.find(("lab", "msg", name))
+        assert isinstance(struct, Struct)
+        assert type_hash(model, struct) == store.hash_rihs01(f"lab/msg/{name}")
+
+
+def test_of_a_project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("t.idl").write_text("module Lab { struct Base { double age; }; };\n")
+    text = '[sources]\npaths = ["t.idl"]\n'
+    Path("rtgen.toml").write_text(text)
+    assert run(["generate", "-q"]) == 0
+    assert not Path("generated/ros2").exists()
+    Path("rtgen.toml").write_text(f"{text}[ros2]\ninterfaces = true\n")
+    assert run(["generate", "-q"]) == 0
+    assert Path("generated/ros2/lab/msg/Base.msg").read_text() == "float64 age\n"
+    assert run(["check", "-q"]) == 0
