@@ -76,16 +76,6 @@ class Editor:
         )
         return self.view(name)
 
-    def replace(self, name: str, start: int, end: int, new: str) -> None:
-        """Replace [start, end) of a document."""
-        document = self.view(name).document
-        change = TextDocumentContentChangePartial(
-            self.view(name).range(start, end), new
-        )
-        self.workspace.documents.change(document.uri, document.version + 1, [change])
-        if name == "rtgen_toml":
-            self.workspace.forget_projects()
-
     def at(self, view: View, marked: str) -> Position:
         """The position of the `^` in a piece of the text."""
         before, after = marked.split("^")
