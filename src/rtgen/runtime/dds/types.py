@@ -6,6 +6,7 @@ serialized by rtgen's codecs alone.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any, Optional
 
 from cyclonedds import idl
@@ -18,7 +19,6 @@ from rtgen.runtime.marshalling.descriptors import (
     EnumDescriptor,
     FlagsDescriptor,
     LinkDescriptor,
-    MapDescriptor,
     PrimitiveDescriptor,
     SequenceDescriptor,
     StringDescriptor,
@@ -53,10 +53,15 @@ _MADE: dict[int, tuple[Any, Any]] = {}
 def idl_class(type_: type[Any]) -> Any:
     """The class of cyclonedds for a generated struct or union.
 
-    Raises MediumError for a type that cyclonedds does not have: wstring, long double, fixed, any,
-    valuetypes, objects, bitsets, mutable unions, types in themselves.
+    Raises MediumError for a type that cyclonedds does not have, or cannot describe: wstring, long
+    double, fixed, any, maps, valuetypes, objects, bitsets, mutable unions, types in themselves.
     """
-    return _Maker().named(type_._descriptor_)
+    made = _Maker().named(type_._descriptor_)
+    try:
+        made.__idl__.fill_type_data()
+    except Exception as error:  # cyclonedds raises no narrower class
+        raise _unsupported(type_._descriptor_, str(error)) from error
+    return made
 
 
 class _Maker:
@@ -141,8 +146,6 @@ class _Maker:
                 for length in reversed(dimensions):
                     made = t.array[made, length]
                 return made
-            case MapDescriptor(key=key, value=value):
-                return dict[self.type(key), self.type(value)]  # type: ignore[misc]
             case LinkDescriptor():
                 raise _unsupported(descriptor, "it is part of itself")
             case (
@@ -168,14 +171,14 @@ def _annotations(members: Any) -> dict[str, dict[str, Any]]:
 
 
 def _bitmask(python_name: str, name: str, members: Any, bound: int) -> Any:
-    made = idl.make_idl_bitmask(
-        python_name,
-        name,
-        [flag for flag, _ in members],
-        field_annotations={flag: {"position": place} for flag, place in members},
-    )
-    made.__idl_annotations__["bit_bound"] = bound
-    return made
+    meta: Any = type(idl.IdlBitmask)
+    namespace = meta.__prepare__(python_name, (idl.IdlBitmask,), typename=name)
+    # The bound has to be known when the positions are checked.
+    namespace["__idl_annotations__"]["bit_bound"] = bound
+    for flag, place in members:
+        namespace["__annotations__"][flag] = bool
+        namespace["__idl_field_annotations__"][flag] = {"position": place}
+    return dataclass(meta(python_name, (idl.IdlBitmask,), namespace))
 
 
 def _unsupported(what: Any, why: str) -> MediumError:
