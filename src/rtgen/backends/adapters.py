@@ -9,8 +9,8 @@ from rtgen.backends.components.imports import Imports
 from rtgen.backends.components.locations import source_of
 from rtgen.backends.kit.python_text import fit_text, header_comment
 from rtgen.backends.kit.quoting.python import docstring, number_literal, string_literal
+from rtgen.facts.adapter_constants import AdapterConstant
 from rtgen.model import Adapter, Component, Model, NamedType, ScopedName, Struct
-from rtgen.model.components import AdapterConstant
 from rtgen.typemap.idl_python_names import PythonNames
 from rtgen.typemap.python_names import module_name
 

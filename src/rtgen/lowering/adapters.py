@@ -11,6 +11,7 @@ from typing import Final
 from msgspec.structs import replace
 
 from rtgen.diagnostics import Diagnostic, InputError, Rule
+from rtgen.facts.adapter_constants import AdapterConstant
 from rtgen.facts.primitives import FLOAT_LIMITS, INTEGER_RANGES
 from rtgen.facts.ros_adapters import Pair, pair_of
 from rtgen.lowering.adapter_rules import (
@@ -38,7 +39,6 @@ from rtgen.model import (
     Struct,
     Type,
 )
-from rtgen.model.components import AdapterConstant
 from rtgen.typemap.python_names import module_name
 
 _NAME: Final = re.compile(r"[A-Za-z]\w*", re.ASCII)

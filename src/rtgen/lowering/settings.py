@@ -8,8 +8,8 @@ from typing import Any
 import msgspec
 
 from rtgen.diagnostics import Span
+from rtgen.facts.adapter_constants import AdapterConstant
 from rtgen.facts.numeric import Numeric
-from rtgen.model.components import AdapterConstant
 
 
 class AdapterEntry(msgspec.Struct, frozen=True, kw_only=True):

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from enum import StrEnum
-from typing import TypeAlias
 
 import msgspec
 
 from rtgen.diagnostics import Span
+from rtgen.facts.adapter_constants import AdapterConstant
 from rtgen.model.declarations import ConstantValue, Declaration, Documented
 from rtgen.model.spelling import Unspelled
 from rtgen.model.types import ScopedName, Type
@@ -95,10 +95,6 @@ class Component(Declaration, frozen=True, kw_only=True):
         return ":".join(
             ("RTC", self.vendor, self.category, self.name[-1], self.version)
         )
-
-
-AdapterConstant: TypeAlias = bool | int | float | str | tuple[str, ...]
-"""A value of `[adapter.NAME] set`."""
 
 
 class Adapter(msgspec.Struct, frozen=True, kw_only=True):

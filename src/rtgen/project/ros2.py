@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import msgspec
 
 from rtgen.diagnostics import Span
 from rtgen.facts.ros_qos import PROFILES, Profile
-from rtgen.project.file import Settings
+
+if TYPE_CHECKING:
+    from rtgen.project.file import Settings
 
 
 class TopicEntry(msgspec.Struct, frozen=True, kw_only=True):
