@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import time
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 
@@ -29,6 +29,7 @@ from rtgen.cli.factories import Factories, Factory
 from rtgen.cli.failures import FailureOptions, FailureReport, logged, with_failures
 from rtgen.cli.interrupts import ending
 from rtgen.cli.log.common import reported
+from rtgen.cli.pace import RATE, Pace, pace
 from rtgen.cli.recording import opened
 from rtgen.cli.recording_options import RecordingOptions, with_recording
 from rtgen.cli.run_view import View
@@ -48,8 +49,8 @@ from rtgen.systems.timeline import SECOND, Connect, Disconnect, Step
 
 _PLAYER = "rtgen.Player"
 _NOWHERE = Span("", 1, 1, 1, 1)
-_PAUSE = 0.02
-"""How often a paced replay waits for the wall clock [s]."""
+_LONGEST = 1e9
+"""Seconds that a replay can take."""
 
 
 @click.command()
@@ -64,12 +65,15 @@ _PAUSE = 0.02
 )
 @click.option(
     "--rate",
-    type=FiniteRange(min=0, min_open=True),
+    type=RATE,
     metavar="FACTOR",
     help="How much faster than recorded; by default as fast as possible.",
 )
 @click.option(
-    "--until", type=FiniteRange(min=0), metavar="SECONDS", help="End before the end."
+    "--until",
+    type=FiniteRange(0, _LONGEST),
+    metavar="SECONDS",
+    help="End before the end.",
 )
 @click.option(
     "--set",
@@ -149,7 +153,7 @@ def replay(
             running.add_listener(JsonLinesRecorder(stream))
         recorder = recording.begin(files, running)
         if rate is not None:
-            running.every(round(_PAUSE * rate * SECOND) or 1, _pacing(running, rate))
+            pace(running, rate)
         end.of(running.end_run)
         begun = time.perf_counter()
         try:
@@ -274,27 +278,13 @@ def _steps(
     return kept
 
 
-def _pacing(running: runtime.System, rate: float) -> Callable[[], None]:
-    """Lets the time of the system go as fast as the wall clock times a factor."""
-    begun = time.monotonic()
-
-    def wait() -> None:
-        ahead = running.time / SECOND / rate - (time.monotonic() - begun)
-        if ahead > 0.0:
-            time.sleep(ahead)
-
-    return wait
-
-
 def _print(file: Path, rate: float | None, until: float | None) -> int:
     """Print the events, paced if there is a rate."""
-    begun = time.monotonic()
+    clock = None if rate is None else Pace(rate)
     with reported():
         for event in _until(Log(file).events(), until):
-            if rate is not None:
-                ahead = event["t"] / SECOND / rate - (time.monotonic() - begun)
-                if ahead > 0.0:
-                    time.sleep(ahead)
+            if clock is not None:
+                clock.wait(event["t"])
             click.echo(json.dumps(event, ensure_ascii=False))
     return OK
 

@@ -18,6 +18,7 @@ from rtgen.cli.curves import Curves, divided, draw_curves, write_curves
 from rtgen.cli.factories import Factories
 from rtgen.cli.failures import FailureOptions, FailureReport, logged, with_failures
 from rtgen.cli.interrupts import ending
+from rtgen.cli.live_options import LiveOptions, with_live
 from rtgen.cli.progress import Progress, progress
 from rtgen.cli.recording import (
     Sample,
@@ -92,6 +93,7 @@ _LOOK_PERIOD = SECOND // 10
 )
 @with_recording
 @with_ros2
+@with_live
 @with_transport
 @with_failures
 @with_console
@@ -107,6 +109,7 @@ def run(
     log: str | None,
     recording: RecordingOptions,
     ros2: str | None,
+    live: LiveOptions,
     carrying: TransportOptions,
     shown_failures: FailureOptions,
 ) -> int:
@@ -200,6 +203,7 @@ def run(
             running.add_listener(JsonLinesRecorder(log_stream))
         recorder = recording.begin(files, running)
         join(ros2, files, running, project, profile.name, simulated=simulated)
+        live.begin(files, running, console, profile.name)
         samples: list[Sample] = []
         if of_poses or wanted:
             running.every(_SAMPLE_PERIOD, lambda: samples.append(view.sample()))

@@ -43,6 +43,10 @@ class Decoders:
             return decode(message.data)
         except (CdrError, ValueError) as error:
             raise RecordingError(f"{channel.topic}: {error}") from error
+        except RecursionError:
+            raise RecordingError(
+                f"{channel.topic}: a value is nested too deep"
+            ) from None
 
     def _decoder(self, channel: Channel) -> Callable[[bytes], Any]:
         if channel.encoding == "json":
@@ -142,6 +146,9 @@ class Log:
                         return  # The writer was killed.
                     message = f"{self.path}:{number}: no JSON: {error}"
                     raise RecordingError(message) from error
+                except RecursionError:
+                    message = f"{self.path}:{number}: a value is nested too deep"
+                    raise RecordingError(message) from None
                 if not (
                     isinstance(event, dict)
                     and isinstance(event.get("t"), int)

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager
 from functools import partial
-from typing import Any, Final
+from typing import Any, Final, Protocol
 
 from rtgen.recording import messages
-from rtgen.recording.mcap_writer import McapWriter
 from rtgen.recording.messages import Topic
 from rtgen.recording.schemas import Schema, schema_of
 from rtgen.runtime.cdr import CdrError
@@ -41,14 +41,39 @@ _SCOPED = re.compile(r"[A-Za-z_]\w*(::[A-Za-z_]\w*)*", re.ASCII)
 Encoder = Callable[[Any], bytes]
 
 
+class Writer(Protocol):
+    """What a run is recorded to: an MCAP file, or the clients of a live view."""
+
+    @property
+    def lock(self) -> AbstractContextManager[Any]:
+        """Held while a message is put."""
+
+    def metadata(self, name: str, entries: Mapping[str, str]) -> None:
+        """Write what is known of the whole recording."""
+
+    def schema(self, name: str, encoding: str, text: str) -> int:
+        """Announce a schema; returns its id."""
+
+    def channel(
+        self, topic: str, encoding: str, schema: int, entries: Mapping[str, str]
+    ) -> int:
+        """Announce a channel of messages in an encoding; returns its id."""
+
+    def message(self, channel: int, time: int, data: bytes) -> None:
+        """Write a message of a time [ns]."""
+
+    def put(self, channel: int, time: int, data: bytes) -> None:
+        """As `message`, for a caller that holds the lock."""
+
+
 class Recorder:
-    """A listener that writes all that happens in a system to an MCAP file.
+    """A listener that writes all that happens in a system, to an MCAP file or for a live view.
 
     Times are those of the clock: simulated from 0, real as UTC since 1970, in ns. Attach it before
     the first `run`. `skipped` counts by port the samples that violate their type.
     """
 
-    def __init__(self, system: System, writer: McapWriter) -> None:
+    def __init__(self, system: System, writer: Writer) -> None:
         self.skipped: dict[str, tuple[int, str]] = {}
         self._system = system
         self._writer = writer
@@ -65,6 +90,11 @@ class Recorder:
         self._describe()
         system.clock.traffic.watch(self._on_event)
         system.add_listener(self)
+
+    @property
+    def now(self) -> int:
+        """The time of what is recorded now [ns]."""
+        return self._start + self._system.time
 
     def end(self, *, through: bool) -> None:
         """Note that the run is over; what follows belongs to the shutdown.
@@ -192,8 +222,7 @@ class Recorder:
                     topic, encoding, schema, {"kind": kind, **entries}
                 )
                 self._channels[topic,] = channel
-            time = self._start + self._system.time
-            self._writer.message(channel, time, encode(value))
+            self._writer.message(channel, self.now, encode(value))
 
     def _encoding(self, type_: Any) -> tuple[int, str, Encoder]:
         """Schema, message encoding and encoder of a type."""

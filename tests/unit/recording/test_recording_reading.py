@@ -6,6 +6,7 @@ import contextlib
 import struct
 import subprocess
 import sys
+import tracemalloc
 import zlib
 from collections.abc import Callable
 from pathlib import Path
@@ -169,3 +170,33 @@ def test_a_writer_that_is_killed_leaves_whole_chunks(tmp_path: Path) -> None:
         lengths.append(len(found))
     assert len(set(lengths)) > count // 10
     assert max(lengths) > 1000
+
+
+def test_values_nested_too_deep_are_an_error(tmp_path: Path) -> None:
+    lines = tmp_path / "deep.jsonl"
+    lines.write_text('{"t": 0, "event": ' + "[" * 200_000 + "\n", encoding="utf-8")
+    with pytest.raises(RecordingError, match="nested too deep"):
+        [*Log(lines).events()]
+    path = tmp_path / "deep.mcap"
+    with mcap_writer.McapWriter(path) as writer:
+        writer.message(writer.channel("/a", "json", 0, {}), 0, b"[" * 200_000)
+    with pytest.raises(RecordingError, match="/a: a value is nested too deep"):
+        [*Log(path).events()]
+
+
+def test_a_chunk_of_very_many_records_is_read_in_bounded_memory(tmp_path: Path) -> None:
+    path = tmp_path / "bomb.mcap"
+    size = 9 << 19  # Records of type 0 without octets.
+    with mcap_writer.McapWriter(path) as writer:
+        channel = writer.channel("/a", "json", 0, {})
+        writer._chunk += bytes(size)
+        writer.message(channel, 0, b"1")
+    assert path.stat().st_size < 10_000
+    tracemalloc.start()
+    try:
+        [message] = McapFile(path).messages()
+        _, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert message.data == b"1"
+    assert peak < 4 * size

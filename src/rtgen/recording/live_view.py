@@ -1,0 +1,287 @@
+"""A live view of a run: a server of Foxglove's WebSocket protocol (`foxglove-sdk`).
+
+Clients see the channels that a recording has, set parameters and call services. What they ask for
+is carried out in the thread of the run, at one of its instants; nothing waits for a client.
+"""
+
+from __future__ import annotations
+
+import json
+import queue
+from collections.abc import Callable, Sequence
+from concurrent.futures import CancelledError, Future
+from concurrent.futures import TimeoutError as FutureTimeoutError
+from decimal import Decimal
+from enum import Enum
+from functools import partial
+from importlib.util import find_spec
+from typing import TYPE_CHECKING, Any, Final
+
+from rtgen.recording.errors import RecordingError
+from rtgen.recording.live_channels import LiveChannels
+from rtgen.recording.live_services import LiveService, RefusedError, services_of
+from rtgen.recording.recorder import Recorder
+from rtgen.runtime.errors import RtcError
+from rtgen.runtime.rtc.configuration import ConfigurationSets
+from rtgen.runtime.system.system import System
+from rtgen.runtime.timing.clocks import SECOND
+from rtgen.runtime.timing.traffic import Event, ParameterChange
+
+if TYPE_CHECKING:
+    from foxglove import Parameter, ServiceRequest, StatusLevel
+    from foxglove.websocket import Client
+
+LOOPBACK: Final = "127.0.0.1"
+PORT: Final = 8765
+"""The port that Foxglove offers for its WebSocket protocol."""
+ACTIVE_SET: Final = "configuration.active_config"
+"""The parameter of a component that names its active set, as OpenRTM calls it."""
+
+_PERIOD: Final = SECOND // 50
+"""How often requests are carried out, in the system's time [ns]."""
+_MOST_WAITING: Final = 100
+_BACKLOG: Final = 1024
+"""Messages that wait for a client before the oldest are dropped."""
+_PATIENCE: Final = 5.0
+"""How long a call waits for the run [s]."""
+
+
+class LiveView:
+    """Shows a system to clients from then on until it is closed.
+
+    To be made before the first `run`. Raises RecordingError if the server cannot be started, or
+    without the package `foxglove-sdk`.
+    """
+
+    def __init__(
+        self, system: System, name: str, host: str = LOOPBACK, port: int = PORT
+    ) -> None:
+        if find_spec("foxglove") is None:
+            raise RecordingError(
+                "the live view needs foxglove-sdk, which is not installed",
+                hint="pip install 'rtgen[foxglove]'",
+            )
+        from foxglove import Context, start_server
+        from foxglove.websocket import Capability
+
+        self._system = system
+        self._waiting: queue.Queue[Callable[[], None]] = queue.Queue(_MOST_WAITING)
+        self._closed = False
+        listener: Any = _Listener(self)
+        context = Context()
+        self.recorder = Recorder(system, LiveChannels(context))
+        try:
+            self._server = start_server(
+                name=name,
+                host=host,
+                port=port,
+                capabilities=[
+                    Capability.Parameters,
+                    Capability.Services,
+                    Capability.Time,
+                ],
+                supported_encodings=["json"],
+                services=[self._service(each) for each in services_of(system)],
+                server_listener=listener,
+                context=context,
+                message_backlog_size=_BACKLOG,
+            )
+        except (OSError, RuntimeError, ValueError) as error:
+            raise RecordingError(
+                f"the live view cannot listen at {host}:{port}: {error}",
+                hint="another port, or 0 for any that is free",
+            ) from error
+        self.address = f"ws://{host}:{self._server.port}"
+        system.clock.traffic.watch(self._on_event)
+        self._end = system.every(_PERIOD, self._carry_out)
+
+    def close(self) -> None:
+        """Stop the server. Requests that wait are refused."""
+        if self._closed:
+            return
+        self._closed = True
+        self._end()
+        while self._next() is not None:
+            pass
+        self._server.stop()
+
+    # In the thread of the run.
+
+    def _carry_out(self) -> None:
+        self._server.broadcast_time(self.recorder.now)
+        while (action := self._next()) is not None:
+            action()
+
+    def _next(self) -> Callable[[], None] | None:
+        try:
+            return self._waiting.get_nowait()
+        except queue.Empty:
+            return None
+
+    def _on_event(self, event: Event) -> None:
+        if isinstance(event, ParameterChange) and not self._closed:
+            found = self._parameter(event.instance, event.parameter)
+            self._server.publish_parameter_values([found])
+
+    # Parameters; in threads of the server.
+
+    def parameters(self, names: Sequence[str]) -> list[Parameter]:
+        """The parameters of these names, all without names; unknown ones are left out."""
+        wanted = frozenset(names)
+        return [
+            self._parameter(instance, name)
+            for instance in self._system.instances
+            for name in (*self._sets(instance).texts(), ACTIVE_SET)
+            if not wanted or f"{instance}.{name}" in wanted
+        ]
+
+    def set_parameters(self, parameters: Sequence[Parameter]) -> list[Parameter]:
+        """Set parameters that are valid; returns those of these names as they are then."""
+        found: list[Parameter] = []
+        for parameter in parameters:
+            instance, _, name = parameter.name.partition(".")
+            try:
+                text = _text_of(parameter.get_value())
+                found.append(self._set(instance, name, text))
+            except (RtcError, RefusedError) as error:
+                self._warn(f"{parameter.name}: {error}")
+                found += self.parameters([parameter.name])
+        return found
+
+    def _set(self, instance: str, name: str, text: str) -> Parameter:
+        """Have a parameter set; returns it with its new value."""
+        from foxglove import Parameter
+
+        sets = self._sets(instance)
+        if name == ACTIVE_SET:
+            sets.texts(text)  # Raises UnknownConfigurationSetError.
+            value: Any = text
+            action = partial(self._system.activate_set, instance, text)
+        else:
+            value = _native(sets.value(name, text))
+            action = partial(self._system.configure, instance, name, text, sets.active)
+        self._submit(action)
+        return Parameter(f"{instance}.{name}", value=value)
+
+    def _parameter(self, instance: str, name: str) -> Parameter:
+        from foxglove import Parameter
+
+        sets = self._sets(instance)
+        if name == ACTIVE_SET:
+            value: Any = sets.active
+        else:
+            value = _native(sets.value(name, sets.texts(sets.active)[name]))
+        return Parameter(f"{instance}.{name}", value=value)
+
+    def _sets(self, instance: str) -> ConfigurationSets:
+        return self._system.component(instance).configuration_sets
+
+    def _warn(self, message: str) -> None:
+        from foxglove.websocket import StatusLevel
+
+        level: StatusLevel = StatusLevel.Warning
+        self._server.publish_status(message, level)
+
+    # Services; in threads of the server.
+
+    def _service(self, service: LiveService) -> Any:
+        from foxglove import MessageSchema, Schema, Service, ServiceSchema
+
+        def message(name: str, schema: dict[str, Any]) -> MessageSchema:
+            data = json.dumps(schema).encode()
+            return MessageSchema(
+                encoding="json",
+                schema=Schema(name=name, encoding="jsonschema", data=data),
+            )
+
+        schema = ServiceSchema(
+            service.type,
+            request=message(f"{service.type}_Request", service.request),
+            response=message(f"{service.type}_Reply", service.reply),
+        )
+
+        def handle(request: ServiceRequest) -> bytes:
+            return self._called(service, request.payload)
+
+        return Service(service.name, schema=schema, handler=handle)
+
+    def _called(self, service: LiveService, payload: bytes) -> bytes:
+        """The reply of a service. Raises RefusedError."""
+        action = service.prepare(payload)
+        reply: Future[bytes] = Future()
+
+        def carry_out() -> None:
+            if not reply.set_running_or_notify_cancel():
+                return
+            try:
+                reply.set_result(action())
+            except (RtcError, RefusedError) as error:
+                reply.set_exception(RefusedError(str(error)))
+            except BaseException as error:
+                reply.set_exception(RefusedError(f"the call failed: {error!r}"))
+                raise
+
+        self._submit(carry_out)
+        try:
+            return reply.result(_PATIENCE)
+        except (FutureTimeoutError, CancelledError):
+            reply.cancel()
+            message = f"{service.name}: the run did not answer within {_PATIENCE:g} s"
+            raise RefusedError(message) from None
+
+    def _submit(self, action: Callable[[], None]) -> None:
+        """Have an action carried out in the thread of the run. Raises RefusedError."""
+        if self._closed:
+            raise RefusedError("the run is over")
+        try:
+            self._waiting.put_nowait(action)
+        except queue.Full:
+            raise RefusedError("too many requests wait") from None
+
+
+class _Listener:
+    """What the server calls."""
+
+    def __init__(self, view: LiveView) -> None:
+        self._view = view
+
+    def on_get_parameters(
+        self, client: Client, names: list[str], request_id: str | None = None
+    ) -> list[Parameter]:
+        """The parameters of these names, all if there are none."""
+        return self._view.parameters(names)
+
+    def on_set_parameters(
+        self,
+        client: Client,
+        parameters: list[Parameter],
+        request_id: str | None = None,
+    ) -> list[Parameter]:
+        """Those that were to be set, with the values that they have."""
+        return self._view.set_parameters(parameters)
+
+
+def _native(value: Any) -> Any:
+    """A value of a parameter as JSON has it."""
+    match value:
+        case Enum():
+            return value.name
+        case Decimal():
+            return str(value)
+        case bytes():
+            return [*value]
+        case list() | tuple():
+            return [_native(item) for item in value]
+    return value
+
+
+def _text_of(value: Any) -> str:
+    """The text of a configuration set for a value of JSON. Raises RefusedError."""
+    match value:
+        case bool():
+            return "true" if value else "false"
+        case int() | float() | str():
+            return str(value)
+        case list():
+            return ",".join(map(_text_of, value))
+    raise RefusedError(f"a value of a parameter cannot be {str(value)[:60]!r}")
