@@ -5,7 +5,7 @@ from __future__ import annotations
 from rtgen.facts.numeric import LONGEST_LIST
 from rtgen.runtime.marshalling.bulk import Arrays, Sequences, Structured
 from rtgen.runtime.marshalling.conversions import Conversions, each
-from rtgen.runtime.marshalling.headers import Lengths, next_member, next_parameter
+from rtgen.runtime.marshalling.headers import next_member, next_parameter
 from rtgen.runtime.marshalling.layout import (
     ALIGNED,
     ANYWHERE,
@@ -267,11 +267,6 @@ class Decoder(Position):
         body.add(f"data = {outer}")
         body.add(f"offset = {stop}")
 
-    def enclose(self, end: str) -> None:
-        """Let the data end at the offset in a variable."""
-        self.refuse(f"{end} > len(data)", "a length beyond the end")
-        self.body.add(f"data = memoryview(data)[:{end}]")
-
     def evolving(self, group: Group, end: str) -> None:
         """The members that are there up to `end`, in `values`; further octets are ignored."""
         body = self.body
@@ -289,16 +284,6 @@ class Decoder(Position):
         self.body.block(f"if {condition}:")
         self.body.add("break")
         self.body.end()
-
-    def take_length(self, end: str) -> None:
-        """The end of a delimited value, from its DHEADER."""
-        self._settle()
-        body = self.body
-        body.choose("get", "get", Lengths, "get")
-        body.add("offset += -offset & 3")
-        body.add("(size,) = get(data, offset)")
-        body.add("offset += 4")
-        body.add(f"{end} = offset + size")
 
     def value(self, node: Node, path: Path, outermost: bool = False) -> str:
         """The expression for a value from its unpacked items."""

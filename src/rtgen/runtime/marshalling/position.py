@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from rtgen.runtime.marshalling.headers import Lengths
 from rtgen.runtime.marshalling.text import Body
 
 
@@ -21,6 +22,21 @@ class Position:
         self.body.block(f"if {condition}:")
         self.body.add(f'raise ValueError("{message}")')
         self.body.end()
+
+    def enclose(self, end: str) -> None:
+        """Let the data end at the offset in a variable."""
+        self.refuse(f"{end} > len(data)", "a length beyond the end")
+        self.body.add(f"data = memoryview(data)[:{end}]")
+
+    def take_length(self, end: str) -> None:
+        """The end of a delimited value, from its DHEADER."""
+        self._settle()
+        body = self.body
+        body.choose("get", "get", Lengths, "get")
+        body.add("offset += -offset & 3")
+        body.add("(size,) = get(data, offset)")
+        body.add("offset += 4")
+        body.add(f"{end} = offset + size")
 
     def _place(self) -> str:
         return "offset" if self._offset is None else str(self._offset)
