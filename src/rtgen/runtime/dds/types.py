@@ -12,6 +12,7 @@ from typing import Any, Optional
 from cyclonedds import idl
 from cyclonedds.idl import types
 
+from rtgen.facts.member_ids import hashed_id
 from rtgen.runtime.distribution.medium import MediumError
 from rtgen.runtime.marshalling.descriptors import (
     ArrayDescriptor,
@@ -46,6 +47,7 @@ _PRIMITIVES: dict[str, Any] = {
     "float": t.float32,
     "double": t.float64,
 }
+_CHARACTERS = (PrimitiveDescriptor("char"), PrimitiveDescriptor("wchar"))
 _MADE: dict[int, tuple[Any, Any]] = {}
 """Classes by the identity of their descriptor, which is kept alive with them."""
 
@@ -91,6 +93,8 @@ class _Maker:
                 made = idl.make_idl_struct(
                     python_name, name, fields, field_annotations=_annotations(members)
                 )
+                if members and all(m.id == hashed_id(m.name) for m in members):
+                    made.__idl_annotations__["autoid"] = "hash"
             case UnionDescriptor(switch=switch, branches=branches):
                 if descriptor.extensibility == "mutable":
                     raise _unsupported(descriptor, "mutable unions are not")
@@ -127,6 +131,8 @@ class _Maker:
         if isinstance(switch, EnumDescriptor):
             class_ = self.named(switch)
             labels = [class_(int(label)) for label in labels]
+        elif switch in _CHARACTERS:
+            labels = [ord(label) for label in labels]  # as type objects have them
         return t.case[labels, type_]
 
     def type(self, descriptor: Descriptor) -> Any:

@@ -5,14 +5,13 @@ Annotations of a module are defaults for its structs and unions.
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Sequence
 from typing import Any
 
+from rtgen.facts.member_ids import hashed_id
 from rtgen.frontends.idl.meaning.annotations import flag, integer, value
 from rtgen.model import Annotation, Extensibility
 
-_MEMBER_ID = 0x0FFFFFFF
 _EXTENSIBILITIES = frozenset(e.value for e in Extensibility)
 _GROUPS = dict.fromkeys(("extensibility", *_EXTENSIBILITIES), "extensibility")
 _GROUPS |= {"nested": "nested", "topic": "nested", "default_nested": "nested"}
@@ -77,9 +76,3 @@ def member_id(name: str, annotations: Sequence[Annotation], hashed: bool) -> int
         if annotation.name == "hashid":
             return hashed_id(str(annotation.get() or name))
     return hashed_id(name) if hashed else None
-
-
-def hashed_id(name: str) -> int:
-    """The member id of a name (7.3.1.2.1.1): 28 bits of its MD5, least significant octet first."""
-    digest = hashlib.md5(name.encode(), usedforsecurity=False).digest()
-    return int.from_bytes(digest[:4], "little") & _MEMBER_ID
