@@ -54,6 +54,11 @@ BUILT_IN: Final = (
         "rtgen.backends.small.backend",
         lambda _, options: options.target == "small",
     ),
+    DeferredBackend(
+        "typescript",
+        "rtgen.backends.typescript.backend",
+        lambda _, options: options.target == "typescript",
+    ),
 )
 """The built-in back ends, in the order of their artifacts, with what makes each necessary."""
 

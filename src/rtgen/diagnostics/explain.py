@@ -19,6 +19,7 @@ MODULES = (
     "rtgen.backends.small.rules",
     "rtgen.lowering.tecs.rules",
     "rtgen.backends.types.rules",
+    "rtgen.backends.typescript.rules",
     "rtgen.diff.kinds.catalogue",
     "rtgen.frontends.bus.rules",
     "rtgen.frontends.cdl.rules",

@@ -191,7 +191,7 @@ SCHEMA: dict[str, dict[str, Check] | Check] = {
         "dir": _text,
         "skeletons": _text,
         "package": _text,
-        "target": _one_of("embedded", "openrtm", "small", "dds"),
+        "target": _one_of("embedded", "openrtm", "small", "typescript", "dds"),
         "representation": _one_of("cdr", "xcdr2"),
         "extensibility": _one_of("final", "appendable", "mutable"),
     },

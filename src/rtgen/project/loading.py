@@ -32,10 +32,10 @@ if TYPE_CHECKING:
     from rtgen.frontends.stage import Settings as FrontendSettings
     from rtgen.project import file as project_file
 
-TARGETS = ("embedded", "openrtm", "small", "dds")
+TARGETS = ("embedded", "openrtm", "small", "typescript", "dds")
 """The platforms of components that rtgen.toml can name."""
 
-AVAILABLE_TARGETS = ("embedded", "openrtm", "small")
+AVAILABLE_TARGETS = ("embedded", "openrtm", "small", "typescript")
 """The targets that this version implements."""
 
 SYSTEMS_TARGET = "openrtm"

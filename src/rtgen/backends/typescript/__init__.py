@@ -1,0 +1,1 @@
+"""The target typescript: types of IDL for a browser, with their codecs."""

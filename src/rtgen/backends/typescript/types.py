@@ -1,0 +1,198 @@
+"""Types of IDL in TypeScript: the type of values, and the expression of the codec."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Final
+
+from rtgen.backends.typescript import quoting
+from rtgen.facts.primitives import OCTET_TYPES
+from rtgen.layouts.representations import Representations, member_types
+from rtgen.model import (
+    ArrayType,
+    Bitmask,
+    Declaration,
+    Enum,
+    ExceptionDecl,
+    Extensibility,
+    MapType,
+    Model,
+    NamedType,
+    Primitive,
+    PrimitiveType,
+    ScopedName,
+    SequenceType,
+    StringType,
+    Struct,
+    Type,
+    Typedef,
+    Union,
+)
+
+_BASIC: Final = {
+    Primitive.BOOLEAN: ("boolean", "boolean"),
+    Primitive.CHAR: ("char", "string"),
+    Primitive.WCHAR: ("wchar", "string"),
+    Primitive.OCTET: ("octet", "number"),
+    Primitive.UINT8: ("octet", "number"),
+    Primitive.INT8: ("int8", "number"),
+    Primitive.SHORT: ("short", "number"),
+    Primitive.UNSIGNED_SHORT: ("ushort", "number"),
+    Primitive.LONG: ("long", "number"),
+    Primitive.UNSIGNED_LONG: ("ulong", "number"),
+    Primitive.LONG_LONG: ("longlong", "bigint"),
+    Primitive.UNSIGNED_LONG_LONG: ("ulonglong", "bigint"),
+    Primitive.FLOAT: ("float", "number"),
+    Primitive.DOUBLE: ("double", "number"),
+}
+"""Codec and type of the basic types."""
+
+BIG: Final = frozenset((Primitive.LONG_LONG, Primitive.UNSIGNED_LONG_LONG))
+"""The types whose values are a `bigint`."""
+
+
+def identifier(name: ScopedName) -> str:
+    """The name of a declaration in its module; no word of the language has a `$`."""
+    return "$".join(name) if len(name) > 1 else f"{name[0]}$"
+
+
+class Types:
+    """The types of a model."""
+
+    def __init__(self, model: Model, representations: Representations) -> None:
+        self._model = model
+        self._representations = representations
+        self._missing: dict[ScopedName, str] = {}
+        settled = False
+        while not settled:  # Once more only after types that contain each other.
+            settled = True
+            for declaration in model.declarations:
+                if declaration.name not in self._missing:
+                    what = self._missing_in(declaration)
+                    if what is not None:
+                        self._missing[declaration.name] = what
+                        settled = False
+
+    def missing(self, declaration: Declaration) -> str | None:
+        """What of a declaration has no codec; None if it has one."""
+        return self._missing.get(declaration.name)
+
+    def _missing_in(self, declaration: Declaration) -> str | None:
+        match declaration:
+            case Struct() | Union():
+                how = self._representations.extensibility(declaration)
+                if how is Extensibility.MUTABLE:
+                    return f"the mutable type {declaration.scoped}"
+                parts = member_types(declaration)
+                if isinstance(declaration, Union):
+                    parts.append(declaration.switch)
+            case ExceptionDecl(members=members):
+                parts = [member.type for member in members]
+            case Typedef(type=type_):
+                parts = [type_]
+            case Enum(bound=bound) if bound > 32:
+                return f"an enum of {bound} bits"
+            case Enum() | Bitmask():
+                return None
+            case _:
+                return declaration.scoped
+        found = (self._missing_of(part) for part in parts)
+        return next((what for what in found if what is not None), None)
+
+    def _missing_of(self, type_: Type) -> str | None:
+        match type_:
+            case PrimitiveType(kind):
+                return None if kind in _BASIC else str(kind)
+            case StringType():
+                return None
+            case SequenceType(element) | ArrayType(element):
+                return self._missing_of(element)
+            case MapType(key, value):
+                plain = self._model.unalias(key)
+                if not isinstance(plain, PrimitiveType | StringType):
+                    return f"a map by {key}"
+                return self._missing_of(key) or self._missing_of(value)
+            case NamedType(name):
+                return self._missing.get(name)
+        return str(type_)
+
+    def is_appendable(self, declaration: Struct | Union) -> bool:
+        """Whether a DHEADER precedes its values in version 2."""
+        how = self._representations.extensibility(declaration)
+        return how is Extensibility.APPENDABLE
+
+    def value(self, type_: Type) -> str:
+        """The type of values in TypeScript."""
+        match type_:
+            case PrimitiveType(kind):
+                return _BASIC[kind][1]
+            case StringType():
+                return "string"
+            case SequenceType(element):
+                special = self._special(element)
+                return special[1] if special else f"{_grouped(self.value(element))}[]"
+            case ArrayType():
+                element, dimensions = self._flat(type_)
+                special = self._special(element)
+                text = special[1] if special else _grouped(self.value(element))
+                return text + "[]" * (len(dimensions) - (special is not None))
+            case MapType(key, value):
+                return f"Map<{self.value(key)}, {self.value(value)}>"
+            case NamedType(name):
+                return identifier(name)
+        raise AssertionError(f"{type_} was reported")
+
+    def codec(self, type_: Type, refer: Callable[[ScopedName], bool]) -> str:
+        """The expression of the codec.
+
+        `refer` is called with each name that it uses, and returns whether that is defined there.
+        """
+        match type_:
+            case PrimitiveType(kind):
+                return _BASIC[kind][0]
+            case StringType(wide, bound):
+                return f"{'wstring' if wide else 'string'}({bound or ''})"
+            case SequenceType(element, bound):
+                special = self._special(element)
+                if special:
+                    return f"{special[0]}({bound or ''})"
+                inner = self.codec(element, refer)
+                return f"sequence({inner}{f', {bound}' if bound else ''})"
+            case ArrayType():
+                return self._array(type_, refer)
+            case MapType(key, value, bound):
+                inner = f"{self.codec(key, refer)}, {self.codec(value, refer)}"
+                return f"map({inner}{f', {bound}' if bound else ''})"
+            case NamedType(name):
+                text = identifier(name)
+                if refer(name):
+                    return text
+                return f"lazy({quoting.string('::'.join(name))}, () => {text})"
+        raise AssertionError(f"{type_} was reported")
+
+    def _array(self, type_: ArrayType, refer: Callable[[ScopedName], bool]) -> str:
+        element, dimensions = self._flat(type_)
+        inner = self.codec(element, refer)
+        sizes = ", ".join(map(str, dimensions))
+        return f"array<{self.value(type_)}>({inner}, {sizes})"
+
+    def _flat(self, type_: ArrayType) -> tuple[Type, tuple[int, ...]]:
+        """Element and dimensions, without typedefs of arrays between."""
+        element, dimensions = type_.element, type_.dimensions
+        while isinstance(plain := self._model.unalias(element), ArrayType):
+            element, dimensions = plain.element, dimensions + plain.dimensions
+        return element, dimensions
+
+    def _special(self, element: Type) -> tuple[str, str] | None:
+        """Codec and type of a sequence of octets or characters."""
+        plain = self._model.unalias(element)
+        if isinstance(plain, PrimitiveType):
+            if plain.kind in OCTET_TYPES:
+                return "octets", "Uint8Array"
+            if plain.kind is Primitive.CHAR:
+                return "chars", "string"
+        return None
+
+
+def _grouped(text: str) -> str:
+    return f"({text})" if "|" in text else text

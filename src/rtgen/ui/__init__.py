@@ -1,0 +1,1 @@
+"""The system editor in a browser: `rtgen ui`."""
