@@ -6,6 +6,7 @@ import threading
 import time
 from collections.abc import Callable
 from contextlib import ExitStack
+from dataclasses import dataclass
 from types import TracebackType
 from typing import Any
 
@@ -60,13 +61,26 @@ class Servant(OpaqueRpc):
         self.calls.append("reset")
 
 
+@dataclass
+class NodeConfig:
+    """The parameters of a Node."""
+
+    gain: float = 1.0
+
+
 class Node(runtime.Component):
     """An OutPort, an InPort, a provider and a consumer, and a parameter."""
 
-    profile = runtime.ComponentProfile("Node", rate=100.0)
+    profile = runtime.ComponentProfile(
+        "Node",
+        rate=100.0,
+        configuration=(runtime.ParameterProfile("gain", "gain", "double", "1.0"),),
+    )
 
     def __init__(self, instance: str) -> None:
         super().__init__(instance)
+        self.config = self.add_configuration(NodeConfig())
+        self.fails = False
         self.out = self.add_out_port("out", TimedDouble)
         self.inward = self.add_in_port("in", TimedDouble)
         self.provider = self.add_provider("given", "rpc", OpaqueRpc)
@@ -77,6 +91,9 @@ class Node(runtime.Component):
     def on_initialize(self) -> runtime.ReturnCode_t:
         self.provider.set_servant(self.servant)
         return runtime.RTC_OK
+
+    def on_execute(self, ec_id: int) -> runtime.ReturnCode_t:
+        return self.fail("it is to fail") if self.fails else runtime.RTC_OK
 
     def take(self) -> list[float]:
         """The numbers that have come so far."""

@@ -269,13 +269,23 @@ def test_security_that_cannot_be_had_is_refused(tmp_path: Path, partition: str) 
         (["--clock", "real", "--transport", "dds", "--nameserver", "x"], 2, "corba"),
         (
             ["--clock", "real", "--transport", "dds", "--partition", "a b"],
-            3,
+            2,
             "'a b' cannot be a name between processes",
+        ),
+        (
+            ["--clock", "real", "--transport", "dds", "--partition", ""],
+            2,
+            "'' cannot be a name between processes",
         ),
         (
             ["--clock", "real", "--transport", "dds", "--interface", "nowhere0"],
             3,
-            "domain 91",
+            "--interface nowhere0: Cyclone DDS does not start with it",
+        ),
+        (
+            ["--clock", "real", "--transport", "dds", "--transport-config", __file__],
+            3,
+            "CYCLONEDDS_URI is this file",
         ),
     ],
 )

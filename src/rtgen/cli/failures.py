@@ -24,7 +24,7 @@ from rtgen.cli.factories import FactoryImportError
 from rtgen.diagnostics import Diagnostic, Related, Rule, Span
 from rtgen.project import shown
 from rtgen.runtime import BlockedError, CallbackError, Failure, ObservableError
-from rtgen.runtime.failures import described, ends_run
+from rtgen.runtime.failures import NOTE, described, ends_run
 from rtgen.runtime.stack_frames import is_rtgens, is_users
 from rtgen.runtime.system.watchdog import Call, calls_under_way
 from rtgen.systems.rules import BLOCKED, IMPORT, NOTICE, RAISED
@@ -347,13 +347,11 @@ class _LogHandler(logging.Handler):
 def logged(
     report: FailureReport, console: Console, options: FailureOptions
 ) -> Iterator[None]:
-    """Print log records of the runtime within the block: warnings, or more with -v."""
+    """Print log records of the runtime within the block: warnings and notes, or more with -v."""
     log = logging.getLogger("rtgen")
     handler = _LogHandler(report, console, options.form)
     before = log.level
-    log.setLevel(
-        (logging.WARNING, logging.INFO, logging.DEBUG)[min(options.verbose, 2)]
-    )
+    log.setLevel((NOTE, logging.INFO, logging.DEBUG)[min(options.verbose, 2)])
     log.addHandler(handler)
     try:
         yield

@@ -6,14 +6,14 @@ import functools
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, fields
-from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from rtgen import plugins, runtime
+from rtgen.cli import engines
 from rtgen.cli.common import Console, FiniteRange, Refusal
+from rtgen.cli.engines import CALL_TIMEOUT, EngineOptions, option_of
 from rtgen.cli.signals import terminable
 from rtgen.diagnostics import InputError, ToolError
 from rtgen.runtime.errors import NoNamingServiceError
@@ -21,14 +21,10 @@ from rtgen.systems.rules import CONNECTION
 
 if TYPE_CHECKING:
     from rtgen.runtime.corba.transport import CorbaTransport
-    from rtgen.runtime.distribution.medium import Medium
-    from rtgen.runtime.distribution.transport import DistributedTransport
     from rtgen.runtime.services.transports import ProcessTransport
 
 _PORTS = 1 << 16
-_BUILT_IN = ("corba", "dds", "zenoh")
-_CARRYING_DATA = ("dds", "zenoh")
-"""Transports that carry samples between processes, in real time alone."""
+_BUILT_IN = ("corba", *engines.TAKES)
 
 
 def _place(_: click.Context, __: click.Parameter, value: str | None) -> str | None:
@@ -40,22 +36,6 @@ def _place(_: click.Context, __: click.Parameter, value: str | None) -> str | No
     if not (host and good if colon else value):
         raise click.BadParameter(f"'{value}' is not HOST or HOST:PORT.")
     return value
-
-
-def _locators(
-    _: click.Context, __: click.Parameter, value: str | None
-) -> tuple[str, ...] | None:
-    """Validate locators of Zenoh, `PROTOCOL/ADDRESS`. Raises click.BadParameter."""
-    if value is None:
-        return None
-    found = tuple(text.strip() for text in value.split(","))
-    for text in found:
-        protocol, slash, address = text.partition("/")
-        if not (protocol.isalpha() and slash and address):
-            raise click.BadParameter(
-                f"'{text}' is not PROTOCOL/ADDRESS, such as tcp/192.0.2.1:7447."
-            )
-    return found
 
 
 class _Transport(click.Choice[str]):
@@ -99,46 +79,7 @@ _OPTIONS = (
         metavar="HOST",
         help="Where other processes reach this one (corba); by default 127.0.0.1.",
     ),
-    click.option(
-        "--interface",
-        metavar="NAME|ADDRESS",
-        help="Network interface (dds); by default loopback.",
-    ),
-    click.option(
-        "--domain",
-        type=click.IntRange(0, 232),
-        metavar="NUMBER",
-        help="DDS domain (dds), 0 to 232; by default 0.",
-    ),
-    click.option(
-        "--connect",
-        callback=_locators,
-        metavar="LOCATOR,...",
-        help="Routers or peers (zenoh), as tcp/HOST:PORT; by default those of this machine.",
-    ),
-    click.option(
-        "--listen",
-        callback=_locators,
-        metavar="LOCATOR,...",
-        help="Where other peers reach this one (zenoh); by default loopback.",
-    ),
-    click.option(
-        "--partition",
-        metavar="NAME",
-        help="Name that the processes of a system share; by default the system's.",
-    ),
-    click.option(
-        "--transport-config",
-        type=click.Path(exists=True, dir_okay=False),
-        metavar="FILE",
-        help="Configuration file of the engine (dds, zenoh) in its own format.",
-    ),
-    click.option(
-        "--call-timeout",
-        type=FiniteRange(0.001, 3600),
-        metavar="SECONDS",
-        help="How long a call between processes may take; by default 2.",
-    ),
+    *engines.OPTIONS,
     click.option(
         "--wait",
         type=FiniteRange(0, 86400),
@@ -146,33 +87,22 @@ _OPTIONS = (
         help="How long to wait for other processes; by default 30.",
     ),
 )
-_CALL_TIMEOUT = 2.0
 _WAIT = 30.0
-_COMMON = frozenset({"only", "call_timeout", "wait"})
-_DISTRIBUTED = _COMMON | {"partition", "transport_config"}
+_COMMON = frozenset({"only", "wait"})
 _TAKES: dict[str, frozenset[str]] = {
-    "corba": _COMMON | {"nameserver", "endpoint"},
-    "dds": _DISTRIBUTED | {"interface", "domain"},
-    "zenoh": _DISTRIBUTED | {"connect", "listen"},
+    "corba": _COMMON | {"nameserver", "endpoint", "call_timeout"},
+    **{engine: _COMMON | names for engine, names in engines.TAKES.items()},
 }
 """The options that a built-in transport takes."""
 
 
 @dataclass(frozen=True, slots=True)
-class TransportOptions:
+class TransportOptions(EngineOptions):
     """The transport options of the command line; None for those not given."""
 
-    transport: str
     only: str | None
     nameserver: str | None
     endpoint: str | None
-    interface: str | None
-    domain: int | None
-    connect: tuple[str, ...] | None
-    listen: tuple[str, ...] | None
-    partition: str | None
-    transport_config: str | None
-    call_timeout: float | None
     wait: float | None
 
     @property
@@ -183,29 +113,18 @@ class TransportOptions:
     @property
     def carries_data(self) -> bool:
         """Whether samples can go to other processes."""
-        return self.transport in _CARRYING_DATA
+        return self.transport in engines.TAKES
 
     def check(self, *, simulated: bool) -> None:
         """Raise Refusal for inconsistent options."""
-        present = [f.name for f in fields(self) if f.name != "transport"]
-        for name in present:
-            if getattr(self, name) is None:
-                continue
-            option = f"--{name.replace('_', '-')}"
-            if name not in _TAKES.get(self.transport, ()):
-                takers = [each for each, names in _TAKES.items() if name in names]
-                raise Refusal(f"{option} needs --transport {' or '.join(takers)}")
-            if simulated:
-                raise Refusal(
-                    f"{option} needs --clock real: processes share no simulated time"
-                )
-        if self.carries_data and simulated:
+        self.check_taken(_TAKES)
+        named = [option_of(name) for name in self.given]
+        if self.carries_data:
+            named.append(f"--transport {self.transport}")
+        if simulated and named:
             raise Refusal(
-                f"--transport {self.transport} needs --clock real: "
-                "processes share no simulated time"
+                f"{named[0]} needs --clock real: processes share no simulated time"
             )
-        if self.interface is not None and self.transport_config is not None:
-            raise Refusal("--interface and --transport-config exclude each other")
 
 
 def with_transport(command: Callable[..., int]) -> Callable[..., int]:
@@ -239,10 +158,9 @@ def opened(
     if carrying.transport == "direct":
         yield None
         return
-    engine = _ENGINES.get(carrying.transport)
-    if engine is not None:
-        with _distributed(carrying, partial(engine, carrying), system) as transport:
-            yield transport
+    if carrying.carries_data:
+        with carrying.open(system) as distributed:
+            yield distributed
         return
     for entry in plugins.announced(plugins.Group.TRANSPORTS):
         if entry.name == carrying.transport:
@@ -254,67 +172,6 @@ def opened(
         if transport.name_server:
             console.say(f"naming service: {transport.name_server}")
         yield transport
-
-
-def _distributed(
-    carrying: TransportOptions, medium: Callable[[str], Medium], system: str
-) -> DistributedTransport:
-    """The transport over an engine, in the partition of the system. Raises ToolError."""
-    from rtgen.runtime.distribution.medium import MediumError, check_name
-    from rtgen.runtime.distribution.transport import DistributedTransport
-
-    try:
-        partition = check_name(carrying.partition or system)
-    except MediumError as error:
-        raise ToolError(str(error), hint="name the system by --partition") from error
-    timeout = carrying.call_timeout or _CALL_TIMEOUT
-    try:
-        return DistributedTransport(medium(partition), timeout=timeout)
-    except (MediumError, runtime.TransportError) as error:
-        raise ToolError(str(error)) from error
-
-
-def _dds(carrying: TransportOptions, partition: str) -> Medium:
-    """The engine of DDS. Raises ToolError, MediumError."""
-    try:
-        from rtgen.runtime.dds.medium import DdsMedium
-    except ImportError as error:
-        raise ToolError(
-            "--transport dds needs cyclonedds, which is not installed",
-            hint="pip install 'rtgen[dds]'",
-        ) from error
-    config = carrying.transport_config
-    return DdsMedium(
-        partition,
-        domain=carrying.domain or 0,
-        interface=carrying.interface,
-        config=None if config is None else Path(config),
-    )
-
-
-def _zenoh(carrying: TransportOptions, partition: str) -> Medium:
-    """The engine of Zenoh. Raises ToolError, MediumError."""
-    try:
-        from rtgen.runtime.zenoh.medium import ZenohMedium
-        from rtgen.runtime.zenoh.session import Endpoints
-    except ImportError as error:
-        raise ToolError(
-            "--transport zenoh needs eclipse-zenoh, which is not installed",
-            hint="pip install 'rtgen[zenoh]'",
-        ) from error
-    config = carrying.transport_config
-    endpoints = Endpoints(
-        None if config is None else Path(config),
-        carrying.connect or (),
-        carrying.listen or (),
-    )
-    return ZenohMedium(partition, endpoints)
-
-
-_ENGINES: dict[str, Callable[[TransportOptions, str], Medium]] = {
-    "dds": _dds,
-    "zenoh": _zenoh,
-}
 
 
 def _corba(carrying: TransportOptions, *, simulated: bool) -> CorbaTransport:
@@ -332,7 +189,7 @@ def _corba(carrying: TransportOptions, *, simulated: bool) -> CorbaTransport:
             naming=not simulated,
             name_server=carrying.nameserver,
             host=carrying.endpoint or LOOPBACK,
-            timeout=carrying.call_timeout or _CALL_TIMEOUT,
+            timeout=carrying.call_timeout or CALL_TIMEOUT,
         )
     except NoNamingServiceError as error:
         hint = "start omniNames there; without --nameserver one is started"

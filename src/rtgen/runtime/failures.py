@@ -16,6 +16,10 @@ from rtgen.runtime.timing.clocks import SECOND
 
 log = logging.getLogger("rtgen.runtime")
 
+NOTE = (logging.INFO + logging.WARNING) // 2
+"""Level of what users are to see, and need not mind."""
+logging.addLevelName(NOTE, "NOTE")
+
 ON_ERROR = "on_error"
 
 

@@ -34,6 +34,10 @@ class ControlError(RtcError):
     """Another process did not answer, or refused; the message says why."""
 
 
+class RefusedError(ControlError):
+    """The instance refused; the message says why."""
+
+
 class State(msgspec.Struct, frozen=True):
     """The state of an instance in its own context, by RTC's name, and its counts."""
 
@@ -196,7 +200,7 @@ class Asker:
                 )
             answer = msgspec.json.decode(octets, type=_Answer)
             if answer.error:
-                raise ControlError(f"{self.instance}: {answer.error}")
+                raise RefusedError(f"{self.instance}: {answer.error}")
             return msgspec.convert(answer.result, type_)
         except MediumError as error:
             raise ControlError(f"{self.instance}: {error}") from error

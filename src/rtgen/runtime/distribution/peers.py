@@ -2,22 +2,43 @@
 
 from __future__ import annotations
 
+import logging
 import threading
 import time
+from collections.abc import Callable
+from enum import Enum
+from typing import TypeAlias
 
 from rtgen.runtime.distribution import control, names
 from rtgen.runtime.distribution.descriptions import Description
 from rtgen.runtime.distribution.medium import Medium, Token
-from rtgen.runtime.failures import log
+from rtgen.runtime.failures import NOTE, log
 
 _PAUSE = 0.2
 """Seconds between two attempts to ask an instance that did not answer."""
 
 
+class Presence(Enum):
+    """What has become of an instance of another process."""
+
+    LOST = "is lost: its process ended or is out of reach"
+    BACK = "is there again"
+
+
+Listener: TypeAlias = Callable[[str, Presence], None]
+"""Called with an instance, in a thread of the engine."""
+
+
+def _log(instance: str, presence: Presence) -> None:
+    level = logging.WARNING if presence is Presence.LOST else NOTE
+    log.log(level, "%s %s", instance, presence.value)
+
+
 class Peers:
     """Follows the presence of all instances of the system, those of this process, too.
 
-    `timeout` [s] of a question to another process. Raises MediumError.
+    `timeout` [s] of a question to another process. `listeners` are called when an instance of
+    another process is lost or comes back; the first one logs it. Raises MediumError.
     """
 
     def __init__(self, medium: Medium, process: str, timeout: float) -> None:
@@ -30,6 +51,7 @@ class Peers:
         self._descriptions: dict[str, Description] = {}
         self._silent: dict[str, float] = {}
         self._askers: dict[str, control.Asker] = {}
+        self.listeners: list[Listener] = [_log]
         self._watch: Token = medium.watch("", self._on_change)
 
     def close(self) -> None:
@@ -113,6 +135,10 @@ class Peers:
                 self._lost.add(instance)
             self._changed.notify_all()
         if not after and before and process != self._process:
-            log.warning("%s is lost: its process ended or is out of reach", instance)
+            self._notify(instance, Presence.LOST)
         elif after and was_lost:
-            log.warning("%s is there again", instance)
+            self._notify(instance, Presence.BACK)
+
+    def _notify(self, instance: str, presence: Presence) -> None:
+        for listener in tuple(self.listeners):
+            listener(instance, presence)

@@ -1,0 +1,144 @@
+"""Shared by the commands of `rtgen ctl`: which system, and how its components are reached."""
+
+from __future__ import annotations
+
+import functools
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from rtgen import runtime
+from rtgen.cli import engines
+from rtgen.cli.common import BAD_INPUT, NO, Console, FiniteRange, ReportedError
+from rtgen.cli.engines import EngineOptions
+from rtgen.cli.signals import terminable
+from rtgen.diagnostics import ToolError, has_errors
+
+if TYPE_CHECKING:
+    from rtgen.runtime.distribution.control import Asker
+    from rtgen.runtime.distribution.peers import Peers
+
+_SETTLED = 0.3
+"""Seconds without a further component after which the list counts as complete."""
+_LOOK_AGAIN = 0.05
+
+
+class Refused(click.ClickException):
+    """A component refuses a request."""
+
+    exit_code = NO
+
+
+@dataclass(frozen=True, slots=True)
+class CtlOptions(EngineOptions):
+    """Which system, and how long to look for its components."""
+
+    system: str | None
+    wait: float
+
+
+_OPTIONS = (
+    click.option(
+        "--transport",
+        type=click.Choice([*engines.TAKES]),
+        required=True,
+        help="What the processes are joined by.",
+    ),
+    click.option(
+        "--system",
+        type=click.Path(exists=True),
+        metavar="FILE",
+        help="The RtsProfile of the system, or its folder, whose name is the partition.",
+    ),
+    *engines.OPTIONS,
+    click.option(
+        "--wait",
+        type=FiniteRange(0, 86400),
+        default=2.0,
+        show_default=True,
+        metavar="SECONDS",
+        help="How long to look for components, and to wait for a state.",
+    ),
+)
+
+
+def with_system(command: Callable[..., int]) -> Callable[..., int]:
+    """Add the options that name a system; the function gets them as `options`."""
+
+    @functools.wraps(command)
+    def wrapped(*args: Any, **kwargs: Any) -> int:
+        given = {f.name: kwargs.pop(f.name) for f in fields(CtlOptions)}
+        return command(*args, options=CtlOptions(**given), **kwargs)
+
+    function: Callable[..., int] = wrapped
+    for option in reversed(_OPTIONS):
+        function = option(function)
+    return function
+
+
+@contextmanager
+def joined(console: Console, options: CtlOptions) -> Iterator[Peers]:
+    """The components of the system. Raises ToolError, Refused, ReportedError.
+
+    Ctrl-C and SIGTERM raise KeyboardInterrupt.
+    """
+    from rtgen.runtime.distribution.control import ControlError, RefusedError
+
+    options.check_taken(
+        {name: names | {"system", "wait"} for name, names in engines.TAKES.items()}
+    )
+    partition = options.partition or _name(console, options.system)
+    with terminable(), options.open(partition) as transport:
+        transport.peers.listeners.clear()
+        try:
+            yield transport.peers
+        except RefusedError as error:
+            raise Refused(str(error)) from error
+        except (ControlError, runtime.TransportError) as error:
+            raise ToolError(str(error)) from error
+
+
+def _name(console: Console, system: str | None) -> str:
+    """The name of a system, which is the partition that its processes use."""
+    if system is None:
+        raise click.UsageError("which system? Give --system FILE or --partition NAME.")
+    from rtgen.systems.reading import read_file
+
+    path = Path(system)
+    profile, found, sources = read_file(path / "system.xml" if path.is_dir() else path)
+    console.findings(found, sources)
+    if profile is None or has_errors(found):
+        raise ReportedError(BAD_INPUT)
+    return profile.name
+
+
+def asker(peers: Peers, instance: str, options: CtlOptions) -> Asker:
+    """The component of that name. Raises ToolError if no process has it."""
+    deadline = time.monotonic() + options.wait
+    while not peers.is_present(instance):
+        if time.monotonic() > deadline:
+            known = ", ".join(peers.instances) or "none"
+            raise ToolError(
+                f"no process has {instance}; known: {known}",
+                hint="the processes need the same --transport, and the same --partition or system",
+            )
+        peers.wait(_LOOK_AGAIN)
+    return peers.asker(instance)
+
+
+def settled(peers: Peers, options: CtlOptions) -> Sequence[str]:
+    """The components of all processes, once no further one is found."""
+    begun = changed = time.monotonic()
+    known = peers.instances
+    while True:
+        peers.wait(_LOOK_AGAIN)
+        now = time.monotonic()
+        if peers.instances != known:
+            known, changed = peers.instances, now
+        if now - begun >= options.wait or (known and now - changed >= _SETTLED):
+            return known

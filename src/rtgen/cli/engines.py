@@ -1,0 +1,211 @@
+"""Options of commands that join the processes of a system over DDS or Zenoh."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from rtgen import runtime
+from rtgen.cli.common import FiniteRange, Refusal
+from rtgen.diagnostics import ToolError
+
+if TYPE_CHECKING:
+    from rtgen.runtime.distribution.medium import Medium
+    from rtgen.runtime.distribution.transport import DistributedTransport
+
+CALL_TIMEOUT = 2.0
+"""Seconds that a call may take by default."""
+
+
+def _locators(
+    _: click.Context, __: click.Parameter, value: str | None
+) -> tuple[str, ...] | None:
+    """Validate locators of Zenoh, `PROTOCOL/ADDRESS`. Raises click.BadParameter."""
+    if value is None:
+        return None
+    found = tuple(text.strip() for text in value.split(","))
+    for text in found:
+        protocol, slash, address = text.partition("/")
+        if not (protocol.isalpha() and slash and address):
+            raise click.BadParameter(
+                f"'{text}' is not PROTOCOL/ADDRESS, such as tcp/192.0.2.1:7447."
+            )
+    return found
+
+
+def _partition(_: click.Context, __: click.Parameter, value: str | None) -> str | None:
+    """Validate the name of a partition. Raises click.BadParameter."""
+    from rtgen.runtime.distribution.medium import MediumError, check_name
+
+    try:
+        return None if value is None else check_name(value)
+    except MediumError as error:
+        raise click.BadParameter(f"{error}.") from error
+
+
+OPTIONS = (
+    click.option(
+        "--interface",
+        metavar="NAME|ADDRESS",
+        help="Network interface (dds); by default loopback.",
+    ),
+    click.option(
+        "--domain",
+        type=click.IntRange(0, 232),
+        metavar="0..232",
+        help="DDS domain (dds); by default 0.",
+    ),
+    click.option(
+        "--connect",
+        callback=_locators,
+        metavar="LOCATOR,...",
+        help="Routers or peers (zenoh), as tcp/HOST:PORT; by default those of this machine.",
+    ),
+    click.option(
+        "--listen",
+        callback=_locators,
+        metavar="LOCATOR,...",
+        help="Where other peers reach this one (zenoh); by default loopback.",
+    ),
+    click.option(
+        "--partition",
+        callback=_partition,
+        metavar="NAME",
+        help="Name that the processes of a system share; by default the system's.",
+    ),
+    click.option(
+        "--transport-config",
+        type=click.Path(exists=True, dir_okay=False),
+        metavar="FILE",
+        help="Configuration file of the engine (dds, zenoh) in its own format.",
+    ),
+    click.option(
+        "--call-timeout",
+        type=FiniteRange(0.001, 3600),
+        metavar="SECONDS",
+        help="How long a call between processes may take; by default 2.",
+    ),
+)
+
+
+@dataclass(frozen=True, slots=True)
+class EngineOptions:
+    """The options of the command line; None for those not given."""
+
+    transport: str
+    interface: str | None
+    domain: int | None
+    connect: tuple[str, ...] | None
+    listen: tuple[str, ...] | None
+    partition: str | None
+    transport_config: str | None
+    call_timeout: float | None
+
+    def check_taken(self, takes: dict[str, frozenset[str]]) -> None:
+        """Raise Refusal for an option that the transport does not take."""
+        for given in self.given:
+            if given not in takes.get(self.transport, ()):
+                takers = [each for each, names in takes.items() if given in names]
+                raise Refusal(
+                    f"{option_of(given)} needs --transport {' or '.join(takers)}"
+                )
+        if self.interface is not None and self.transport_config is not None:
+            raise Refusal("--interface and --transport-config exclude each other")
+
+    @property
+    def given(self) -> list[str]:
+        """The options that were given, besides the transport."""
+        names = [f.name for f in fields(self) if f.name != "transport"]
+        return [name for name in names if getattr(self, name) is not None]
+
+    def open(self, system: str) -> DistributedTransport:
+        """The transport, in the partition of the system of this name. Raises ToolError."""
+        from rtgen.runtime.distribution.medium import MediumError, check_name
+        from rtgen.runtime.distribution.transport import DistributedTransport
+
+        try:
+            partition = check_name(self.partition or system)
+        except MediumError as error:
+            raise ToolError(
+                str(error), hint="name the system by --partition"
+            ) from error
+        try:
+            medium = _ENGINES[self.transport](self, partition)
+            timeout = self.call_timeout or CALL_TIMEOUT
+            return DistributedTransport(medium, timeout=timeout)
+        except (MediumError, runtime.TransportError) as error:
+            raise ToolError(str(error)) from error
+
+
+def option_of(name: str) -> str:
+    """The option for the name of an argument."""
+    return f"--{name.replace('_', '-')}"
+
+
+ENGINE = frozenset({"partition", "transport_config", "call_timeout"})
+TAKES: dict[str, frozenset[str]] = {
+    "dds": ENGINE | {"interface", "domain"},
+    "zenoh": ENGINE | {"connect", "listen"},
+}
+"""The options that an engine takes."""
+
+
+def _dds(options: EngineOptions, partition: str) -> Medium:
+    """The engine of DDS. Raises ToolError, MediumError."""
+    try:
+        from rtgen.runtime.dds.medium import DdsMedium
+    except ImportError as error:
+        raise ToolError(
+            "--transport dds needs cyclonedds, which is not installed",
+            hint="pip install 'rtgen[dds]'",
+        ) from error
+    from rtgen.runtime.distribution.medium import MediumError
+
+    config = options.transport_config
+    try:
+        return DdsMedium(
+            partition,
+            domain=options.domain or 0,
+            interface=options.interface,
+            config=None if config is None else Path(config),
+        )
+    except MediumError as error:
+        if config is not None:
+            raise ToolError(
+                f"--transport-config {config}: Cyclone DDS does not start with it",
+                hint="Cyclone DDS's own message on standard error says why; what it calls "
+                "CYCLONEDDS_URI is this file",
+            ) from error
+        if options.interface is not None:
+            raise ToolError(
+                f"--interface {options.interface}: Cyclone DDS does not start with it",
+                hint="the name or address of a network interface of this machine, "
+                "as `ip address` lists them",
+            ) from error
+        raise
+
+
+def _zenoh(options: EngineOptions, partition: str) -> Medium:
+    """The engine of Zenoh. Raises ToolError, MediumError."""
+    try:
+        from rtgen.runtime.zenoh.medium import ZenohMedium
+        from rtgen.runtime.zenoh.session import Endpoints
+    except ImportError as error:
+        raise ToolError(
+            "--transport zenoh needs eclipse-zenoh, which is not installed",
+            hint="pip install 'rtgen[zenoh]'",
+        ) from error
+    config = options.transport_config
+    endpoints = Endpoints(
+        None if config is None else Path(config),
+        options.connect or (),
+        options.listen or (),
+    )
+    return ZenohMedium(partition, endpoints)
+
+
+_ENGINES: dict[str, Callable[[Any, str], Medium]] = {"dds": _dds, "zenoh": _zenoh}

@@ -1,0 +1,48 @@
+"""Watches the states of the instances of a running system from another process."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+
+import msgspec
+
+from rtgen.runtime.distribution.control import ControlError, State
+from rtgen.runtime.distribution.peers import Peers
+
+
+class Change(msgspec.Struct, frozen=True):
+    """The new state of an instance; None if its process is lost, or left."""
+
+    instance: str
+    state: State | None
+
+
+class Watch:
+    """Compares the states of instances, all of them unless some are named, at each `look`."""
+
+    def __init__(self, peers: Peers, instances: Collection[str] = ()) -> None:
+        self._peers = peers
+        self._wanted = frozenset(instances)
+        self._known: dict[str, tuple[str, str]] = {}
+
+    def look(self) -> Iterator[Change]:
+        """The changes of state since the last call, first of all states.
+
+        An instance that does not answer keeps its last state until its process is lost.
+        """
+        present = [
+            name
+            for name in self._peers.instances
+            if not self._wanted or name in self._wanted
+        ]
+        for name in [name for name in self._known if name not in present]:
+            del self._known[name]
+            yield Change(name, None)
+        for name in present:
+            try:
+                state = self._peers.asker(name).state()
+            except ControlError:
+                continue
+            if self._known.get(name) != (state.state, state.reason):
+                self._known[name] = state.state, state.reason
+                yield Change(name, state)

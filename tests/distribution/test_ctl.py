@@ -1,0 +1,128 @@
+"""`rtgen ctl`: components are watched and steered by command, over each engine."""
+
+from __future__ import annotations
+
+import json
+import threading
+from collections.abc import Callable, Iterator
+
+import media
+import pytest
+from distributed_system import Process, wait_for
+from json_schemas import valid
+
+from rtgen import runtime
+from rtgen.cli import run as rtgen
+
+Ctl = Callable[..., tuple[int, str, str]]
+pytestmark = pytest.mark.parametrize("network", ["dds", "zenoh"], indirect=True)
+
+
+@pytest.fixture
+def node(start: Callable[..., Process]) -> Iterator[Process]:
+    """A process with the component `b`, which runs."""
+    process = start("b")
+    ended = threading.Event()
+    thread = threading.Thread(
+        target=process.system.run, kwargs={"until": lambda _: ended.is_set()}
+    )
+    thread.start()
+    yield process
+    ended.set()
+    thread.join()
+
+
+@pytest.fixture
+def ctl(network: media.Engine, capfd: pytest.CaptureFixture[str]) -> Ctl:
+    """Runs a command: its exit code, standard output and standard error."""
+    assert network.address is not None
+    [(name, place)] = json.loads(network.address).items()
+    if name == "dds":
+        partition = f"{place}/{media.SYSTEM}"
+        options = ["--domain", str(media.DOMAIN), "--partition", partition]
+    else:
+        options = ["--connect", place, "--listen", "tcp/127.0.0.1:0"]
+        options += ["--partition", media.SYSTEM]
+
+    def run(*arguments: str) -> tuple[int, str, str]:
+        capfd.readouterr()
+        code = rtgen(["ctl", *arguments, "--transport", name, *options])
+        printed = capfd.readouterr()
+        return code, printed.out, printed.err
+
+    return run
+
+
+def test_components_are_listed_and_shown(node: Process, ctl: Ctl) -> None:
+    code, text, _ = ctl("list", "--wait", "20")
+    assert code == 0
+    assert text.splitlines()[1].split()[:2] == ["b", "INACTIVE"]
+    [listed] = valid(
+        ctl("list", "--json", "--wait", "20")[1], "ctl.schema.json", "list"
+    )
+    assert (listed["instance"], listed["state"]) == ("b", "INACTIVE")
+    code, text, _ = ctl("show", "b", "--wait", "20")
+    assert code == 0
+    assert text.splitlines() == [
+        "b: Node, INACTIVE",
+        "in in: RTC::TimedDouble",
+        "out out: RTC::TimedDouble",
+        "provides given.rpc: OpaqueRpc",
+        "requires taken.rpc: OpaqueRpc",
+        "gain = 1.0",
+    ]
+    shown = valid(
+        ctl("show", "b", "--json", "--wait", "20")[1], "ctl.schema.json", "show"
+    )
+    assert shown["out_ports"] == {"out": "RTC::TimedDouble"}
+    assert shown["sets"] == {"default": {"gain": "1.0"}}
+
+
+def test_components_are_steered(node: Process, ctl: Ctl) -> None:
+    state = node.system.state
+    assert ctl("activate", "b", "--wait", "20") == (0, "", "b ACTIVE\n")
+    assert state("b") is runtime.LifeCycleState.ACTIVE_STATE
+    code, _, text = ctl("activate", "b", "--wait", "20")
+    assert code == 1
+    assert "b refuses: PRECONDITION_NOT_MET; it is ACTIVE" in text
+    node.node("b").fails = True
+    wait_for(lambda: state("b") is runtime.LifeCycleState.ERROR_STATE)
+    assert "ERROR (it is to fail)" in ctl("list", "--wait", "20")[1]
+    node.node("b").fails = False
+    assert ctl("reset", "b", "--wait", "20")[0] == 0
+    assert ctl("activate", "b", "--wait", "20")[0] == 0
+    assert ctl("deactivate", "b", "--wait", "20")[0] == 0
+    assert state("b") is runtime.LifeCycleState.INACTIVE_STATE
+
+
+def test_parameters_are_read_and_set(node: Process, ctl: Ctl) -> None:
+    assert ctl("get", "b", "--wait", "20")[:2] == (0, "b.gain = 1.0\n")
+    assert ctl("set", "b.gain=2.5", "--wait", "20")[0] == 0
+    wait_for(lambda: node.node("b").config.gain == 2.5)
+    text = ctl("get", "b.gain", "--json", "--wait", "20")[1]
+    assert valid(text, "ctl.schema.json", "get") == {"b": {"gain": "2.5"}}
+    code, _, text = ctl("set", "b.gain=high", "--wait", "20")
+    assert code == 1
+    assert "gain" in text
+    assert ctl("get", "b.speed", "--wait", "20")[0] == 1
+    assert ctl("set", "b.gain=4", "--in", "fast", "--wait", "20")[0] == 0
+    assert ctl("use", "b", "fast", "--wait", "20")[0] == 0
+    wait_for(lambda: node.node("b").config.gain == 4.0)
+    assert ctl("use", "b", "slow", "--wait", "20")[0] == 1
+
+
+def test_changes_are_watched(node: Process, ctl: Ctl) -> None:
+    activated = threading.Timer(1.0, node.system.activate, ("b",))
+    activated.start()
+    code, text, _ = ctl("watch", "--json", "--for", "3")
+    assert code == 0
+    events = [valid(line, "ctl.schema.json", "event") for line in text.splitlines()]
+    assert [event["state"] for event in events] == ["INACTIVE", "ACTIVE"]
+
+
+def test_what_is_missing_is_named(node: Process, ctl: Ctl) -> None:
+    code, _, text = ctl("show", "nobody", "--wait", "0")
+    assert code == 3
+    assert "no process has nobody" in text
+    assert ctl("set", "gain=1")[0] == 2
+    assert ctl("list", "--endpoint", "x")[0] == 2
