@@ -10,7 +10,16 @@ from rtgen.backends.components.locations import source_of
 from rtgen.backends.kit.python_text import fit_text, header_comment
 from rtgen.backends.kit.quoting.python import docstring, number_literal, string_literal
 from rtgen.facts.adapter_constants import AdapterConstant
-from rtgen.model import Adapter, Component, Model, NamedType, ScopedName, Struct
+from rtgen.model import (
+    Adapter,
+    ArrayType,
+    Component,
+    Model,
+    NamedType,
+    ScopedName,
+    SequenceType,
+    Struct,
+)
 from rtgen.typemap.idl_python_names import PythonNames
 from rtgen.typemap.python_names import module_name
 
@@ -61,11 +70,7 @@ def _module(
         '        """Convert everything that has come."""',
         "        while self.input.is_new() and (sample := self.input.read()) is not None:",
         f"            made = {made}()",
-        *(
-            f"            made.{_path(model, names, adapter.target, to)} ="
-            f" sample.{_path(model, names, adapter.source, source)}"
-            for to, source in adapter.copies
-        ),
+        *_copied(model, names, adapter),
         *_converted(adapter),
         *(
             f"            made.{_path(model, names, adapter.target, to)} ="
@@ -90,6 +95,40 @@ def _module(
     ]
     title = docstring(f"{adapter.name}: {_doc(adapter)}", 0)
     return fit_text(f"{header}{title}\n" + "\n".join([*head, *body]) + "\n")
+
+
+def _copied(model: Model, names: PythonNames, adapter: Adapter) -> Iterator[str]:
+    scales = {to: (factor, offset) for to, factor, offset in adapter.scales}
+    for to, source in adapter.copies:
+        value = f"sample.{_path(model, names, adapter.source, source)}"
+        if to in scales:
+            value = _scaled(value, *scales[to], _is_list(model, adapter.source, source))
+        yield f"            made.{_path(model, names, adapter.target, to)} = {value}"
+
+
+def _scaled(value: str, factor: float, offset: float, is_list: bool) -> str:
+    """The expression of a converted number, or of a list of converted numbers."""
+    each = "each" if is_list else value
+    made = each if factor == 1 else f"{number_literal(factor)} * {each}"
+    if offset:
+        made += f" {'-' if offset < 0 else '+'} {number_literal(abs(offset))}"
+    return f"[{made} for each in {value}]" if is_list else made
+
+
+def _is_list(model: Model, struct: ScopedName, path: tuple[str, ...]) -> bool:
+    """Whether a member is a sequence or an array."""
+    declaration = model.find(struct)
+    assert isinstance(declaration, Struct)
+    own = {member.name: model.unalias(member.type) for member in declaration.members}
+    name, *rest = path
+    if name not in own:
+        assert declaration.base is not None
+        return _is_list(model, declaration.base, path)
+    type_ = own[name]
+    if rest:
+        assert isinstance(type_, NamedType)
+        return _is_list(model, type_.name, tuple(rest))
+    return isinstance(type_, SequenceType | ArrayType)
 
 
 def _converted(adapter: Adapter) -> Iterator[str]:

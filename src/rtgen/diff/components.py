@@ -259,9 +259,14 @@ def _adapters(
             source, target = ("::".join(n) for n in (other.source, other.target))
             text = f"adapter {other.name} leads from {source} to {target}"
             yield change(kinds.ADAPTER_TYPES, other.name, text, one.span, other.span)
-        elif (one.copies, one.constants) != (other.copies, other.constants):
+        elif _filling(one) != _filling(other):
             text = f"adapter {other.name} copies other members"
             yield change(kinds.ADAPTER_COPIES, other.name, text, one.span, other.span)
+
+
+def _filling(adapter: Adapter) -> tuple[object, ...]:
+    """What fills the members of the target."""
+    return adapter.copies, adapter.constants, adapter.scales
 
 
 def _copies_nothing(_: Adapter) -> None:

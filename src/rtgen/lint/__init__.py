@@ -7,7 +7,7 @@ from typing import Any
 
 from rtgen import plugins
 from rtgen.diagnostics import Diagnostic, in_order
-from rtgen.lint import data, devices, portability, python, style, tecs, usage
+from rtgen.lint import data, devices, portability, python, style, tecs, units, usage
 from rtgen.lint.context import Context
 from rtgen.lint.rules import ON_DEMAND
 from rtgen.model import Model
@@ -34,6 +34,8 @@ _CHECKS: tuple[Callable[[Context], Iterator[Diagnostic]], ...] = (
     devices.names,
     devices.unreachable,
     tecs.signatures,
+    units.texts,
+    units.factors,
 )
 
 

@@ -26,6 +26,8 @@ UNBOUNDED_ON_BOARD = Rule(
 )
 UNUSED_TYPE = Rule("LINT0019", "unused type", Severity.NOTE)
 NOT_PORTABLE = Rule("LINT0020", "IDL that other compilers refuse", Severity.NOTE)
+UNKNOWN_UNIT = Rule("LINT0021", "text that is not a unit", Severity.NOTE)
+OTHER_FACTOR = Rule("LINT0022", "factor other than that of the drive", Severity.WARNING)
 
 RULES: tuple[Rule, ...] = (
     UNUSED_INCLUDE,
@@ -48,6 +50,8 @@ RULES: tuple[Rule, ...] = (
     UNBOUNDED_ON_BOARD,
     UNUSED_TYPE,
     NOT_PORTABLE,
+    UNKNOWN_UNIT,
+    OTHER_FACTOR,
 )
 
 ON_DEMAND: tuple[Rule, ...] = (UNDOCUMENTED, UNBOUNDED, NOT_PORTABLE)

@@ -25,6 +25,7 @@ from rtgen.lowering.settings import AdapterEntry, Settings
 from rtgen.lowering.stage import Lowered
 from rtgen.model import (
     Adapter,
+    ArrayType,
     Component,
     Member,
     Model,
@@ -58,15 +59,18 @@ def lower(model: Model, settings: Settings) -> Lowered:
         return Lowered(model)
     findings: list[Diagnostic] = []
     adapters: list[Adapter] = []
+    components: list[Component] = []
     for entry in entries:
         try:
             adapters.append(_Maker(model, entry).adapter())
+            components.append(_component(adapters[-1], entry))
         except InputError as error:
             findings += error.diagnostics
     text = repr(
         [
             (a.name, a.source, a.target, a.copies)
             + ((a.conversion, a.constants) if a.conversion or a.constants else ())
+            + ((a.scales,) if a.scales else ())
             for a in adapters
         ]
     )
@@ -77,13 +81,15 @@ def lower(model: Model, settings: Settings) -> Lowered:
     made = replace(
         model,
         files=(*model.files, file),
-        declarations=(*model.declarations, *map(_component, adapters)),
+        declarations=(*model.declarations, *components),
         adapters=tuple(adapters),
     )
     return Lowered(made, tuple(findings))
 
 
-def _component(adapter: Adapter) -> Component:
+def _component(adapter: Adapter, entry: AdapterEntry) -> Component:
+    units = [", ".join(each) for each in zip(*entry.units.values(), strict=True)]
+    received, sent = units or ("", "")
     source, target = "::".join(adapter.source), "::".join(adapter.target)
     return Component(
         name=(adapter.name,),
@@ -97,15 +103,29 @@ def _component(adapter: Adapter) -> Component:
         rate=100.0,
         max_instances=0,
         ports=(
-            _port(adapter, PortKind.INPORT, "input", adapter.source, "What comes."),
-            _port(adapter, PortKind.OUTPORT, "output", adapter.target, "What goes."),
+            _port(
+                adapter,
+                PortKind.INPORT,
+                "input",
+                adapter.source,
+                "What comes.",
+                received,
+            ),
+            _port(
+                adapter, PortKind.OUTPORT, "output", adapter.target, "What goes.", sent
+            ),
         ),
         factory=f".adapters.{module_name(adapter.name)}:{adapter.name}",
     )
 
 
 def _port(
-    adapter: Adapter, kind: PortKind, name: str, type_: tuple[str, ...], doc: str
+    adapter: Adapter,
+    kind: PortKind,
+    name: str,
+    type_: tuple[str, ...],
+    doc: str,
+    unit: str,
 ) -> Port:
     return Port(
         kind=kind,
@@ -114,6 +134,7 @@ def _port(
         type=NamedType(type_),
         span=adapter.span,
         doc=doc,
+        unit=unit,
     )
 
 
@@ -140,7 +161,6 @@ class _Maker:
         for to, from_ in entry.mapping:
             to_path, from_path = tuple(to.split(".")), tuple(from_.split("."))
             self._check(self._type(target, to_path), self._type(source, from_path), to)
-            self._check_units(target, to_path, source, from_path)
             for known in copies:
                 shorter = min(len(known), len(to_path))
                 if known[:shorter] == to_path[:shorter]:
@@ -153,6 +173,8 @@ class _Maker:
             name = member.name
             if name not in targets and theirs.get(name) == self._kind(member):
                 copies[(name,)] = (name,)
+        for path in entry.units:
+            self._split(copies, target, tuple(path.split(".")))
         order = [member.name for member in self._members(target)]
         return Adapter(
             name=entry.name,
@@ -163,7 +185,32 @@ class _Maker:
             ),
             span=entry.span,
             constants=constants,
+            scales=tuple(
+                (to, *scale)
+                for to, from_ in copies.items()
+                if (scale := self._scale(target, to, source, from_)) is not None
+            ),
         )
+
+    def _split(
+        self,
+        copies: dict[tuple[str, ...], tuple[str, ...]],
+        target: Struct,
+        path: tuple[str, ...],
+    ) -> None:
+        """Copies a struct member by member, if one of its members is converted."""
+        self._type(target, path)
+        known = next((k for k in copies if path[: len(k)] == k), None)
+        if known is None:
+            raise self._error(ADAPTER_VALUE, f"nothing fills {'.'.join(path)!r}")
+        while known != path:
+            from_, inner = copies.pop(known), self._type(target, known)
+            assert isinstance(inner, NamedType)
+            struct = self.model.find(inner.name)
+            assert isinstance(struct, Struct)
+            for member in self._members(struct):
+                copies[*known, member.name] = (*from_, member.name)
+            known = path[: len(known) + 1]
 
     def _conversion(
         self,
@@ -205,17 +252,39 @@ class _Maker:
             raise self._error(ADAPTER_VALUE, message)
         return names, value
 
-    def _check_units(
+    def _scale(
         self,
         target: Struct,
         to: tuple[str, ...],
         source: Struct,
         from_: tuple[str, ...],
-    ) -> None:
+    ) -> tuple[float, float] | None:
+        """Factor and offset of a member; None where the value is copied. Raises InputError."""
+        name = ".".join(to)
         own, theirs = self._unit(target, to), self._unit(source, from_)
-        if own is not None and theirs is not None and own != theirs:
-            message = f"{'.'.join(to)!r} is in {own}, {'.'.join(from_)!r} in {theirs}"
+        stated = self.entry.units.get(name)
+        for known, said in (
+            (theirs, stated and stated[0]),
+            (own, stated and stated[1]),
+        ):
+            if known and said and not _is_equal(known, said):
+                message = f"`units` says {said} for {name!r}, its definition {known}"
+                raise self._error(ADAPTER_UNIT, message)
+        if stated is not None:
+            theirs, own = stated
+        if own is None or theirs is None or own == theirs:
+            return None
+        conversion = _conversion_between(theirs, own)
+        if conversion is None:
+            message = f"{name!r} is in {own}, {'.'.join(from_)!r} in {theirs}"
             raise self._error(ADAPTER_UNIT, message)
+        if conversion == (1.0, 0.0):
+            return None
+        if not _is_real(self.model, self._type(target, to)):
+            message = f"{name!r} is {self._type(target, to)}, not float or double"
+            hint = f"numbers in {theirs} are converted to {own} as real numbers"
+            raise self._error(ADAPTER_VALUE, message, hint)
+        return conversion
 
     def _unit(self, struct: Struct, path: tuple[str, ...]) -> str | None:
         """The unit of a member of known type: that of `@unit`, or the only one in its comment."""
@@ -289,6 +358,34 @@ class _Maker:
         if rule is not ADAPTER_NAME:
             message = f"adapter {self.entry.name!r}: {message}"
         return InputError([rule.at(self.entry.span, message, hint=hint)])
+
+
+def _is_equal(first: str, second: str) -> bool:
+    """Whether two texts denote one unit."""
+    return first == second or _conversion_between(first, second) == (1.0, 0.0)
+
+
+def _conversion_between(source: str, target: str) -> tuple[float, float] | None:
+    """Factor and offset between two units; None for units that do not fit or cannot be read."""
+    from rtgen.units import Relation, UnitError, conversion, parse, relation
+
+    try:
+        units = parse(source), parse(target)
+    except UnitError:
+        return None
+    match relation(*units):
+        case Relation.EQUAL:
+            return 1.0, 0.0
+        case Relation.SCALED:
+            return conversion(*units)
+    return None
+
+
+def _is_real(model: Model, type_: Type) -> bool:
+    """Whether it is a real number, or a sequence or array of real numbers."""
+    if isinstance(type_, SequenceType | ArrayType):
+        type_ = model.unalias(type_.element)
+    return isinstance(type_, PrimitiveType) and type_.kind in FLOAT_LIMITS
 
 
 def _takes(type_: Type, value: AdapterConstant) -> bool:

@@ -15,7 +15,8 @@ from rtgen.facts.numeric import Numeric
 class AdapterEntry(msgspec.Struct, frozen=True, kw_only=True):
     """`[adapter.NAME]`: scoped names of structs, and which member of `source` fills which.
 
-    `constants` are members of the target with values.
+    `constants` are members of the target with values, `units` those that are converted, with the
+    unit at the source and that at the target.
     """
 
     name: str
@@ -24,6 +25,7 @@ class AdapterEntry(msgspec.Struct, frozen=True, kw_only=True):
     mapping: tuple[tuple[str, str], ...]
     span: Span
     constants: tuple[tuple[str, AdapterConstant], ...] = ()
+    units: Mapping[str, tuple[str, str]] = msgspec.field(default_factory=dict)
 
 
 class Settings(msgspec.Struct, frozen=True, kw_only=True):

@@ -114,6 +114,7 @@ class Adapter(msgspec.Struct, frozen=True, kw_only=True):
     conversion: str = ""
     stamps: bool = False
     constants: tuple[tuple[tuple[str, ...], AdapterConstant], ...] = ()
+    scales: tuple[tuple[tuple[str, ...], float, float], ...] = ()
 
 
 class SystemComponent(Unspelled, frozen=True, eq=False, kw_only=True):

@@ -73,7 +73,10 @@ class Cache:
             list(map(str, project.tecs_path)),
             project.node_id,
             [
-                (a.name, a.source, a.target, a.mapping, a.constants, str(a.span))
+                (
+                    *(a.name, a.source, a.target, a.mapping, a.constants),
+                    *(list(a.units.items()), str(a.span)),
+                )
                 for a in project.adapters
             ],
             [

@@ -102,20 +102,28 @@ def _factory(value: Any) -> str | None:
 
 def _adapter(value: Any) -> str | None:
     fine = isinstance(value, dict) and {"from", "to"} <= set(value) <= {
-        *("from", "to", "map", "set")
+        *("from", "to", "map", "set", "units")
     }
     if fine:
-        pairs, constants = value.get("map", {}), value.get("set", {})
-        fine = isinstance(pairs, dict) and all(
+        pairs, constants, units = (
+            value.get(key, {}) for key in ("map", "set", "units")
+        )
+        fine = all(isinstance(each, dict) for each in (pairs, constants, units))
+        fine = fine and all(
             isinstance(v, str) for v in (value["from"], value["to"], *pairs.values())
         )
-        fine = fine and isinstance(constants, dict)
         fine = fine and all(map(_is_constant, constants.values()))
+        fine = fine and all(map(_is_pair, units.values()))
     form = (
         'from = "TYPE", to = "TYPE", map = { "MEMBER" = "MEMBER" }, '
-        'set = { "MEMBER" = VALUE }'
+        'set = { "MEMBER" = VALUE }, units = { "MEMBER" = ["UNIT", "UNIT"] }'
     )
     return None if fine else f"must be a table: {form}"
+
+
+def _is_pair(value: Any) -> bool:
+    """Whether it is a list of two texts."""
+    return isinstance(value, list) and [type(each) for each in value] == [str, str]
 
 
 def _is_constant(value: Any) -> bool:

@@ -231,6 +231,10 @@ def load(start: Path | None = None) -> Project:
                     (path, tuple(each) if isinstance(each, list) else each)
                     for path, each in table.get("set", {}).items()
                 ),
+                units={
+                    p: (sent, made)
+                    for p, (sent, made) in table.get("units", {}).items()
+                },
             )
             for name, table in settings.tables("adapter").items()
         ),

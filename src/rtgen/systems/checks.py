@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from msgspec.structs import replace
 
-from rtgen.diagnostics import Diagnostic, Related, Rule, Severity, Span
+from rtgen.diagnostics import Diagnostic, Rule, Severity, Span
 from rtgen.facts import connector_properties, parameter_texts
 from rtgen.frontends.kit.suggestions import nearest
 from rtgen.model import (
@@ -22,6 +22,7 @@ from rtgen.model import (
 )
 from rtgen.model.declarations import OPAQUE
 from rtgen.model.system_links import DATA_KINDS, Known, interfaces, service_pairs
+from rtgen.systems import units
 from rtgen.typemap.parameters import Parameters, ValueMismatchError
 
 UNKNOWN_COMPONENT = Rule(
@@ -44,8 +45,6 @@ SYSTEM_PARAMETER = Rule(
     Severity.ERROR,
 )
 OTHER_DEFINITION = Rule("RTC0592", "id is not that of the definition", Severity.WARNING)
-UNITS_DIFFER = Rule("RTC0593", "ports of different units", Severity.WARNING)
-UNIT_MISSING = Rule("RTC0594", "unit at one end of a connector only", Severity.NOTE)
 
 RULES = (
     UNKNOWN_COMPONENT,
@@ -56,8 +55,7 @@ RULES = (
     DATA_TYPE,
     SYSTEM_PARAMETER,
     OTHER_DEFINITION,
-    UNITS_DIFFER,
-    UNIT_MISSING,
+    *units.RULES,
 )
 
 _MILDNESS = (Severity.NOTE, Severity.WARNING, Severity.ERROR)
@@ -227,28 +225,8 @@ def _data(connection: Connection, ends: Mapping[str, Known]) -> Iterator[Diagnos
         span = connection.places.get(_TYPE_KEY, connection.span)
         message = f"the connector says {declared!r}, its ports have {types[0]!r}"
         yield DATA_TYPE.at(span, message)
-    yield from _units(connection, source, target)
-
-
-def _units(connection: Connection, source: Port, target: Port) -> Iterator[Diagnostic]:
-    """Units that differ, or that only one of the two ports has."""
-    sent, wanted = ("".join(port.unit.split()) for port in (source, target))
-    related = [
-        Related(port.span, f"{end}: {port.unit or 'no unit'}")
-        for end, port in ((connection.source, source), (connection.target, target))
-    ]
-    if sent and wanted and sent != wanted:
-        message = (
-            f"{connection.source} gives {source.unit}, "
-            f"{connection.target} takes {target.unit}"
-        )
-        hint = "convert the values in a component between them, or correct @unit"
-        yield UNITS_DIFFER.at(connection.span, message, related=related, hint=hint)
-    elif bool(sent) != bool(wanted):
-        end = connection.target if sent else connection.source
-        message = f"{end} does not say its unit, the other end has {source.unit or target.unit}"
-        hint = f'write @unit("{source.unit or target.unit}") at the port'
-        yield UNIT_MISSING.at(connection.span, message, related=related, hint=hint)
+    model = ends[connection.source.instance].model
+    yield from units.check(connection, source, target, model)
 
 
 def _data_port(

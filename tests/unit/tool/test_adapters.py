@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from importlib import import_module
+from math import pi, tau
 from pathlib import Path
 
 import pytest
@@ -165,3 +166,88 @@ def test_components_of_adapters_are_inspected(
     )
     assert run(["inspect"]) == 0
     assert "component Same" in capfd.readouterr().out
+
+
+def test_an_adapter_converts_units(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("t.idl").write_text(
+        "module AdU { struct Pose { double x; double y; float heading; };\n"
+        "struct Sent { long count; Pose at; sequence<double> angles; double heat; };\n"
+        "struct Taken { long count; Pose at; sequence<double> angles; double heat; };\n"
+        'struct Mm { @unit("mm") long way; };\n'
+        "struct M { double way; ///< Way [m].\n};\n};\n"
+    )
+    Path("rtgen.toml").write_text(
+        '[sources]\npaths = ["t.idl"]\n[output]\npackage = "united"\n'
+        '[adapter.Units]\nfrom = "AdU::Sent"\nto = "AdU::Taken"\n'
+        'units = { "at.heading" = ["deg", "rad"], angles = ["rpm", "rad/s"], '
+        'heat = ["deg C", "K"] }\n'
+        '[adapter.Way]\nfrom = "AdU::Mm"\nto = "AdU::M"\nmap = { way = "way" }\n'
+    )
+    assert run(["generate", "-q", "--no-cache"]) == 0
+    monkeypatch.syspath_prepend(str(tmp_path / "generated"))
+    adu = import_module("united.adu")
+    sent = adu.Sent(3, adu.Pose(1.0, 2.0, 180.0), [60.0, -30.0], 20.0)
+    system = System(SimulatedClock())
+    made = []
+    for name, module, sample in (
+        ("Units", "units", sent),
+        ("Way", "way", adu.Mm(1500)),
+    ):
+        adapter = getattr(import_module(f"united.adapters.{module}"), name)(f"{name}0")
+        peer = Component(f"{name}Peer0")
+        out = peer.add_out_port("out", adapter.in_ports["input"].type)
+        back = peer.add_in_port("in", adapter.out_ports["output"].type)
+        system.add(peer, 100.0)
+        system.add(adapter)
+        system.connect((peer.instance_name, "out"), (f"{name}0", "input"))
+        system.connect((f"{name}0", "output"), (peer.instance_name, "in"))
+        out.write(sample)
+        system.activate(f"{name}0")
+        made.append(back)
+    system.run(50_000_000)
+    taken, way = (port.read() for port in made)
+    assert taken.count == 3
+    assert (taken.at.x, taken.at.y) == (1.0, 2.0)
+    assert taken.at.heading == pytest.approx(pi)
+    assert list(taken.angles) == pytest.approx([tau, -tau / 2])
+    assert taken.heat == pytest.approx(293.15)
+    assert way == adu.M(1.5)
+    assert sent.at.heading == 180.0
+    profile = Path("generated/united/components/units/RTC.xml").read_text()
+    assert 'rtc:unit="deg, rpm, deg C"' in profile
+
+
+@pytest.mark.parametrize(
+    ("units", "code", "word"),
+    [
+        ('{ "v" = ["deg", "m"] }', "ADP0005", "'v' is in m, 'v' in deg"),
+        ('{ "v" = ["deg", "wags"] }', "ADP0005", "'v' is in wags"),
+        ('{ "n" = ["m", "mm"] }', "ADP0004", "not float or double"),
+        ('{ "x" = ["m", "mm"] }', "ADP0003", "no member 'x'"),
+        ('{ "own" = ["m", "mm"] }', "ADP0005", "its definition rad"),
+        ('{ "v" = ["m"] }', "PRJ0003", "UNIT"),
+    ],
+)
+def test_units_that_an_adapter_refuses(
+    units: str,
+    code: str,
+    word: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("t.idl").write_text(
+        'struct A { double v; long n; @unit("rad") double own; };\n'
+    )
+    Path("rtgen.toml").write_text(
+        '[sources]\npaths = ["t.idl"]\n'
+        f'[adapter.X]\nfrom = "A"\nto = "A"\nunits = {units}\n'
+    )
+    assert run(["generate", "--no-cache"]) == 2
+    errors = capfd.readouterr().err
+    assert code in errors
+    assert word in errors

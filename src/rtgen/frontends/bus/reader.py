@@ -34,6 +34,7 @@ from rtgen.model.canopen import (
 )
 from rtgen.toml_text import TomlError
 from rtgen.typemap.canopen_names import identifier, module_name
+from rtgen.typemap.drive_units import BY_DESCRIPTION, NoFactorError, drive_factor
 
 MANAGER = 127
 EVENT = 0.01
@@ -189,15 +190,32 @@ class _Reader:
             operations=tuple(
                 number_of(text) for text in declared.get("operations", ())
             ),
-            factors=_by_number(declared.get("factors", {})),
+            factors=self._factors(device, name),
             units=_by_number(declared.get("units", {})),
         )
         self._check_objects(kind)
-        for number, factor in kind.factors:
-            if not (isfinite(factor) and factor):
-                message = f"the factor of {number[0]:04X}:{number[1]:X} is {factor}"
-                self._report(rules.BAD_CONTENT, ("device", name), message)
         return kind
+
+    def _factors(
+        self, device: Device, name: str
+    ) -> tuple[tuple[tuple[int, int], float], ...]:
+        """The factors of a kind, those of CiA 402 computed."""
+        declared = self._toml.content["device"][name]
+        units = dict(_by_number(declared.get("units", {})))
+        found = {}
+        for text, factor in declared.get("factors", {}).items():
+            number, place = number_of(text), ("device", name, "factors", text)
+            if factor != BY_DESCRIPTION:
+                found[number] = factor
+                if not (isfinite(factor) and factor):
+                    message = f"the factor of {text} is {factor}"
+                    self._report(rules.BAD_CONTENT, place, message)
+            elif device.find(*number) is not None:
+                try:
+                    found[number] = drive_factor(device, number, units.get(number, ""))
+                except NoFactorError as error:
+                    self._report(rules.NO_FACTOR, place, f"{text}: {error}")
+        return tuple(sorted(found.items()))
 
     def _check_objects(self, kind: DeviceKind) -> None:
         """The objects that the settings of a kind name: they exist, and lists name each once."""

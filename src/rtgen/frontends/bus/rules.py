@@ -18,6 +18,7 @@ NO_BIT_RATE = Rule("EDS0708", "bit rate that a device does not have", Severity.W
 OVERLOAD = Rule("EDS0709", "bus cannot carry its messages", Severity.WARNING)
 NOT_LIKE_KIND = Rule("EDS0710", "node that is mapped unlike its kind", Severity.ERROR)
 NO_SUPERVISION = Rule("EDS0711", "unsupervised node", Severity.WARNING)
+NO_FACTOR = Rule("EDS0712", "factor that a drive does not state", Severity.ERROR)
 
 RULES = (
     BAD_FILE,
@@ -32,4 +33,5 @@ RULES = (
     OVERLOAD,
     NOT_LIKE_KIND,
     NO_SUPERVISION,
+    NO_FACTOR,
 )

@@ -1,0 +1,62 @@
+"""Symbols of units that data sheets, EDS files and IDL comments use and SI does not."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Final
+
+SYMBOLS: Final[Mapping[str, str]] = {
+    "Nm": "newton*meter",
+    "mNm": "millinewton*meter",
+    "uNm": "micronewton*meter",
+    "µNm": "micronewton*meter",
+    "kNm": "kilonewton*meter",
+    "VA": "volt*ampere",
+    "Ah": "ampere*hour",
+    "mAh": "milliampere*hour",
+    "Wh": "watt*hour",
+    "mWh": "milliwatt*hour",
+    "kWh": "kilowatt*hour",
+    "r": "revolution",
+    "rev": "revolution",
+    "revs": "revolution",
+    "U": "revolution",
+    "turns": "revolution",
+    "RPM": "rpm",
+    "rps": "revolution/second",
+    "Ohm": "ohm",
+    "inc": "count",
+    "incs": "count",
+    "increment": "count",
+    "increments": "count",
+    "cnt": "count",
+    "cnts": "count",
+    "digit": "count",
+    "digits": "count",
+    "lsb": "count",
+    "LSB": "count",
+    "tick": "count",
+    "ticks": "count",
+    "pulse": "count",
+    "pulses": "count",
+    "px": "pixel",
+    "sec": "second",
+    "secs": "second",
+    "\u2032": "arcminute",
+    "\u2033": "arcsecond",
+    "°": "degree",
+    "%": "percent",
+    "‰": "permille",
+}
+"""The definition of each symbol by pint's names; `Nm` or `U` mean something else there."""
+
+PHRASES: Final[Mapping[str, str]] = {
+    "deg C": "degC",
+    "deg. C": "degC",
+    "° C": "degC",
+    "°C": "degC",
+    "Celsius": "degC",
+    "deg F": "degF",
+    "°F": "degF",
+}
+"""Units of more than one word or sign, each as one symbol."""

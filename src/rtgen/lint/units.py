@@ -1,0 +1,72 @@
+"""Lint checks of units: those that cannot be read, and factors that contradict a drive."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import isclose
+from typing import Final
+
+from rtgen.diagnostics import Diagnostic, Span
+from rtgen.lint import rules
+from rtgen.lint.context import Context, fields
+from rtgen.model import Component
+from rtgen.typemap.drive_units import BY_DESCRIPTION, NoFactorError, drive_factor
+
+_SAME: Final = 1e-3
+"""The relative difference of two factors one of which is written with few digits."""
+
+
+def texts(context: Context) -> Iterator[Diagnostic]:
+    """Texts of `@unit` and of bus files that do not denote a unit."""
+    found = list(_texts(context))
+    if not found:
+        return
+    from rtgen.units import UnitError, parse_list
+
+    for text, span in found:
+        try:
+            parse_list(text)
+        except UnitError as error:
+            message = f"{text!r} is not a unit: {error}"
+            hint = "units are written like m/s^2, rad/s, kg*m^2, deg C, %"
+            yield rules.UNKNOWN_UNIT.at(span, message, hint=hint)
+
+
+def _texts(context: Context) -> Iterator[tuple[str, Span]]:
+    for declaration in context.declarations:
+        if isinstance(declaration, Component):
+            stated = [
+                *((port.unit, port.span) for port in declaration.ports),
+                *((item.unit, item.span) for item in declaration.configuration),
+            ]
+            yield from (
+                pair for pair in stated if pair[0] and context.is_given(pair[1].file)
+            )
+        for member in fields(declaration):
+            annotation = member.annotation("unit")
+            if annotation is not None:
+                yield str(dict(annotation.arguments)["value"]), member.span
+    for bus in context.model.buses:
+        for kind in bus.kinds:
+            for _, unit in kind.units:
+                if unit:
+                    yield unit, kind.span
+
+
+def factors(context: Context) -> Iterator[Diagnostic]:
+    """Factors of bus files other than those that the drive's own objects give."""
+    for bus in context.model.buses:
+        for kind in bus.kinds:
+            units = dict(kind.units)
+            for number, stated in kind.factors:
+                try:
+                    computed = drive_factor(kind.device, number, units.get(number, ""))
+                except NoFactorError:
+                    continue
+                if not isclose(stated, computed, rel_tol=_SAME):
+                    yield rules.OTHER_FACTOR.at(
+                        kind.span,
+                        f"the factor of {number[0]:04X} is {stated}; by 608Fh, 6091h and "
+                        f"60A8h to 60AAh it is {computed:.9g} {units[number]}",
+                        hint=f'correct it, or write "{BY_DESCRIPTION}" for it',
+                    )

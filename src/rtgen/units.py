@@ -1,0 +1,211 @@
+"""Units of measurement: what the text of `@unit`, of an EDS or of a profile means.
+
+A text is a product of symbols with exponents, as SI and UCUM write them: `m/s^2`, `rad.s-1`,
+`kg*m²`, `0.001 rpm`, `J/(kg K)`. Units after a comma are those of several members, in their order:
+`m, rad`. pint knows the symbols. An angle is a dimension of its own here, unlike in SI, so that
+`rad/s` and `Hz` are told apart.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from enum import Enum
+from functools import cache, lru_cache
+from math import inf, ulp
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
+
+from rtgen.facts.unit_symbols import PHRASES, SYMBOLS
+
+if TYPE_CHECKING:
+    from pint import UnitRegistry
+
+_LONGEST: Final = 80
+_HIGHEST_POWER: Final = 9
+_SUPERSCRIPTS: Final = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻·⋅\u00d7", "0123456789-***")
+_TOKEN: Final = re.compile(
+    r"\s*(?:(?P<number>\d+(?:\.\d+)?(?:[eE][+-]?\d+)?)|(?P<symbol>[^\W\d]+|[%‰°\u2032\u2033])"
+    r"(?:(?:\^|\*\*)?(?P<power>[+-]?\d+))?|(?P<sign>[*/.()]))\s*"
+)
+_ANGLE: Final = "radian"
+_CLOSE: Final = 1e-9
+
+
+class Unit(NamedTuple):
+    """A unit: value in base units = `factor` * value + `offset`.
+
+    `dimension` has the exponent of each base unit, in order of their names.
+    """
+
+    dimension: tuple[tuple[str, float], ...]
+    factor: float
+    offset: float = 0.0
+
+
+class Relation(Enum):
+    """What two units have to do with each other."""
+
+    EQUAL = "equal"
+    SCALED = "scaled"
+    ANGLE = "angle"
+    """They differ by an angle, which SI does not count as a dimension: `rad/s` and `1/s`."""
+    DIFFERENT = "different"
+
+
+class UnitError(ValueError):
+    """The text does not denote a unit."""
+
+
+@lru_cache(1024)
+def parse(text: str) -> Unit:
+    """The unit of a text. Raises UnitError."""
+    plain = text.strip()
+    if len(plain) > _LONGEST:
+        raise UnitError(f"it has {len(plain)} characters, {_LONGEST} at most are read")
+    for phrase, symbol in PHRASES.items():
+        plain = plain.replace(phrase, symbol)
+    tokens = list(_tokens(plain.translate(_SUPERSCRIPTS)))
+    if len(tokens) == 1 and tokens[0].group("power") is None:
+        symbol = tokens[0].group("symbol")
+        if symbol:
+            return _symbol(symbol)
+    try:
+        unit, end = _product(tokens, 0)
+    except OverflowError:
+        raise UnitError("its factor is 0 or too large") from None
+    if end < len(tokens):
+        raise UnitError(f"`{tokens[end].group().strip()}` is not expected")
+    return unit
+
+
+def parse_list(text: str) -> tuple[Unit, ...]:
+    """The units of a text with commas. Raises UnitError."""
+    return tuple(parse(part) for part in text.split(","))
+
+
+def relation(first: Unit, second: Unit) -> Relation:
+    """What two units have to do with each other."""
+    if first.dimension == second.dimension:
+        factor, offset = conversion(first, second)
+        same = abs(factor - 1) <= _CLOSE and abs(offset) <= _CLOSE
+        return Relation.EQUAL if same else Relation.SCALED
+    if _without_angle(first) == _without_angle(second):
+        return Relation.ANGLE
+    return Relation.DIFFERENT
+
+
+def conversion(source: Unit, target: Unit) -> tuple[float, float]:
+    """Factor and offset: value in the target's unit = factor * value + offset."""
+    if source == target:
+        return 1.0, 0.0
+    offset = (source.offset - target.offset) / target.factor
+    return _short(source.factor / target.factor), round(offset, 9)
+
+
+def _short(number: float) -> float:
+    """The number without the last digits that a division added: 1.8 for 1.7999999999999998."""
+    short = float(f"{number:.12g}")
+    return short if abs(short - number) <= 4 * ulp(number) else number
+
+
+def _without_angle(unit: Unit) -> tuple[tuple[str, float], ...]:
+    return tuple(pair for pair in unit.dimension if pair[0] != _ANGLE)
+
+
+def _tokens(text: str) -> Iterator[re.Match[str]]:
+    place = 0
+    while place < len(text):
+        found = _TOKEN.match(text, place)
+        if found is None:
+            raise UnitError(f"{text[place]!r} is not expected")
+        yield found
+        place = found.end()
+    if not text:
+        raise UnitError("it is empty")
+
+
+def _product(tokens: list[re.Match[str]], start: int) -> tuple[Unit, int]:
+    """Factors from a token on, up to the end or to a bracket that closes."""
+    made: Unit | None = None
+    place, power = start, 1
+    while place < len(tokens) and tokens[place].group("sign") != ")":
+        token = tokens[place]
+        sign = token.group("sign")
+        if sign in ("*", "/", "."):
+            if made is None and sign == "/":
+                made = Unit((), 1.0)
+            if made is None or place + 1 == len(tokens):
+                raise UnitError(f"there is no unit beside `{sign}`")
+            power, place = (-1 if sign == "/" else 1), place + 1
+            if tokens[place].group("sign") not in (None, "("):
+                raise UnitError(f"there is no unit beside `{sign}`")
+        factor, place = _factor(tokens, place)
+        factor = _raised(factor, power)
+        made, power = factor if made is None else _times(made, factor), 1
+    if made is None:
+        raise UnitError("a unit is expected")
+    return made, place
+
+
+def _factor(tokens: list[re.Match[str]], place: int) -> tuple[Unit, int]:
+    token = tokens[place]
+    if token.group("sign") == "(":
+        inner, end = _product(tokens, place + 1)
+        if end == len(tokens):
+            raise UnitError("a bracket is not closed")
+        return inner, end + 1
+    if token.group("number"):
+        return _checked(Unit((), float(token.group("number")))), place + 1
+    power = int(token.group("power") or 1)
+    if abs(power) > _HIGHEST_POWER or power == 0:
+        raise UnitError(f"an exponent is from 1 to {_HIGHEST_POWER}")
+    return _raised(_symbol(token.group("symbol")), power), place + 1
+
+
+def _raised(unit: Unit, power: int) -> Unit:
+    if power == 1:
+        return unit._replace(offset=0.0)
+    dimension = tuple((name, exponent * power) for name, exponent in unit.dimension)
+    return _checked(Unit(dimension, unit.factor**power))
+
+
+def _times(first: Unit, second: Unit) -> Unit:
+    exponents = dict(first.dimension)
+    for name, exponent in second.dimension:
+        exponents[name] = exponents.get(name, 0) + exponent
+    dimension = tuple(sorted((n, e) for n, e in exponents.items() if e))
+    return _checked(Unit(dimension, first.factor * second.factor))
+
+
+def _checked(unit: Unit) -> Unit:
+    if not 0 < unit.factor < inf:
+        raise OverflowError
+    return unit
+
+
+@lru_cache(1024)
+def _symbol(symbol: str) -> Unit:
+    name = SYMBOLS.get(symbol, symbol)
+    registry = _registry()
+    if name == symbol and name not in registry:
+        raise UnitError(f"the unit `{symbol}` is not known")
+    offset, one, two = (_in_root_units(value, name) for value in (0.0, 1.0, 2.0))
+    if abs(two - 2 * one + offset) > _CLOSE * abs(two):
+        return Unit(((name, 1.0),), 1.0)  # a logarithm: dB
+    factor = _in_root_units(1.0, f"delta_{name}") if offset else one
+    exponents: list[tuple[str, Any]] = list(
+        registry.Quantity(1.0, name).to_root_units().unit_items()
+    )
+    dimension = tuple(sorted((n, float(exponent)) for n, exponent in exponents))
+    return Unit(dimension, factor, offset)
+
+
+def _in_root_units(value: float, name: str) -> float:
+    return _registry().Quantity(value, name).to_root_units().magnitude
+
+
+@cache
+def _registry() -> UnitRegistry[float]:
+    import pint
+
+    return pint.UnitRegistry(cache_folder=None, autoconvert_offset_to_baseunit=True)

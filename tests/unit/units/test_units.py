@@ -1,0 +1,141 @@
+"""Units: what texts denote, which of them fit, and that no text is more than data."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rtgen.facts.unit_symbols import PHRASES, SYMBOLS
+from rtgen.units import (
+    Relation,
+    Unit,
+    UnitError,
+    conversion,
+    parse,
+    parse_list,
+    relation,
+)
+
+SAME = [
+    ("m/s", "m / s"),
+    ("m/s", "m.s-1"),
+    ("m/s", "m s^-1"),
+    ("m/s", "m·s⁻¹"),
+    ("m/s^2", "m/s²"),
+    ("rad/s", "rad/sec"),
+    ("rpm", "r/min"),
+    ("rpm", "rev/min"),
+    ("rpm", "U/min"),
+    ("Nm", "N*m"),
+    ("Nm", "J"),
+    ("N", "kg m/s^2"),
+    ("deg C", "°C"),
+    ("deg", "°"),
+    ("inc", "counts"),
+    ("/s", "Hz"),
+    ("J/(kg K)", "J/kg/K"),
+    ("m/s/s", "m/s^2"),
+    ("mNm", "0.001 Nm"),
+    ("%", "0.01"),
+    ("Ohm", "V/A"),
+    ("l/min", "1e-3 m^3/min"),
+]
+SCALED = [
+    ("deg", "rad", math.pi / 180, 0.0),
+    ("rpm", "rad/s", math.tau / 60, 0.0),
+    ("mm", "m", 1e-3, 0.0),
+    ("m", "mm", 1e3, 0.0),
+    ("deg C", "K", 1.0, 273.15),
+    ("deg C", "deg F", 1.8, 32.0),
+    ("deg F", "deg C", 1 / 1.8, -160 / 9),
+    ("0.1 rpm", "rpm", 0.1, 0.0),
+    ("km/h", "m/s", 1 / 3.6, 0.0),
+    ("bit/s", "kbit/s", 1e-3, 0.0),
+    ("µm", "m", 1e-6, 0.0),
+]
+DIFFERENT = [
+    ("m", "rad"),
+    ("m", "m/s"),
+    ("V", "A"),
+    ("counts", "rad"),
+    ("pixels", "m"),
+    ("dB", "%"),
+]
+ANGLE = [("rad/s", "Hz"), ("rpm", "1/min"), ("m", "m/rad"), ("%", "rad")]
+WRONG = [
+    *("", " ", "-", "m/", "*m", "m//s", "m**", "(m", "m)", "()", "none", "m^0", "m^10"),
+    *("1e400 m", "0 m", "__import__('os')", "9**9**9**9", "m^999999999", "m" * 81),
+    *("m;s", "m\ns!", "{0}", "\0", "Ym^9 Ym^9", "Qpc^9", "(" * 40 + "m" + ")" * 39),
+]
+
+
+@pytest.mark.parametrize(("first", "second"), SAME)
+def test_two_texts_of_one_unit(first: str, second: str) -> None:
+    assert relation(parse(first), parse(second)) is Relation.EQUAL
+    assert relation(parse(second), parse(first)) is Relation.EQUAL
+
+
+@pytest.mark.parametrize(("source", "target", "factor", "offset"), SCALED)
+def test_two_scales_of_one_dimension(
+    source: str, target: str, factor: float, offset: float
+) -> None:
+    assert relation(parse(source), parse(target)) is Relation.SCALED
+    assert conversion(parse(source), parse(target)) == pytest.approx((factor, offset))
+
+
+@pytest.mark.parametrize(("first", "second"), DIFFERENT)
+def test_two_dimensions(first: str, second: str) -> None:
+    assert relation(parse(first), parse(second)) is Relation.DIFFERENT
+
+
+@pytest.mark.parametrize(("first", "second"), ANGLE)
+def test_an_angle_more(first: str, second: str) -> None:
+    assert relation(parse(first), parse(second)) is Relation.ANGLE
+
+
+@pytest.mark.parametrize("text", WRONG)
+def test_texts_that_are_no_units(text: str) -> None:
+    with pytest.raises(UnitError):
+        parse(text)
+
+
+def test_units_of_several_members() -> None:
+    assert parse_list("m, rad") == (parse("m"), parse("rad"))
+    with pytest.raises(UnitError):
+        parse_list("m,")
+
+
+def test_every_symbol_of_ours_is_a_unit() -> None:
+    for symbol in (*SYMBOLS, *PHRASES):
+        assert isinstance(parse(symbol), Unit), symbol
+
+
+def test_a_converted_factor_has_no_digits_of_a_division() -> None:
+    assert conversion(parse("deg C"), parse("deg F")) == (1.8, 32.0)
+
+
+@given(st.text(max_size=90) | st.text("mskgrad/*.^()0123456789-e °%²⁻,", max_size=90))
+def test_any_text_is_a_unit_or_an_error(text: str) -> None:
+    try:
+        unit = parse(text)
+    except UnitError:
+        return
+    assert math.isfinite(unit.factor)
+    assert unit.factor > 0
+
+
+_UNITS = st.sampled_from(sorted({text for pair in SAME for text in pair} | {"mm", "h"}))
+
+
+@given(_UNITS, _UNITS, st.floats(-1e6, 1e6))
+def test_there_and_back(first: str, second: str, value: float) -> None:
+    one, other = parse(first), parse(second)
+    if relation(one, other) not in (Relation.EQUAL, Relation.SCALED):
+        assert one.dimension != other.dimension
+        return
+    factor, offset = conversion(one, other)
+    back, rest = conversion(other, one)
+    assert back * (factor * value + offset) + rest == pytest.approx(value, abs=1e-6)
