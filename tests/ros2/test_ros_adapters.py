@@ -187,7 +187,7 @@ module Lab {
         double vy; double va; };
     struct TimedVelocity2D { Time tm; Velocity data; };
     struct Metres { @unit("m") double x; };
-    struct Feet { @unit("ft") double x; };
+    struct Turned { @unit("rad") double x; };
 };
 """
 TWIST = "geometry_msgs::msg::Twist"
@@ -196,9 +196,9 @@ WRONG = {
         "ADP0005",
         "'data.vx' of Lab::TimedVelocity2D is in mm/s, not in m/s",
     ),
-    table("A", "Lab::Feet", "Lab::Metres", 'map = { x = "x" }'): (
+    table("A", "Lab::Turned", "Lab::Metres", 'map = { x = "x" }'): (
         "ADP0005",
-        "'x' is in m, 'x' in ft",
+        "'x' is in m, 'x' in rad",
     ),
     table("A", "Lab::Metres", "Lab::Metres", 'set = { x = "far" }'): (
         "ADP0004",

@@ -227,7 +227,7 @@ class _Maker:
                 names = tuple(path.split("."))
                 self._type(struct, names)
                 own = self._unit(struct, names)
-                if unit is not None and own not in (unit, None):
+                if unit and own and not _is_equal(own, unit):
                     message = f"{path!r} of {struct.scoped} is in {own}, not in {unit}"
                     raise self._error(ADAPTER_UNIT, message)
         return Adapter(
