@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 import seeds
+from json_schemas import valid
 
 from refrobots import iis
 from rtgen.cli import run as rtgen
@@ -158,6 +159,14 @@ def test_log_commands(
     )
     assert rtgen(["log", "info", str(lines)]) == 0
     assert "goal.jsonl: JSON lines" in capfd.readouterr().out
+    for file, form in (goal, "mcap"), (lines, "json-lines"):
+        assert rtgen(["log", "info", "--json", str(file)]) == 0
+        described = valid(capfd.readouterr().out, "log.schema.json")
+        assert (described["form"], described["whole"]) == (form, True)
+        [velocity] = [
+            s for s in described["sources"] if s["of"] == "PathFollower0.velocity"
+        ]
+        assert (velocity["count"], velocity["to"]) == (1001, 10**9)
     for file in (goal, lines):
         name = "Odometry0.OdometryPosition"
         assert rtgen(["log", "cat", str(file), name]) == 0
@@ -199,6 +208,11 @@ def test_replay_prints_events(goal: Path, capfd: pytest.CaptureFixture[str]) -> 
         (["replay", "{goal}.jsonl", "--into", str(GOAL)], "is not an MCAP file", 3),
         (["replay", "{goal}", "--into", str(GOAL), "--only", "X"], "X", 2),
         (["log", "csv", "{goal}", "Odometry0.Odometry"], "did you mean", 2),
+        (
+            ["log", "csv", "{goal}", "Odometry0.OdometryPosition.data.heding"],
+            "did you mean 'heading'?",
+            2,
+        ),
         (["log", "csv", "{goal}", "Odometry0"], "names no value of a port", 2),
         (["log", "info", str(GOAL)], "neither MCAP nor JSON lines", 3),
         (["log", "cat", "missing.mcap"], "cannot read missing.mcap", 3),

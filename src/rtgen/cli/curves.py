@@ -64,6 +64,7 @@ class Selection:
         self._path = [a or int(b) for a, b in _STEP.findall(match["path"])]
         self._curves: dict[str, Curve] = {}
         self._text = ""
+        self._hint: str | None = None
 
     @property
     def whole(self) -> str:
@@ -75,7 +76,7 @@ class Selection:
         """The curves so far, one without values before the first. InputError without numbers."""
         if not self._curves and self._text:
             message = f"{self.selector} has no numbers; {self._text}"
-            raise InputError([OBSERVABLE.at(None, message)])
+            raise InputError([OBSERVABLE.at(None, message, hint=self._hint)])
         return [*self._curves.values()] or [Curve(self.selector)]
 
     def add(self, time: float, value: Any, unit: str) -> None:
@@ -87,6 +88,7 @@ class Selection:
             units = [unit] * len(numbers)
         if not numbers and inner != []:
             self._text = f"a sample is {value!r}"[:80]
+            self._hint = _members(value, self._path)
         for (name, number), one in zip(numbers, units, strict=True):
             curve = self._curves.setdefault(name, Curve(name, one))
             curve.times.append(time)
@@ -190,6 +192,20 @@ def _inside(value: Any, label: str, path: list[str | int]) -> tuple[Any, str]:
             is_there = isinstance(value, dict) and step in value
         value = value[step] if is_there else None
     return value, label
+
+
+def _members(value: Any, path: list[str | int]) -> str | None:
+    """A hint for a path with a member that the sample lacks; None for other paths."""
+    for step in path:
+        if isinstance(value, dict) and isinstance(step, str) and step not in value:
+            close = get_close_matches(step, value, n=1)
+            return (
+                f"did you mean {close[0]!r}?"
+                if close
+                else f"members: {', '.join(value)}"
+            )
+        value, _ = _inside(value, "", [step])
+    return None
 
 
 def _numbers(value: Any, label: str) -> Iterator[tuple[str, Number]]:

@@ -46,8 +46,11 @@ def opened(files: ExitStack, path: str | None) -> TextIO | None:
         raise ToolError(f"cannot write {path}: {error.strerror}") from error
 
 
-def check_picture(path: str | None) -> None:
-    """Raise ToolError for an unknown kind of picture, or without matplotlib."""
+def check_picture(path: str | None, command: str = "--plot") -> None:
+    """Raise ToolError for an unknown kind of picture, or without matplotlib.
+
+    `command` is the option or command that draws.
+    """
     if path is None:
         return
     file = Path(path)
@@ -58,7 +61,7 @@ def check_picture(path: str | None) -> None:
         )
     if find_spec("matplotlib") is None:
         raise ToolError(
-            "--plot needs matplotlib, which is not installed",
+            f"{command} needs matplotlib, which is not installed",
             hint="pip install 'rtgen[plot]'",
         )
     existed = file.exists()

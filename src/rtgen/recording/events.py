@@ -74,6 +74,11 @@ class Log:
                 head = stream.read(len(MAGIC))
         except OSError as error:
             raise RecordingError(f"cannot read {path}: {error.strerror}") from error
+        if self.path.suffix.lower() == ".mcap" and head != MAGIC:
+            what = "is empty" if not head else "is not MCAP, as its suffix says"
+            raise RecordingError(
+                f"{path} {what}", hint="rtgen run --record FILE.mcap writes a recording"
+            )
         self.mcap = McapFile(path) if head == MAGIC else None
         self.units: dict[tuple[str, str], str] = {}
         """The units of ports, by instance and port, as far as samples of them were read."""

@@ -153,6 +153,16 @@ def test_logs_of_lines(tmp_path: Path, content: bytes, what: str | None) -> None
             check()
 
 
+@pytest.mark.parametrize("content", [b"", b"{", MAGIC[:-1]])
+def test_a_file_without_the_magic_of_its_suffix(tmp_path: Path, content: bytes) -> None:
+    path = tmp_path / "a.mcap"
+    path.write_bytes(content)
+    what = "is not MCAP, as its suffix says" if content else "is empty"
+    with pytest.raises(RecordingError, match=what) as error:
+        Log(path)
+    assert error.value.hint
+
+
 def test_a_writer_that_is_killed_leaves_whole_chunks(tmp_path: Path) -> None:
     """50 writers, each killed at a random moment; all in one process that forks them."""
     count = seeds.budget(50)

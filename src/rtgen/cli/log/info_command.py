@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 from collections import Counter
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -19,8 +21,9 @@ _HEADER = ("event", "of", "type", "count", "from [s]", "to [s]")
 
 @click.command("info")
 @click.argument("file", type=click.Path(path_type=Path))
+@click.option("--json", "as_json", is_flag=True, help="Print JSON (rtgen-log/1).")
 @with_console
-def info_(console: Console, file: Path) -> int:
+def info_(console: Console, file: Path, as_json: bool) -> int:
     """Tell what is in FILE: its form, and each source of events with count and times."""
     with reported():
         log = Log(file)
@@ -33,6 +36,21 @@ def info_(console: Console, file: Path) -> int:
             first, _ = times.get(key, (event["t"], 0))
             times[key] = first, event["t"]
             types[key] = event.get("type", "")
+    if as_json:
+        sources = [
+            {
+                "event": kind,
+                "of": of,
+                "type": types[kind, of],
+                "count": count,
+                "from": times[kind, of][0],
+                "to": times[kind, of][1],
+            }
+            for (kind, of), count in counts.items()
+        ]
+        found = {"format": "rtgen-log/1", **_described(log), "sources": sources}
+        write_out(f"{json.dumps(found, ensure_ascii=False, indent=2)}\n")
+        return OK
     rows = [
         (*key, types[key], str(count), *(f"{t / SECOND:.3f}" for t in times[key]))
         for key, count in counts.items()
@@ -43,10 +61,24 @@ def info_(console: Console, file: Path) -> int:
 
 
 def _form(log: Log) -> str:
+    described = _described(log)
     if log.mcap is None:
         return "JSON lines"
-    clock = log.mcap.metadata.get(METADATA, {}).get("clock")
-    time = f", {clock} time" if clock else ""
-    cut = "" if log.mcap.is_whole else ", cut off"
-    lost = f", {log.mcap.damaged} damaged chunks left out" if log.mcap.damaged else ""
+    time = f", {described['clock']} time" if described["clock"] else ""
+    cut = "" if described["whole"] else ", cut off"
+    damaged = described["damaged"]
+    lost = f", {damaged} damaged chunks left out" if damaged else ""
     return f"MCAP{time}{cut}{lost}"
+
+
+def _described(log: Log) -> dict[str, Any]:
+    """The form of a file, its clock if known, and how much of it was read."""
+    if log.mcap is None:
+        return {"form": "json-lines", "clock": None, "whole": True, "damaged": 0}
+    clock = log.mcap.metadata.get(METADATA, {}).get("clock")
+    return {
+        "form": "mcap",
+        "clock": clock,
+        "whole": log.mcap.is_whole,
+        "damaged": log.mcap.damaged,
+    }

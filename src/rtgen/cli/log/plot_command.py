@@ -20,6 +20,6 @@ from rtgen.cli.recording import check_picture
 @with_console
 def plot_(console: Console, file: Path, selectors: tuple[str, ...], output: str) -> int:
     """Draw values of ports in FILE over time, a frame for each unit."""
-    check_picture(output)
+    check_picture(output, "rtgen log plot")
     draw_curves(output, file.name, curves_of(file, selectors), "time [s]")
     return OK
