@@ -50,7 +50,7 @@ PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 RUN_ELSEWHERE = frozenset({"gallery"})
 """The systems of the gallery are run by the tests of the reference build."""
 
-SHOWN_ONLY = frozenset({"idl", "cdl", "jsonl", "text", "yaml"})
+SHOWN_ONLY = frozenset({"idl", "cdl", "jsonl", "text", "typescript", "yaml"})
 _COMMENT = re.compile(r"<!-- page: (.*?) -->", re.DOTALL)
 _VARYING = re.compile(r"^(wall \[s\]|ratio)( +)[\d.]+$", re.MULTILINE)
 _REPOSITORY = ("specs", "generated", "src/refnav", "rtgen.toml", "Makefile")

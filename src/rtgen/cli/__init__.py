@@ -22,6 +22,7 @@ COMMANDS = {
     "inspect": "Show the resolved model of definitions or systems.",
     "run": "Run a system on the embedded runtime.",
     "ctl": "Watch and steer components that run in other processes.",
+    "ui": "Show a system in a browser: wire it, drive it, watch it.",
     "replay": "Play a recorded run, into a part of a system if wanted.",
     "log": "Look at recorded runs: what is in them, values, differences.",
     "graph": "Draw a system's components and connections as SVG.",

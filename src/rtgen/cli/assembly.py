@@ -126,6 +126,23 @@ def _add_all(
         raise ReportedError(BAD_INPUT)
 
 
+def add_component(
+    system: runtime.System,
+    component: SystemComponent,
+    factories: Factories,
+    folder: Path,
+    report: FailureReport,
+) -> None:
+    """Add a component to a system that may already run. Raises as `assemble` does."""
+    if component.type not in factories:
+        hint = factories.hint(component.type)
+        message = f"no factory for the type {component.type!r}"
+        raise InputError([UNKNOWN_TYPE.at(component.span, message, hint=hint)])
+    _raise_if_any([*_add(system, component, factories, folder, (), report)])
+    if report.raised:
+        raise ReportedError(BAD_INPUT)
+
+
 def _fill(
     system: runtime.System,
     profile: System,

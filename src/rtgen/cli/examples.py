@@ -24,6 +24,7 @@ EXAMPLES = {
     "ctl set": "rtgen ctl set Arm0.gain=2 --transport dds --partition bench",
     "ctl use": "rtgen ctl use Arm0 fast --transport dds --partition bench",
     "ctl watch": "rtgen ctl watch --json --transport zenoh --partition bench",
+    "ui": "rtgen ui systems/bench.xml",
     "replay": "rtgen replay goal.mcap --into systems/bench.xml --only Arm0",
     "log info": "rtgen log info goal.mcap",
     "log cat": "rtgen log cat goal.mcap Arm0 --event sample",

@@ -9,6 +9,7 @@ from types import TracebackType
 from typing import Any
 
 from rtgen.runtime.errors import (
+    ConnectError,
     DuplicateConnectionError,
     DuplicateInstanceError,
     InitializationError,
@@ -313,6 +314,14 @@ class System:
                 connector.publisher, driver
             )
         return connector
+
+    def obstacle(self, source: PortAddress, target: PortAddress) -> str:
+        """Why two ports cannot be connected; empty if they can. Raises UnknownComponentError."""
+        try:
+            self._joining.made(source, target, {}, "")
+        except ConnectError as error:
+            return str(error)
+        return ""
 
     def disconnect(self, connection: Connector | str) -> None:
         """Cuts a connection. Unread samples are dropped and counted as lost.

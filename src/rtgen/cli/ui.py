@@ -1,0 +1,181 @@
+"""The command `rtgen ui`: a system, run for pages in a browser."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import webbrowser
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from importlib.util import find_spec
+from pathlib import Path
+
+import click
+
+from rtgen import runtime
+from rtgen.cli.assembly import add_component, assemble
+from rtgen.cli.common import OK, Console, with_console, write_out
+from rtgen.cli.factories import Factories, FactoryImportError
+from rtgen.cli.failures import FailureOptions, FailureReport
+from rtgen.diagnostics import InputError, ToolError, has_errors, in_order
+from rtgen.model import System, SystemComponent
+from rtgen.project import load_around
+from rtgen.runtime.failures import Failure
+from rtgen.runtime.rtc.profiles import ComponentProfile
+from rtgen.systems import timeline
+from rtgen.systems.checks import check_properties
+from rtgen.systems.reading import read_file
+
+_LOOPBACK = "127.0.0.1"
+_SUFFIX = ".xml"
+
+
+class CommandProject:
+    """The project around the systems of the command line; see `rtgen.ui.project.Project`."""
+
+    def __init__(self, console: Console, files: Sequence[str]) -> None:
+        self._console = console
+        self._files = [*files]
+        self._project = load_around(Path(files[0]))
+        self._factories = Factories(self._project)
+
+    @property
+    def systems(self) -> Sequence[str]:
+        """The systems that were named."""
+        return self._files
+
+    def read(self, file: str) -> System:
+        """The system of a file or folder."""
+        path = Path(file)
+        profile, found, sources = read_file(
+            path / "system.xml" if path.is_dir() else path
+        )
+        found = [*found, *(check_properties(profile) if profile is not None else ())]
+        if profile is None or has_errors(found):
+            raise InputError(in_order(found))
+        self._console.findings(in_order(found), sources)
+        return profile
+
+    def write(self, file: str, text: str) -> None:
+        """Write a system; only XML below the working folder or beside a system that was named."""
+        from rtgen.ui.errors import FILE, CommandError
+
+        path = Path(file)
+        if path.is_dir():
+            path = path / "system.xml"
+        path = path.resolve()
+        roots = [Path.cwd(), *(Path(each).resolve().parent for each in self._files)]
+        inside = any(path.is_relative_to(root.resolve()) for root in roots)
+        if path.suffix != _SUFFIX or not inside:
+            raise CommandError(
+                FILE,
+                f"{file} is not an XML file of the project",
+                f"a name that ends in {_SUFFIX}, beside the system",
+            )
+        part = path.with_name(f".{path.name}.{os.getpid()}.part")
+        try:
+            part.write_text(text, encoding="utf-8")
+            part.replace(path)
+        except OSError as error:
+            part.unlink(missing_ok=True)
+            raise CommandError(
+                FILE, f"cannot write {file}: {error.strerror}"
+            ) from error
+
+    def assemble(
+        self, profile: System, clock: runtime.Clock, failed: Callable[[Failure], None]
+    ) -> runtime.System:
+        """A system with its timeline; nothing is activated before time passes."""
+        simulated = isinstance(clock, runtime.SimulatedClock)
+        report = FailureReport(self._console, FailureOptions(), simulated=simulated)
+        path = Path(profile.file)
+        folder = path.parent if path.name == "system.xml" else path
+        steps = timeline.of_system(folder, None, profile).steps
+        system = assemble(profile, self._factories, clock, (), steps, report=report)
+
+        def on_failure(failure: Failure) -> None:
+            report(failure)
+            failed(failure)
+
+        system.on_failure = on_failure
+        return system
+
+    def add(self, system: runtime.System, component: SystemComponent) -> None:
+        """Add a component whose type has a factory."""
+        report = FailureReport(self._console, FailureOptions())
+        add_component(system, component, self._factories, Path.cwd(), report)
+
+    def palette(self) -> Sequence[ComponentProfile]:
+        """The types whose factories are classes that can be imported."""
+        found = []
+        for name in sorted(self._factories.types):
+            try:
+                profile = getattr(self._factories[name], "profile", None)
+            except (FactoryImportError, ToolError):
+                continue  # `rtgen run` reports it when a system needs the type.
+            if isinstance(profile, ComponentProfile):
+                found.append(replace(profile, type_name=name))
+        return found
+
+
+@click.command()
+@click.argument("systems", metavar="SYSTEM...", nargs=-1, required=True)
+@click.option(
+    "--clock",
+    type=click.Choice(["sim", "real"]),
+    default="sim",
+    show_default=True,
+    help="Simulated time, which can be paused and stepped, or real time.",
+)
+@click.option(
+    "--port",
+    type=click.IntRange(0, 65535),
+    default=0,
+    help="The port on 127.0.0.1; by default any that is free.",
+)
+@click.option("--read-only", is_flag=True, help="Print the address to look only, too.")
+@click.option("--open/--no-open", "opened", default=True, help="Open a browser.")
+@click.option("--play/--pause", "playing", default=True, help="Let time pass at once.")
+@with_console
+def ui(
+    console: Console,
+    systems: tuple[str, ...],
+    clock: str,
+    port: int,
+    read_only: bool,
+    opened: bool,
+    playing: bool,
+) -> int:
+    """Show a system in a browser: wire it, drive it, watch it.
+
+    SYSTEM is an RtsProfile, or a folder with system.xml; the page can change to the others. The
+    page is at 127.0.0.1 only; its address has a token that others do not know.
+    """
+    missing = [
+        name
+        for name in ("starlette", "uvicorn", "websockets")
+        if find_spec(name) is None
+    ]
+    if missing:
+        raise ToolError(
+            f"the page needs {', '.join(missing)}, which is not installed",
+            hint="pip install 'rtgen[ui]'",
+        )
+    from rtgen.ui.serving import Server
+    from rtgen.ui.session import Session
+
+    clocks = {"sim": runtime.SimulatedClock, "real": runtime.RealClock}
+    session = Session(CommandProject(console, systems), systems[0], clocks[clock])
+    server = Server(session, _LOOPBACK, port)
+    if playing:
+        session.runner.submit(session.runner.play)
+
+    def ready() -> None:
+        write_out(f"{server.address(full=True)}\n")
+        if read_only:
+            write_out(f"to look only: {server.address(full=False)}\n")
+        if opened:
+            webbrowser.open(server.address(full=True))
+
+    asyncio.run(server.run(ready))
+    return OK

@@ -1,0 +1,382 @@
+"""The commands of pages, carried out between two instants of the run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any, Final
+
+from rtgen.diagnostics import InputError, ToolError
+from rtgen.model import SystemComponent
+from rtgen.runtime.errors import (
+    ConfigurationError,
+    ConnectError,
+    DuplicateConnectionError,
+    ParameterValueError,
+    RtcError,
+    UnknownComponentError,
+    UnknownConnectionError,
+)
+from rtgen.runtime.return_codes import RTC_OK, ReturnCode_t
+from rtgen.runtime.system.joining import instances_of
+from rtgen.runtime.timing.clocks import SECOND
+from rtgen.ui import calls, saving
+from rtgen.ui.description import properties_of
+from rtgen.ui.edits import Edit
+from rtgen.ui.errors import (
+    BAD_VALUE,
+    CALL_FAILED,
+    IMPOSSIBLE,
+    NO_FIT,
+    NO_RIGHT,
+    UNKNOWN,
+    WRONG_STATE,
+    CommandError,
+)
+from rtgen.ui.outbox import Outbox
+from rtgen.ui.protocol import ui
+from rtgen.ui.protocol.ui import CommandKind
+from rtgen.ui.session import Session
+
+READING: Final = frozenset((CommandKind.COMMAND_WATCH, CommandKind.COMMAND_FITS))
+"""Commands that need no right."""
+_LONGEST_SEEK: Final = 3600.0
+"""The latest time that a simulation is set to [s]."""
+
+
+class Commands:
+    """Carries out the commands of pages on a session; in the thread of its runner."""
+
+    def __init__(self, session: Session) -> None:
+        self._session = session
+        kinds = CommandKind
+        self._handlers: dict[CommandKind, Callable[[Any], None]] = {
+            kinds.COMMAND_CONNECT: self._connect,
+            kinds.COMMAND_CUT: self._cut,
+            kinds.COMMAND_ACTIVATE: partial(self._request, "activate"),
+            kinds.COMMAND_DEACTIVATE: partial(self._request, "deactivate"),
+            kinds.COMMAND_RESET: partial(self._request, "reset"),
+            kinds.COMMAND_SET: self._set,
+            kinds.COMMAND_ACTIVATE_SET: self._activate_set,
+            kinds.COMMAND_ADD: self._add,
+            kinds.COMMAND_REMOVE: self._remove,
+            kinds.COMMAND_MOVE: self._move,
+            kinds.COMMAND_SAVE: self._save,
+            kinds.COMMAND_UNDO: lambda _: session.edits.undo(),
+            kinds.COMMAND_REDO: lambda _: session.edits.redo(),
+            kinds.COMMAND_PLAY: self._play,
+            kinds.COMMAND_PAUSE: self._pause,
+            kinds.COMMAND_STEP: self._step,
+            kinds.COMMAND_SPEED: self._speed,
+            kinds.COMMAND_SEEK: self._seek,
+            kinds.COMMAND_OPEN: self._open,
+            kinds.COMMAND_INJECT: self._inject,
+        }
+        self._injector = calls.Injector()
+
+    def carry_out(self, page: Outbox, message: ui.ClientMessage) -> None:
+        """Carry out a command; its result goes to the page."""
+        result = ui.Result(request=message.request, done=True)
+        try:
+            self._carry_out(page, message.asked, result)
+        except CommandError as error:
+            result.done = False
+            result.code, result.hint = error.code, error.hint
+            result.message = str(error)
+        except RtcError as error:
+            result.done, result.code = False, code_of(error)
+            result.message = str(error)
+        except (InputError, ToolError) as error:
+            result.done, result.code, result.message = False, BAD_VALUE, str(error)
+        except Exception as error:
+            result.done, result.code = False, CALL_FAILED
+            result.message = f"{type(error).__name__}: {error}"
+        page.put(ui.Event.of_outcome(result))
+
+    def _carry_out(self, page: Outbox, command: ui.Command, result: ui.Result) -> None:
+        kind = command.discriminator
+        value: Any = command.value
+        if kind not in READING and not page.full:
+            raise CommandError(NO_RIGHT, "this page may only look")
+        if kind is CommandKind.COMMAND_WATCH:
+            page.watched = frozenset(value)
+            self._session.watch_changed()
+        elif kind is CommandKind.COMMAND_FITS:
+            result.fits = self._fits(value)
+        elif kind is CommandKind.COMMAND_CALL:
+            result.reply = calls.call(self._session.system, value)
+        elif kind in self._handlers:
+            before = self._session.edit_state()
+            self._handlers[kind](value)
+            after = self._session.edit_state()
+            if after != before:
+                self._session.tell(ui.Event.of_edited(after))
+        else:
+            raise CommandError(IMPOSSIBLE, "this system has no bus and no board")
+
+    # Wiring.
+
+    def _fits(self, address: ui.PortAddress) -> list[ui.Fit]:
+        """Which other ports a port can be connected to, and why not to the rest."""
+        system = self._session.system
+        here = address.instance, address.port
+        self._session.require_port(*here)
+        found = []
+        for instance in system.instances:
+            for port in self._session.port_names(instance):
+                if (instance, port) != here:
+                    why = system.obstacle(here, (instance, port))
+                    there = ui.PortAddress(instance=instance, port=port)
+                    found.append(ui.Fit(port=there, refused=why))
+        return found
+
+    def _connect(self, wanted: ui.Connect) -> None:
+        source = wanted.source.instance, wanted.source.port
+        target = wanted.target.instance, wanted.target.port
+        properties = {each.name: each.text for each in wanted.properties}
+        name = wanted.name or f"{'.'.join(source)}_{'.'.join(target)}"
+        system = self._session.system
+        self._edit(
+            f"connect {name}",
+            lambda: system.connect(source, target, properties, name),
+            lambda: system.disconnect(name),
+        )
+
+    def _cut(self, name: str) -> None:
+        again = self._again(name)
+        system = self._session.system
+        self._edit(f"cut {name}", lambda: system.disconnect(name), again)
+
+    def _again(self, name: str) -> Callable[[], object]:
+        """Makes a connection as it is now."""
+        system = self._session.system
+        connector = system.connector(name)
+        source, target = instances_of(connector)
+        ends = [
+            (instance, str(port).removeprefix(f"{instance}."))
+            for instance, port in (
+                (source, connector.source),
+                (target, connector.target),
+            )
+        ]
+        properties = properties_of(connector)
+        return lambda: system.connect(ends[0], ends[1], properties, name)
+
+    # Components.
+
+    def _request(self, what: str, instances: Sequence[str]) -> None:
+        """Ask components for a state; without names all that can take it."""
+        system = self._session.system
+        request: Callable[[str], ReturnCode_t] = getattr(system, what)
+        chosen = list(instances) or system.activation_order(system.instances)
+        answers = {instance: request(instance) for instance in chosen}
+        wrong = [
+            f"{instance}: {code.name}"
+            for instance, code in answers.items()
+            if code is not RTC_OK
+        ]
+        if instances and wrong:
+            raise CommandError(WRONG_STATE, "; ".join(wrong))
+        if not self._session.runner.playing and self._session.runner.is_simulated:
+            self._session.notice("waiting", "", f"{what}: takes effect with time")
+
+    def _add(self, wanted: ui.AddComponent) -> None:
+        session = self._session
+        name = wanted.instance or self._free_name(wanted.type)
+        made = saving.new_component(name, wanted.type)
+        place = (wanted.where.x, wanted.where.y) if wanted.placed else None
+        self._edit(
+            f"add {name}",
+            lambda: self._put_in(made, place),
+            lambda: self._take_out(name),
+        )
+        session.watch_changed()
+
+    def _put_in(
+        self, component: SystemComponent, place: tuple[float, float] | None
+    ) -> None:
+        session, name = self._session, component.instance
+        if component.type not in session.known_types:
+            raise CommandError(UNKNOWN, f"the project knows no type {component.type}")
+        session.project.add(session.system, component)
+        if place is not None:
+            session.places[name] = place
+        session.tell(ui.Event.of_described(session.component(name)))
+        for channel in session.channels_of(name):
+            session.tell(ui.Event.of_opened(channel))
+
+    def _take_out(self, name: str) -> None:
+        self._session.system.remove(name)
+        self._session.forget(name)
+        self._session.tell(ui.Event.of_removed(name))
+
+    def _remove(self, name: str) -> None:
+        session = self._session
+        component = saving.component_now(session, name)
+        place = session.places.get(name)
+        again = [
+            self._again(each.name)
+            for each in session.system.connectors
+            if name in instances_of(each)
+        ]
+
+        def undo() -> None:
+            self._put_in(component, place)
+            for connect in again:
+                connect()
+
+        self._edit(f"remove {name}", lambda: self._take_out(name), undo)
+
+    def _free_name(self, type_: str) -> str:
+        taken = self._session.system.instances
+        number = 0
+        while f"{type_}{number}" in taken:
+            number += 1
+        return f"{type_}{number}"
+
+    def _move(self, wanted: ui.Moved) -> None:
+        session, name = self._session, wanted.instance
+        session.system.component(name)
+        before = session.places.get(name)
+        after = wanted.where.x, wanted.where.y
+
+        def put(place: tuple[float, float] | None) -> None:
+            if place is None:
+                session.places.pop(name, None)
+                session.tell(ui.Event.of_described(session.component(name)))
+                return
+            session.places[name] = place
+            where = ui.Location(*place)
+            session.tell(ui.Event.of_place(ui.Moved(instance=name, where=where)))
+
+        self._edit(f"move {name}", lambda: put(after), lambda: put(before))
+
+    # Configuration.
+
+    def _set(self, wanted: ui.SetParameter) -> None:
+        instance, name = wanted.instance, wanted.parameter
+        sets = self._session.system.component(instance).configuration_sets
+        set_id = wanted.set or sets.active
+        sets.check(name, wanted.text)
+        before = sets.texts(set_id)[name] if set_id in sets.ids else ""
+
+        def put(text: str) -> None:
+            self._session.system.configure(instance, name, text, set_id)
+            change = ui.ParameterChange(
+                instance=instance, set=set_id, parameter=name, text=text
+            )
+            self._session.tell(ui.Event.of_setting(change))
+
+        self._edit(
+            f"{instance}.{name} = {wanted.text}"[:200],
+            lambda: put(wanted.text),
+            lambda: put(before),
+        )
+
+    def _activate_set(self, wanted: ui.ActiveSet) -> None:
+        instance = wanted.instance
+        before = self._session.system.component(instance).configuration_sets.active
+
+        def put(set_id: str) -> None:
+            self._session.system.activate_set(instance, set_id)
+            chosen = ui.ActiveSet(instance=instance, set=set_id)
+            self._session.tell(ui.Event.of_activated(chosen))
+
+        self._edit(
+            f"{instance}: set {wanted.set}"[:200],
+            lambda: put(wanted.set),
+            lambda: put(before),
+        )
+
+    def _edit(
+        self, label: str, redo: Callable[[], object], undo: Callable[[], object]
+    ) -> None:
+        self._session.edits.make(Edit(label, redo, undo))
+
+    # Files and time.
+
+    def _save(self, file: str) -> None:
+        session = self._session
+        target = file or session.file
+        session.project.write(target, saving.text(session))
+        session.file = target
+        session.edits.saved = True
+
+    def _open(self, file: str) -> None:
+        if file not in self._session.project.systems:
+            raise CommandError(UNKNOWN, f"{file} is not a system of the project")
+        self._session.open(file)
+
+    def _play(self, _: bool) -> None:
+        self._session.runner.play()
+        self._tell_time()
+
+    def _pause(self, _: bool) -> None:
+        self._require_simulated()
+        self._session.runner.playing = False
+        self._tell_time()
+
+    def _step(self, duration: float) -> None:
+        self._require_simulated()
+        _check_range(duration, 0.0, _LONGEST_SEEK)
+        self._session.runner.playing = False
+        self._session.runner.step(round(duration * SECOND) or self._shortest())
+        self._tell_time()
+
+    def _shortest(self) -> int:
+        """The shortest period of a component [ns]."""
+        system = self._session.system
+        rates = [system.context(each).get_rate() for each in system.instances]
+        return round(SECOND / max(rates, default=1000.0))
+
+    def _speed(self, speed: float) -> None:
+        self._require_simulated()
+        _check_range(speed, 0.0, 1e6)
+        self._session.runner.set_speed(speed)
+        self._tell_time()
+
+    def _seek(self, time: float) -> None:
+        """Set a simulation to a time: run it again until then, as it is wired now."""
+        self._require_simulated()
+        _check_range(time, 0.0, _LONGEST_SEEK)
+        session = self._session
+        system = session.assembled(saving.profile_now(session))
+        session.profile = saving.profile_now(session)
+        session.change_system(system)
+        session.edits.forget()
+        if time:
+            session.runner.step(round(time * SECOND))
+        self._tell_time()
+
+    def _require_simulated(self) -> None:
+        if not self._session.runner.is_simulated:
+            raise CommandError(
+                IMPOSSIBLE,
+                "real time cannot be stopped",
+                "start `rtgen ui` with --clock sim",
+            )
+
+    def _tell_time(self) -> None:
+        self._session.tell(ui.Event.of_clock(self._session.time()))
+
+    def _inject(self, wanted: ui.Inject) -> None:
+        self._injector.put(self._session.system, wanted)
+
+
+def code_of(error: RtcError) -> str:
+    """The code of an error of the runtime."""
+    match error:
+        case ParameterValueError():
+            return BAD_VALUE
+        case UnknownComponentError() | UnknownConnectionError() | ConfigurationError():
+            return UNKNOWN
+        case ConnectError() | DuplicateConnectionError():
+            return NO_FIT
+    return WRONG_STATE
+
+
+def _check_range(value: float, least: float, most: float) -> None:
+    if not least <= value <= most:
+        raise CommandError(
+            BAD_VALUE, f"{value:g} is not between {least:g} and {most:g}"
+        )

@@ -1,0 +1,238 @@
+"""A running system as the messages of the protocol describe it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any, Final
+
+from rtgen.recording.recorder import cdr_encoder
+from rtgen.runtime.return_codes import LifeCycleState
+from rtgen.runtime.rtc.component import Component as Rtc
+from rtgen.runtime.rtc.profiles import ComponentProfile, ParameterProfile, PortProfile
+from rtgen.runtime.services.calls import calls_of
+from rtgen.runtime.services.servants import ServiceError
+from rtgen.runtime.system.joining import Connector, instances_of
+from rtgen.runtime.system.system import System
+from rtgen.ui.protocol import ui
+from rtgen.ui.type_table import NO_TYPE, TypeTable
+
+STATES: Final = {
+    LifeCycleState.CREATED_STATE: ui.State.STATE_CREATED,
+    LifeCycleState.INACTIVE_STATE: ui.State.STATE_INACTIVE,
+    LifeCycleState.ACTIVE_STATE: ui.State.STATE_ACTIVE,
+    LifeCycleState.ERROR_STATE: ui.State.STATE_ERROR,
+}
+
+
+class Description:
+    """Describes the parts of a system; types are entered in `types`."""
+
+    def __init__(self, types: TypeTable) -> None:
+        self.types = types
+
+    def type_number(self, type_: Any) -> int:
+        """The number of the type of a port; NO_TYPE if its samples are JSON."""
+        if cdr_encoder(type_) is None:
+            return NO_TYPE
+        return self.types.number(type_._descriptor_)
+
+    def component(
+        self, system: System, instance: str, place: tuple[float, float] | None
+    ) -> ui.Component:
+        """A component with its ports, parameters and state."""
+        component = system.component(instance)
+        profile, sets = component.profile, component.configuration_sets
+        context = system.context(instance)
+        return ui.Component(
+            instance=instance,
+            type=profile.type_name,
+            category=profile.category,
+            vendor=profile.vendor,
+            version=profile.version,
+            doc=profile.description,
+            current=STATES[system.state(instance)],
+            reason=component.reason,
+            contexts=[
+                ui.ExecutionContext(
+                    handle=context.participants[0].handle,
+                    rate=context.get_rate(),
+                    kind=context.get_kind().name,
+                    running=context.is_running(),
+                )
+            ],
+            ports=self.ports(component),
+            parameters=[_parameter(each) for each in sets.parameters],
+            configuration_sets=[
+                ui.ConfigurationSet(name=each, values=_values(sets.texts(each)))
+                for each in sets.ids
+            ],
+            active_set=sets.active,
+            placed=place is not None,
+            where=ui.Location(*(place or (0.0, 0.0))),
+            observables=[*component.observables],
+        )
+
+    def ports(self, component: Rtc) -> list[ui.Port]:
+        """The ports of a component, data ports first."""
+        described = {p.name: p for p in component.profile.ports if not p.port}
+        found = [
+            self._data_port(kind, name, port.type, described.get(name))
+            for kind, ports in (
+                (ui.PortKind.PORT_IN, component.in_ports),
+                (ui.PortKind.PORT_OUT, component.out_ports),
+            )
+            for name, port in ports.items()
+        ]
+        services: dict[str, list[ui.ServiceInterface]] = {}
+        for provided, interfaces in (
+            (True, component.providers),
+            (False, component.consumers),
+        ):
+            for (port, name), each in interfaces.items():
+                services.setdefault(port, []).append(
+                    self._interface(name, each.interface, provided=provided)
+                )
+        for name, entries in services.items():
+            kind = ui.PortKind.PORT_SERVICE
+            found.append(
+                ui.Port(name=name, kind=kind, type_number=NO_TYPE, interfaces=entries)
+            )
+        return found
+
+    def _data_port(
+        self, kind: ui.PortKind, name: str, type_: Any, profile: PortProfile | None
+    ) -> ui.Port:
+        return ui.Port(
+            name=name,
+            kind=kind,
+            type=type_._descriptor_.name,
+            type_number=self.type_number(type_),
+            unit=profile.unit if profile is not None else "",
+            doc=profile.description if profile is not None else "",
+        )
+
+    def _interface(
+        self, name: str, interface: Any, *, provided: bool
+    ) -> ui.ServiceInterface:
+        try:
+            calls = calls_of(interface)
+        except ServiceError:
+            calls = {}
+        operations = []
+        for operation, call in calls.items():
+            refused = call.refused
+            if any((*call.request_objects, *call.reply_objects)):
+                refused = refused or "objects are passed"
+            numbers = [NO_TYPE, NO_TYPE]
+            for i, type_ in enumerate((call.request, call.reply)):
+                if type_ is not None and not refused:
+                    numbers[i] = self.type_number(type_)
+                    if numbers[i] == NO_TYPE:
+                        refused = "a page has no codec of its types"
+            operations.append(
+                ui.Operation(
+                    name=operation,
+                    request=numbers[0],
+                    reply=numbers[1],
+                    refused=refused,
+                )
+            )
+        return ui.ServiceInterface(
+            name=name,
+            type=interface._descriptor_.name,
+            provided=provided,
+            operations=operations,
+        )
+
+
+def connection(connector: Connector) -> ui.Connection:
+    """A connection of ports."""
+    source, target = instances_of(connector)
+    return ui.Connection(
+        name=connector.name,
+        source=_address(source, connector.source),
+        target=_address(target, connector.target),
+        properties=_values(properties_of(connector)),
+    )
+
+
+def properties_of(connector: Connector) -> Mapping[str, str]:
+    """The properties of a connection; a service of another process has none here."""
+    found: Mapping[str, str] = getattr(connector, "properties", {})
+    return found
+
+
+def palette_entry(profile: ComponentProfile) -> ui.PaletteEntry:
+    """A type of components, with the names of its ports."""
+    ports: dict[str, ui.Port] = {}
+    for each in profile.ports:
+        if not each.port:
+            is_in = each.kind == "inport"
+            ports[each.name] = ui.Port(
+                name=each.name,
+                kind=ui.PortKind.PORT_IN if is_in else ui.PortKind.PORT_OUT,
+                type=each.type,
+                type_number=NO_TYPE,
+                unit=each.unit,
+                doc=each.description,
+            )
+            continue
+        service = ports.setdefault(
+            each.port,
+            ui.Port(name=each.port, kind=ui.PortKind.PORT_SERVICE, type_number=NO_TYPE),
+        )
+        service.interfaces.append(
+            ui.ServiceInterface(
+                name=each.instance, type=each.type, provided=each.kind == "provider"
+            )
+        )
+    return ui.PaletteEntry(
+        type=profile.type_name,
+        category=profile.category,
+        doc=profile.description,
+        ports=[*ports.values()],
+    )
+
+
+def statistics(system: System, instances: Iterable[str]) -> list[ui.Statistics]:
+    """The counts of components."""
+    found = []
+    for instance in instances:
+        now = system.statistics(instance)
+        found.append(
+            ui.Statistics(
+                instance=instance,
+                ticks=now.ticks,
+                overruns=now.overruns,
+                lost=now.lost,
+                awaited=now.awaited,
+                impaired=now.condition,
+            )
+        )
+    return found
+
+
+def _address(instance: str, port: object) -> ui.PortAddress:
+    name = str(port).removeprefix(f"{instance}.")
+    return ui.PortAddress(instance=instance, port=name)
+
+
+def _parameter(profile: ParameterProfile) -> ui.Parameter:
+    constraint = profile.constraint
+    if not constraint and (profile.minimum, profile.maximum) != (None, None):
+        least = "" if profile.minimum is None else f"{profile.minimum}<="
+        most = "" if profile.maximum is None else f"<={profile.maximum}"
+        constraint = f"{least}x{most}"
+    return ui.Parameter(
+        name=profile.name,
+        type=profile.type,
+        default_value=profile.default,
+        unit=profile.unit,
+        constraint=constraint,
+        widget=profile.widget,
+        doc=profile.description,
+    )
+
+
+def _values(pairs: Mapping[str, str]) -> list[ui.Value]:
+    return [ui.Value(name=name, text=text) for name, text in pairs.items()]

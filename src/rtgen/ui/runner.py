@@ -1,0 +1,137 @@
+"""Runs a system in a thread of its own: play, pause, step, speed, and requests between instants."""
+
+from __future__ import annotations
+
+import queue
+import threading
+import time
+from collections.abc import Callable
+from typing import Final
+
+from rtgen import runtime
+from rtgen.runtime.timing.clocks import SECOND
+
+_SLICE: Final = 0.02
+"""How often requests are carried out while the system runs [s]."""
+_REPORT: Final = 0.1
+"""How often `report` is called [s]."""
+_IDLE: Final = 0.05
+_LATEST: Final = 0.25
+"""How far simulated time may lag behind its pace [s of the wall clock]."""
+MOST_WAITING: Final = 1024
+
+
+class Runner:
+    """Drives a system. All of it but `submit` and `close` belongs to the runner's thread.
+
+    `speed`: simulated seconds in a second, 0 for as fast as possible; without effect in real time.
+    """
+
+    def __init__(
+        self,
+        system: runtime.System,
+        report: Callable[[], None],
+        ended: Callable[[BaseException], None],
+    ) -> None:
+        self.system = system
+        self.playing = False
+        self.speed = 1.0
+        self.over = False
+        """Whether the run has ended by an error; nothing plays on."""
+        self._report = report
+        self._ended = ended
+        self._requests: queue.Queue[Callable[[], None]] = queue.Queue(MOST_WAITING)
+        self._closing = threading.Event()
+        self._origin = (0.0, 0.0)
+        self._thread = threading.Thread(target=self._run, name="rtgen-ui", daemon=True)
+
+    @property
+    def is_simulated(self) -> bool:
+        """Whether time is simulated, so that it can be paused."""
+        return isinstance(self.system.clock, runtime.SimulatedClock)
+
+    def start(self) -> None:
+        """Begin to carry out requests."""
+        self._thread.start()
+
+    def close(self) -> None:
+        """End the run and close the system."""
+        self._closing.set()
+        if self._thread.is_alive() and threading.current_thread() is not self._thread:
+            self._thread.join()
+
+    def submit(self, request: Callable[[], None]) -> bool:
+        """Have a request carried out between two instants; False if too many wait."""
+        try:
+            self._requests.put_nowait(request)
+        except queue.Full:
+            return False
+        return True
+
+    def play(self) -> None:
+        """Let time pass from now on."""
+        self.playing = not self.over
+        self._keep_pace()
+
+    def set_speed(self, speed: float) -> None:
+        """Change the pace of simulated time."""
+        self.speed = speed
+        self._keep_pace()
+
+    def step(self, duration: int) -> None:
+        """Let a stretch of simulated time pass [ns]; at least the next instant."""
+        self._advance(self.system.time + max(duration, 1))
+
+    def replace(self, system: runtime.System) -> None:
+        """Go on with another system; the former one is closed."""
+        former, self.system = self.system, system
+        self.playing = self.over = False
+        former.close()
+
+    def _keep_pace(self) -> None:
+        self._origin = (time.monotonic(), self.system.time / SECOND)
+
+    def _run(self) -> None:
+        next_report = 0.0
+        try:
+            while not self._closing.is_set():
+                self._carry_out(self._play_on() if self.playing else _IDLE)
+                now = time.monotonic()
+                if now >= next_report:
+                    next_report = now + _REPORT
+                    self._report()
+        finally:
+            self.system.close()
+
+    def _play_on(self) -> float:
+        """Let one slice pass; returns how long to wait for the next [s]."""
+        now = self.system.time
+        if not self.is_simulated or self.speed == 0.0:
+            self._advance(now + round(_SLICE * SECOND))
+            return 0.0
+        wall, simulated = self._origin
+        target = simulated + (time.monotonic() - wall) * self.speed
+        if target - now / SECOND > _LATEST * self.speed:
+            # A machine that is too slow falls behind; it does not run in leaps afterwards.
+            self._keep_pace()
+            target = now / SECOND + _SLICE * self.speed
+        self._advance(round(target * SECOND))
+        return _SLICE
+
+    def _advance(self, instant: int) -> None:
+        try:
+            self.system.run(instant)
+        except BaseException as error:
+            self.playing, self.over = False, True
+            self._ended(error)
+
+    def _carry_out(self, patience: float) -> None:
+        """Carry out what waits, and wait a little for the first."""
+        try:
+            request = self._requests.get(timeout=patience) if patience else None
+            while True:
+                if request is not None:
+                    request()
+                request = self._requests.get_nowait()
+        except queue.Empty:
+            return

@@ -1,0 +1,218 @@
+"""The server of a session: the built page and the WebSocket, for loopback and with a token."""
+
+from __future__ import annotations
+
+import asyncio
+import hmac
+import secrets
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Final
+
+from starlette.applications import Starlette
+from starlette.middleware import Middleware
+from starlette.requests import Request
+from starlette.responses import FileResponse, PlainTextResponse, Response
+from starlette.routing import Route, WebSocketRoute
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from rtgen.runtime.cdr import CdrError
+from rtgen.ui.commands import Commands
+from rtgen.ui.errors import BAD_MESSAGE, IMPOSSIBLE
+from rtgen.ui.outbox import Outbox
+from rtgen.ui.protocol import ui
+from rtgen.ui.session import Session
+
+PAGE: Final = Path(__file__).parent / "page"
+"""The built page, which the wheel brings."""
+SUBPROTOCOL: Final = "rtgen-ui.1"
+WRONG_TOKEN: Final = 4401
+WRONG_ORIGIN: Final = 4403
+MOST_OCTETS: Final = 4 << 20
+"""Octets of a message from a page."""
+_INTERVAL: Final = 1 / 30
+"""The least time between two messages to a page [s]."""
+_HOSTS: Final = ("127.0.0.1", "localhost", "[::1]")
+_HEADERS: Final = (
+    (
+        b"content-security-policy",
+        b"default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:;"
+        b" connect-src 'self'; worker-src 'self' blob:; object-src 'none'; base-uri 'none';"
+        b" form-action 'none'; frame-ancestors 'none'",
+    ),
+    (b"x-content-type-options", b"nosniff"),
+    (b"referrer-policy", b"no-referrer"),
+    (b"cache-control", b"no-store"),
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Tokens:
+    """The secrets of a server: one gives the full right, one that to look."""
+
+    full: str = field(default_factory=lambda: secrets.token_urlsafe(24))
+    read_only: str = field(default_factory=lambda: secrets.token_urlsafe(24))
+
+    def right(self, given: str) -> bool | None:
+        """Whether a token gives the full right; None for one that gives none."""
+        if hmac.compare_digest(given.encode(), self.full.encode()):
+            return True
+        if hmac.compare_digest(given.encode(), self.read_only.encode()):
+            return False
+        return None
+
+
+def application(session: Session, tokens: Tokens, page: Path = PAGE) -> Starlette:
+    """The ASGI application. The session's runner has to be started."""
+    commands = Commands(session)
+
+    async def socket(websocket: WebSocket) -> None:
+        right = tokens.right(websocket.query_params.get("token", ""))
+        if not is_same_origin(websocket.headers):
+            await _refuse(websocket, WRONG_ORIGIN)
+        elif right is None:
+            await _refuse(websocket, WRONG_TOKEN)
+        else:
+            offered = websocket.scope.get("subprotocols", ())
+            chosen = SUBPROTOCOL if SUBPROTOCOL in offered else None
+            await websocket.accept(subprotocol=chosen)
+            await _serve(websocket, session, commands, full=right)
+
+    routes = [
+        Route("/", _file(page, lambda _: "index.html")),
+        Route("/assets/{path:path}", _file(page, lambda r: _asset(r.path_params))),
+        WebSocketRoute("/socket", socket),
+    ]
+    return Starlette(routes=routes, middleware=[Middleware(_Guarded)])
+
+
+def is_same_origin(headers: Any) -> bool:
+    """Whether Host is a name of loopback, and Origin, if there is one, that of this server.
+
+    Another site's page could otherwise connect (RFC 6455, 10.2), also by a name of its own that
+    leads to loopback.
+    """
+    host = headers.get("host", "")
+    name = host if host.endswith("]") else host.rpartition(":")[0] or host
+    origin = headers.get("origin")
+    return name in _HOSTS and origin in (None, f"http://{host}")
+
+
+def _asset(parameters: dict[str, Any]) -> str:
+    return f"assets/{parameters['path']}"
+
+
+def _file(
+    page: Path, name: Callable[[Request], str]
+) -> Callable[[Request], Awaitable[Response]]:
+    """Serves files of the page's folder, and nothing that is not in it."""
+
+    async def serve(request: Request) -> Response:
+        root = page.resolve()
+        path = (root / name(request)).resolve()
+        if not path.is_relative_to(root) or not path.is_file():
+            if name(request) == "index.html":
+                message = "this installation of rtgen has no page: it was not built"
+                return PlainTextResponse(message, 503)
+            return PlainTextResponse("not found", 404)
+        return FileResponse(path)
+
+    return serve
+
+
+class _Guarded:
+    """Refuses requests for other hosts, and adds the headers that keep other content out."""
+
+    def __init__(self, app: ASGIApp) -> None:
+        self._app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] != "http":
+            await self._app(scope, receive, send)
+            return
+
+        async def send_guarded(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                message["headers"] = [*message["headers"], *_HEADERS]
+            await send(message)
+
+        if is_same_origin(Request(scope).headers):
+            await self._app(scope, receive, send_guarded)
+        else:
+            refusal = PlainTextResponse("another host or origin", 403)
+            await refusal(scope, receive, send_guarded)
+
+
+async def _refuse(websocket: WebSocket, code: int) -> None:
+    """Close with a code that the page can see, which it cannot before the socket is open."""
+    await websocket.accept()
+    await websocket.close(code)
+
+
+async def _serve(
+    websocket: WebSocket, session: Session, commands: Commands, *, full: bool
+) -> None:
+    """Exchange messages with a page until it leaves."""
+    loop = asyncio.get_running_loop()
+    news = asyncio.Event()
+
+    def wake() -> None:
+        # After the loop has ended there is nobody left to wake.
+        if not news.is_set() and not loop.is_closed():
+            loop.call_soon_threadsafe(news.set)
+
+    outbox = Outbox(wake, full=full)
+    session.runner.submit(lambda: session.join(outbox))
+    sending = asyncio.create_task(_send(websocket, outbox, news))
+    try:
+        await _receive(websocket, session, commands, outbox)
+    except WebSocketDisconnect:
+        pass  # The page has left.
+    finally:
+        outbox.closed = True
+        session.leave(outbox)
+        sending.cancel()
+        await asyncio.gather(sending, return_exceptions=True)
+
+
+async def _send(websocket: WebSocket, outbox: Outbox, news: asyncio.Event) -> None:
+    """Send what waits; a page that does not read lets this wait, and nothing else."""
+    while True:
+        await news.wait()
+        news.clear()
+        message = outbox.take()
+        if message:
+            await websocket.send_bytes(message)
+        await asyncio.sleep(_INTERVAL)
+
+
+async def _receive(
+    websocket: WebSocket, session: Session, commands: Commands, outbox: Outbox
+) -> None:
+    """Put the page's commands before the runner."""
+    while True:
+        data = await websocket.receive_bytes()
+        while outbox.is_crowded:
+            await asyncio.sleep(_INTERVAL)
+        try:
+            if len(data) > MOST_OCTETS:
+                raise CdrError("ClientMessage", f"{len(data)} octets are too many")
+            message = ui.ClientMessage.from_cdr(data)
+        except CdrError as error:
+            outbox.put(_failure(0, BAD_MESSAGE, str(error)))
+            continue
+
+        def carry_out(message: ui.ClientMessage = message) -> None:
+            if not outbox.closed:
+                commands.carry_out(outbox, message)
+
+        if not session.runner.submit(carry_out):
+            outbox.put(_failure(message.request, IMPOSSIBLE, "too many commands wait"))
+
+
+def _failure(request: int, code: str, message: str) -> ui.Event:
+    return ui.Event.of_outcome(
+        ui.Result(request=request, done=False, code=code, message=message)
+    )

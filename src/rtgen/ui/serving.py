@@ -1,0 +1,67 @@
+"""Runs the server of a session on a port of loopback until it is told to end."""
+
+from __future__ import annotations
+
+import socket
+from collections.abc import Callable
+from pathlib import Path
+
+import uvicorn
+
+from rtgen.diagnostics import ToolError
+from rtgen.ui.server import MOST_OCTETS, PAGE, Tokens, application
+from rtgen.ui.session import Session
+
+_PATIENCE = 2
+"""How long pages have to close their sockets when the server ends [s]."""
+
+
+class Server:
+    """A session's server. Raises ToolError if the port is taken."""
+
+    def __init__(
+        self, session: Session, host: str, port: int, page: Path = PAGE
+    ) -> None:
+        self.tokens = Tokens()
+        self._session = session
+        self._socket = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+        self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            self._socket.bind((host, port))
+        except OSError as error:
+            self._socket.close()
+            session.close()
+            raise ToolError(
+                f"cannot listen at {host}:{port}: {error.strerror}",
+                hint="another --port, or 0 for any that is free",
+            ) from error
+        self.host, self.port = self._socket.getsockname()
+        self._server = uvicorn.Server(
+            uvicorn.Config(
+                application(session, self.tokens, page),
+                log_level="error",
+                lifespan="off",
+                ws="websockets-sansio",
+                ws_max_size=MOST_OCTETS,
+                timeout_graceful_shutdown=_PATIENCE,
+            )
+        )
+
+    def address(self, *, full: bool) -> str:
+        """The address of the page, with the token."""
+        token = self.tokens.full if full else self.tokens.read_only
+        return f"http://{self.host}:{self.port}/?token={token}"
+
+    async def run(self, ready: Callable[[], None]) -> None:
+        """Serve until SIGINT or SIGTERM, or `stop`; then end the run."""
+        self._session.runner.start()
+        self._socket.listen()
+        ready()
+        try:
+            await self._server.serve(sockets=[self._socket])
+        finally:
+            self._session.close()
+
+    def stop(self) -> None:
+        """End `run`; from any thread."""
+        self._server.should_exit = True

@@ -1,0 +1,376 @@
+"""One system that pages see and change: its state, its pages, and the events that they get."""
+
+from __future__ import annotations
+
+import itertools
+import threading
+import uuid
+from collections.abc import Callable
+from typing import Any, Final
+
+from rtgen import runtime
+from rtgen.diagnostics import InputError, ToolError
+from rtgen.model import System
+from rtgen.recording.recorder import cdr_encoder
+from rtgen.runtime.cdr import CdrError
+from rtgen.runtime.failures import Failure, described
+from rtgen.runtime.ports.data_ports import OutPort
+from rtgen.runtime.system.json_printers import json_printer
+from rtgen.runtime.system.records import Record, StateRecord
+from rtgen.runtime.timing.clocks import SECOND
+from rtgen.runtime.timing.traffic import (
+    BoardCall,
+    BusFrame,
+    ConnectionChange,
+    ParameterChange,
+)
+from rtgen.runtime.timing.traffic import Event as Happening
+from rtgen.ui import description
+from rtgen.ui.description import STATES, Description, palette_entry
+from rtgen.ui.edits import Edits
+from rtgen.ui.errors import FILE, UNKNOWN, CommandError
+from rtgen.ui.outbox import Outbox
+from rtgen.ui.project import Project
+from rtgen.ui.protocol import ui
+from rtgen.ui.runner import Runner
+from rtgen.ui.type_table import TypeTable
+
+Place = tuple[float, float]
+_LONGEST_NOTICE: Final = 2000
+
+
+class Session:
+    """A system, run for pages.
+
+    Everything that looks at the system or changes it is done in the thread of the runner; pages
+    come and go, and put commands, by `Runner.submit`. `clock` makes the clock of a system.
+    """
+
+    def __init__(
+        self,
+        project: Project,
+        file: str,
+        clock: Callable[[], runtime.Clock] = runtime.SimulatedClock,
+    ) -> None:
+        """Raises InputError or ToolError if the system cannot be assembled."""
+        self.project = project
+        self.file = file
+        self.name = uuid.uuid4().hex
+        """Differs for each start of a server."""
+        self.types = TypeTable()
+        self.describe = Description(self.types)
+        self.edits = Edits()
+        self.places: dict[str, Place] = {}
+        self.profile: System
+        self._clock = clock
+        self._sent_types = 0
+        self._lock = threading.Lock()
+        self._pages: tuple[Outbox, ...] = ()
+        self._channels: dict[tuple[str, str], ui.Channel] = {}
+        self._watched: frozenset[int] = frozenset()
+        self._numbers = itertools.count(1)
+        self._counts: dict[str, ui.Statistics] = {}
+        self._palette = [palette_entry(each) for each in project.palette()]
+        self.known_types = frozenset(each.type for each in self._palette)
+        self.runner = Runner(self.made(file), self._report, self._ended)
+        self._watch()
+
+    # Systems.
+
+    @property
+    def system(self) -> runtime.System:
+        """The system that runs."""
+        return self.runner.system
+
+    def made(self, file: str) -> runtime.System:
+        """The system of a file, INACTIVE. Raises InputError or ToolError."""
+        profile = self.project.read(file)
+        system = self.assembled(profile)
+        self.file = file
+        self.profile = profile
+        self.places = {
+            each.instance: (float(each.location[0]), float(each.location[1]))
+            for each in profile.components
+            if each.location is not None
+        }
+        return system
+
+    def assembled(self, profile: System) -> runtime.System:
+        """A system of a profile. Raises InputError or ToolError."""
+        return self.project.assemble(profile, self._clock(), self._failed)
+
+    def change_system(self, system: runtime.System) -> None:
+        """Go on with another system; all pages get its whole state."""
+        self._channels.clear()
+        self._counts.clear()
+        self.runner.replace(system)
+        self._watch()
+        whole = ui.Event.of_whole(self.whole())
+        for page in self._pages:
+            page.put(whole)
+
+    def open(self, file: str) -> None:
+        """Go on with the system of another file. Raises CommandError."""
+        try:
+            system = self.made(file)
+        except (InputError, ToolError, OSError) as error:
+            raise CommandError(FILE, str(error)) from error
+        self.edits = Edits()
+        self.change_system(system)
+
+    def _watch(self) -> None:
+        system = self.system
+        for instance in system.instances:
+            self.channels_of(instance)
+        system.clock.traffic.watch(self._on_traffic)
+        system.add_listener(_Listener(self))
+
+    # Pages.
+
+    def join(self, page: Outbox) -> None:
+        """Greet a page and give it the whole state."""
+        hello = ui.Hello(version=ui.VERSION, server=self.name, full=page.full)
+        page.put(ui.Event.of_greeting(hello))
+        page.put(ui.Event.of_whole(self.whole()))
+        with self._lock:
+            self._pages = (*self._pages, page)
+
+    def leave(self, page: Outbox) -> None:
+        """Forget a page; from any thread."""
+        with self._lock:
+            self._pages = tuple(each for each in self._pages if each is not page)
+        self.watch_changed()
+
+    def watch_changed(self) -> None:
+        """Take over what pages watch now; from any thread."""
+        self._watched = frozenset().union(*(page.watched for page in self._pages))
+
+    def tell(self, event: ui.Event) -> None:
+        """Put an event into the outbox of each page; types that are new go before it."""
+        nodes = self.types.nodes
+        if len(nodes) > self._sent_types:
+            first, self._sent_types = self._sent_types, len(nodes)
+            added = ui.AddedTypes(first=first, nodes=nodes[first:])
+            self._to_all(ui.Event.of_types(added))
+        self._to_all(event)
+
+    def _to_all(self, event: ui.Event) -> None:
+        for page in self._pages:
+            page.put(event)
+
+    def whole(self) -> ui.SystemState:
+        """The whole state."""
+        system = self.system
+        components = [self.component(each) for each in system.instances]
+        self._sent_types = len(self.types.nodes)
+        return ui.SystemState(
+            name=self.profile.name,
+            types=[*self.types.nodes],
+            components=components,
+            connections=[description.connection(c) for c in system.connectors],
+            palette=self._palette,
+            channels=[*self._channels.values()],
+            time=self.time(),
+            edits=self.edit_state(),
+            systems=[*self.project.systems],
+        )
+
+    def component(self, instance: str) -> ui.Component:
+        """The description of a component."""
+        return self.describe.component(self.system, instance, self.places.get(instance))
+
+    def time(self) -> ui.ClockState:
+        """The state of the clock."""
+        runner = self.runner
+        kinds = ui.ClockKind.CLOCK_REAL, ui.ClockKind.CLOCK_SIMULATED
+        return ui.ClockState(
+            kind=kinds[runner.is_simulated],
+            playing=runner.playing,
+            speed=runner.speed,
+            now=self.now,
+            ended=runner.over,
+        )
+
+    @property
+    def now(self) -> float:
+        """Seconds since the start of the run."""
+        return self.system.time / SECOND
+
+    def edit_state(self) -> ui.EditState:
+        """What can be undone, and whether the file has all edits."""
+        return ui.EditState(
+            undo=self.edits.undo_label,
+            redo=self.edits.redo_label,
+            saved=self.edits.saved,
+            file=self.file,
+        )
+
+    # What happens in the system.
+
+    def channels_of(self, instance: str) -> list[ui.Channel]:
+        """The channels of a component's OutPorts, which are opened if they are new."""
+        found = []
+        for name, port in self.system.component(instance).out_ports.items():
+            if (instance, name) not in self._channels:
+                self._channels[instance, name] = ui.Channel(
+                    id=next(self._numbers),
+                    port=ui.PortAddress(instance=instance, port=name),
+                    type_number=self.describe.type_number(port.type),
+                )
+            found.append(self._channels[instance, name])
+        return found
+
+    def forget(self, instance: str) -> None:
+        """Forget what is known of a component that is no more."""
+        self.places.pop(instance, None)
+        self._counts.pop(instance, None)
+        for key in [key for key in self._channels if key[0] == instance]:
+            del self._channels[key]
+
+    def port_names(self, instance: str) -> list[str]:
+        """The names of a component's ports, each once."""
+        component = self.system.component(instance)
+        services = (port for port, _ in (*component.providers, *component.consumers))
+        return [*dict.fromkeys((*component.in_ports, *component.out_ports, *services))]
+
+    def require_port(self, instance: str, port: str) -> None:
+        """Raises CommandError or RtcError without such a port."""
+        if port not in self.port_names(instance):
+            raise CommandError(UNKNOWN, f"{instance} has no port {port!r}")
+
+    def sample_writer(
+        self, port: OutPort[Any], elapsed: Callable[[], int]
+    ) -> Callable[[Any], None]:
+        """Gives the samples of a port to the pages that watch it."""
+        channel = self._channels.get((port.owner, port.name))
+        if channel is None:
+            self.channels_of(port.owner)
+            channel = self._channels[port.owner, port.name]
+        number = channel.id
+        encode: Any = cdr_encoder(port.type)
+        if channel.type_number < 0 or encode is None:
+            printed = json_printer(port.type)
+
+            def encode(value: Any) -> bytes:
+                return printed(value).encode()
+
+        def write(value: Any) -> None:
+            if number not in self._watched:
+                return
+            try:
+                data = encode(value)
+            except CdrError:
+                return  # The recorder counts them; a page cannot show what has no octets.
+            sample = ui.Sample(channel=number, time=elapsed() / SECOND, data=data)
+            for page in self._pages:
+                if number in page.watched:
+                    page.sample(sample)
+
+        return write
+
+    def on_state(self, record: StateRecord) -> None:
+        """A component has changed its state."""
+        self.tell(
+            ui.Event.of_change(
+                ui.StateChange(
+                    time=record.time / SECOND,
+                    instance=record.instance,
+                    handle=record.ec_id,
+                    before=STATES[record.before],
+                    after=STATES[record.after],
+                    reason=record.reason,
+                )
+            )
+        )
+
+    def _on_traffic(self, happening: Happening) -> None:
+        match happening:
+            case ParameterChange(instance, parameter, value):
+                sets = self.system.component(instance).configuration_sets
+                change = ui.ParameterChange(
+                    instance=instance,
+                    set=sets.active,
+                    parameter=parameter,
+                    text=value,
+                    effective=True,
+                )
+                self.tell(ui.Event.of_setting(change))
+            case ConnectionChange(name, connected=True):
+                connector = self.system.connector(name)
+                self.tell(ui.Event.of_connected(description.connection(connector)))
+            case ConnectionChange(name):
+                self.tell(ui.Event.of_cut(name))
+            case BusFrame(bus, can_id, data, remote, extended):
+                frame = ui.Frame(
+                    time=self.now,
+                    bus=bus,
+                    can_id=can_id,
+                    extended=extended,
+                    remote=remote,
+                    data=data,
+                    node_id=-1,
+                )
+                self.tell(ui.Event.of_traffic([frame]))
+            case BoardCall(instance, request, reply, error):
+                call = ui.BoardCall(
+                    time=self.now,
+                    instance=instance,
+                    request=request,
+                    reply=reply,
+                    round_trip=-1.0,
+                    error=error,
+                )
+                self.tell(ui.Event.of_call(call))
+
+    def notice(self, kind: str, instance: str, text: str) -> None:
+        """Put something into the timeline."""
+        notice = ui.Notice(
+            time=self.now, kind=kind, instance=instance, text=text[:_LONGEST_NOTICE]
+        )
+        self.tell(ui.Event.of_reported(notice))
+
+    def _failed(self, failure: Failure) -> None:
+        what = failure.reason if failure.error is None else described(failure.error)
+        self.notice("error", failure.instance, f"{failure.callback}: {what}")
+
+    def _ended(self, error: BaseException) -> None:
+        self.notice("end", "", described(error))
+        self.tell(ui.Event.of_clock(self.time()))
+
+    def _report(self) -> None:
+        """Tell pages the time and the counts that have changed."""
+        if not self._pages:
+            return
+        if self.runner.playing:
+            self.tell(ui.Event.of_clock(self.time()))
+        changed = []
+        for each in description.statistics(self.system, self.system.instances):
+            before = self._counts.get(each.instance)
+            if each != before:
+                self._counts[each.instance] = each
+                changed.append(each)
+                if before is not None and each.overruns > before.overruns:
+                    count = each.overruns - before.overruns
+                    self.notice("overrun", each.instance, f"{count} more")
+        for page in self._pages:
+            if changed:
+                page.statistics(changed)
+            if page.behind:
+                page.put(ui.Event.of_whole(self.whole()))
+
+    def close(self) -> None:
+        """Tell the pages, and end the run."""
+        self._to_all(ui.Event.of_reason("the server has ended"))
+        self.runner.close()
+
+
+class _Listener:
+    """What the system notifies."""
+
+    def __init__(self, session: Session) -> None:
+        self.sample_writer = session.sample_writer
+        self._session = session
+
+    def __call__(self, record: Record) -> None:
+        if isinstance(record, StateRecord):
+            self._session.on_state(record)

@@ -1,0 +1,88 @@
+"""A session without a server: commands are carried out at once, by the test's thread."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from rtgen import runtime
+from rtgen.cli.common import Console
+from rtgen.cli.ui import CommandProject
+from rtgen.ui.commands import Commands
+from rtgen.ui.outbox import Outbox
+from rtgen.ui.protocol import ui
+from rtgen.ui.session import Session
+
+ROOT = Path(__file__).resolve().parents[3]
+GOAL = ROOT / "specs/navigation/rh3_goal.xml"
+QUIET = Console("text", False, True)
+
+
+class Page:
+    """A page: what it gets, and the commands it puts."""
+
+    def __init__(self, bench: Bench, *, full: bool = True) -> None:
+        self.outbox = Outbox(lambda: None, full=full)
+        self._bench = bench
+        self._number = 0
+        bench.session.join(self.outbox)
+
+    def events(self) -> list[ui.Event]:
+        """The events since the last call."""
+        data = self.outbox.take()
+        return list(ui.ServerMessage.from_cdr(data).events) if data else []
+
+    def ask(self, branch: str, value: Any) -> ui.Result:
+        """Put a command; returns its result. The events before it stay in `seen`."""
+        self._number += 1
+        asked = getattr(ui.Command, f"of_{branch}")(value)
+        message = ui.ClientMessage(request=self._number, asked=asked)
+        octets = message.to_cdr()
+        self._bench.commands.carry_out(self.outbox, ui.ClientMessage.from_cdr(octets))
+        self.seen = self.events()
+        [result] = [e.outcome for e in self.seen if e.discriminator is RESULT]
+        assert result.request == self._number
+        return result
+
+    def done(self, branch: str, value: Any) -> ui.Result:
+        """Put a command that succeeds."""
+        result = self.ask(branch, value)
+        assert result.done, f"{result.code}: {result.message}"
+        return result
+
+    def kinds(self) -> list[ui.EventKind]:
+        """The kinds of the events that the last command has caused, but its result."""
+        return [e.discriminator for e in self.seen if e.discriminator is not RESULT]
+
+
+RESULT = ui.EventKind.EVENT_RESULT
+
+
+class Bench:
+    """A session on a system's file."""
+
+    def __init__(self, *files: Path | str, clock: Any = runtime.SimulatedClock) -> None:
+        names = [str(file) for file in files] or [str(GOAL)]
+        self.session = Session(CommandProject(QUIET, names), names[0], clock)
+        self.commands = Commands(self.session)
+
+    def page(self, *, full: bool = True) -> Page:
+        """A page that has joined."""
+        return Page(self, full=full)
+
+    def close(self) -> None:
+        """Close the system, which no thread runs."""
+        self.session.system.close()
+
+
+def whole(events: list[ui.Event]) -> ui.SystemState:
+    """The state among events."""
+    [found] = [e.whole for e in events if e.discriminator is ui.EventKind.EVENT_SYSTEM]
+    return found
+
+
+def channels(state: ui.SystemState) -> Iterator[tuple[str, ui.Channel]]:
+    """The channels by `INSTANCE.PORT`."""
+    for channel in state.channels:
+        yield f"{channel.port.instance}.{channel.port.port}", channel

@@ -1,0 +1,197 @@
+"""The server of a session over real sockets of loopback."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+from collections.abc import Iterator
+from http.client import HTTPConnection
+from pathlib import Path
+from typing import Any
+
+import pytest
+from bench import GOAL, QUIET
+from websockets.exceptions import ConnectionClosed
+from websockets.sync.client import ClientConnection, connect
+
+from rtgen.cli.ui import CommandProject
+from rtgen.runtime import SimulatedClock
+from rtgen.ui.protocol import ui
+from rtgen.ui.serving import Server
+from rtgen.ui.session import Session
+
+
+@pytest.fixture(scope="module")
+def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
+    folder = tmp_path_factory.mktemp("page")
+    (folder / "page" / "assets").mkdir(parents=True)
+    (folder / "page" / "index.html").write_text("<title>rtgen</title>")
+    (folder / "page" / "assets" / "page.js").write_text("export {};")
+    (folder / "secret.txt").write_text("secret")
+    session = Session(CommandProject(QUIET, [str(GOAL)]), str(GOAL), SimulatedClock)
+    server = Server(session, "127.0.0.1", 0, folder / "page")
+    ready = threading.Event()
+    thread = threading.Thread(target=lambda: asyncio.run(server.run(ready.set)))
+    thread.start()
+    assert ready.wait(60)
+    yield server
+    server.stop()
+    thread.join(60)
+    assert not thread.is_alive()
+
+
+def get(server: Server, path: str, **headers: str) -> tuple[int, bytes, Any]:
+    connection = HTTPConnection(server.host, server.port, timeout=60)
+    try:
+        connection.request("GET", path, headers=headers)
+        answer = connection.getresponse()
+        return answer.status, answer.read(), answer.headers
+    finally:
+        connection.close()
+
+
+def opened(server: Server, token: str, **options: Any) -> ClientConnection:
+    address = f"ws://{server.host}:{server.port}/socket?token={token}"
+    return connect(address, subprotocols=["rtgen-ui.1"], max_size=None, **options)
+
+
+def events(socket: ClientConnection) -> list[ui.Event]:
+    data = socket.recv(60)
+    assert isinstance(data, bytes)
+    return list(ui.ServerMessage.from_cdr(data).events)
+
+
+def joined(socket: ClientConnection) -> ui.SystemState:
+    """The state that a page gets when it has joined."""
+    while True:
+        for event in events(socket):
+            if event.discriminator is ui.EventKind.EVENT_SYSTEM:
+                return event.whole
+
+
+def ask(socket: ClientConnection, branch: str, value: Any) -> ui.Result:
+    asked = getattr(ui.Command, f"of_{branch}")(value)
+    socket.send(ui.ClientMessage(request=9, asked=asked).to_cdr())
+    return outcome(socket)
+
+
+def outcome(socket: ClientConnection) -> ui.Result:
+    while True:
+        for event in events(socket):
+            if event.discriminator is ui.EventKind.EVENT_RESULT:
+                return event.outcome
+
+
+def test_only_the_page_is_served(served: Server) -> None:
+    status, body, headers = get(served, "/?token=any")
+    assert (status, body) == (200, b"<title>rtgen</title>")
+    assert "default-src 'self'" in headers["content-security-policy"]
+    assert get(served, "/assets/page.js")[0] == 200
+    for path in (
+        "/secret.txt",
+        "/../secret.txt",
+        "/assets/../../secret.txt",
+        "/assets/%2e%2e/%2e%2e/secret.txt",
+        "/assets//etc/passwd",
+        "/assets/",
+    ):
+        assert get(served, path)[0] == 404, path
+
+
+def test_other_hosts_and_origins_are_refused(served: Server) -> None:
+    own = f"127.0.0.1:{served.port}"
+    assert get(served, "/", Host="example.org")[0] == 403
+    assert get(served, "/", Host=own, Origin="http://example.org")[0] == 403
+    assert get(served, "/", Host=own, Origin=f"http://{own}")[0] == 200
+    for origin in ("http://example.org", f"https://{own}", "null"):
+        with opened(served, served.tokens.full, origin=origin) as socket:
+            with pytest.raises(ConnectionClosed):
+                socket.recv(60)
+            assert socket.close_code == 4403
+    with opened(served, served.tokens.full, origin=f"http://{own}") as socket:
+        assert events(socket)
+
+
+def test_a_token_is_needed(served: Server) -> None:
+    for token in ("", "wrong", served.tokens.full[:-1], "\u00e9"):
+        with opened(served, token) as socket:
+            with pytest.raises(ConnectionClosed):
+                socket.recv(60)
+            assert socket.close_code == 4401
+    with opened(served, served.tokens.read_only) as socket:
+        assert not events(socket)[0].greeting.full
+        assert ask(socket, "played", True).code == "UIS0002"
+
+
+def test_two_pages_stay_in_step_and_one_that_reloads_finds_the_state(
+    served: Server,
+) -> None:
+    with (
+        opened(served, served.tokens.full) as one,
+        opened(served, served.tokens.full) as other,
+    ):
+        assert one.subprotocol == "rtgen-ui.1"
+        first, second = events(one), events(other)
+        assert first[0].greeting.server == second[0].greeting.server
+        moved = ui.Moved("Odometry0", ui.Location(11.0, 12.0))
+        assert ask(one, "place", moved).done
+        found = False
+        while not found:
+            found = any(
+                e.discriminator is ui.EventKind.EVENT_MOVED and e.place == moved
+                for e in events(other)
+            )
+    with opened(served, served.tokens.full) as again:
+        whole = joined(again)
+        [component] = [c for c in whole.components if c.instance == "Odometry0"]
+        assert (component.where.x, component.where.y) == (11.0, 12.0)
+        assert ask(again, "undone", True).done
+
+
+def test_time_passes_and_stands_still(served: Server) -> None:
+    with opened(served, served.tokens.full) as socket:
+        events(socket)
+        assert ask(socket, "speed", 0.0).done
+        assert ask(socket, "played", True).done
+        now = 0.0
+        while now < 1.0:
+            for event in events(socket):
+                if event.discriminator is ui.EventKind.EVENT_TIME:
+                    now = event.clock.now
+        assert ask(socket, "paused", True).done
+        assert ask(socket, "time", 0.0).done
+
+
+def test_what_is_not_a_message_is_answered(served: Server) -> None:
+    with opened(served, served.tokens.full) as socket:
+        events(socket)
+        for data in (b"", b"\xff" * 40, b"\0" * 8):
+            socket.send(data)
+            assert outcome(socket).code == "UIS0001"
+        assert ask(socket, "paused", True).done
+
+
+def test_a_page_that_does_not_read_slows_nobody(served: Server) -> None:
+    full = served.tokens.full
+    with (
+        opened(served, full, max_queue=1, close_timeout=0.1) as lazy,
+        opened(served, full) as other,
+    ):
+        state = joined(other)
+        watched = [c.id for c in state.channels]
+        for socket in (lazy, other):
+            message = ui.ClientMessage(asked=ui.Command.of_channels(watched))
+            socket.send(message.to_cdr())
+        assert ask(other, "time", 0.0).done
+        assert ask(other, "step", 5.0).done
+        assert ask(other, "time", 0.0).done
+
+
+def test_a_missing_page_is_told(served: Server, tmp_path: Path) -> None:
+    from starlette.requests import Request
+
+    from rtgen.ui.server import _file
+
+    request = Request({"type": "http", "path_params": {}, "headers": []})
+    answer = asyncio.run(_file(tmp_path, lambda _: "index.html")(request))
+    assert answer.status_code == 503
