@@ -33,6 +33,10 @@ from media import engine, medium_at  # noqa: E402
 from refrobots import rtc  # noqa: E402
 from rtgen.runtime.distribution.data import encoder  # noqa: E402
 from rtgen.runtime.distribution.medium import Medium, Qos, Topic  # noqa: E402
+from rtgen.runtime.distribution.rpc_header import (  # noqa: E402
+    OctetsClient,
+    serve_octets,
+)
 from rtgen.runtime.ports.data_ports import DataConnector, InPort, OutPort  # noqa: E402
 from rtgen.runtime.timing.guards import SINGLE_THREAD  # noqa: E402
 
@@ -94,7 +98,7 @@ def serve(medium: Medium) -> None:
 
         medium.subscribe(topic_of("ping", size), Qos(depth=None), on_ping)
         kept += [done, back]
-    medium.serve("empty", lambda octets, reply: reply(octets))
+    serve_octets(medium, "empty", lambda octets, reply: reply(octets))
     print("ready", flush=True)
     sys.stdin.read()
 
@@ -180,7 +184,7 @@ class Pair:
 
     def calls(self) -> list[float]:
         """Seconds of an empty call, sorted."""
-        client = self.medium.client("empty")
+        client = OctetsClient(self.medium, "empty")
         found = []
         for number in range(TRIPS):
             begun = time.perf_counter()

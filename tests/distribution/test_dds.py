@@ -25,9 +25,10 @@ from media import DOMAIN
 from runs import Run
 
 from refrobots import iis, rtc
+from rtgen import runtime
 from rtgen.cli import run as rtgen
 from rtgen.runtime import idl, xcdr
-from rtgen.runtime.cdr import Aggregated
+from rtgen.runtime.cdr import Aggregated, CdrError
 from rtgen.runtime.dds.medium import DdsMedium, configuration
 from rtgen.runtime.dds.numbers import DOUBLE, Numbers, numbered, plain
 from rtgen.runtime.dds.types import idl_class
@@ -40,9 +41,21 @@ from rtgen.runtime.distribution.medium import (
     Topic,
     representation,
 )
+from rtgen.runtime.distribution.payloads import received
+from rtgen.runtime.distribution.services import RemoteCalls
+from rtgen.runtime.opaque_rpc.interface import OpaqueRpc, OpaqueRpcFailed
 
 ROOT = Path(__file__).parents[2]
 PEER = Path(__file__).with_name("cyclone_peer.py")
+RPC_PEER = Path(__file__).with_name("cyclone_rpc_peer.py")
+
+
+class Text(Aggregated):
+    """A string, whose length is seldom a multiple of four."""
+
+    _descriptor_ = idl.struct("Text", text=idl.STRING)
+
+    text: str = ""
 
 
 @pytest.fixture
@@ -146,6 +159,70 @@ def test_a_program_of_cyclonedds_reads_and_drives_a_component(
     numbers = node.take()
     assert numbers == [numbers[0] + n for n in range(len(numbers))]
     assert numbers[0] % 1 == 0.5
+
+
+def test_padding_that_is_not_stated_is_left_out() -> None:
+    stated = xcdr.serialize(Text("ab"), representation(Text))
+    assert stated[3] == 1
+    silent = stated[:3] + b"\0" + stated[4:]
+    assert received(Text, silent) == received(Text, stated) == Text("ab")
+    for wrong in (silent + bytes(4), silent[:8]):
+        with pytest.raises(CdrError):
+            received(Text, wrong)
+
+
+@pytest.fixture
+def rpc_peer(stack: ExitStack, partition: str) -> Callable[[str], Any]:
+    """Starts the program of DDS-RPC as `call` or `serve`."""
+
+    def started(role: str) -> subprocess.Popen[str]:
+        command = [sys.executable, str(RPC_PEER), str(DOMAIN), partition]
+        process = stack.enter_context(
+            subprocess.Popen(
+                [*command, configuration(None), role],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                text=True,
+            )
+        )
+        stack.callback(process.kill)
+        return process
+
+    return started
+
+
+@pytest.mark.peer
+def test_a_program_of_cyclonedds_calls_a_service(
+    stack: ExitStack, partition: str, rpc_peer: Callable[[str], Any]
+) -> None:
+    process = stack.enter_context(Process(medium(stack, partition), "a"))
+    process.activate("a")
+    output, _ = rpc_peer("call").communicate(timeout=PATIENCE)
+    assert json.loads(output) == [[0, 0, "abab"], [0, 0, 7, "nothing was given"], [5]]
+    assert process.node("a").servant.calls == ["begin"] * 3
+
+
+@pytest.mark.peer
+def test_a_program_of_cyclonedds_serves_a_client(
+    stack: ExitStack, partition: str, rpc_peer: Callable[[str], Any]
+) -> None:
+    peer = rpc_peer("serve")
+    assert peer.stdout.readline() == "ready\n"
+    service = RemoteCalls(medium(stack, partition), OpaqueRpc, "a/given/rpc", PATIENCE)
+
+    def found() -> object:
+        try:
+            return service.invoke("begin", (b"xy", 3))
+        except runtime.ObjectNotExist:
+            return None
+
+    assert wait_for(found) == b"yx3"
+    with pytest.raises(OpaqueRpcFailed) as failure:
+        service.invoke("begin", (b"", 9))
+    assert (failure.value.code, failure.value.reason) == (9, "empty")
+    assert service.invoke("end", ()) is None
+    with pytest.raises(runtime.BadOperation):
+        service.invoke("reset", ())
 
 
 # QoS.

@@ -8,18 +8,27 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
-from distributed_system import Process, arrived, sample, wait_for
+from distributed_system import Process, Servant, arrived, sample, wait_for
 from patience import PATIENCE
 
 from rtgen import runtime
 from rtgen.runtime.cdr import CdrError
-from rtgen.runtime.distribution import envelope
 from rtgen.runtime.distribution.control import ControlError
 from rtgen.runtime.distribution.data import Arrivals, encoder
-from rtgen.runtime.distribution.medium import Qos, Sample
+from rtgen.runtime.distribution.medium import (
+    MediumError,
+    Qos,
+    Sample,
+    representation,
+)
 from rtgen.runtime.distribution.names import escaped, in_topic, out_topic, unescaped
-from rtgen.runtime.opaque_rpc.interface import OpaqueRpcFailed
-from rtgen.runtime.xcdr import deserialize
+from rtgen.runtime.distribution.rpc_calls import RpcServer
+from rtgen.runtime.distribution.rpc_header import Identities
+from rtgen.runtime.distribution.rpc_types import interface_types, lineage_types
+from rtgen.runtime.distribution.services import RemoteCalls
+from rtgen.runtime.marshalling.descriptors import InterfaceDescriptor
+from rtgen.runtime.opaque_rpc.interface import OpaqueRpc, OpaqueRpcFailed
+from rtgen.runtime.xcdr import deserialize, serialize
 
 Start = Callable[..., Process]
 
@@ -152,6 +161,43 @@ def test_a_call_returns_or_raises_what_is_declared(
     assert called[1].node("b").servant.calls == ["begin", "begin", "end"]
 
 
+class DerivedRpc(OpaqueRpc):
+    """An interface that inherits all of its operations."""
+
+    _descriptor_ = InterfaceDescriptor(
+        "IDL:DerivedRpc:1.0", "DerivedRpc", (), (OpaqueRpc._descriptor_,)
+    )
+
+
+def test_a_client_of_a_base_calls_a_provider_of_a_derived_interface(
+    network: Any,
+) -> None:
+    servant = Servant()
+
+    def invoke(operation: str, arguments: tuple[object, ...]) -> object:
+        found: object = getattr(servant, operation)(*arguments)
+        return found
+
+    media = network.medium(), network.medium()
+    server = RpcServer(DerivedRpc, invoke)
+
+    def on_request(octets: bytes, reply: Callable[[bytes], None]) -> None:
+        reply(server.answer(*server.request(octets)))
+
+    media[0].serve("b/given/rpc", lineage_types(DerivedRpc), on_request)
+    for interface in (OpaqueRpc, DerivedRpc):
+        calls = RemoteCalls(media[1], interface, "b/given/rpc", PATIENCE)
+
+        def found(calls: RemoteCalls = calls) -> object:
+            try:
+                return calls.invoke("begin", (b"ab", 2))
+            except runtime.ObjectNotExist:
+                return None
+
+        assert wait_for(found) == b"abab"
+        calls.close()
+
+
 def test_a_defect_of_the_servant_is_unknown_to_the_client(
     called: tuple[Process, Process],
 ) -> None:
@@ -231,14 +277,22 @@ def test_requests_are_carried_out_once(
     seen: list[str] = []
     medium.watch("b/", lambda name, present: seen.append(name))
     wait_for(lambda: seen)
-    client = medium.client("b/given/rpc")
-    request = envelope.Request(b"0" * 16, 1, "end", b"", True, True)
-    octets = envelope.request_octets(request)
+    types = interface_types(OpaqueRpc)
+    client = medium.client("b/given/rpc", types)
+    end = types.operations["end"]
+    data = types.call(end.label, end.request(0))
+    request = types.request(Identities().header(), data)
+    octets = serialize(request, representation(types.request))
     client.call(octets, 10)
     with pytest.raises(Exception, match="no reply"):
         client.call(octets, 0.001)
-    with pytest.raises(Exception, match="no reply"):
-        client.call(b"garbage", 0.001)
+    with pytest.raises(MediumError):  # DDS does not even send it.
+        client.call(octets[:40], 0.001)
+    request = types.request(Identities().header(), types.call(0, 0))
+    octets = serialize(request, representation(types.request))
+    reply = deserialize(types.reply, client.call(octets, 10))
+    assert reply.header.related_request_id == request.header.request_id
+    assert reply.header.remote_ex.name == "REMOTE_EX_UNKNOWN_OPERATION"
     servant = called[1].node("b").servant
     wait_for(lambda: servant.calls)
     assert servant.calls == ["end"]

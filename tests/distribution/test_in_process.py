@@ -17,6 +17,7 @@ from rtgen.runtime.distribution.medium import (
     Sample,
     Topic,
 )
+from rtgen.runtime.distribution.rpc_header import OctetsClient, serve_octets
 
 TOPIC = Topic("a/out", TimedDouble)
 
@@ -50,14 +51,14 @@ def test_a_subscription_gets_no_less_than_it_asks_for() -> None:
 def test_calls_end_in_one_of_four_ways() -> None:
     network = Network()
     server, medium = network.medium(), network.medium()
-    client = medium.client("a/service")
+    client = OctetsClient(medium, "a/service")
     with pytest.raises(NotServedError):
         client.call(b"x", 1)
-    service = server.serve("a/service", lambda octets, reply: reply(octets * 2))
+    service = serve_octets(server, "a/service", lambda octets, reply: reply(octets * 2))
     assert client.call(b"x", 1) == b"xx"
     service.close()
     asked = threading.Event()
-    server.serve("a/service", lambda octets, reply: asked.set())
+    serve_octets(server, "a/service", lambda octets, reply: asked.set())
     with pytest.raises(ReplyTimeoutError):
         client.call(b"x", 0.001)
     asked.clear()

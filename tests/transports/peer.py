@@ -12,6 +12,7 @@ from collecting import TOPIC, payload
 from media import medium_at
 
 from rtgen.runtime.distribution.medium import Medium, Qos, Reply
+from rtgen.runtime.distribution.rpc_header import serve_octets
 
 
 def publish(medium: Medium) -> None:
@@ -38,12 +39,12 @@ def hold(medium: Medium) -> None:
         replies.append(reply)
         say("request")
 
-    medium.serve("s/op", on_request)
+    serve_octets(medium, "s/op", on_request)
 
 
 def serve(medium: Medium) -> None:
     """Replies with what it gets."""
-    medium.serve("s/op", lambda octets, reply: reply(octets))
+    serve_octets(medium, "s/op", lambda octets, reply: reply(octets))
 
 
 def announce(medium: Medium) -> None:

@@ -16,13 +16,13 @@ import pytest
 from collecting import TOPIC, Changes, Samples, Sender, wait_for
 
 from rtgen.runtime.distribution.medium import (
-    Client,
     Medium,
     NotServedError,
     PeerLostError,
     Qos,
     ReplyTimeoutError,
 )
+from rtgen.runtime.distribution.rpc_header import OctetsClient
 
 Join = Callable[..., Medium]
 HERE = Path(__file__).parent
@@ -115,7 +115,7 @@ def test_a_reader_that_is_killed_holds_nobody_up(
 def test_a_server_is_killed_before_during_and_after_a_call(
     join: Join, start: Callable[..., Peer]
 ) -> None:
-    client = join().client("s/op")
+    client = OctetsClient(join(), "s/op")
     during = start("hold")
     with ExitStack() as stack:
         killing = _thread(lambda: (during.expect("request"), during.kill()))
@@ -137,14 +137,14 @@ def _thread(work: Callable[[], object]) -> threading.Thread:
     return made
 
 
-def _attempt(client: Client) -> bytes | None:
+def _attempt(client: OctetsClient) -> bytes | None:
     try:
         return client.call(b"request", 10)
     except NotServedError:
         return None
 
 
-def _is_missing(client: Client) -> bool:
+def _is_missing(client: OctetsClient) -> bool:
     try:
         client.call(b"", 0.2)
     except NotServedError:

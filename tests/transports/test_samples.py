@@ -18,6 +18,7 @@ from rtgen.runtime.distribution.medium import (
     Qos,
     Topic,
 )
+from rtgen.runtime.distribution.rpc_header import OctetsClient, serve_octets
 
 Join = Callable[..., Medium]
 
@@ -221,8 +222,8 @@ def test_wrong_names_are_refused(join: Join) -> None:
         for attempt in (
             partial(medium.publisher, topic, Qos()),
             partial(medium.subscribe, topic, Qos(), lambda _: None),
-            partial(medium.serve, name, lambda *_: None),
-            partial(medium.client, name),
+            partial(serve_octets, medium, name, lambda *_: None),
+            partial(OctetsClient, medium, name),
             partial(medium.announce, name),
         ):
             with pytest.raises(MediumError, match="cannot be a name"):

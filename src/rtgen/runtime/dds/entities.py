@@ -71,10 +71,14 @@ class Entities:
                 self._publisher, self._topic(name, type_), DdsQos(*policies)
             )
 
-    def reader(self, name: str, type_: type[Any], qos: Qos) -> DataReader[Any]:
-        """A reader of a topic. Raises MediumError."""
+    def reader(
+        self, name: str, type_: type[Any], qos: Qos, user_data: bytes = b""
+    ) -> DataReader[Any]:
+        """A reader of a topic; others see its user data. Raises MediumError."""
         with reported(f"the reader of {name}"):
             policies = [*_policies(qos), Policy.DataRepresentation(True, True)]
+            if user_data:
+                policies.append(Policy.Userdata(user_data))
             if qos.depth is None:
                 policies.append(Policy.ResourceLimits(_MOST_UNREAD, -1, -1))
             return DataReader(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 from xml.sax.saxutils import quoteattr
@@ -23,6 +23,7 @@ from rtgen.runtime.distribution.medium import (
     OnSample,
     Qos,
     Sample,
+    ServiceTypes,
     Token,
     Topic,
     check_name,
@@ -134,14 +135,19 @@ class DdsMedium:
             DdsSubscription(self._made, dispatcher, topic, qos, on_sample)
         )
 
-    def serve(self, service: str, on_request: OnRequest) -> Token:
+    def serve(
+        self, service: str, types: Sequence[ServiceTypes], on_request: OnRequest
+    ) -> Token:
         """See `Medium`."""
         name = check_name(service)
-        return self._kept(DdsService(self._made, self._control, name, on_request))
+        return self._kept(
+            DdsService(self._made, self._control, name, types, on_request)
+        )
 
-    def client(self, service: str) -> DdsClient:
+    def client(self, service: str, types: ServiceTypes) -> DdsClient:
         """See `Medium`."""
-        return self._kept(DdsClient(self._made, self._control, check_name(service)))
+        name = check_name(service)
+        return self._kept(DdsClient(self._made, self._control, name, types))
 
     def announce(self, name: str) -> Token:
         """See `Medium`."""

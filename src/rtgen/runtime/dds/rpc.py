@@ -1,8 +1,8 @@
 """Services as pairs of topics, by the basic mapping of DDS-RPC 1.0 (7.5.1).
 
-A service has the topics `<service>Request` and `<service>Reply`. Each sample begins with the header
-of the specification (7.5.1.1.1): the identity of the request, which its reply repeats. What follows
-is not a type for each operation but a sequence of octets, which the layer above fills.
+A service has the topics `<service>Request` and `<service>Reply`; the types of samples and their
+headers are `distribution.rpc_types` and `rpc_header`. A server's instance name is the GUID of its
+reader: requests that name another one are not for it, so that one of several servers answers.
 
 Replies are transient-local, so that a reply is not lost to a client whose reader the server has not
 discovered yet.
@@ -12,29 +12,33 @@ from __future__ import annotations
 
 import threading
 import time
+from collections.abc import Collection, Sequence
 from concurrent.futures import Future
 from concurrent.futures import TimeoutError as FutureTimeout
-from functools import partial
-from itertools import count
-from typing import Any, ClassVar
+from typing import Any
 
-from cyclonedds.core import DDSStatus
+from cyclonedds.core import DDSStatus, Policy
 
-from rtgen.runtime import idl
-from rtgen.runtime.cdr import Aggregated, CdrError, field
+from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.dds import entities
 from rtgen.runtime.dds.dispatcher import Dispatcher
 from rtgen.runtime.dds.entities import Entities
 from rtgen.runtime.distribution.medium import (
+    MediumError,
     NotServedError,
     OnRequest,
     PeerLostError,
     Qos,
     ReplyTimeoutError,
-    representation,
+    ServiceTypes,
+)
+from rtgen.runtime.distribution.rpc_header import (
+    Identity,
+    directed,
+    identity_of,
+    server_of,
 )
 from rtgen.runtime.failures import log
-from rtgen.runtime.xcdr import deserialize, serialize
 
 _DISCOVERY = 0.25
 """Seconds that a call waits for a server to be discovered."""
@@ -42,83 +46,51 @@ _QOS = Qos(depth=64)
 _REPLIES = Qos(depth=16, durable=True)
 
 
-class SampleIdentity(Aggregated):
-    """The identity of a request: a GUID of DDS, and a number (DDS-RPC 1.0, 7.5.1.1.1)."""
-
-    _descriptor_: ClassVar = idl.struct(
-        "dds::SampleIdentity",
-        writer_guid=idl.array(idl.OCTET, 16),
-        high=idl.LONG,
-        low=idl.UNSIGNED_LONG,
-    )
-
-    writer_guid: bytes = bytes(16)
-    high: int = 0
-    low: int = 0
-
-
-class RequestHeader(Aggregated):
-    """The header of a request; `instance_name` selects one of several servers, or is empty."""
-
-    _descriptor_: ClassVar = idl.struct(
-        "dds::rpc::RequestHeader",
-        request_id=idl.member(SampleIdentity, name="requestId"),
-        instance_name=idl.member(idl.string(255), name="instanceName"),
-    )
-
-    request_id: SampleIdentity = field(default_factory=SampleIdentity)
-    instance_name: str = ""
-
-
-class ReplyHeader(Aggregated):
-    """The header of a reply; `remote_ex` is 0 for REMOTE_EX_OK."""
-
-    _descriptor_: ClassVar = idl.struct(
-        "dds::rpc::ReplyHeader",
-        related_request_id=idl.member(SampleIdentity, name="relatedRequestId"),
-        remote_ex=idl.member(idl.LONG, name="remoteEx"),
-    )
-
-    related_request_id: SampleIdentity = field(default_factory=SampleIdentity)
-    remote_ex: int = 0
-
-
-class Request(Aggregated):
-    """A request."""
-
-    _descriptor_: ClassVar = idl.struct(
-        "rtgen::Request", header=RequestHeader, data=idl.sequence(idl.OCTET)
-    )
-
-    header: RequestHeader = field(default_factory=RequestHeader)
-    data: bytes = b""
-
-
-class Reply(Aggregated):
-    """A reply."""
-
-    _descriptor_: ClassVar = idl.struct(
-        "rtgen::Reply", header=ReplyHeader, data=idl.sequence(idl.OCTET)
-    )
-
-    header: ReplyHeader = field(default_factory=ReplyHeader)
-    data: bytes = b""
+_OURS = b"rtgen"
+"""User data of readers whose servers are selected by the GUID of their reader."""
 
 
 class DdsService:
-    """The serving end of a service."""
+    """The serving end of a service, for each of its types."""
 
     def __init__(
         self,
         made: Entities,
         dispatcher: Dispatcher,
         service: str,
+        types: Sequence[ServiceTypes],
+        on_request: OnRequest,
+    ) -> None:
+        self._endpoints: list[_Endpoint] = []
+        try:
+            for each in types:
+                self._endpoints.append(
+                    _Endpoint(made, dispatcher, service, each, on_request)
+                )
+        except MediumError:
+            self.close()
+            raise
+
+    def close(self) -> None:
+        """Serve no more."""
+        for endpoint in self._endpoints:
+            endpoint.close()
+
+
+class _Endpoint:
+    def __init__(
+        self,
+        made: Entities,
+        dispatcher: Dispatcher,
+        service: str,
+        types: ServiceTypes,
         on_request: OnRequest,
     ) -> None:
         self._service = service
         self._on_request = on_request
-        self._writer = made.writer(f"{service}Reply", Reply, _REPLIES)
-        self._reader = made.reader(f"{service}Request", Request, _QOS)
+        self._writer = made.writer(f"{service}Reply", types.reply, _REPLIES)
+        self._reader = made.reader(f"{service}Request", types.request, _QOS, _OURS)
+        self._name = self._reader.guid.hex
         self._sending = threading.Lock()
         self._closed = False
         self._condition = entities.condition(self._reader)
@@ -141,31 +113,32 @@ class DdsService:
 
     def _received(self, octets: bytes) -> None:
         try:
-            request = deserialize(Request, octets)
+            if server_of(octets) in ("", self._name):
+                self._on_request(octets, self._reply)
         except CdrError as error:
             log.warning("%s: a request cannot be decoded: %s", self._service, error)
-            return
-        reply = partial(self._reply, request.header.request_id)
-        self._on_request(bytes(request.data), reply)
 
-    def _reply(self, identity: SampleIdentity, octets: bytes) -> None:
-        reply = Reply(ReplyHeader(identity, 0), octets)
-        sample = serialize(reply, representation(Reply))
+    def _reply(self, octets: bytes) -> None:
         with self._sending:
             if not self._closed:
-                entities.write(self._writer, sample)
+                entities.write(self._writer, octets)
 
 
 class DdsClient:
     """The calling end of a service; see `medium.Client`."""
 
-    def __init__(self, made: Entities, dispatcher: Dispatcher, service: str) -> None:
+    def __init__(
+        self,
+        made: Entities,
+        dispatcher: Dispatcher,
+        service: str,
+        types: ServiceTypes,
+    ) -> None:
         self._service = service
-        self._writer = made.writer(f"{service}Request", Request, _QOS)
-        self._reader = made.reader(f"{service}Reply", Reply, _REPLIES)
-        self._guid = self._writer.guid.bytes
-        self._numbers = count(1)
-        self._waiting: dict[int, Future[bytes]] = {}
+        self._writer = made.writer(f"{service}Request", types.request, _QOS)
+        self._reader = made.reader(f"{service}Reply", types.reply, _REPLIES)
+        self._waiting: dict[Identity, tuple[int, Future[bytes]]] = {}
+        """The server of each request under way, as the handle of its reader."""
         self._lock = threading.Lock()
         self._closed = False
         self._writer.set_status_mask(DDSStatus.PublicationMatched)
@@ -177,26 +150,42 @@ class DdsClient:
 
     def call(self, octets: bytes, timeout: float) -> bytes:
         """See `medium.Client`."""
-        number = next(self._numbers)
         future: Future[bytes] = Future()
-        identity = SampleIdentity(self._guid, number >> 32, number & 0xFFFFFFFF)
-        request = Request(RequestHeader(identity, ""), octets)
-        sample = serialize(request, representation(Request))
+        identity = identity_of(octets)
         deadline = time.monotonic() + timeout
-        self._await_server(min(timeout, _DISCOVERY))
+        server, sent = self._directed(octets, timeout)
         with self._lock:
             if self._closed:
                 raise PeerLostError(f"the client of {self._service} is closed")
-            self._waiting[number] = future
+            self._waiting[identity] = server, future
         try:
-            entities.write(self._writer, sample, timeout)
+            entities.write(self._writer, sent, timeout)
+            self._matched_changed()  # The server may have been lost just before.
             return future.result(max(0.0, deadline - time.monotonic()))
         except FutureTimeout as error:
             message = f"no reply of {self._service} in {timeout} s"
             raise ReplyTimeoutError(message) from error
         finally:
             with self._lock:
-                self._waiting.pop(number, None)
+                self._waiting.pop(identity, None)
+
+    def send(self, octets: bytes, timeout: float) -> None:
+        """See `medium.Client`."""
+        _, sent = self._directed(octets, timeout)
+        entities.write(self._writer, sent, timeout)
+
+    def _directed(self, octets: bytes, timeout: float) -> tuple[int, bytes]:
+        """A server, and the request for it. Raises NotServedError, PeerLostError.
+
+        A server of rtgen is named, so that no other one takes the request. Others get it without a
+        name, as DDS-RPC has it for a service with one server.
+        """
+        server = self._await_server(min(timeout, _DISCOVERY))
+        found = self._writer.get_matched_subscription_data(server)
+        data = None if found is None else found.qos[Policy.Userdata]
+        if found is None or data is None or data.data != _OURS:
+            return server, octets
+        return server, directed(octets, found.key.hex)
 
     def close(self) -> None:
         """See `medium.Client`."""
@@ -210,34 +199,38 @@ class DdsClient:
         for entity in (self._condition, self._reader, self._writer):
             entities.delete(entity)
 
-    def _await_server(self, seconds: float) -> None:
+    def _await_server(self, seconds: float) -> int:
+        """The handle of a server's reader. Raises NotServedError, PeerLostError."""
         deadline = time.monotonic() + seconds
-        while not self._served():
+        while not (servers := self._servers()):
             if time.monotonic() > deadline:
                 raise NotServedError(f"nobody serves {self._service}")
             time.sleep(0.002)
+        return min(servers)
 
-    def _served(self) -> bool:
-        """Whether a server takes requests, and its replies come here."""
+    def _servers(self) -> list[int]:
+        """The readers that take requests, if replies come here."""
         with self._lock:
             if self._closed:
                 raise PeerLostError(f"the client of {self._service} is closed")
-            return bool(
-                self._writer.get_matched_subscriptions()
-                and self._reader.get_matched_publications()
-            )
+            replies = self._reader.get_matched_publications()
+            return list(self._writer.get_matched_subscriptions()) if replies else []
 
     def _matched_changed(self) -> None:
         writer: Any = self._writer
-        status = writer.get_publication_matched_status()
-        if status.current_count == 0:
-            self._fail(f"the server of {self._service} was lost")
+        writer.get_publication_matched_status()  # or the condition stays true
+        with self._lock:
+            if self._closed:
+                return
+            servers = set(self._writer.get_matched_subscriptions())
+        self._fail(f"the server of {self._service} was lost", servers)
 
-    def _fail(self, why: str) -> None:
+    def _fail(self, why: str, remaining: Collection[int] = ()) -> None:
+        """End the calls whose servers do not remain."""
         with self._lock:
             waiting = list(self._waiting.values())
-        for future in waiting:
-            if not future.done():
+        for server, future in waiting:
+            if server not in remaining and not future.done():
                 future.set_exception(PeerLostError(why))
 
     def _take(self) -> None:
@@ -247,14 +240,11 @@ class DdsClient:
 
     def _received(self, octets: bytes) -> None:
         try:
-            reply = deserialize(Reply, octets)
+            identity = identity_of(octets)
         except CdrError as error:
             log.warning("%s: a reply cannot be decoded: %s", self._service, error)
             return
-        identity = reply.header.related_request_id
-        if bytes(identity.writer_guid) != self._guid:
-            return
         with self._lock:
-            future = self._waiting.pop(identity.high << 32 | identity.low, None)
+            _, future = self._waiting.pop(identity, (0, None))
         if future is not None and not future.done():
-            future.set_result(bytes(reply.data))
+            future.set_result(octets)

@@ -16,6 +16,7 @@ from rtgen.runtime.distribution import descriptions
 from rtgen.runtime.distribution.descriptions import Description, describe
 from rtgen.runtime.distribution.medium import Medium, MediumError, Reply, Token
 from rtgen.runtime.distribution.names import control_name
+from rtgen.runtime.distribution.rpc_header import OctetsClient, serve_octets
 from rtgen.runtime.distribution.workers import Workers
 from rtgen.runtime.errors import RtcError
 from rtgen.runtime.failures import log
@@ -81,7 +82,7 @@ class Served:
         self._component = component
         self._system = system
         name = control_name(component.instance_name)
-        self._token: Token = medium.serve(name, self._on_request)
+        self._token: Token = serve_octets(medium, name, self._on_request)
 
     def close(self) -> None:
         """Serve no more."""
@@ -150,7 +151,7 @@ class Asker:
 
     def __init__(self, medium: Medium, instance: str, timeout: float) -> None:
         self.instance = instance
-        self._client = medium.client(control_name(instance))
+        self._client = OctetsClient(medium, control_name(instance))
         self._timeout = timeout
 
     def close(self) -> None:

@@ -25,6 +25,7 @@ from rtgen.runtime.distribution.medium import (
     representation,
 )
 from rtgen.runtime.distribution.names import in_topic, out_topic
+from rtgen.runtime.distribution.payloads import received
 from rtgen.runtime.distribution.qos import DEFAULT, qos_of, strongest
 from rtgen.runtime.errors import TransportError
 from rtgen.runtime.failures import log
@@ -34,7 +35,6 @@ from rtgen.runtime.ports.data_ports import DataConnector, InPort, OutPort
 from rtgen.runtime.return_codes import PORT_OK, PortStatus
 from rtgen.runtime.services.transports import RemotePort
 from rtgen.runtime.timing.guards import Guard
-from rtgen.runtime.xcdr import deserialize
 
 _SOURCES = 256
 """Publishers of one topic whose sequence numbers are remembered."""
@@ -215,7 +215,7 @@ class Arrivals:
         if sample.sequence is not None and self._is_double(sample):
             return None
         try:
-            return deserialize(self._type, sample.octets)
+            return received(self._type, sample.octets)
         except CdrError as error:
             self.invalid += 1
             if self.invalid == 1:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import Future
 from concurrent.futures import TimeoutError as FutureTimeout
 from itertools import count
@@ -20,6 +20,7 @@ from rtgen.runtime.distribution.medium import (
     Qos,
     ReplyTimeoutError,
     Sample,
+    ServiceTypes,
     Topic,
     check_name,
     type_name,
@@ -70,12 +71,14 @@ class InProcessMedium:
         self._open.append(made)
         return made
 
-    def serve(self, service: str, on_request: OnRequest) -> _Token:
+    def serve(
+        self, service: str, types: Sequence[ServiceTypes], on_request: OnRequest
+    ) -> _Token:
         made = _Service(self._network, check_name(service), on_request)
         self._open.append(made)
         return made
 
-    def client(self, service: str) -> InProcessClient:
+    def client(self, service: str, types: ServiceTypes) -> InProcessClient:
         made = InProcessClient(self._network, check_name(service))
         self._open.append(made)
         return made
@@ -232,6 +235,9 @@ class InProcessClient(_Token):
         finally:
             server.waiting.remove(future)
             self._waiting.remove(future)
+
+    def send(self, octets: bytes, timeout: float) -> None:
+        self.call(octets, timeout)
 
 
 def _answer(future: Future[Any], reply: bytes) -> None:

@@ -14,12 +14,13 @@ way ends.
 
 Octets of samples are serialized payloads with their encapsulation header of four octets (DDSI-RTPS
 2.5, 10.2) in the form that `representation` gives, so that programs without rtgen can decode them;
-received ones have any form. Octets of requests and replies are opaque.
+received ones have any form. So are the octets of requests and replies, whose types begin with the
+headers of DDS-RPC (`rpc_header`): the identity of a request, which its reply repeats.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol, TypeAlias
 
@@ -64,6 +65,14 @@ class Topic:
 
     name: str
     type: type[DataType]
+
+
+@dataclass(frozen=True, slots=True)
+class ServiceTypes:
+    """The types of the requests and replies of a service."""
+
+    request: Any
+    reply: Any
 
 
 @dataclass(frozen=True, slots=True)
@@ -153,6 +162,12 @@ class Client(Protocol):
         engine that does not notice raises ReplyTimeoutError), and ReplyTimeoutError.
         """
 
+    def send(self, octets: bytes, timeout: float) -> None:
+        """Send a oneway request to one server, at most once; a reply is ignored.
+
+        `timeout` [s] until it is sent. Raises NotServedError, MediumError.
+        """
+
     def close(self) -> None:
         """Calls under way raise PeerLostError."""
 
@@ -176,10 +191,15 @@ class Medium(Protocol):
         Publishers whose type or offered QoS does not fit are not received.
         """
 
-    def serve(self, service: str, on_request: OnRequest) -> Token:
-        """Serve a service. `on_request` hands the work to another thread and returns."""
+    def serve(
+        self, service: str, types: Sequence[ServiceTypes], on_request: OnRequest
+    ) -> Token:
+        """Serve a service. `on_request` hands the work to another thread and returns.
 
-    def client(self, service: str) -> Client:
+        Of several `types` the first one has the operations of all; clients may use any of them.
+        """
+
+    def client(self, service: str, types: ServiceTypes) -> Client:
         """A client of a service, which need not exist yet and may come and go."""
 
     def announce(self, name: str) -> Token:

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import os
 import threading
 from _thread import interrupt_main
 from collections.abc import Callable
 from functools import partial
-from itertools import count
 from typing import Any
 
-from rtgen.runtime.distribution import envelope
+from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.distribution.descriptions import Description, Interface
 from rtgen.runtime.distribution.medium import (
     Client,
@@ -23,16 +21,25 @@ from rtgen.runtime.distribution.medium import (
     Token,
 )
 from rtgen.runtime.distribution.names import service_name
+from rtgen.runtime.distribution.rpc_calls import RpcClient, RpcServer
+from rtgen.runtime.distribution.rpc_header import (
+    Doubles,
+    SampleIdentity,
+    identity_of,
+)
+from rtgen.runtime.distribution.rpc_types import (
+    OperationTypes,
+    interface_types,
+    lineage_types,
+)
 from rtgen.runtime.distribution.workers import Workers
 from rtgen.runtime.errors import PortTypeError, TransportError
 from rtgen.runtime.failures import described, ends_run, log
 from rtgen.runtime.marshalling.descriptors import InterfaceDescriptor
-from rtgen.runtime.services import calls
 from rtgen.runtime.services.ports import Consumer, Provider
 from rtgen.runtime.services.servants import (
     CallTimeout,
     CommunicationFailure,
-    MarshalError,
     ObjectNotExist,
     ServiceError,
     UnknownException,
@@ -47,11 +54,12 @@ class ServedProvider:
         self, medium: Medium, workers: Workers, provider: Provider[Any]
     ) -> None:
         self._workers = workers
-        self._server = calls.Server.of(provider.interface, provider.carry_out)
-        self._doubles = envelope.Doubles()
+        self._server = RpcServer(provider.interface, provider.carry_out)
+        self._doubles = Doubles()
         self._name = str(provider)
         name = service_name(provider.owner, provider.port, provider.instance)
-        self._token: Token = medium.serve(name, self._on_request)
+        types = lineage_types(provider.interface)
+        self._token: Token = medium.serve(name, types, self._on_request)
 
     def close(self) -> None:
         """Serve no more."""
@@ -59,58 +67,60 @@ class ServedProvider:
 
     def _on_request(self, octets: bytes, reply: Reply) -> None:
         try:
-            request = envelope.read_request(octets)
-        except envelope.EnvelopeError as error:
+            identity, operation, value = self._server.request(octets)
+            if self._doubles.is_double(identity_of(octets)):
+                return
+        except CdrError as error:
             log.warning("%s: a request cannot be read: %s", self._name, error)
             return
-        if self._doubles.is_double(request):
-            return
-        if request.oneway:
-            reply(envelope.reply_octets(None))
-        if not self._workers.submit(partial(self._answer, request, reply)):
+        oneway = operation is not None and operation.call.oneway
+        work = partial(self._answer, identity, operation, value, reply)
+        accepted = self._workers.submit(work)
+        if not accepted:
             log.warning("%s: too many calls wait", self._name)
-            if not request.oneway:
-                failure = CommunicationFailure("too many calls wait")
-                reply(envelope.reply_octets(calls.failure(failure)))
+        if oneway or not accepted:
+            # An engine of queries waits for the reply to a oneway request, too.
+            failure = CommunicationFailure("too many calls wait")
+            reply(self._server.failure(identity, failure))
 
-    def _answer(self, request: envelope.Request, reply: Reply) -> None:
+    def _answer(
+        self,
+        identity: SampleIdentity,
+        operation: OperationTypes | None,
+        value: Any,
+        reply: Reply,
+    ) -> None:
         try:
-            answer = self._server.handle(
-                request.operation, request.body, request.little_endian
-            )
+            answer = self._server.answer(identity, operation, value)
         except BaseException as error:
             if not ends_run(error):
                 raise
             # This is not a thread of the run; that ends in the main thread.
             interrupt_main()
-            answer = calls.failure(UnknownException(described(error)))
-        if not request.oneway:
-            reply(envelope.reply_octets(answer))
+            failure = UnknownException(described(error))
+            answer = self._server.failure(identity, failure)
+        if operation is None or not operation.call.oneway:
+            reply(answer)
 
 
 class RemoteCalls:
     """Calls of one interface to one service; every client has an identity of its own."""
 
     def __init__(
-        self, medium: Medium, interface: type[Any], service: str, timeout: float
+        self, medium: Medium, interface: Any, service: str, timeout: float
     ) -> None:
-        self._client: Client = medium.client(service)
-        self._identity = os.urandom(16)
-        self._numbers = count(1)
-        self._timeout = timeout
-        self.invoke = calls.Client(interface, self._send)
+        types = interface_types(interface)
+        self._client: Client = medium.client(service, types)
+        self._call = RpcClient(interface, self._client, timeout)
 
     def close(self) -> None:
         """Calls under way raise CommunicationFailure."""
         self._client.close()
 
-    def _send(self, operation: str, body: bytes, oneway: bool) -> calls.Reply | None:
-        number = next(self._numbers)
-        request = envelope.Request(
-            self._identity, number, operation, body, True, oneway
-        )
+    def invoke(self, operation: str, arguments: tuple[object, ...]) -> object:
+        """Make a call. Raises what the operation declares, CdrError and ServiceError."""
         try:
-            octets = self._client.call(envelope.request_octets(request), self._timeout)
+            return self._call(operation, arguments)
         except NotServedError as error:
             raise ObjectNotExist(f"{operation}: {error}") from error
         except PeerLostError as error:
@@ -119,10 +129,6 @@ class RemoteCalls:
             raise CallTimeout(f"{operation}: {error}") from error
         except MediumError as error:
             raise CommunicationFailure(f"{operation}: {error}") from error
-        try:
-            return envelope.read_reply(octets)
-        except envelope.EnvelopeError as error:
-            raise MarshalError(f"{operation}: the reply is wrong: {error}") from error
 
 
 class RemoteProvider:

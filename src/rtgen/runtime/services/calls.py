@@ -136,9 +136,9 @@ class Client:
 
     def __call__(self, operation: str, arguments: tuple[object, ...]) -> object:
         """Carries out a call."""
-        call = _call(self._calls, operation)
+        call = call_of(self._calls, operation)
         given = _references(arguments, call.request_objects, self._objects)
-        body = _encoded(operation, call.request, given, self._little_endian)
+        body = encoded(operation, call.request, given, self._little_endian)
         reply = self._send(operation, body, call.oneway)
         if call.oneway:
             return None
@@ -152,7 +152,7 @@ class Client:
     def _result(self, operation: str, call: Call, reply: Reply) -> object:
         match reply.status:
             case ReplyStatus.NO_EXCEPTION:
-                values = _decoded(call.reply, reply.body, reply.little_endian)
+                values = decoded(call.reply, reply.body, reply.little_endian)
                 results = _stubs(values, call.reply_objects, self._objects)
                 return (results or (None,))[0] if len(results) < 2 else results
             case ReplyStatus.USER_EXCEPTION:
@@ -197,9 +197,9 @@ class Server:
         return None if call is not None and call.oneway else reply
 
     def _answer(self, operation: str, body: bytes, little_endian: bool) -> Reply:
-        call = _call(self._calls, operation)
+        call = call_of(self._calls, operation)
         try:
-            values = _decoded(call.request, body, little_endian)
+            values = decoded(call.request, body, little_endian)
         except CdrError as error:
             raise MarshalError(f"the request is wrong: {error}") from error
         arguments = _stubs(values, call.request_objects, self._objects)
@@ -209,9 +209,9 @@ class Server:
             return self._raised(call, error, little_endian)
         try:
             results = _references(
-                _as_tuple(call, result), call.reply_objects, self._objects
+                as_tuple(call, result), call.reply_objects, self._objects
             )
-            octets = _encoded(operation, call.reply, results, little_endian)
+            octets = encoded(operation, call.reply, results, little_endian)
         except CdrError as error:
             raise MarshalError(f"the result is wrong: {error}") from error
         return Reply(ReplyStatus.NO_EXCEPTION, octets, little_endian)
@@ -228,7 +228,8 @@ class Server:
         raise UnknownException(f"{type(error).__name__} is not declared") from error
 
 
-def _call(calls: dict[str, Call], operation: str) -> Call:
+def call_of(calls: dict[str, Call], operation: str) -> Call:
+    """The marshalling of an operation. Raises BadOperation, MarshalError."""
     call = calls.get(operation)
     if call is None:
         raise BadOperation(f"there is no operation {operation}")
@@ -241,15 +242,16 @@ def encoded_arguments(
     operation: str, call: Call, arguments: tuple[object, ...]
 ) -> bytes:
     """The body of a request without objects. Raises CdrError with the place, BadOperation."""
-    return _encoded(operation, call.request, arguments, True)
+    return encoded(operation, call.request, arguments, True)
 
 
-def _encoded(
+def encoded(
     operation: str,
     type_: type[DataType] | None,
     values: tuple[object, ...],
     little_endian: bool,
 ) -> bytes:
+    """A body of CDR. Raises CdrError, BadOperation for a wrong number of values."""
     if type_ is None:
         return b""
     count = len(_fields(type_))
@@ -258,9 +260,10 @@ def _encoded(
     return type_(*values).to_cdr(little_endian)
 
 
-def _decoded(
+def decoded(
     type_: type[DataType] | None, body: bytes, little_endian: bool
 ) -> tuple[object, ...]:
+    """The values of a body. Raises CdrError."""
     if type_ is None:
         if body:
             raise CdrError("body", f"{len(body)} octets too many")
@@ -275,7 +278,8 @@ def _fields(type_: type[DataType]) -> tuple[str, ...]:
     return tuple(name for name in names if name != "_context")
 
 
-def _as_tuple(call: Call, result: object) -> tuple[object, ...]:
+def as_tuple(call: Call, result: object) -> tuple[object, ...]:
+    """The values of a result. Raises UnknownException for another number of them."""
     count = 0 if call.reply is None else len(_fields(call.reply))
     if count < 2:
         return (result,) * count
@@ -325,7 +329,7 @@ def _user_exception(operation: str, call: Call, reply: Reply) -> Exception:
     identity, _ = _identity(reply)
     for body, exception in call.raises:
         if exception._descriptor_.repository_id == identity:
-            _, *values = _decoded(body, reply.body, reply.little_endian)
+            _, *values = decoded(body, reply.body, reply.little_endian)
             return exception(*values)
     return UnknownException(f"{operation} raised {identity}, which it does not declare")
 

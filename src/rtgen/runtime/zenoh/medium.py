@@ -6,6 +6,7 @@ from __future__ import annotations
 import threading
 import uuid
 from collections import Counter
+from collections.abc import Sequence
 
 import zenoh
 
@@ -16,6 +17,7 @@ from rtgen.runtime.distribution.medium import (
     OnSample,
     Publisher,
     Qos,
+    ServiceTypes,
     Subscription,
     Token,
     Topic,
@@ -50,14 +52,16 @@ class ZenohMedium:
         with reported(topic.name):
             return ZenohSubscription(self._session, self._keys, topic, qos, on_sample)
 
-    def serve(self, service: str, on_request: OnRequest) -> Token:
+    def serve(
+        self, service: str, types: Sequence[ServiceTypes], on_request: OnRequest
+    ) -> Token:
         """See `Medium`."""
         key = self._keys.service(service)
         with reported(service):
             made = ZenohService(self._session, key, on_request, self._served)
         return made.kept_by(self._kept)
 
-    def client(self, service: str) -> Client:
+    def client(self, service: str, types: ServiceTypes) -> Client:
         """See `Medium`."""
         key = self._keys.service(service)
         with reported(service):

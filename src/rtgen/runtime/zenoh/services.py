@@ -104,6 +104,10 @@ class ZenohClient:
                 self._calls.discard(cancellation)
         raise PeerLostError(f"no reply of {self._service}: its server was lost")
 
+    def send(self, octets: bytes, timeout: float) -> None:
+        """See `medium.Client`: servers reply to a oneway request at once."""
+        self.call(octets, timeout)
+
     def _is_served(self, timeout: float) -> bool:
         """Whether there is a server; the routers are asked if this session knows of none."""
         if matches(self._querier):

@@ -1,0 +1,31 @@
+"""Payloads as they come from programs of all kinds."""
+
+from __future__ import annotations
+
+from typing import TypeVar
+
+from rtgen.runtime.cdr import CdrError
+from rtgen.runtime.marshalling.descriptors import DataType
+from rtgen.runtime.xcdr import deserialize
+
+_T = TypeVar("_T", bound=DataType)
+_UNIT = 4
+"""Payloads of RTPS are padded to a multiple of so many octets (DDSI-RTPS 2.5, 9.4.5.4)."""
+
+
+def received(type_: type[_T], octets: bytes) -> _T:
+    """The value of a payload. Raises CdrError.
+
+    Programs older than DDS-XTypes 1.3 do not say how many octets are padding (7.6.3.1.2).
+    """
+    try:
+        return deserialize(type_, octets)
+    except CdrError:
+        if len(octets) % _UNIT or len(octets) <= _UNIT or octets[3] & 3:
+            raise
+        for padding in range(1, _UNIT):
+            try:
+                return deserialize(type_, octets[:-padding])
+            except CdrError:
+                continue
+        raise
