@@ -24,6 +24,10 @@ IDL = """
 #include "nav_msgs/msg/Odometry.idl"
 #include "sensor_msgs/msg/LaserScan.idl"
 #include "sensor_msgs/msg/JointState.idl"
+#include "nav_msgs/msg/OccupancyGrid.idl"
+module RTC {
+    struct OccupancyGridMap { Time tm; OGMapConfig config; OGMapTile map; };
+};
 """
 CONSTANTS = {
     "nav_msgs::msg::Odometry": '"header.frame_id" = "odom", "child_frame_id" = "base \\"link\\""',
@@ -147,6 +151,32 @@ def test_angles(adapters: ModuleType) -> None:
     assert converted(adapters, f"From{number}", joints) == sample
 
 
+def test_map(adapters: ModuleType) -> None:
+    """A tile is at its place; cells above 100 are unknown."""
+    rtc = adapters.rtc
+    origin = rtc.Pose2D(rtc.Point2D(1.0, 2.0), math.pi / 2)
+    sample = rtc.OccupancyGridMap(
+        rtc.Time(5, 6),
+        rtc.OGMapConfig(0.5, 0.5, 8, 4, origin),
+        rtc.OGMapTile(2, 1, 3, 2, bytes((0, 50, 100, 101, 200, 255))),
+    )
+    number = number_of("OccupancyGrid")
+    grid = converted(adapters, f"To{number}", sample)
+    assert (grid.info.resolution, grid.info.width, grid.info.height) == (0.5, 3, 2)
+    assert grid.info.origin.position.x == pytest.approx(0.5)
+    assert grid.info.origin.position.y == pytest.approx(3.0)
+    assert list(grid.data) == [0, 50, 100, -1, -1, -1]
+    back = converted(adapters, f"From{number}", grid)
+    assert back.tm == sample.tm
+    assert (back.config.width, back.config.height, back.map.column) == (3, 2, 0)
+    assert back.config.origin.heading == pytest.approx(math.pi / 2)
+    assert back.map.cells == bytes((0, 50, 100, 255, 255, 255))
+    assert converted(adapters, f"To{number}", back) == grid
+    sample.config.yScale = 0.25
+    with pytest.raises(ValueError, match=r"0.5 by 0.25 m are not square"):
+        conversions.map_to_grid(sample, grid)
+
+
 class _Quaternion:
     def __init__(self, x: float, y: float, z: float, w: float) -> None:
         self.x, self.y, self.z, self.w = x, y, z, w
@@ -213,6 +243,31 @@ WRONG = {
         "must be a table",
     ),
 }
+
+
+@pytest.mark.parametrize(
+    ("name", "file"),
+    [
+        ("RTC::TimedPose2D", "ExtendedDataTypes.idl"),
+        ("nav_msgs::msg::Odometry", "nav_msgs/msg/Odometry.idl"),
+    ],
+)
+def test_a_struct_that_is_not_included(
+    name: str,
+    file: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("t.idl").write_text("struct Own { long x; };\n")
+    Path("rtgen.toml").write_text(
+        f'[sources]\npaths = ["t.idl"]\n{table("A", "Own", name)}'
+    )
+    assert run(["generate", "--no-cache"]) == 2
+    errors = capsys.readouterr().err
+    assert f"error[ADP0002]: adapter 'A': no struct '{name}'" in errors
+    assert f'hint: #include "{file}" in a definition' in errors
 
 
 @pytest.mark.parametrize("text", WRONG)

@@ -71,6 +71,7 @@ WRONG = {
     '[ros2.topics]\n"A0" = "x"': "holds 'A0', which is not INSTANCE.PORT",
     '[ros2.topics]\n"A0.p" = 1': "holds 'A0.p', which must be 'NAME'",
     '[ros2.topics]\n"A0.p" = "x y"': "gives 'A0.p' the topic 'x y'; a name of ROS 2",
+    '[ros2.topics]\n"A0.p" = {topic="x", marshaling_type="Float32"}': "is not ros2:PACKAGE/TYPE",
     '[ros2.topics]\n"A0.p" = {topic="x", qos="best"}': "gives 'A0.p' the qos 'best'; known:",
 }
 

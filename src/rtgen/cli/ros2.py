@@ -14,12 +14,19 @@ import click
 from rtgen import runtime
 from rtgen.cli.common import Refusal
 from rtgen.diagnostics import Diagnostic, InputError, ToolError
+from rtgen.facts import ros_names
+from rtgen.facts.connector_properties import MARSHALING
+from rtgen.facts.connector_properties import ROS_TOPIC as TOPIC
 from rtgen.facts.ros import is_interface
+from rtgen.facts.ros_marshaling import DEFAULT_TOPIC, messages_for, parse
+from rtgen.facts.ros_qos import PROFILES
 from rtgen.project import Project
 from rtgen.project.ros2 import Ros2Settings, TopicEntry
+from rtgen.resources import ros_file
 from rtgen.systems.rules import ROS_TOPIC
 
 if TYPE_CHECKING:
+    from rtgen.runtime.ros2.marshaling import Marshaling
     from rtgen.runtime.ros2.network import RosNetwork, RosNode
     from rtgen.runtime.ros2.ports import Joint
 
@@ -98,21 +105,49 @@ def _joints(
     """The ports with their topics. Raises InputError with all that cannot be topics."""
     from rtgen.runtime.ros2.ports import Joint
 
-    if not settings.topics:
+    entries = [*settings.topics, *_connected(running)]
+    if not entries:
         hint = '[ros2.topics] "INSTANCE.PORT" = "TOPIC" in rtgen.toml'
         raise InputError([ROS_TOPIC.at(None, "no port is a topic", hint=hint)])
     found: list[Diagnostic] = []
     joints = []
-    for entry in settings.topics:
+    for entry in entries:
         problem = next(_problems(entry, running), None)
         if problem is not None:
             found.append(ROS_TOPIC.at(entry.span, problem))
             continue
         port = _ports(running, entry.instance)[entry.port]
-        joints.append(Joint(port, node.qualified(entry.topic), entry.profile))
+        topic = node.qualified(entry.topic)
+        joints.append(Joint(port, topic, entry.profile, _marshaled(entry, running)))
     if found:
         raise InputError(found)
     return joints
+
+
+def _connected(running: runtime.System) -> Iterator[TopicEntry]:
+    """Both ends of the connections with `dataport.marshaling_type=ros2:...`, which are cut."""
+    from rtgen.runtime.ports.data_ports import DataConnector
+
+    seen = set()
+    for connector in running.connectors:
+        if not isinstance(connector, DataConnector):
+            continue
+        message = parse(connector.properties.get(MARSHALING, ""))
+        if message is None:
+            continue
+        topic = connector.properties.get(TOPIC, DEFAULT_TOPIC)
+        for port in (connector.source, connector.target):
+            if (port.owner, port.name, topic, message) not in seen:
+                seen.add((port.owner, port.name, topic, message))
+                yield TopicEntry(
+                    instance=port.owner,
+                    port=port.name,
+                    topic=topic,
+                    profile=PROFILES["default"],
+                    span=None,
+                    message=message,
+                )
+        running.disconnect(connector)
 
 
 def _problems(entry: TopicEntry, running: runtime.System) -> Iterator[str]:
@@ -126,12 +161,42 @@ def _problems(entry: TopicEntry, running: runtime.System) -> Iterator[str]:
         known = ", ".join(ports)
         yield f"{entry.instance} has no data port {entry.port!r}; known: {known}"
         return
+    if why := ros_names.violation(entry.topic):
+        yield f"the topic {entry.topic!r} of {entry.instance}.{entry.port} {why}"
     name = str(ports[entry.port].type._descriptor_.name)
-    if not is_interface(name.split("::")):
+    possible = messages_for(name)
+    if entry.message is not None:
+        if entry.message not in possible:
+            known = ", ".join(each.replace("/msg/", "/") for each in possible) or "none"
+            yield (
+                f"{entry.instance}.{entry.port} carries {name}, which cannot go as "
+                f"{entry.message}; known: {known}"
+            )
+    elif not is_interface(name.split("::")):
+        also = " or give it a marshaling_type" if possible else ""
         yield (
             f"{entry.instance}.{entry.port} carries {name}, which is not a message of ROS 2; "
-            "join it to an adapter"
+            f"join it to an adapter{also}"
         )
+
+
+def _marshaled(entry: TopicEntry, running: runtime.System) -> Marshaling | None:
+    from rtgen.runtime.ros2.marshaling import marshaling
+
+    if entry.message is None:
+        return None
+    component = running.component(entry.instance)
+    port = _ports(running, entry.instance)[entry.port]
+    return marshaling(port.type, _message_class(entry.message), component.stamp)
+
+
+def _message_class(name: str) -> Any:
+    """A class for a message that ships with rtgen."""
+    from rtgen.frontends.rosidl import load
+    from rtgen.recording.schema_types import message_class
+
+    file = ros_file(f"{name}.msg")
+    return message_class(load([file], root=file.parents[2]).model, name)
 
 
 def _ports(running: runtime.System, instance: str) -> dict[str, Any]:

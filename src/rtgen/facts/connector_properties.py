@@ -11,6 +11,8 @@ from enum import StrEnum
 from math import isfinite
 from typing import Final, TypeAlias
 
+from rtgen.facts.ros_marshaling import parse as parse_marshaling
+
 
 class Dataflow(StrEnum):
     """Who moves a sample: the writer, or the reader when it reads (`dataport.dataflow_type`)."""
@@ -66,6 +68,9 @@ OVERRIDE: Final = "rtgen.openrtm."
 """Prefix of properties that only apply to the target openrtm."""
 
 STRICTNESS: Final = "port.connection.strictness"
+MARSHALING: Final = "dataport.marshaling_type"
+ROS_TOPIC: Final = "dataport.ros2.topic"
+"""Topic of a connector whose data go as a message of ROS 2 (OpenRTM-aist's ROS2Transport)."""
 PUSH_RATE: Final = "dataport.publisher.push_rate"
 
 _IO_MODE = "dataport.io_mode"
@@ -117,6 +122,11 @@ def _byte_orders(text: str) -> str | None:
     return None if known else "little or big, in order of wish"
 
 
+def _marshaling(text: str) -> str | None:
+    known = text == "cdr" or parse_marshaling(text) is not None
+    return None if known else "cdr or ros2:PACKAGE/TYPE"
+
+
 def _text(_: str) -> None:
     return None
 
@@ -132,7 +142,7 @@ _OF_BUFFERS: Mapping[str, Check] = {
 
 DATA: Final[Mapping[str, Check]] = {
     "dataport.interface_type": _one_of(
-        "corba_cdr", "direct", "shared_memory", "data_service", "csp_channel"
+        "corba_cdr", "direct", "shared_memory", "data_service", "csp_channel", "ros2"
     ),
     "dataport.dataflow_type": _one_of(*Dataflow, "duplex"),
     _SUBSCRIPTION_TYPE: _one_of(*Subscription),
@@ -146,8 +156,9 @@ DATA: Final[Mapping[str, Check]] = {
         for end in _ENDS
         for key, check in _OF_BUFFERS.items()
     },
+    ROS_TOPIC: _text,
     "dataport.serializer.cdr.endian": _byte_orders,
-    **{f"dataport.{end}marshaling_type": _one_of("cdr") for end in _ENDS},
+    **{f"dataport.{end}marshaling_type": _marshaling for end in _ENDS},
     "dataport.fan_in": _integer(1),
     "dataport.fan_out": _integer(1),
     "dataport.allow_dup_connection": _flag,

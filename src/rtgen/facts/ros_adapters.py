@@ -33,6 +33,14 @@ _SCAN: Final = {
     "range_max": "m",
     "ranges": "m",
 }
+_MAP: Final = {
+    "config.xScale": "m/cell",
+    "config.yScale": "m/cell",
+    "config.origin.position.x": "m",
+    "config.origin.position.y": "m",
+    "config.origin.heading": "rad",
+    "map.cells": None,
+}
 
 
 class Pair(NamedTuple):
@@ -81,6 +89,11 @@ PAIRS: Final = (
         {"data": "rad"},
         {"name": None, "position": "rad"},
         *("angles_of_joints", "angles_to_joints"),
+    ),
+    Pair(
+        *("OccupancyGridMap", "nav_msgs::msg::OccupancyGrid", _MAP),
+        {"info.resolution": "m", "info.origin": None, "data": None},
+        *("map_of_grid", "map_to_grid"),
     ),
 )
 

@@ -40,6 +40,7 @@ from rtgen.model import (
     Struct,
     Type,
 )
+from rtgen.resources import OPENRTM_IDL, idl_source, ros_interfaces
 from rtgen.typemap.python_names import module_name
 
 _NAME: Final = re.compile(r"[A-Za-z]\w*", re.ASCII)
@@ -313,7 +314,7 @@ class _Maker:
         close = get_close_matches(scoped, known, n=1)
         ending = [k for k in known if k.endswith(f"::{scoped}")]
         meant = next(iter(ending or close), None)
-        hint = f"did you mean {meant!r}?" if meant else None
+        hint = _include(name) or (f"did you mean {meant!r}?" if meant else None)
         raise self._error(ADAPTER_TYPE, f"no struct {scoped!r}", hint)
 
     def _members(self, struct: Struct) -> Iterator[Member]:
@@ -386,6 +387,19 @@ def _is_real(model: Model, type_: Type) -> bool:
     if isinstance(type_, SequenceType | ArrayType):
         type_ = model.unalias(type_.element)
     return isinstance(type_, PrimitiveType) and type_.kind in FLOAT_LIMITS
+
+
+def _include(name: tuple[str, ...]) -> str | None:
+    """A hint for a struct that ships with rtgen and that no definition includes."""
+    message = "/".join(name)
+    if f"{message}.msg" in ros_interfaces():
+        return f'#include "{message}.idl" in a definition'
+    if name[:1] == ("RTC",):
+        declared = re.compile(rf"\bstruct {re.escape(name[-1])}\b")
+        for file in OPENRTM_IDL:
+            if declared.search(idl_source(file)):
+                return f'#include "{file}" in a definition'
+    return None
 
 
 def _takes(type_: Type, value: AdapterConstant) -> bool:

@@ -13,6 +13,7 @@ from typing import Any
 from rtgen.diagnostics import Diagnostic, InputError, Span, ToolError
 from rtgen.facts import ros_names
 from rtgen.facts.numeric import FORMS
+from rtgen.facts.ros_marshaling import parse as parse_marshaling
 from rtgen.facts.ros_qos import PROFILES
 from rtgen.files import read_start
 from rtgen.project.rules import FILE_UNREADABLE, PATH_MISSING, UNKNOWN_KEY, WRONG_TYPE
@@ -150,11 +151,19 @@ def _ros_topics(value: Any) -> str | None:
         if port.count(".") != 1:
             return f"holds {port!r}, which is not INSTANCE.PORT"
         table = {"topic": entry} if isinstance(entry, str) else entry
-        fine = isinstance(table, dict) and {"topic"} <= set(table) <= {"topic", "qos"}
+        fine = isinstance(table, dict) and {"topic"} <= set(table) <= {
+            *("topic", "qos", "marshaling_type")
+        }
         if not fine or not isinstance(table["topic"], str):
             return f"holds {port!r}, which must be 'NAME' or {{ topic = 'NAME', qos = 'PROFILE' }}"
         if why := ros_names.violation(table["topic"]):
             return f"gives {port!r} the topic {table['topic']!r}; a name of ROS 2 {why}"
+        marshaling = table.get("marshaling_type", "ros2:std_msgs/String")
+        if not isinstance(marshaling, str) or parse_marshaling(marshaling) is None:
+            return (
+                f"gives {port!r} the marshaling_type {marshaling!r}, "
+                "which is not ros2:PACKAGE/TYPE"
+            )
         if table.get("qos", "default") not in PROFILES:
             return (
                 f"gives {port!r} the qos {table['qos']!r}; known: {', '.join(PROFILES)}"

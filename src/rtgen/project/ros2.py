@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from rtgen.diagnostics import Span
+from rtgen.facts.ros_marshaling import parse
 from rtgen.facts.ros_qos import PROFILES, Profile
 
 if TYPE_CHECKING:
@@ -14,13 +15,18 @@ if TYPE_CHECKING:
 
 
 class TopicEntry(msgspec.Struct, frozen=True, kw_only=True):
-    """A port (`INSTANCE.PORT`) with its topic; `span` is the place in rtgen.toml."""
+    """A port (`INSTANCE.PORT`) with its topic; `span` is the place in rtgen.toml, None if
+    a connection says so.
+
+    `message` is that of `marshaling_type` (`std_msgs/msg/Float32`); None for the port's own type.
+    """
 
     instance: str
     port: str
     topic: str
     profile: Profile
-    span: Span
+    span: Span | None
+    message: str | None = None
 
 
 class Ros2Settings(msgspec.Struct, frozen=True, kw_only=True):
@@ -56,6 +62,7 @@ def ros2_settings(settings: Settings) -> Ros2Settings:
                 topic=table["topic"],
                 profile=PROFILES[table.get("qos", "default")],
                 span=settings.span("ros2.topics", key),
+                message=parse(table.get("marshaling_type", "")),
             )
         )
     return Ros2Settings(**rest, topics=tuple(topics))

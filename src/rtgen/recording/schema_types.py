@@ -89,6 +89,14 @@ def type_of(schema: Schema) -> type[DataType]:
     return class_
 
 
+def message_class(model: Model, name: str) -> type[DataType]:
+    """A class of a message (`std_msgs/msg/Float32`) that ships with rtgen. Raises SchemaError."""
+    descriptor = Types(model, own_names=True).named(tuple(name.split("/")), name)
+    assert isinstance(descriptor, StructDescriptor)
+    class_: type[DataType] = descriptor.class_
+    return class_
+
+
 def _idl_model(schema: Schema) -> Model:
     text = VirtualFile(_FILE, schema.text, given=True)
     settings = Settings(root=Path(), ignore_case_clashes=True)
@@ -103,11 +111,13 @@ def _idl_model(schema: Schema) -> Model:
 class Types:
     """Descriptors and classes of the declarations of a schema.
 
-    Names of attributes and classes are numbers: those of the file never become code.
+    Names of attributes and classes are numbers: those of the file never become code. With
+    `own_names`, for files of rtgen's own, attributes of structs have the names of the members.
     """
 
-    def __init__(self, model: Model) -> None:
+    def __init__(self, model: Model, *, own_names: bool = False) -> None:
         self._model = model
+        self._own_names = own_names
         self._made: dict[ScopedName, Descriptor] = {}
         self._under_way: set[ScopedName] = set()
 
@@ -200,7 +210,7 @@ class Types:
             MemberDescriptor(
                 member.name,
                 self._type(member.type),
-                f"m{number}",
+                member.name if self._own_names else f"m{number}",
                 NEXT if member.id is None else member.id,
                 member.optional,
                 member.key,

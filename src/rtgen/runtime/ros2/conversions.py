@@ -31,6 +31,7 @@ def heading_of(q: Any) -> float:
 
 
 def _pose_to(data: Any, pose: Any) -> None:
+    """A Pose2D to geometry_msgs/msg/Pose."""
     pose.position.x, pose.position.y = data.position.x, data.position.y
     pose.position.z = 0.0
     orientation = pose.orientation
@@ -133,3 +134,161 @@ def angles_of_joints(sample: Any, made: Any) -> None:
     """sensor_msgs/msg/JointState to TimedDoubleSeq: the angles in the order of the message."""
     time_of_stamp(sample.header.stamp, made.tm)
     made.data = list(sample.position)
+
+
+def data_to_real(sample: Any, made: Any) -> None:
+    """A number to a floating-point one."""
+    made.data = float(sample.data)
+
+
+def data_to_integer(sample: Any, made: Any) -> None:
+    """A number to an integer, without its fraction. Raises ValueError, OverflowError."""
+    made.data = int(sample.data)
+
+
+def data_to_reals(sample: Any, made: Any) -> None:
+    """Numbers to floating-point ones; the layout of a multi-array stays empty."""
+    made.data = [float(each) for each in sample.data]
+
+
+def data_to_integers(sample: Any, made: Any) -> None:
+    """Numbers to integers, without their fractions. Raises ValueError, OverflowError."""
+    numbers = [int(each) for each in sample.data]
+    made.data = bytes(numbers) if isinstance(made.data, bytes) else numbers
+
+
+def text_to_string(sample: Any, made: Any) -> None:
+    """TimedString to std_msgs/msg/String."""
+    made.data = sample.data
+
+
+text_of_string = text_to_string
+
+
+def _xyz(source: Any, target: Any) -> None:
+    target.x, target.y, target.z = source.x, source.y, source.z
+
+
+def point_to_message(sample: Any, made: Any) -> None:
+    """TimedPoint3D to geometry_msgs/msg/PointStamped."""
+    time_to_stamp(sample.tm, made.header.stamp)
+    _xyz(sample.data, made.point)
+
+
+def point_of_message(sample: Any, made: Any) -> None:
+    """geometry_msgs/msg/PointStamped to TimedPoint3D."""
+    time_of_stamp(sample.header.stamp, made.tm)
+    _xyz(sample.point, made.data)
+
+
+def vector_to_message(sample: Any, made: Any) -> None:
+    """TimedVector3D to geometry_msgs/msg/Vector3Stamped."""
+    time_to_stamp(sample.tm, made.header.stamp)
+    _xyz(sample.data, made.vector)
+
+
+def vector_of_message(sample: Any, made: Any) -> None:
+    """geometry_msgs/msg/Vector3Stamped to TimedVector3D."""
+    time_of_stamp(sample.header.stamp, made.tm)
+    _xyz(sample.vector, made.data)
+
+
+def quaternion_to_message(sample: Any, made: Any) -> None:
+    """TimedQuaternion to geometry_msgs/msg/QuaternionStamped."""
+    time_to_stamp(sample.tm, made.header.stamp)
+    _xyz(sample.data, made.quaternion)
+    made.quaternion.w = sample.data.w
+
+
+def quaternion_of_message(sample: Any, made: Any) -> None:
+    """geometry_msgs/msg/QuaternionStamped to TimedQuaternion."""
+    time_of_stamp(sample.header.stamp, made.tm)
+    _xyz(sample.quaternion, made.data)
+    made.data.w = sample.quaternion.w
+
+
+_ENCODINGS: Final = {8: "mono8", 16: "mono16", 24: "rgb8", 32: "rgba8"}
+"""Of images without a format, by bits per pixel."""
+
+
+def image_to_message(sample: Any, made: Any) -> None:
+    """CameraImage to sensor_msgs/msg/Image; `format` is the encoding. Raises ValueError."""
+    time_to_stamp(sample.tm, made.header.stamp)
+    made.height, made.width = sample.height, sample.width
+    made.encoding = sample.format or _ENCODINGS.get(sample.bpp, "")
+    if not made.encoding:
+        raise ValueError(f"an image of {sample.bpp} bits per pixel needs a format")
+    made.step = sample.width * ((sample.bpp + 7) // 8)
+    made.data = bytes(sample.pixels)
+
+
+_BITS: Final = {
+    **{encoding: bits for bits, encoding in _ENCODINGS.items()},
+    "bgr8": 24,
+    "bgra8": 32,
+    "rgb16": 48,
+    "bgr16": 48,
+    "rgba16": 64,
+    "bgra16": 64,
+}
+"""Bits per pixel of the encodings of sensor_msgs/image_encodings."""
+_LARGEST: Final = (1 << 16) - 1
+
+
+def image_of_message(sample: Any, made: Any) -> None:
+    """sensor_msgs/msg/Image to CameraImage, whose rows have no padding.
+
+    Raises ValueError for an image that is too large.
+    """
+    if max(sample.width, sample.height) > _LARGEST:
+        raise ValueError(f"{sample.width} by {sample.height} pixels are too many")
+    time_of_stamp(sample.header.stamp, made.tm)
+    made.height, made.width = sample.height, sample.width
+    octets, step = bytes(sample.data), sample.step
+    bits = step // sample.width * 8 if sample.width else 0
+    made.bpp, made.format = _BITS.get(sample.encoding, bits), sample.encoding
+    length = min((made.bpp + 7) // 8 * sample.width, step)
+    rows = range(0, min(step * sample.height, len(octets)), step or 1)
+    made.pixels = b"".join(octets[row : row + length] for row in rows)
+
+
+_UNKNOWN: Final = 255
+"""A cell of which nothing is known; in ROS 2 it is -1."""
+_OCCUPIED: Final = 100
+
+
+def map_to_grid(sample: Any, made: Any) -> None:
+    """OccupancyGridMap to nav_msgs/msg/OccupancyGrid: the tile, at its place.
+
+    Cells are 0 to 100, all others unknown. Raises ValueError for cells that are not square.
+    """
+    config, tile = sample.config, sample.map
+    if config.xScale != config.yScale:
+        raise ValueError(
+            f"cells of {config.xScale} by {config.yScale} m are not square"
+        )
+    time_to_stamp(sample.tm, made.header.stamp)
+    made.info.resolution = config.xScale
+    made.info.width, made.info.height = tile.width, tile.height
+    along, across = tile.column * config.xScale, tile.row * config.yScale
+    heading = config.origin.heading
+    _pose_to(config.origin, made.info.origin)
+    position = made.info.origin.position
+    position.x += along * math.cos(heading) - across * math.sin(heading)
+    position.y += along * math.sin(heading) + across * math.cos(heading)
+    made.data = [cell if cell <= _OCCUPIED else -1 for cell in tile.cells]
+
+
+def map_of_grid(sample: Any, made: Any) -> None:
+    """nav_msgs/msg/OccupancyGrid to OccupancyGridMap: one tile. Unknown cells are 255."""
+    info, config, tile = sample.info, made.config, made.map
+    time_of_stamp(sample.header.stamp, made.tm)
+    config.xScale = config.yScale = info.resolution
+    config.width, config.height = tile.width, tile.height = info.width, info.height
+    config.origin.position.x = info.origin.position.x
+    config.origin.position.y = info.origin.position.y
+    config.origin.heading = heading_of(info.origin.orientation)
+    tile.column = tile.row = 0
+    tile.cells = bytes(
+        cell if 0 <= cell <= _OCCUPIED else _UNKNOWN for cell in sample.data
+    )

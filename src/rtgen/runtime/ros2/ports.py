@@ -11,6 +11,7 @@ from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.failures import log
 from rtgen.runtime.ports.data_ports import DataConnector, InPort, OutPort
 from rtgen.runtime.return_codes import PORT_OK, PortStatus
+from rtgen.runtime.ros2.marshaling import Marshaling
 from rtgen.runtime.ros2.network import Ros2Error, RosNetwork, RosTopic
 from rtgen.runtime.xcdr import deserialize
 
@@ -20,32 +21,50 @@ _HEAD = b"\x00\x01\x00\x00"
 
 @dataclass(frozen=True, slots=True)
 class Joint:
-    """A port of the system with the topic that it is, by its fully qualified name."""
+    """A port of the system with the topic that it is, by its fully qualified name.
+
+    `marshaling` is for data that go as another message.
+    """
 
     port: InPort[Any] | OutPort[Any]
     topic: str
     profile: Profile
+    marshaling: Marshaling | None = None
 
 
 class TopicWriter:
     """Publishes what an OutPort writes."""
 
     def __init__(
-        self, network: RosNetwork, port: OutPort[Any], topic: RosTopic, profile: Profile
+        self, network: RosNetwork, port: OutPort[Any], topic: RosTopic, joint: Joint
     ) -> None:
-        self._publish = network.publisher(topic, profile)
+        self._publish = network.publisher(topic, joint.profile)
         self._port = port
+        self._marshaling = joint.marshaling
         port.add_outlet(self.send)
 
     def send(self, value: Any) -> PortStatus:
-        """Publish a sample. Raises CdrError. PORT_ERROR if the network fails."""
-        octets = _HEAD + value.to_cdr(True)
+        """Publish a sample. Raises CdrError.
+
+        PORT_ERROR if the network fails, or for a value that its message cannot have.
+        """
         try:
+            if self._marshaling is not None:
+                octets = self._marshaled(self._marshaling, value)
+            else:
+                octets = _HEAD + value.to_cdr(True)
             self._publish(octets)
         except Ros2Error as error:
             log.warning("%s: %s", self._port, error)
             return PortStatus.PORT_ERROR
         return PORT_OK
+
+    def _marshaled(self, marshaling: Marshaling, value: Any) -> bytes:
+        try:
+            octets: bytes = marshaling.to_message(value).to_cdr(True)
+        except (CdrError, ValueError) as error:
+            raise Ros2Error(f"a sample cannot be sent: {error}") from error
+        return _HEAD + octets
 
     def close(self) -> None:
         """Publish no more."""
@@ -56,21 +75,25 @@ class TopicReader:
     """Gives an InPort what comes on a topic; `invalid` messages could not be decoded."""
 
     def __init__(
-        self, network: RosNetwork, port: InPort[Any], topic: RosTopic, profile: Profile
+        self, network: RosNetwork, port: InPort[Any], topic: RosTopic, joint: Joint
     ) -> None:
         self.invalid = 0
+        self._type = topic.type
+        self._marshaling = joint.marshaling
         outside: OutPort[Any] = OutPort("topic", port.type, topic.name.strip("/"))
         self._connector = DataConnector(
             topic.name, outside, port, {}, lambda: port._guard
         )
         self._connector.attach()
-        network.subscribe(topic, profile, self._take)
+        network.subscribe(topic, joint.profile, self._take)
 
     def _take(self, octets: bytes) -> None:
         port = self._connector.target
         try:
-            value = deserialize(port.type, octets)
-        except CdrError as error:
+            value = deserialize(self._type, octets)
+            if self._marshaling is not None:
+                value = self._marshaling.of_message(value)
+        except (CdrError, ValueError) as error:
             self.invalid += 1
             if self.invalid == 1:
                 log.warning("%s: a message cannot be decoded: %s", port, error)
@@ -91,7 +114,9 @@ class RosPorts:
         self._made: list[TopicWriter | TopicReader] = []
         try:
             for joint in joints:
-                topic = RosTopic(joint.topic, joint.port.type)
+                marshaling = joint.marshaling
+                type_ = joint.port.type if marshaling is None else marshaling.message
+                topic = RosTopic(joint.topic, type_)
                 self._made.append(_made(network, joint, topic))
         except Ros2Error:
             self.close()
@@ -108,5 +133,5 @@ def _made(
     network: RosNetwork, joint: Joint, topic: RosTopic
 ) -> TopicWriter | TopicReader:
     if isinstance(joint.port, OutPort):
-        return TopicWriter(network, joint.port, topic, joint.profile)
-    return TopicReader(network, joint.port, topic, joint.profile)
+        return TopicWriter(network, joint.port, topic, joint)
+    return TopicReader(network, joint.port, topic, joint)

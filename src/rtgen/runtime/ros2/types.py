@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from rtgen.facts import ros_hash
+from rtgen.facts.primitives import FLOAT_LIMITS
 from rtgen.facts.ros import is_interface
 from rtgen.runtime.marshalling.descriptors import (
     ArrayDescriptor,
@@ -65,3 +66,31 @@ def _element(descriptor: Any, found: dict[str, dict[str, Any]]) -> ros_hash.Elem
     if made is None:
         raise ValueError(f"ROS 2 has no type {descriptor}")
     return made
+
+
+def blank(descriptor: Any) -> Any:
+    """A value of a type of ROS 2 with zeros, empty texts and sequences."""
+    match plain(descriptor):
+        case StructDescriptor() as struct:
+            values = {m.attribute: blank(m.type) for m in struct.members}
+            return struct.class_(**values)
+        case ArrayDescriptor(element=element, dimensions=(length,)):
+            if _is_octet(element):
+                return bytes(length)
+            return [blank(element) for _ in range(length)]
+        case SequenceDescriptor(element=element):
+            return b"" if _is_octet(element) else []
+        case StringDescriptor():
+            return ""
+        case PrimitiveDescriptor(name="boolean"):
+            return False
+        case PrimitiveDescriptor(name=name) if name in FLOAT_LIMITS:
+            return 0.0
+    return 0
+
+
+def _is_octet(element: Any) -> bool:
+    match plain(element):
+        case PrimitiveDescriptor(name="octet" | "uint8"):
+            return True
+    return False

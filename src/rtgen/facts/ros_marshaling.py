@@ -1,0 +1,80 @@
+"""`marshaling_type=ros2:PACKAGE/TYPE`: which data of RT-Middleware goes as which message.
+
+The types and pairs are those of OpenRTM-aist 2.0 (ROS2Transport, ROS2Serializer), and the pairs of
+adapters. Data are known by the last part of their name.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import Final, NamedTuple
+
+from rtgen.facts.ros_adapters import PAIRS
+
+PREFIX: Final = "ros2:"
+DEFAULT_TOPIC: Final = "chatter"
+"""OpenRTM's topic of connectors without `dataport.ros2.topic`."""
+
+_MARSHALING: Final = re.compile(r"ros2:([a-z][a-z0-9_]*)/(?:msg/)?([A-Z]\w*)", re.ASCII)
+
+_NUMBERS: Final = ("State", "Short", "Long", "UShort", "ULong", "Float", "Double")
+_SEQUENCES: Final = ("Short", "Long", "UShort", "ULong", "Float", "Double")
+_ROS_NUMBERS: Final = (
+    *("Float32", "Float64", "Int8", "Int16", "Int32", "Int64"),
+    *("UInt8", "UInt16", "UInt32", "UInt64"),
+)
+
+
+class Conversion(NamedTuple):
+    """Functions of `rtgen.runtime.ros2.conversions`; `stamped`: the message has a time."""
+
+    read: str
+    write: str
+    stamped: bool
+
+
+def _conversions() -> dict[tuple[str, str], Conversion]:
+    found = {
+        ("TimedString", "std_msgs/msg/String"): Conversion(
+            "text_of_string", "text_to_string", False
+        )
+    }
+    for ros in _ROS_NUMBERS:
+        kind = "real" if ros.startswith("Float") else "integer"
+        for rtm in _NUMBERS:
+            own = "real" if rtm in ("Float", "Double") else "integer"
+            found[f"Timed{rtm}", f"std_msgs/msg/{ros}"] = Conversion(
+                f"data_to_{own}", f"data_to_{kind}", False
+            )
+        for rtm in _SEQUENCES:
+            own = "reals" if rtm in ("Float", "Double") else "integers"
+            found[f"Timed{rtm}Seq", f"std_msgs/msg/{ros}MultiArray"] = Conversion(
+                f"data_to_{own}", f"data_to_{kind}s", False
+            )
+    for rtm, ros, name in (
+        ("TimedPoint3D", "geometry_msgs/msg/PointStamped", "point"),
+        ("TimedVector3D", "geometry_msgs/msg/Vector3Stamped", "vector"),
+        ("TimedQuaternion", "geometry_msgs/msg/QuaternionStamped", "quaternion"),
+        ("CameraImage", "sensor_msgs/msg/Image", "image"),
+    ):
+        found[rtm, ros] = Conversion(f"{name}_of_message", f"{name}_to_message", True)
+    for pair in PAIRS:
+        key = pair.rtm, pair.ros.replace("::", "/")
+        found[key] = Conversion(pair.read, pair.write, pair.stamped)
+    return found
+
+
+CONVERSIONS: Final = _conversions()
+"""By the last part of the name of the data, and the message (`std_msgs/msg/Float32`)."""
+
+
+def parse(text: str) -> str | None:
+    """The message of a marshaling type, `std_msgs/msg/Float32`; None for another form."""
+    match = _MARSHALING.fullmatch(text)
+    return None if match is None else f"{match[1]}/msg/{match[2]}"
+
+
+def messages_for(scoped: str) -> tuple[str, ...]:
+    """The messages that data of a scoped name can go as."""
+    name = scoped.rpartition("::")[2]
+    return tuple(ros for rtm, ros in CONVERSIONS if rtm == name)

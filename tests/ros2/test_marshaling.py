@@ -1,0 +1,246 @@
+"""Data of RT-Middleware as messages of ROS 2 by `marshaling_type=ros2:PACKAGE/TYPE`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from refrobots import rtc
+from rtgen.cli import run as rtgen
+from rtgen.cli.ros2 import _message_class
+from rtgen.facts.ros_marshaling import CONVERSIONS, messages_for, parse
+from rtgen.facts.ros_qos import PROFILES
+from rtgen.runtime.cdr import CdrError
+from rtgen.runtime.ports.data_ports import InPort, OutPort
+from rtgen.runtime.return_codes import PortStatus
+from rtgen.runtime.ros2.marshaling import Marshaling, marshaling
+from rtgen.runtime.ros2.network import OnMessage, Publish, Ros2Error, RosTopic
+from rtgen.runtime.ros2.ports import Joint, RosPorts
+from rtgen.runtime.xcdr import deserialize
+
+TIME = rtc.Time(5, 6)
+HEAD = b"\x00\x01\x00\x00"
+
+
+def stamp(sample: Any) -> None:
+    sample.tm = TIME
+
+
+def made(type_: type[Any], ros: str) -> Marshaling:
+    return marshaling(type_, _message_class(ros), stamp)
+
+
+NUMBERS = {
+    "TimedState": 5,
+    "TimedShort": 5,
+    "TimedLong": 5,
+    "TimedUShort": 5,
+    "TimedULong": 5,
+    "TimedFloat": 5.0,
+    "TimedDouble": 5.0,
+}
+
+
+@pytest.mark.parametrize(
+    ("rtm", "ros"), [pair for pair in CONVERSIONS if pair[0].startswith("Timed")]
+)
+def test_each_pair_there_and_back(rtm: str, ros: str) -> None:
+    type_ = getattr(rtc, rtm, None)
+    if type_ is None:
+        from refrobots import iis
+
+        type_ = getattr(iis, rtm)
+    sample = type_(tm=TIME)
+    if rtm in NUMBERS:
+        sample.data = NUMBERS[rtm]
+    elif rtm.removesuffix("Seq") in NUMBERS and rtm.endswith("Seq"):
+        sample.data = [NUMBERS[rtm.removesuffix("Seq")]] * 2
+    elif rtm == "TimedString":
+        sample.data = "hé"
+    conversion = made(type_, ros)
+    message = conversion.to_message(sample)
+    octets = HEAD + message.to_cdr(True)
+    back = conversion.of_message(deserialize(conversion.message, octets))
+    assert back.to_cdr(True) == sample.to_cdr(True)
+
+
+def test_vectors_and_images() -> None:
+    point = rtc.TimedPoint3D(TIME, rtc.Point3D(1.0, 2.0, 3.0))
+    conversion = made(rtc.TimedPoint3D, "geometry_msgs/msg/PointStamped")
+    message = conversion.to_message(point)
+    assert (message.point.x, message.point.z, message.header.stamp.sec) == (1.0, 3.0, 5)
+    assert conversion.of_message(message) == point
+    image = rtc.CameraImage(TIME, 2, 2, 24, "", 1.0, bytes(range(12)))
+    conversion = made(rtc.CameraImage, "sensor_msgs/msg/Image")
+    message = conversion.to_message(image)
+    assert (message.encoding, message.step) == ("rgb8", 6)
+    # Rows of other writers have padding.
+    message.step, message.data = 8, bytes((*range(6), 0, 0, *range(6, 12), 0, 0))
+    back = conversion.of_message(message)
+    assert (back.bpp, back.format, back.pixels) == (24, "rgb8", image.pixels)
+    message.step, message.width = 1, 0
+    assert conversion.of_message(message).pixels == b""
+    image.bpp = 12
+    with pytest.raises(ValueError, match="needs a format"):
+        conversion.to_message(image)
+
+
+def test_values_out_of_range_do_not_come_in() -> None:
+    conversion = made(rtc.TimedShort, "std_msgs/msg/Int64")
+    message = conversion.to_message(rtc.TimedShort(TIME, 7))
+    message.data = 1 << 40
+    with pytest.raises(CdrError):
+        conversion.of_message(message)
+    image = made(rtc.CameraImage, "sensor_msgs/msg/Image")
+    message = image.to_message(rtc.CameraImage(TIME, 2, 2, 8, "", 1.0, bytes(4)))
+    message.width = 1 << 20
+    with pytest.raises(ValueError, match="are too many"):
+        image.of_message(message)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("ros2:std_msgs/Float32", "std_msgs/msg/Float32"),
+        ("ros2:std_msgs/msg/Float32", "std_msgs/msg/Float32"),
+        ("ros2:Float32", None),
+        ("std_msgs/Float32", None),
+        ("cdr", None),
+    ],
+)
+def test_texts(text: str, message: str | None) -> None:
+    assert parse(text) == message
+
+
+class _Loop:
+    """A network that gives each message back."""
+
+    def __init__(self) -> None:
+        self.sent: list[bytes] = []
+        self.take: dict[str, OnMessage] = {}
+
+    def publisher(self, topic: RosTopic, profile: Any) -> Publish:
+        assert topic.type_name == "std_msgs/msg/UInt8"
+        return self.sent.append
+
+    def subscribe(self, topic: RosTopic, profile: Any, on_message: OnMessage) -> None:
+        self.take[topic.name] = on_message
+
+    def close(self) -> None:
+        """Nothing."""
+
+
+def test_ports() -> None:
+    network = _Loop()
+    out: OutPort[Any] = OutPort("out", rtc.TimedDouble, "a")
+    in_: InPort[Any] = InPort("in", rtc.TimedDouble, "a")
+    conversion = made(rtc.TimedDouble, "std_msgs/msg/UInt8")
+    profile = PROFILES["default"]
+    joints = [Joint(port, "/x", profile, conversion) for port in (out, in_)]
+    ports = RosPorts(network, joints)
+    assert out.write(rtc.TimedDouble(TIME, 7.9)) is PortStatus.PORT_OK
+    assert network.sent == [HEAD + b"\x07"]
+    network.take["/x"](HEAD + b"\x09")
+    assert in_.read() == rtc.TimedDouble(TIME, 9.0)
+    for value in (256.0, -1.0, float("nan"), float("inf")):
+        assert out.write(rtc.TimedDouble(TIME, value)) is PortStatus.PORT_ERROR
+    assert len(network.sent) == 1
+    ports.close()
+
+
+def test_other_pairs_are_refused() -> None:
+    with pytest.raises(Ros2Error, match="RTC::TimedLong cannot go as std_msgs/msg/Str"):
+        made(rtc.TimedLong, "std_msgs/msg/String")
+    assert messages_for("RTC::TimedString") == ("std_msgs/msg/String",)
+
+
+SYSTEM = """<?xml version="1.0" encoding="UTF-8"?>
+<rts:RtsProfile rts:id="RTSystem:me:two:1.0.0" rts:version="0.2"
+    xmlns:rts="http://www.openrtp.org/namespaces/rts"
+    xmlns:rtsExt="http://www.openrtp.org/namespaces/rts_ext"
+    xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance">
+  <rts:Components rts:id="RTC:me:Demo:Two:1.0.0" rts:instanceName="T0"
+      rts:pathUri="localhost/T0.rtc" rts:compositeType="None" rts:isRequired="true">
+    <rts:DataPorts rts:name="T0.out"/>
+    <rts:DataPorts rts:name="T0.in"/>
+  </rts:Components>
+  <rts:DataPortConnectors rts:connectorId="c" rts:name="c" rts:dataType="IDL:RTC/TimedFloat:1.0"
+      rts:interfaceType="ros2" rts:dataflowType="push" rts:subscriptionType="flush">
+    <rts:sourceDataPort xsi:type="rtsExt:target_port_ext" rts:portName="T0.out"
+        rts:instanceName="T0" rts:componentId="RTC:me:Demo:Two:1.0.0"/>
+    <rts:targetDataPort xsi:type="rtsExt:target_port_ext" rts:portName="T0.in"
+        rts:instanceName="T0" rts:componentId="RTC:me:Demo:Two:1.0.0"/>
+    <rtsExt:Properties rtsExt:name="dataport.marshaling_type" rtsExt:value="ros2:{message}"/>
+    <rtsExt:Properties rtsExt:name="dataport.ros2.topic" rtsExt:value="{topic}"/>
+  </rts:DataPortConnectors>
+</rts:RtsProfile>
+"""
+MODULE = """
+from refrobots.rtc import TimedFloat
+from rtgen.runtime import RTC_OK, Component, ComponentProfile
+
+READ = []
+
+
+class Two(Component):
+    profile = ComponentProfile("Two", rate=100.0)
+
+    def __init__(self, instance_name=None):
+        super().__init__(instance_name)
+        self.out = self.add_out_port("out", TimedFloat)
+        self.inside = self.add_in_port("in", TimedFloat)
+
+    def on_execute(self, ec_id):
+        self.out.write(TimedFloat(data=2.5))
+        while self.inside.is_new():
+            READ.append(self.inside.read())
+        return RTC_OK
+"""
+
+
+@pytest.fixture
+def module(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> str:
+    monkeypatch.chdir(tmp_path)
+    name = f"two_{tmp_path.name}"
+    Path(f"{name}.py").write_text(MODULE)
+    monkeypatch.syspath_prepend(tmp_path)
+    Path("rtgen.toml").write_text(
+        f'[components]\nTwo = "{name}:Two"\n[ros2]\ndomain = 92\n'
+    )
+    return name
+
+
+RUN = ("run", "s.xml", "--clock", "real", "--ros2", "dds", "--until", "0.7", "-q")
+
+
+def test_a_connection_over_a_topic(module: str) -> None:
+    """The time of a sample is that of its arrival: it went by way of std_msgs/Float64."""
+    pytest.importorskip("cyclonedds", reason="cyclonedds is not installed")
+    import importlib
+
+    text = SYSTEM.format(message="std_msgs/Float64", topic="speed")
+    Path("s.xml").write_text(text)
+    assert rtgen([*RUN]) == 0
+    read = importlib.import_module(module).READ
+    assert read
+    assert {sample.data for sample in read} == {2.5}
+    assert all(sample.tm.sec for sample in read)
+
+
+REFUSED = {
+    ("std_msgs/String", "x"): "RTC::TimedFloat, which cannot go as std_msgs/msg/String",
+    ("std_msgs/Float32", "a b"): "the topic 'a b' of T0.out consists of words",
+    ("Float32", "x"): "cdr or ros2:PACKAGE/TYPE",
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_refused_before_the_start(
+    case: tuple[str, str], module: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    message, topic = case
+    Path("s.xml").write_text(SYSTEM.format(message=message, topic=topic))
+    assert rtgen([*RUN]) == 2
+    assert REFUSED[case] in capsys.readouterr().err
