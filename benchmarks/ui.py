@@ -1,0 +1,204 @@
+"""What pages of `rtgen ui` cost a run: 60 components, 200 connections, 50 ports at 100 Hz.
+
+    python benchmarks/ui.py [SECONDS]
+
+A system in real time without a page, with one that reads, with one that reads nothing, and with one
+of each. `ticks` are those of all components beside those that were due; `overruns` and `lost` are
+counted by the runtime; `samples` are those that the reading page got beside those that were
+written, `less` those that it was told it did not get.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import sys
+import threading
+import time
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any, ClassVar
+
+HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE.parent / "generated"))
+
+from websockets.exceptions import ConnectionClosed  # noqa: E402
+from websockets.sync.client import ClientConnection, connect  # noqa: E402
+
+from refrobots import rtc  # noqa: E402
+from rtgen import runtime  # noqa: E402
+from rtgen.model import System, SystemComponent  # noqa: E402
+from rtgen.runtime.failures import Failure  # noqa: E402
+from rtgen.runtime.rtc.profiles import ComponentProfile, data_port  # noqa: E402
+from rtgen.ui.protocol import ui  # noqa: E402
+from rtgen.ui.serving import Server  # noqa: E402
+from rtgen.ui.session import Session  # noqa: E402
+
+COMPONENTS, WRITERS, CONNECTIONS, RATE = 60, 50, 200, 100.0
+
+
+class Node(runtime.Component):
+    """Writes a sample each tick, if it is a writer, and reads what it got."""
+
+    profile: ClassVar = ComponentProfile(
+        "Node",
+        rate=RATE,
+        ports=(
+            data_port("inport", "heard", rtc.TimedPose2D),
+            data_port("outport", "said", rtc.TimedPose2D),
+        ),
+    )
+
+    def __init__(self, name: str, *, writes: bool) -> None:
+        super().__init__(name)
+        self.heard = self.add_in_port("heard", rtc.TimedPose2D)
+        self.said = self.add_out_port("said", rtc.TimedPose2D)
+        self.writes = writes
+        self.written = 0
+
+    def on_execute(self, ec_id: int) -> runtime.ReturnCode_t:
+        """Read everything, write one sample."""
+        while self.heard.is_new():
+            self.heard.read()
+        if self.writes:
+            self.written += 1
+            self.said.write(rtc.TimedPose2D())
+        return runtime.RTC_OK
+
+
+class Network:
+    """The project of a session: the system is made, not read."""
+
+    systems: Sequence[str] = ("network",)
+
+    def read(self, file: str) -> System:
+        """An empty profile."""
+        return System(
+            name=file, id="", file=file, abstract="", components=(), connections=()
+        )
+
+    def write(self, file: str, text: str) -> None:
+        """Nothing is saved."""
+
+    def add(self, system: runtime.System, component: SystemComponent) -> None:
+        """Nothing is added."""
+
+    def palette(self) -> Sequence[ComponentProfile]:
+        """No types."""
+        return ()
+
+    def assemble(
+        self, profile: System, clock: runtime.Clock, failed: Callable[[Failure], None]
+    ) -> runtime.System:
+        """The components, each writer connected with four others."""
+        system = runtime.System(clock)
+        for i in range(COMPONENTS):
+            system.add(Node(f"Node{i}", writes=i < WRITERS))
+        for i in range(CONNECTIONS):
+            writer, step = i % WRITERS, 1 + i // WRITERS
+            reader = (writer + 7 * step) % COMPONENTS
+            properties = {"dataport.inport.buffer.length": "256"}
+            system.connect(
+                (f"Node{writer}", "said"), (f"Node{reader}", "heard"), properties
+            )
+        for instance in system.instances:
+            system.activate(instance)
+        return system
+
+
+class Reader:
+    """A page that reads all, and counts."""
+
+    def __init__(self, socket: ClientConnection) -> None:
+        self.samples = self.less = self.octets = 0
+        self._socket = socket
+        self._thread = threading.Thread(target=self._read)
+        self._thread.start()
+
+    def _read(self) -> None:
+        try:
+            for data in self._socket:
+                self.octets += len(data)
+                message = ui.ServerMessage.from_cdr(data)  # type: ignore[arg-type]
+                for event in message.events:
+                    if event.discriminator is ui.EventKind.EVENT_SAMPLES:
+                        self.samples += len(event.samples)
+                    elif event.discriminator is ui.EventKind.EVENT_SENT_LESS:
+                        self.less += event.less.dropped
+        except ConnectionClosed:
+            return
+
+    def join(self) -> None:
+        """Wait until the socket is closed."""
+        self._thread.join()
+
+
+def watch(socket: ClientConnection) -> None:
+    """Ask for the samples of all channels."""
+    numbers = list(range(1, COMPONENTS + 1))
+    message = ui.ClientMessage(asked=ui.Command.of_channels(numbers))
+    socket.send(message.to_cdr())
+
+
+def measure(seconds: float, *, reads: bool, stalls: bool) -> dict[str, Any]:
+    """One run with these pages."""
+    session = Session(Network(), "network", runtime.RealClock)
+    server = Server(session, "127.0.0.1", 0)
+    ready = threading.Event()
+    serving = threading.Thread(target=lambda: asyncio.run(server.run(ready.set)))
+    serving.start()
+    ready.wait()
+    reader = None
+    address = server.address(full=True).replace("http:", "ws:").replace("/?", "/socket?")
+    with ExitStack() as pages:
+        if reads:
+            page = pages.enter_context(connect(address, max_size=None))
+            watch(page)
+            reader = Reader(page)
+        if stalls:
+            lazy = connect(address, max_size=None, max_queue=1, close_timeout=0.1)
+            watch(pages.enter_context(lazy))
+        nodes: list[Any] = [
+            session.system.component(name) for name in session.system.instances
+        ]
+        session.runner.submit(session.runner.play)
+        begun, processor = time.monotonic(), time.process_time()
+        time.sleep(seconds)
+        passed = time.monotonic() - begun
+        used = (time.process_time() - processor) / passed
+        counts = [session.system.statistics(name) for name in session.system.instances]
+        written = sum(node.written for node in nodes)
+        time.sleep(0.2)
+    if reader is not None:
+        reader.join()
+    server.stop()
+    serving.join()
+    return {
+        "ticks": f"{sum(c.ticks for c in counts)} of {COMPONENTS * RATE * passed:.0f}",
+        "overruns": sum(c.overruns for c in counts),
+        "lost": sum(c.lost for c in counts),
+        "samples": "" if reader is None else f"{reader.samples} of {written}",
+        "less": "" if reader is None else reader.less,
+        "MB/s": "" if reader is None else f"{reader.octets / passed / 1e6:.2f}",
+        "processor": f"{used:.2f}",
+    }
+
+
+def main() -> int:
+    """Print a row for each combination of pages."""
+    seconds = float(sys.argv[1]) if len(sys.argv) > 1 else 10.0
+    rows = {
+        "no page": measure(seconds, reads=False, stalls=False),
+        "one that reads": measure(seconds, reads=True, stalls=False),
+        "one that does not": measure(seconds, reads=False, stalls=True),
+        "one of each": measure(seconds, reads=True, stalls=True),
+    }
+    names = list(rows["no page"])
+    print(f"{'pages':18}" + "".join(f"{name:>18}" for name in names))
+    for title, row in rows.items():
+        print(f"{title:18}" + "".join(f"{row[name]!s:>18}" for name in names))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
