@@ -30,6 +30,7 @@ from rtgen import runtime  # noqa: E402
 from rtgen.model import System, SystemComponent  # noqa: E402
 from rtgen.runtime.failures import Failure  # noqa: E402
 from rtgen.runtime.rtc.profiles import ComponentProfile, data_port  # noqa: E402
+from rtgen.ui.buses import Describer  # noqa: E402
 from rtgen.ui.protocol import ui  # noqa: E402
 from rtgen.ui.serving import Server  # noqa: E402
 from rtgen.ui.session import Session  # noqa: E402
@@ -82,6 +83,10 @@ class Network:
 
     def add(self, system: runtime.System, component: SystemComponent) -> None:
         """Nothing is added."""
+
+    def describer(self, bus: str) -> Describer:
+        """There is no bus."""
+        raise LookupError(bus)
 
     def palette(self) -> Sequence[ComponentProfile]:
         """No types."""
@@ -149,7 +154,9 @@ def measure(seconds: float, *, reads: bool, stalls: bool) -> dict[str, Any]:
     serving.start()
     ready.wait()
     reader = None
-    address = server.address(full=True).replace("http:", "ws:").replace("/?", "/socket?")
+    address = (
+        server.address(full=True).replace("http:", "ws:").replace("/?", "/socket?")
+    )
     with ExitStack() as pages:
         if reads:
             page = pages.enter_context(connect(address, max_size=None))

@@ -5,10 +5,11 @@ from __future__ import annotations
 import asyncio
 import os
 import webbrowser
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
@@ -26,6 +27,9 @@ from rtgen.systems import timeline
 from rtgen.systems.checks import check_properties
 from rtgen.systems.reading import read_file
 
+if TYPE_CHECKING:
+    from rtgen.cli.ui_bus import BusDescriber
+
 _LOOPBACK = "127.0.0.1"
 _SUFFIX = ".xml"
 
@@ -33,8 +37,14 @@ _SUFFIX = ".xml"
 class CommandProject:
     """The project around the systems of the command line; see `rtgen.ui.project.Project`."""
 
-    def __init__(self, console: Console, files: Sequence[str]) -> None:
+    def __init__(
+        self,
+        console: Console,
+        files: Sequence[str],
+        buses: Mapping[str, Path] | None = None,
+    ) -> None:
         self._console = console
+        self._buses = buses or {}
         self._files = [*files]
         self._project = load_around(Path(files[0]))
         self._factories = Factories(self._project)
@@ -105,6 +115,12 @@ class CommandProject:
         report = FailureReport(self._console, FailureOptions())
         add_component(system, component, self._factories, Path.cwd(), report)
 
+    def describer(self, bus: str) -> BusDescriber:
+        """The description of a bus: the file for its channel, else the one for all."""
+        from rtgen.cli.ui_bus import BusDescriber
+
+        return BusDescriber(self._buses.get(bus, self._buses.get("")))
+
     def palette(self) -> Sequence[ComponentProfile]:
         """The types whose factories are classes that can be imported."""
         found = []
@@ -133,6 +149,13 @@ class CommandProject:
     default=0,
     help="The port on 127.0.0.1; by default any that is free.",
 )
+@click.option(
+    "--bus",
+    "buses",
+    multiple=True,
+    metavar="[CHANNEL=]FILE",
+    help="The bus file (TOML) that describes the nodes of a CAN bus.",
+)
 @click.option("--read-only", is_flag=True, help="Print the address to look only, too.")
 @click.option("--open/--no-open", "opened", default=True, help="Open a browser.")
 @click.option("--play/--pause", "playing", default=True, help="Let time pass at once.")
@@ -142,6 +165,7 @@ def ui(
     systems: tuple[str, ...],
     clock: str,
     port: int,
+    buses: tuple[str, ...],
     read_only: bool,
     opened: bool,
     playing: bool,
@@ -165,7 +189,14 @@ def ui(
     from rtgen.ui.session import Session
 
     clocks = {"sim": runtime.SimulatedClock, "real": runtime.RealClock}
-    session = Session(CommandProject(console, systems), systems[0], clocks[clock])
+    described = {}
+    for each in buses:
+        channel, _, file = each.rpartition("=")
+        described[channel] = Path(file)
+    project = CommandProject(console, systems, described)
+    for channel in described:
+        project.describer(channel)  # Raises InputError before anything runs.
+    session = Session(project, systems[0], clocks[clock])
     server = Server(session, _LOOPBACK, port)
     if playing:
         session.runner.submit(session.runner.play)

@@ -38,7 +38,13 @@ from rtgen.ui.protocol import ui
 from rtgen.ui.protocol.ui import CommandKind
 from rtgen.ui.session import Session
 
-READING: Final = frozenset((CommandKind.COMMAND_WATCH, CommandKind.COMMAND_FITS))
+READING: Final = frozenset(
+    (
+        CommandKind.COMMAND_WATCH,
+        CommandKind.COMMAND_FITS,
+        CommandKind.COMMAND_OBJECTS,
+    )
+)
 """Commands that need no right."""
 _LONGEST_SEEK: Final = 3600.0
 """The latest time that a simulation is set to [s]."""
@@ -71,6 +77,9 @@ class Commands:
             kinds.COMMAND_SEEK: self._seek,
             kinds.COMMAND_OPEN: self._open,
             kinds.COMMAND_INJECT: self._inject,
+            kinds.COMMAND_SEND_FRAME: lambda frame: session.buses.send(frame),
+            kinds.COMMAND_NMT: lambda command: session.buses.manage(command),
+            kinds.COMMAND_SDO_WRITE: lambda value: session.buses.write(value),
         }
         self._injector = calls.Injector()
 
@@ -105,6 +114,10 @@ class Commands:
             result.fits = self._fits(value)
         elif kind is CommandKind.COMMAND_CALL:
             result.reply = calls.call(self._session.system, value)
+        elif kind is CommandKind.COMMAND_SDO_READ:
+            result.text = self._session.buses.read(value)
+        elif kind is CommandKind.COMMAND_OBJECTS:
+            result.objects = self._session.buses.objects(value)
         elif kind in self._handlers:
             before = self._session.edit_state()
             self._handlers[kind](value)
@@ -112,7 +125,7 @@ class Commands:
             if after != before:
                 self._session.tell(ui.Event.of_edited(after))
         else:
-            raise CommandError(IMPOSSIBLE, "this system has no bus and no board")
+            raise CommandError(IMPOSSIBLE, "this version cannot do that yet")
 
     # Wiring.
 

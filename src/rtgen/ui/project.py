@@ -9,6 +9,7 @@ from rtgen import runtime
 from rtgen.model import System, SystemComponent
 from rtgen.runtime.failures import Failure
 from rtgen.runtime.rtc.profiles import ComponentProfile
+from rtgen.ui.buses import Describer
 
 
 class Project(Protocol):
@@ -34,3 +35,6 @@ class Project(Protocol):
 
     def palette(self) -> Sequence[ComponentProfile]:
         """The types of components of which instances can be added."""
+
+    def describer(self, bus: str) -> Describer:
+        """What is known of a CAN bus, by the name of its channel."""

@@ -26,6 +26,7 @@ from rtgen.runtime.timing.traffic import (
 )
 from rtgen.runtime.timing.traffic import Event as Happening
 from rtgen.ui import description
+from rtgen.ui.buses import Buses
 from rtgen.ui.description import STATES, Description, palette_entry
 from rtgen.ui.edits import Edits
 from rtgen.ui.errors import FILE, UNKNOWN, CommandError
@@ -73,6 +74,7 @@ class Session:
         self._palette = [palette_entry(each) for each in project.palette()]
         self.known_types = frozenset(each.type for each in self._palette)
         self.runner = Runner(self.made(file), self._report, self._ended)
+        self.buses: Buses
         self._watch()
 
     # Systems.
@@ -120,6 +122,7 @@ class Session:
 
     def _watch(self) -> None:
         system = self.system
+        self.buses = Buses(system, self.project.describer, self.tell)
         for instance in system.instances:
             self.channels_of(instance)
         system.clock.traffic.watch(self._on_traffic)
@@ -172,6 +175,7 @@ class Session:
             channels=[*self._channels.values()],
             time=self.time(),
             edits=self.edit_state(),
+            buses=self.buses.states,
             systems=[*self.project.systems],
         )
 
@@ -300,17 +304,8 @@ class Session:
                 self.tell(ui.Event.of_connected(description.connection(connector)))
             case ConnectionChange(name):
                 self.tell(ui.Event.of_cut(name))
-            case BusFrame(bus, can_id, data, remote, extended):
-                frame = ui.Frame(
-                    time=self.now,
-                    bus=bus,
-                    can_id=can_id,
-                    extended=extended,
-                    remote=remote,
-                    data=data,
-                    node_id=-1,
-                )
-                self.tell(ui.Event.of_traffic([frame]))
+            case BusFrame():
+                self.buses.on_frame(happening)
             case BoardCall(instance, request, reply, error):
                 call = ui.BoardCall(
                     time=self.now,

@@ -62,9 +62,15 @@ RESULT = ui.EventKind.EVENT_RESULT
 class Bench:
     """A session on a system's file."""
 
-    def __init__(self, *files: Path | str, clock: Any = runtime.SimulatedClock) -> None:
+    def __init__(
+        self,
+        *files: Path | str,
+        clock: Any = runtime.SimulatedClock,
+        buses: dict[str, Path] | None = None,
+    ) -> None:
         names = [str(file) for file in files] or [str(GOAL)]
-        self.session = Session(CommandProject(QUIET, names), names[0], clock)
+        project = CommandProject(QUIET, names, buses)
+        self.session = Session(project, names[0], clock)
         self.commands = Commands(self.session)
 
     def page(self, *, full: bool = True) -> Page:

@@ -1,0 +1,231 @@
+"""The CAN buses of a system: frames decoded, nodes with their states, load, frames of pages."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Final, Protocol
+
+from rtgen.runtime.canopen.bus.arbitration import frame_bits
+from rtgen.runtime.canopen.bus.links import simulated_bus
+from rtgen.runtime.canopen.bus.simulated_bus import SimulatedCanBus
+from rtgen.runtime.canopen.errors import LinkError
+from rtgen.runtime.canopen.wire.frames import Frame
+from rtgen.runtime.canopen.wire.nmt import NmtCommand, command_frame
+from rtgen.runtime.canopen.wire.sdo import SdoAbort
+from rtgen.runtime.system.system import System
+from rtgen.runtime.timing.clocks import SECOND
+from rtgen.runtime.timing.traffic import BusFrame
+from rtgen.ui.errors import BAD_VALUE, CALL_FAILED, IMPOSSIBLE, UNKNOWN, CommandError
+from rtgen.ui.protocol import ui
+
+COMMANDS: Final = {
+    "start": NmtCommand.START,
+    "stop": NmtCommand.STOP,
+    "pre-operational": NmtCommand.ENTER_PRE_OPERATIONAL,
+    "reset-node": NmtCommand.RESET_NODE,
+    "reset-communication": NmtCommand.RESET_COMMUNICATION,
+}
+_WINDOW: Final = 1.0
+"""The time over which the load is measured [s]."""
+_SHORTEST_PERIOD: Final = 0.001
+MOST_CYCLIC: Final = 64
+"""Cyclic frames of pages on a bus."""
+
+
+class Describer(Protocol):
+    """What is known of a bus from its description; decodes its frames in order of arrival."""
+
+    def bus(self, name: str) -> ui.Bus:
+        """The bus with its nodes, their states unknown."""
+
+    def frame(self, frame: Frame) -> ui.Frame:
+        """A frame decoded; time and bus are left empty."""
+
+    def objects(self, node_id: int) -> Sequence[ui.ObjectEntry]:
+        """The object dictionary of a node; empty for one without a description."""
+
+    def octets(self, node_id: int, number: tuple[int, int], text: str) -> bytes:
+        """The octets of a value. Raises CommandError."""
+
+    def text(self, node_id: int, number: tuple[int, int], octets: bytes) -> str:
+        """The value of octets, with its unit."""
+
+
+@dataclass
+class _Bus:
+    describer: Describer
+    state: ui.Bus
+    window: float = 0.0
+    bits: int = 0
+    frames: int = 0
+    cyclic: dict[tuple[int, bool], Callable[[], None]] = field(default_factory=dict)
+
+
+class Buses:
+    """The buses whose frames a system reports. `tell` gives pages an event."""
+
+    def __init__(
+        self,
+        system: System,
+        describer: Callable[[str], Describer],
+        tell: Callable[[ui.Event], None],
+    ) -> None:
+        self._system = system
+        self._describer = describer
+        self._tell = tell
+        self._buses: dict[str, _Bus] = {}
+
+    @property
+    def states(self) -> list[ui.Bus]:
+        """The buses that have been seen."""
+        return [bus.state for bus in self._buses.values()]
+
+    def on_frame(self, happening: BusFrame) -> None:
+        """A frame on a bus."""
+        bus = self._bus(happening.bus)
+        frame = Frame(
+            happening.can_id, happening.data, happening.remote, happening.extended
+        )
+        now = self._system.time / SECOND
+        decoded = bus.describer.frame(frame)
+        decoded.time, decoded.bus = now, happening.bus
+        self._tell(ui.Event.of_traffic([decoded]))
+        if decoded.kind in ("heartbeat", "guarding") and not frame.remote:
+            self._state(bus, decoded)
+        self._measure(bus, frame, now)
+
+    def _bus(self, name: str) -> _Bus:
+        found = self._buses.get(name)
+        if found is None:
+            describer = self._describer(name)
+            found = self._buses[name] = _Bus(describer, describer.bus(name))
+            self._tell(ui.Event.of_described_bus(found.state))
+        return found
+
+    def _state(self, bus: _Bus, frame: ui.Frame) -> None:
+        """A node has told its state."""
+        for node in bus.state.nodes:
+            if node.node_id == frame.node_id:
+                break
+        else:
+            node = ui.BusNode(node_id=frame.node_id, name=f"node {frame.node_id}")
+            bus.state.nodes.append(node)
+        if node.nmt_state != frame.text:
+            node.nmt_state = frame.text
+            self._tell(ui.Event.of_described_bus(bus.state))
+
+    def _measure(self, bus: _Bus, frame: Frame, now: float) -> None:
+        bus.bits += frame_bits(frame)
+        bus.frames += 1
+        passed = now - bus.window
+        if passed < _WINDOW:
+            return
+        rate = bus.state.bit_rate
+        load = ui.BusLoad(
+            bus=bus.state.name,
+            time=now,
+            load=bus.bits / rate / passed if rate else 0.0,
+            frames=round(bus.frames / passed),
+        )
+        bus.window, bus.bits, bus.frames = now, 0, 0
+        self._tell(ui.Event.of_carried(load))
+
+    # What pages ask for.
+
+    def send(self, wanted: ui.SendFrame) -> None:
+        """Send a frame once, or from now on with a period; a period 0 ends that."""
+        bus, link = self._known(wanted.bus), self._link(wanted.bus)
+        try:
+            frame = Frame(wanted.can_id, wanted.data, wanted.remote, wanted.extended)
+        except ValueError as error:
+            raise CommandError(BAD_VALUE, str(error)) from error
+        key = wanted.can_id, wanted.extended
+        if key in bus.cyclic:
+            bus.cyclic.pop(key)()
+            if not wanted.period:
+                return
+        if not wanted.period:
+            _put(link, frame)
+            return
+        if not wanted.period >= _SHORTEST_PERIOD:
+            raise CommandError(BAD_VALUE, f"a period of {wanted.period:g} s")
+        if len(bus.cyclic) >= MOST_CYCLIC:
+            raise CommandError(
+                BAD_VALUE, f"{MOST_CYCLIC} cyclic frames are sent already"
+            )
+        period = round(wanted.period * SECOND)
+        bus.cyclic[key] = self._system.every(period, lambda: link.send([frame]))
+
+    def manage(self, wanted: ui.NmtCommand) -> None:
+        """Send an NMT command to a node, or to all."""
+        if wanted.command not in COMMANDS:
+            known = ", ".join(COMMANDS)
+            message = f"{wanted.command!r} is not an NMT command; known: {known}"
+            raise CommandError(UNKNOWN, message)
+        if wanted.node_id > 127:
+            raise CommandError(BAD_VALUE, f"{wanted.node_id} is not a node-id")
+        frame = command_frame(COMMANDS[wanted.command], wanted.node_id)
+        _put(self._link(wanted.bus), frame)
+
+    def read(self, wanted: ui.SdoAccess) -> str:
+        """Read an object of a node; its value as text."""
+        bus, number = self._known(wanted.bus), _number(wanted)
+        channel = self._link(wanted.bus).sdo(_node(wanted.node_id))
+        try:
+            octets = channel.upload(*number)
+        except (SdoAbort, LinkError) as error:
+            raise CommandError(CALL_FAILED, str(error)) from error
+        return bus.describer.text(wanted.node_id, number, octets)
+
+    def write(self, wanted: ui.SdoAccess) -> None:
+        """Write an object of a node."""
+        bus, number = self._known(wanted.bus), _number(wanted)
+        octets = bus.describer.octets(wanted.node_id, number, wanted.text)
+        channel = self._link(wanted.bus).sdo(_node(wanted.node_id))
+        try:
+            channel.download(*number, octets)
+        except (SdoAbort, LinkError) as error:
+            raise CommandError(CALL_FAILED, str(error)) from error
+
+    def objects(self, wanted: ui.NodeAddress) -> list[ui.ObjectEntry]:
+        """The object dictionary of a node."""
+        return [*self._known(wanted.bus).describer.objects(wanted.node_id)]
+
+    def _known(self, name: str) -> _Bus:
+        if name not in self._buses:
+            known = ", ".join(self._buses) or "none"
+            raise CommandError(UNKNOWN, f"there is no bus {name!r}; known: {known}")
+        return self._buses[name]
+
+    def _link(self, name: str) -> SimulatedCanBus:
+        self._known(name)
+        network = self._system.clock.network
+        if network is None:
+            raise CommandError(
+                IMPOSSIBLE,
+                "pages send on simulated buses only",
+                "`rtgen can send` and `rtgen can sdo` reach a real one",
+            )
+        return simulated_bus(network, name)
+
+
+def _put(link: SimulatedCanBus, frame: Frame) -> None:
+    try:
+        link.send([frame])
+    except LinkError as error:
+        raise CommandError(CALL_FAILED, str(error)) from error
+
+
+def _number(wanted: ui.SdoAccess) -> tuple[int, int]:
+    if wanted.index > 0xFFFF or wanted.subindex > 0xFF:
+        raise CommandError(
+            BAD_VALUE, f"{wanted.index:X}:{wanted.subindex} is no object"
+        )
+    return wanted.index, wanted.subindex
+
+
+def _node(node_id: int) -> int:
+    if not 1 <= node_id <= 127:
+        raise CommandError(BAD_VALUE, f"{node_id} is not a node-id")
+    return node_id

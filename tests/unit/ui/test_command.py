@@ -1,0 +1,43 @@
+"""The command `rtgen ui`, where it does not serve."""
+
+from __future__ import annotations
+
+import socket
+from pathlib import Path
+
+import pytest
+from bench import GOAL
+
+from rtgen.cli import run
+from rtgen.cli import ui as command
+
+
+def test_what_cannot_be_opened_is_reported(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["ui"]) == 2
+    assert run(["ui", str(tmp_path / "none.xml"), "--no-open"]) in (2, 3)
+    broken = tmp_path / "broken.xml"
+    broken.write_text("<rts:RtsProfile")
+    assert run(["ui", str(broken), "--no-open"]) == 2
+    assert run(["ui", str(GOAL), "--no-open", "--bus", str(tmp_path / "no.toml")]) != 0
+    err = capfd.readouterr().err
+    assert "Traceback" not in err
+    assert "internal error" not in err
+
+
+def test_a_port_that_is_taken_is_reported(capfd: pytest.CaptureFixture[str]) -> None:
+    with socket.socket() as other:
+        other.bind(("127.0.0.1", 0))
+        other.listen()
+        port = other.getsockname()[1]
+        assert run(["ui", str(GOAL), "--no-open", "--port", str(port)]) == 3
+    assert "cannot listen" in capfd.readouterr().err
+
+
+def test_what_is_not_installed_is_named(
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(command, "find_spec", lambda name: None)
+    assert run(["ui", str(GOAL), "--no-open"]) == 3
+    assert "pip install 'rtgen[ui]'" in capfd.readouterr().err
