@@ -117,12 +117,19 @@ wheels: $(VENV)/release.stamp
 	$(BIN)/cyclonedx-py environment --output-reproducible --pyproject pyproject.toml \
 	    --output-file dist/rtgen.cdx.json build/bare/bin/python
 
+# `make fuzz DOOR=idl SECONDS=600` explores one place where octets enter (tests/fuzz/doors, `all` for
+# each), guided by coverage. Without DOOR:
 # The random tests with thirty times their inputs, others each time: `make fuzz RTGEN_SEED=7` repeats them.
 # Those of `make test` are drawn by the commit; `make test RTGEN_SEED=7` by another seed.
+fuzz: SECONDS ?= 60
 fuzz: export RTGEN_SEED ?= $(shell date +%s)
 fuzz: export RTGEN_BUDGET ?= 30
 fuzz: $(VENV)/test.stamp
+ifdef DOOR
+	$(BIN)/python tests/fuzz/harness.py $(filter-out all,$(DOOR)) --seconds $(SECONDS)
+else
 	$(BIN)/pytest -n 2 --dist worksteal -m random
+endif
 
 bench: $(VENV)/bench.stamp
 	for script in benchmarks/*.py; do $(BIN)/python $$script || exit 1; done

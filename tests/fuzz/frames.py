@@ -71,10 +71,12 @@ class Strange:
         """All that stand in the octets."""
         for at in range(0, len(data), 16):
             each = data[at : at + 16]
+            if len(each) < 6:
+                return
+            remote, extended = bool(each[4] & 1), bool(each[4] & 2)
             can_id = int.from_bytes(each[:4], "little")
-            frame = Frame(
-                can_id, each[6 : 6 + each[5]], bool(each[4] & 1), bool(each[4] & 2)
-            )
+            can_id &= 0x1FFFFFFF if extended else 0x7FF
+            frame = Frame(can_id, each[6:14][: each[5]], remote, extended)
             yield cls(frame, int.from_bytes(each[14:], "little"))
 
 

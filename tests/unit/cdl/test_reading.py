@@ -309,6 +309,26 @@ def test_what_no_header_declares_right_is_reported_once(
     assert _codes(result) == ["CDL0901", "CDL0300"]
 
 
+@pytest.mark.parametrize(
+    "directive",
+    [
+        *("#define", "#undef", "#ifdef", "#ifndef", "#if", "#elif", "#include"),
+        *("#if !", "#if !defined", "#if !defined("),
+        "#ifndef A\n#define\n#endif",
+    ],
+)
+def test_directives_of_headers_that_are_cut_off(
+    directive: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    result = _read(
+        tmp_path,
+        monkeypatch,
+        main_cdl='import_C( "types.h" );',
+        types_h=f"{directive}\n",
+    )
+    assert _codes(result) == ["CDL0901"]
+
+
 def test_a_header_uses_typedefs_of_headers_imported_before_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

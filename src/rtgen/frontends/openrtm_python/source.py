@@ -129,5 +129,6 @@ def _python_3(text: str, problem: str) -> str | None:
     tool = refactor.RefactoringTool([f"fissix.fixes.fix_{name}" for name in _FIXES])
     try:
         return str(tool.refactor_string(f"{text}\n", "module"))
-    except (errors, tokens, IndentationError, RecursionError, ValueError):
+    except (errors, tokens, IndentationError, RecursionError, ValueError, KeyError):
+        # KeyError: a character that no token of Python begins with.
         return None

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from io import StringIO
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from pcpp.preprocessor import Action, OutputDirective, Preprocessor
 
@@ -191,6 +191,15 @@ class Headers:
                 self._report(rules.UNREADABLE_HEADER.at(place, message, hint=hint))
 
 
+_INCOMPLETE: Final[Mapping[str, list[list[str]]]] = {
+    **{
+        name: [[]] for name in ("define", "undef", "ifdef", "ifndef", "elif", "include")
+    },
+    "if": [[], ["!"], ["!", "defined"], ["!", "defined", "("]],
+}
+"""Directives whose operand is cut off: the spellings of what is there of it."""
+
+
 @dataclass(frozen=True, slots=True)
 class Piece:
     """A declaration of types at file scope, without vendors' extensions."""
@@ -248,6 +257,19 @@ class _Preprocessor(Preprocessor):  # type: ignore[misc]  # pcpp has no types
             raise LimitError(f"it includes too many files: {found.name} among them")
         self.spans[includepath] = found.name
         return StringIO(found.text)
+
+    def on_directive_handle(
+        self, directive: Any, toks: Any, ifpassthru: bool, precedingtoks: Any
+    ) -> bool | None:
+        # pcpp indexes the tokens of an include guard without a check that they are there.
+        if [t.value for t in toks] in _INCOMPLETE.get(directive.value, ()):
+            message = f"#{directive.value} is incomplete"
+            self.on_error(directive.source, directive.lineno, message)
+            raise OutputDirective(Action.IgnoreAndRemove)
+        handled: bool | None = super().on_directive_handle(
+            directive, toks, ifpassthru, precedingtoks
+        )
+        return handled
 
     def on_include_not_found(
         self, is_malformed: bool, is_system_include: bool, curdir: str, includepath: str

@@ -1,0 +1,79 @@
+"""The faults that are tried, each with its outcome, its bound in time, and its tests.
+
+    python tests/fault_table.py > docs/faults.md
+
+`bound(name)` is what tests compare with; `test_fault_table.py` looks that each test exists and that
+the page is this table.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).parent.parent
+_TABLE = Path(__file__).parent / "faults.toml"
+_HEAD = """# Faults
+
+What a user sees when something breaks, after how long at most, and what became of the data. Each
+row is tried by the tests that it names; most run in simulated time, where a bound is exact.
+This page is made from `tests/faults.toml` by `python tests/fault_table.py`.
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """A row. `seconds` is the bound where it is a number that tests compare with."""
+
+    section: str
+    fault: str
+    state: str
+    bound: str
+    data: str
+    tests: tuple[str, ...]
+    name: str = ""
+    seconds: float | None = None
+
+
+def faults() -> list[Fault]:
+    """All rows, in the order of the page."""
+    sections = tomllib.loads(_TABLE.read_text("utf-8"))["section"]
+    return [
+        Fault(
+            section=section["title"],
+            **{**row, "tests": tuple(row["tests"])},
+        )
+        for section in sections
+        for row in section["fault"]
+    ]
+
+
+def bound(name: str) -> int:
+    """The bound of the row of that name [ns]."""
+    [seconds] = [row.seconds for row in faults() if row.name == name]
+    assert seconds is not None
+    return round(seconds * 1e9)
+
+
+def page() -> str:
+    """The text of docs/faults.md."""
+    lines = [_HEAD]
+    section = ""
+    for row in faults():
+        if row.section != section:
+            section = row.section
+            lines += [
+                f"## {section}\n",
+                "| fault | what a user sees | bound | data | tests |",
+            ]
+            lines.append("|---|---|---|---|---|")
+        tests = "<br>".join(f"`{test.removeprefix('tests/')}`" for test in row.tests)
+        cells = (row.fault, row.state, row.bound, row.data, tests)
+        lines.append(f"| {' | '.join(cells)} |")
+    text = "\n".join(lines) + "\n"
+    return text.replace("|\n## ", "|\n\n## ")
+
+
+if __name__ == "__main__":
+    print(page(), end="")

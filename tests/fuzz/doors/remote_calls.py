@@ -1,0 +1,289 @@
+"""Remote calls: OpaqueRPC on both sides, bodies of GIOP, and the envelope of DDS and Zenoh."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable
+from contextlib import suppress
+from functools import cache, partial
+from itertools import chain
+from pathlib import Path
+from random import Random
+
+import octets
+from fuzzing import log_uniform
+from generated import Generated, generate
+
+from doors import Door
+from doors.mixing import ROOT, mixing
+from rtgen.cli.rpc.board import MockBoard, ScriptError
+from rtgen.cli.rpc.codecs import Function, Service
+from rtgen.frontends import cdl, idl
+from rtgen.layouts.tdr import TransferError
+from rtgen.model.tecs import Signature
+from rtgen.runtime import Servant, ServiceError, Stub
+from rtgen.runtime.cdr import CdrError, UserException
+from rtgen.runtime.distribution import envelope
+from rtgen.runtime.opaque_rpc import ArgumentError, RpcError, make_tdr
+from rtgen.runtime.opaque_rpc.messages import PacketReader, serve_message
+from rtgen.runtime.opaque_rpc.tdr import EOP_NOTHING_FOLLOWS, EOP_REPLY_FOLLOWS
+from rtgen.runtime.services.calls import (
+    Client,
+    Reply,
+    ReplyStatus,
+    Server,
+    calls_of,
+)
+
+_FILES = (
+    "tests/unit/cdl/constructs.cdl",
+    "specs/tecs/board.cdl",
+    "tests/fuzz/calls.cdl",
+)
+_ORDERS = ("network", "little", "big")
+
+
+@cache
+def _services() -> tuple[Service, ...]:
+    """Those of the repository's definitions that OpaqueRPC can carry, in each byte order."""
+    found = []
+    for path in _FILES:
+        for unit in cdl.load([ROOT / path], root=ROOT).model.tecs:
+            for declared in unit.declarations:
+                if isinstance(declared, Signature):
+                    for order in _ORDERS:
+                        try:
+                            found.append(Service(unit, declared, make_tdr(order)))
+                        except TransferError:
+                            break
+    return tuple(found)
+
+
+@cache
+def _functions() -> tuple[Function, ...]:
+    return tuple(f for s in _services() for f in s.functions.values())
+
+
+def _padded(function: Function, octets: bytes) -> tuple[object, ...]:
+    """The arguments that octets say, with zeros and the end where they are too short."""
+    rest = octets
+    end = function._codec.tdr.int16(
+        EOP_NOTHING_FOLLOWS if function.oneway else EOP_REPLY_FOLLOWS
+    )
+
+    def more(n: int) -> bytes:
+        nonlocal rest
+        found, rest = rest[:n], rest[n:]
+        return end if n == len(end) and not found else found.ljust(n, b"\0")
+
+    return function.read_request(more)
+
+
+def _requests() -> list[bytes]:
+    """For each service a request of each function with arguments of zeros."""
+    found = []
+    for number, service in enumerate(_services()):
+        for function in service.functions.values():
+            with suppress(RpcError, ArgumentError):
+                arguments = _padded(function, b"")
+                found.append(bytes((number,)) + function.encode_request(arguments))
+    return found
+
+
+def _octets(seeds: list[bytes], chance: Random) -> bytes:
+    data = bytearray(chance.choice(seeds))
+    for _ in range(log_uniform(1, 12, chance.random())):
+        at = chance.randrange(len(data) + 1)
+        match chance.randrange(4):
+            case 0:
+                del data[at : at + chance.choice((1, 2, 4))]
+            case 1:
+                data[at : at + 1] = chance.randbytes(1)
+            case 2:
+                data[at:at] = bytes(chance.choice((1, 2, 4, 8)))
+            case _:
+                word = chance.choice(
+                    (0, 1, 2, 3, 255, 0x7FFF, 0x10000, 0x7FFFFFFF, 0xFFFFFFFF)
+                )
+                order: str = chance.choice(("big", "little"))
+                data[at : at + 4] = word.to_bytes(4, order)  # type: ignore[arg-type]
+    return bytes(data)
+
+
+def _rpc_server(_folder: Path) -> Door:
+    boards = [MockBoard(service) for service in _services()]
+    seeds = _requests()
+
+    def enter(data: bytes) -> bool:
+        board = boards[data[0] % len(boards) if data else 0]
+        try:
+            serve_message(PacketReader(data[1:], 4096), board.handlers)
+        except RpcError:
+            return False
+        return True
+
+    return Door(enter, partial(_octets, seeds), seeds)
+
+
+def _tdr(_folder: Path) -> Door:
+    """Arguments of a function, which are written again if they can be read."""
+    functions = _functions()
+    seeds = [bytes((n % 256, n // 256)) for n in range(len(functions))]
+
+    def enter(data: bytes) -> bool:
+        function = functions[int.from_bytes(data[:2], "little") % len(functions)]
+        try:
+            arguments = _padded(function, data[2:])
+            written = function.encode_request(arguments)
+        except (RpcError, ArgumentError):
+            return False
+        again = function.encode_request(function.decode_request(written))
+        if again != written:
+            raise AssertionError(
+                f"{function.name}: {written.hex()} became {again.hex()}"
+            )
+        return True
+
+    return Door(enter, partial(_octets, seeds), seeds)
+
+
+def _rpc_client(_folder: Path) -> Door:
+    functions = [f for f in _functions() if not f.oneway]
+    seeds = [
+        bytes((n % 256, n // 256)) + b"\x56\x1e" + bytes(8) + b"\x6d\x5e"
+        for n in range(len(functions))
+    ]
+
+    def enter(data: bytes) -> bool:
+        function = functions[int.from_bytes(data[:2], "little") % len(functions)]
+        for guess in function.guesses(3):
+            try:
+                function.decode_reply(data[2:], guess)
+            except RpcError:
+                continue
+            return True
+        return False
+
+    return Door(enter, partial(_octets, seeds), seeds)
+
+
+def _rpc_script(_folder: Path) -> Door:
+    """The lines of JSON that `rtgen rpc serve --script` takes."""
+    services = _services()
+    lines = [
+        json.dumps(
+            {"function": name, "args": {}, "return": 0, "outs": {}, "delay": 0.5}
+        )
+        for service in services[::3]
+        for name in service.functions
+    ]
+    seeds = [line.encode() for line in lines] + [b"1", b"null", b"[]"]
+
+    def enter(data: bytes) -> bool:
+        try:
+            for service in services[::3]:
+                MockBoard(service, data.decode("utf-8", "replace"))
+        except ScriptError:
+            return False
+        return True
+
+    return Door(enter, mixing(seeds), seeds)
+
+
+@cache
+def _operations() -> tuple[tuple[type[Servant], str], ...]:
+    """The operations of all interfaces of a definition with every construct."""
+    path = octets.CONSTRUCTS[-1]
+    made = Generated(generate(idl.load([path], root=path.parent).model))
+    modules = made.load().values()
+    # What operations refer to is imported when they are looked at.
+    sys.meta_path.insert(0, made)
+    found: list[tuple[type[Servant], str]] = []
+    for value in chain.from_iterable(vars(module).values() for module in modules):
+        if not isinstance(value, type) or not issubclass(value, Servant):
+            continue
+        if value.__module__.startswith("fuzzed") and not issubclass(value, Stub):
+            calls = calls_of(value)
+            found += ((value, n) for n in sorted(calls) if not calls[n].refused)
+    return tuple(dict.fromkeys(found))
+
+
+def _nothing(_operation: str, _arguments: tuple[object, ...]) -> None:
+    """Answers None, which is the result of few operations."""
+
+
+def _giop_server(_folder: Path) -> Door:
+    known = [
+        (Server.of(interface, _nothing), name) for interface, name in _operations()
+    ]
+    seeds = [
+        bytes((n, little)) + bytes(16) for n in range(len(known)) for little in (0, 1)
+    ]
+
+    def enter(data: bytes) -> bool:
+        data = data.ljust(2, b"\0")
+        server, name = known[data[0] % len(known)]
+        reply = server.handle(name, data[2:], bool(data[1] & 1))
+        return reply is None or reply.status is not ReplyStatus.SYSTEM_EXCEPTION
+
+    return Door(enter, partial(_octets, seeds), seeds)
+
+
+def _giop_client(_folder: Path) -> Door:
+    def send(_operation: str, _body: bytes, _oneway: bool) -> None:
+        """Nothing is sent: replies are given to the client at once."""
+
+    known = [(Client(interface, send), name) for interface, name in _operations()]
+    seeds = [
+        bytes((n, status)) + bytes(16) for n in range(len(known)) for status in range(3)
+    ]
+
+    def enter(data: bytes) -> bool:
+        data = data.ljust(2, b"\0")
+        client, name = known[data[0] % len(known)]
+        status = ReplyStatus(data[1] % len(ReplyStatus))
+        reply = Reply(status, data[2:], bool(data[1] & 0x80))
+        try:
+            client._result(name, client._calls[name], reply)
+        except (ServiceError, UserException, CdrError):
+            return False
+        return True
+
+    return Door(enter, partial(_octets, seeds), seeds)
+
+
+def _envelope(_folder: Path) -> Door:
+    """Requests and replies as DDS and Zenoh carry them."""
+    request = envelope.Request(bytes(16), 1, "stop", b"\1\2", True, False)
+    seeds = [
+        envelope.request_octets(request),
+        envelope.reply_octets(Reply(ReplyStatus.NO_EXCEPTION, b"\1", True)),
+    ]
+
+    def enter(data: bytes) -> bool:
+        accepted = False
+        with suppress(envelope.EnvelopeError):
+            request = envelope.read_request(data)
+            if envelope.read_request(envelope.request_octets(request)) != request:
+                raise AssertionError(f"{data.hex()} became another request")
+            accepted = True
+        with suppress(envelope.EnvelopeError):
+            reply = envelope.read_reply(data)
+            if envelope.read_reply(envelope.reply_octets(reply)) != reply:
+                raise AssertionError(f"{data.hex()} became another reply")
+            accepted = True
+        return accepted
+
+    return Door(enter, partial(_octets, seeds), seeds)
+
+
+DOORS: dict[str, Callable[[Path], Door]] = {
+    "tdr": _tdr,
+    "rpc-server": _rpc_server,
+    "rpc-client": _rpc_client,
+    "rpc-script": _rpc_script,
+    "giop-server": _giop_server,
+    "giop-client": _giop_client,
+    "envelope": _envelope,
+}

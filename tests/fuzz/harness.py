@@ -1,0 +1,281 @@
+"""Explores a door: guided by coverage where atheris is installed, else by chance.
+
+    python tests/fuzz/harness.py DOOR... [--seconds S] [--runs N] [--keep]
+
+An input that takes over 10 s or 500 MB, or that ends in another exception than is documented, is
+written to `build/fuzz/DOOR/`, with its traceback; the exit code is then 1. A line for each door
+says what was run. `--keep` adds to `corpus/DOOR` the least inputs that reach what others do not.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import logging
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+import traceback
+from functools import partial
+from importlib.util import find_spec
+from pathlib import Path
+from random import Random
+from types import FrameType, TracebackType
+
+import fuzzing
+from doors import CORPUS, MODULES, Door, corpus, door
+from doors.mixing import ROOT
+from seeds import seed
+
+FOUND = ROOT / "build/fuzz"
+SECONDS_OF_INPUT = 10
+MEGABYTES = 500
+_BASE_MEGABYTES = 400
+"""What the interpreter, rtgen and its instrumentation take by themselves."""
+_LARGEST = 4096
+_MOST_KEPT = 60
+_SECONDS_OF_KEEPING = 60
+_DEFECT = "defect-"
+"""How the names of inputs begin that once showed a defect; they stay."""
+_DRAWN = 0.2
+"""The share of inputs that are drawn by the grammar instead of being mutated."""
+_EXECUTED = re.compile(r"stat::number_of_executed_units:\s*(\d+)")
+_TIME = re.compile(r"stat::slowest_unit_time_sec:\s*(\d+)")
+_PEAK = re.compile(r"stat::peak_rss_mb:\s*(\d+)")
+
+
+class DoorTarget:
+    """A door for `fuzzing.run`: half of the inputs by its grammar, half by mutation."""
+
+    def __init__(self, name: str, folder: Path) -> None:
+        self._door = door(name, folder)
+        self._known = [path.read_bytes() for path in corpus(name)]
+        self._known += self._door.seeds
+
+    def make(self, number: int) -> bytes:
+        """The input of a case."""
+        chance = Random(number)
+        if not self._known or chance.random() < 0.5:
+            return self._door.make(chance)
+        data = bytearray(chance.choice(self._known))
+        for _ in range(chance.randrange(1, 6)):
+            at = chance.randrange(len(data) + 1)
+            data[at : at + chance.randrange(3)] = chance.randbytes(chance.randrange(4))
+        return bytes(data)
+
+    def check(self, number: int, data: bytes) -> list[str]:
+        """Give the input to the door."""
+        return ["accepted" if self._door.enter(data) else "refused"]
+
+
+def _place(error: BaseException) -> str:
+    """The kind of an exception and the last line of rtgen that it passed."""
+    where = ""
+    trace: TracebackType | None = error.__traceback__
+    while trace is not None:
+        file = trace.tb_frame.f_code.co_filename
+        if "/rtgen/" in file:
+            where = f"{file.rpartition('/rtgen/')[2]}:{trace.tb_lineno}"
+        trace = trace.tb_next
+    return f"{type(error).__name__} {where}"
+
+
+def _report(folder: Path, error: BaseException, data: bytes) -> None:
+    """Keep the first input for each place where an exception was raised."""
+    name = hashlib.sha256(_place(error).encode()).hexdigest()[:12]
+    file = folder / f"raised-{name}"
+    if not file.exists():
+        file.write_bytes(data)
+        text = "".join(traceback.format_exception(error))
+        file.with_suffix(".txt").write_text(text)
+
+
+def _explore(name: str, arguments: list[str]) -> None:
+    """In the process that libFuzzer rules: it ends this process."""
+    import atheris
+
+    folder = FOUND / name
+    logging.disable()
+    sys.setrecursionlimit(1000)
+    with tempfile.TemporaryDirectory() as scratch:
+        with atheris.instrument_imports(
+            include=["rtgen"], enable_loader_override=False
+        ):
+            opened: Door = door(name, Path(scratch))
+
+        def one(data: bytes) -> None:
+            try:
+                opened.enter(data)
+            except Exception as error:  # the defect that is looked for
+                _report(folder, error, data)
+
+        def mutated(data: bytes, size: int, number: int) -> bytes:
+            chance = Random(number)
+            if chance.random() < _DRAWN:
+                return opened.make(chance)[:size]
+            found: bytes = atheris.Mutate(data, size)
+            return found
+
+        atheris.Setup([name, *arguments], one, custom_mutator=mutated)
+        atheris.Fuzz()
+
+
+def _child(name: str, arguments: list[str]) -> str:
+    """What libFuzzer printed; its own findings are files of `build/fuzz/DOOR`."""
+    command = [sys.executable, __file__, "--inside", name, "--", *arguments]
+    done = subprocess.run(
+        command, capture_output=True, text=True, errors="replace", check=False
+    )
+    return done.stdout + done.stderr
+
+
+def explored(name: str, seconds: float, runs: int) -> tuple[str, bool]:
+    """Explore a door for so long, or so many inputs; a line, and whether nothing was found."""
+    folder = FOUND / name
+    shutil.rmtree(folder, ignore_errors=True)
+    found = folder / "reached"
+    found.mkdir(parents=True)
+    with tempfile.TemporaryDirectory() as scratch:
+        for data in door(name, Path(scratch)).seeds:
+            (found / hashlib.sha256(data).hexdigest()[:16]).write_bytes(data)
+    if find_spec("atheris") is None:
+        line = _by_chance(name, folder, seconds, runs)
+    else:
+        line = _guided(name, folder, seconds, runs)
+    bad = sorted(p for p in folder.iterdir() if p.is_file() and p.suffix != ".txt")
+    for path in bad:
+        line += f"\n  {path.relative_to(ROOT)}"
+        if (text := path.with_suffix(".txt")).exists():
+            line += f": {text.read_text().rstrip().rpartition(chr(10))[2][:200]}"
+    return line, not bad
+
+
+def _guided(name: str, folder: Path, seconds: float, runs: int) -> str:
+    count, slowest, peak = 0, 0, 0
+    end = time.monotonic() + seconds
+    while (left := end - time.monotonic()) > 1 and (not runs or count < runs):
+        limits = [
+            f"-max_total_time={round(left)}",
+            f"-runs={runs - count if runs else -1}",
+        ]
+        text = _child(
+            name,
+            [
+                *limits,
+                f"-timeout={SECONDS_OF_INPUT}",
+                f"-rss_limit_mb={MEGABYTES + _BASE_MEGABYTES}",
+                f"-max_len={_LARGEST}",
+                f"-seed={seed() % 2**31}",
+                f"-artifact_prefix={folder}/",
+                "-print_final_stats=1",
+                "-verbosity=0",
+                str(folder / "reached"),
+                *([str(CORPUS / name)] if corpus(name) else []),
+            ],
+        )
+        executed = _EXECUTED.search(text)
+        if executed is None:
+            (folder / "stopped").write_text(text[-10_000:])
+            break
+        count += int(executed[1])
+        slowest = max(slowest, *(int(each) for each in _TIME.findall(text)))
+        peak = max(peak, *(int(each) for each in _PEAK.findall(text)))
+        if len(list(folder.glob("timeout-*"))) + len(list(folder.glob("oom-*"))) > 5:
+            break
+    return f"{name:<14} {count:>9} inputs, slowest {slowest} s, peak {peak} MB"
+
+
+def _by_chance(name: str, folder: Path, seconds: float, runs: int) -> str:
+    total, first = fuzzing.Report(), seed() * 10_000_000
+    end = time.monotonic() + seconds
+    while time.monotonic() < end and (not runs or total.cases < runs):
+        start = first + total.cases
+        found = fuzzing.run(partial(DoorTarget, name), range(start, start + 10_000))
+        total.add(found)
+        for failure in found.failures:
+            (folder / f"case-{failure.number}").write_text(failure.detail)
+    slowest, peak = total.slowest[0], total.peak // 2**20
+    return (
+        f"{name:<14} {total.cases:>9} inputs, slowest {slowest:.1f} s, peak {peak} MB"
+    )
+
+
+def keep(name: str) -> int:
+    """Keep the least inputs that reach lines which smaller ones do not; how many there are."""
+    paths = [*(FOUND / name / "reached").iterdir(), *corpus(name)]
+    inputs = {data for data in map(Path.read_bytes, paths) if len(data) <= _LARGEST}
+    reached: set[tuple[str, int]] = set()
+    kept: list[bytes] = []
+    answers: set[bool] = set()
+    logging.disable()
+    with tempfile.TemporaryDirectory() as scratch:
+        opened = door(name, Path(scratch))
+        end = time.monotonic() + _SECONDS_OF_KEEPING
+        for data in sorted(inputs, key=lambda data: (len(data), data)):
+            try:
+                lines, answer = _lines(opened, data)
+            except Exception:  # what raised was reported when it was found
+                continue
+            if lines <= reached and answer in answers:
+                continue
+            reached |= lines
+            answers.add(answer)
+            kept.append(data)
+            if len(kept) == _MOST_KEPT or time.monotonic() > end:
+                break
+    for path in corpus(name):
+        if not path.name.startswith(_DEFECT):
+            path.unlink()
+    (CORPUS / name).mkdir(parents=True, exist_ok=True)
+    for data in kept:
+        (CORPUS / name / hashlib.sha256(data).hexdigest()[:16]).write_bytes(data)
+    return len(kept)
+
+
+def _lines(opened: Door, data: bytes) -> tuple[set[tuple[str, int]], bool]:
+    """The lines of rtgen that an input reaches, and whether it is accepted."""
+    reached: set[tuple[str, int]] = set()
+
+    def trace(frame: FrameType, _event: str, _value: object) -> object:
+        file = frame.f_code.co_filename
+        if "/rtgen/" not in file:
+            return None
+        reached.add((file, frame.f_lineno))
+        return trace
+
+    sys.settrace(trace)
+    try:
+        return reached, opened.enter(data)
+    finally:
+        sys.settrace(None)
+
+
+def main() -> int:
+    """Explore the doors that are named, or all."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("doors", nargs="*", metavar="DOOR", help=", ".join(MODULES))
+    parser.add_argument("--seconds", type=float, default=60.0, help="for each door")
+    parser.add_argument("--runs", type=int, default=0, help="at most so many inputs")
+    parser.add_argument("--keep", action="store_true", help="renew the corpus")
+    given = parser.parse_args()
+    unknown = sorted(set(given.doors).difference(MODULES))
+    if unknown:
+        parser.error(f"there is no door {', '.join(unknown)}: {', '.join(MODULES)}")
+    good = True
+    for name in given.doors or MODULES:
+        line, sound = explored(name, given.seconds, given.runs)
+        kept = f", {keep(name)} kept" if given.keep else ""
+        print(line + kept, flush=True)
+        good &= sound
+    return 0 if good else 1
+
+
+if __name__ == "__main__":
+    sys.path.insert(1, str(ROOT / "tests"))
+    if sys.argv[1:2] == ["--inside"]:
+        _explore(sys.argv[2], sys.argv[4:])
+    else:
+        sys.exit(main())
