@@ -318,6 +318,52 @@ def test_a_lost_process_is_a_lost_connection(
     arrived(again.node("b"), [3])
 
 
+def test_a_lost_process_fails_who_needs_it_once_until_it_is_back(
+    pair: tuple[Process, Process], start: Start, caplog: pytest.LogCaptureFixture
+) -> None:
+    here, there = pair
+    state = here.system.state
+    here.connect("a.out", "b.in", qos__on_loss="error")
+    here.system.connect(
+        ("a", "taken"), ("b", "given"), {"port.connection.on_loss": "error"}
+    )
+    there.connect("a.out", "b.in")
+    here.ready()
+    here.activate("a")
+    there.medium.close()
+    wait_for(lambda: state("a") is runtime.LifeCycleState.ERROR_STATE)
+    assert "b is lost" in here.system.statistics("a").reason
+    ticks = here.system.statistics("a").ticks
+    again = start("b")
+    again.connect("a.out", "b.in")
+    here.ready()
+    assert state("a") is runtime.LifeCycleState.ERROR_STATE
+    assert here.system.statistics("a").ticks == ticks
+    assert sum(text.startswith("a: ") for text in caplog.messages) == 1
+    here.system.reset("a")
+    wait_for(lambda: state("a") is runtime.LifeCycleState.INACTIVE_STATE)
+    here.activate("a")
+    assert here.node("a").out.write(sample(3)) is runtime.PORT_OK
+    arrived(again.node("b"), [3])
+    again.medium.close()
+    wait_for(lambda: state("a") is runtime.LifeCycleState.ERROR_STATE)
+
+
+def test_a_lost_process_fails_nobody_who_can_do_without_it(
+    pair: tuple[Process, Process],
+) -> None:
+    here, there = pair
+    here.connect("a.out", "b.in")
+    there.connect("a.out", "b.in")
+    here.ready()
+    here.activate("a")
+    there.medium.close()
+    wait_for(lambda: here.transport.peers.is_lost("b"))
+    before = here.system.statistics("a").ticks
+    wait_for(lambda: here.system.statistics("a").ticks > before + 2)
+    assert here.system.state("a") is runtime.LifeCycleState.ACTIVE_STATE
+
+
 def test_who_is_missing_is_named(start: Start) -> None:
     here = start("a")
     here.connect("a.out", "b.in")

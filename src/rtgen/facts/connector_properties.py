@@ -71,6 +71,9 @@ STRICTNESS: Final = "port.connection.strictness"
 MARSHALING: Final = "dataport.marshaling_type"
 ROS_TOPIC: Final = "dataport.ros2.topic"
 """Topic of a connector whose data go as a message of ROS 2 (OpenRTM-aist's ROS2Transport)."""
+ON_LOSS: Final = "port.connection.on_loss"
+DATA_ON_LOSS: Final = "dataport.qos.on_loss"
+"""What becomes of a component whose peer's process is lost, of service and data connectors."""
 PUSH_RATE: Final = "dataport.publisher.push_rate"
 
 _IO_MODE = "dataport.io_mode"
@@ -172,6 +175,7 @@ QOS: Final[Mapping[str, Check]] = {
     "dataport.qos.depth": _integer(1),
     "dataport.qos.deadline": _number("a time in seconds, above 0", positive=True),
     "dataport.qos.lease": _number("a time in seconds, above 0", positive=True),
+    DATA_ON_LOSS: _one_of("continue", "error"),
 }
 """Quality of service between processes, in the words of DDS 1.4, 2.2.3."""
 
@@ -182,7 +186,10 @@ EMBEDDED_DATA: Final[Mapping[str, Check]] = {
 }
 """The same for the embedded runtime, which has no `duplex`, but QoS between processes."""
 
-SERVICE: Final[Mapping[str, Check]] = {STRICTNESS: _one_of("strict", "best_effort")}
+SERVICE: Final[Mapping[str, Check]] = {
+    STRICTNESS: _one_of("strict", "best_effort"),
+    ON_LOSS: _one_of("continue", "error"),
+}
 """The properties of service connectors, beside the pairs of interfaces."""
 
 

@@ -8,7 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from rtgen.facts.connector_properties import Dataflow, FullPolicy
+from rtgen.facts.connector_properties import (
+    DATA_ON_LOSS,
+    ON_LOSS,
+    Dataflow,
+    FullPolicy,
+)
 from rtgen.runtime.distribution.medium import Qos
 from rtgen.runtime.ports.connector_properties import parse
 
@@ -52,6 +57,15 @@ def qos_of(properties: Mapping[str, str]) -> Qos:
         deadline=seconds("deadline"),
         lease=seconds("lease"),
     )
+
+
+def fails_on_loss(properties: Mapping[str, str]) -> bool:
+    """Whether a component goes to ERROR when the process at the connection's other end is lost.
+
+    By default it goes on: `write` gives CONNECTION_LOST, calls raise ObjectNotExist.
+    """
+    given = (properties.get(key, "") for key in (DATA_ON_LOSS, ON_LOSS))
+    return "error" in [str(text).strip() for text in given]
 
 
 def strongest(one: Qos, other: Qos) -> Qos:

@@ -21,7 +21,8 @@ from rtgen.runtime.distribution.data import (
 from rtgen.runtime.distribution.descriptions import DataPort
 from rtgen.runtime.distribution.medium import Medium, MediumError
 from rtgen.runtime.distribution.names import presence_name
-from rtgen.runtime.distribution.peers import Peers
+from rtgen.runtime.distribution.peers import Peers, Presence
+from rtgen.runtime.distribution.qos import fails_on_loss
 from rtgen.runtime.distribution.services import RemoteProvider, ServedProvider
 from rtgen.runtime.distribution.workers import Workers
 from rtgen.runtime.errors import (
@@ -54,6 +55,7 @@ _LOOK_AGAIN = 0.05
 class _Published:
     """What there is of a component of this process; `tokens` are closed in reverse order."""
 
+    component: Component
     topics: dict[str, OutTopic] = field(default_factory=dict)
     tokens: list[Any] = field(default_factory=list)
 
@@ -77,11 +79,14 @@ class DistributedTransport:
         self._published: dict[str, _Published] = {}
         self._calls: list[RemoteServiceConnector[RemoteProvider]] = []
         self._data: list[SendingConnector | ReceivingConnector] = []
+        self._failing: dict[str, tuple[str, str]] = {}
+        """By connection: the component that fails, and the instance without which it does."""
         self._system: System | None = None
         self._closing = threading.Lock()
         try:
             with _reported():
                 self.peers = Peers(medium, self._process, timeout)
+                self.peers.listeners.append(self._on_presence)
         except TransportError:
             medium.close()
             raise
@@ -120,7 +125,7 @@ class DistributedTransport:
         """Publish ports and providers of a component, then its presence."""
         assert isinstance(component, Component)
         instance = component.instance_name
-        published = self._published[instance] = _Published()
+        published = self._published[instance] = _Published(component)
         medium = self._medium
         try:
             with _reported():
@@ -178,6 +183,7 @@ class DistributedTransport:
             name, here, there, properties, made, "in this system"
         )
         self._calls.append(connector)
+        self._watch_loss(here.instance, there, name, properties)
         return connector
 
     def sending(
@@ -195,6 +201,7 @@ class DistributedTransport:
 
         made = SendingConnector(name, topic, here, there, properties, is_lost)
         self._data.append(made)
+        self._watch_loss(here.owner, there, name, properties)
         return made
 
     def receiving(
@@ -208,7 +215,30 @@ class DistributedTransport:
         """A connection from an OutPort of another process. Raises ConnectError."""
         made = ReceivingConnector(name, self._medium, there, here, properties, guard)
         self._data.append(made)
+        self._watch_loss(here.owner, there, name, properties)
         return made
+
+    def _watch_loss(
+        self, instance: str, there: RemotePort, name: str, properties: Mapping[str, str]
+    ) -> None:
+        if fails_on_loss(properties):
+            self._failing[name] = instance, there.instance
+
+    def _on_presence(self, lost: str, presence: Presence) -> None:
+        """Request ERROR of the components that cannot work without a lost instance."""
+        if presence is not Presence.LOST:
+            return
+        standing = {c.name for c in (*self._data, *self._calls) if c.connected}
+        failing = {
+            instance: name
+            for name, (instance, needed) in tuple(self._failing.items())
+            if needed == lost and name in standing
+        }
+        for instance, name in failing.items():
+            published = self._published.get(instance)
+            if published is not None and published.component.is_active:
+                reason = f"{name}: {lost} {presence.value}"
+                published.component._request_failure(reason)
 
     # Other processes
 
