@@ -46,6 +46,7 @@ EXAMPLES = {
     "can replay": "rtgen can replay run.log --decode --bus net.toml",
     "can plot": "rtgen can plot drive.Position --from run.log -o position.svg --bus net.toml",
     "can send": "rtgen can send 'nmt start all' --interface socketcan --channel can0",
+    "conformance": "rtgen conformance drive.eds --node 1 --connect socketcan:can0",
     "can scan": "rtgen can scan --bus net.toml --interface socketcan --channel can0",
     "can sdo": "rtgen can sdo read drive 1008 --bus net.toml --interface socketcan --channel can0",
     "can timing": "rtgen can timing net.toml",

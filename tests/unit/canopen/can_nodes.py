@@ -22,11 +22,11 @@ SPECS = Path(__file__).parents[3] / "specs" / "canopen"
 
 
 @cache
-def description(name: str) -> DeviceDescription:
-    """The generated description of `specs/canopen/<name>.eds`."""
-    path = SPECS / f"{name}.eds"
+def description(name: str | Path) -> DeviceDescription:
+    """The generated description of a file, or of `specs/canopen/<name>.eds`."""
+    path = name if isinstance(name, Path) else SPECS / f"{name}.eds"
     (device,) = eds.load([path], root=path.parent).model.devices
-    made: dict[str, Any] = {"__name__": name}
+    made: dict[str, Any] = {"__name__": path.stem}
     names = field_names(device.variables)
     exec(objects_text(device.name, kind_of(device), names, ""), made)
     found = made["DESCRIPTION"]

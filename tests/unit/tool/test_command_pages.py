@@ -34,7 +34,9 @@ def names() -> Iterator[str]:
             yield name
             continue
         group = application.get_command(context, name)
-        assert isinstance(group, click.Group)
+        if not isinstance(group, click.Group):
+            yield name
+            continue
         yield from (f"{name} {inner}" for inner in group.list_commands(context))
 
 

@@ -24,7 +24,7 @@ MAX_ERRORS: Final = 64
 
 _TRANSIENT: Final = (0x6, 0x8)
 """Classes of errors that reset communication clears."""
-_NO_DATA: Final = 0x08000024
+
 _BITS: Final = {
     0x2: ErrorRegister.CURRENT,
     0x3: ErrorRegister.VOLTAGE,
@@ -171,7 +171,7 @@ class EmergencyProducer:
 
     def _check_history(self, number: ObjectNumber) -> None:
         if number[1] > self._dictionary.number((HISTORY, 0)):
-            raise SdoAbort(_NO_DATA)
+            raise SdoAbort(sdo.NO_DATA)
 
     def _check(self, number: ObjectNumber, value: ObjectValue) -> None:
         if number[0] == HISTORY:

@@ -67,6 +67,7 @@ VALUE_TOO_LOW: Final = 0x06090032
 GENERAL_ERROR: Final = 0x08000000
 LOCAL_CONTROL: Final = 0x08000021
 DEVICE_STATE: Final = 0x08000022
+NO_DATA: Final = 0x08000024
 
 ABORT_TEXTS: Final = {
     TOGGLE_ERROR: "toggle bit not alternated",
@@ -100,7 +101,7 @@ ABORT_TEXTS: Final = {
     LOCAL_CONTROL: "data cannot be transferred or stored because of local control",
     DEVICE_STATE: "data cannot be transferred or stored in the present device state",
     0x08000023: "no object dictionary",
-    0x08000024: "no data available",
+    NO_DATA: "no data available",
 }
 """Texts of CiA 301, table 22."""
 

@@ -1,0 +1,1 @@
+"""Checks of a CANopen node against its EDS (CiA 301)."""

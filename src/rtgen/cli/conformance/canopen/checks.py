@@ -1,0 +1,536 @@
+"""The checks of a CANopen node: a function each, in the order in which they run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Final, TypeAlias
+
+from rtgen.cli.can.node_index import DescribedObject
+from rtgen.cli.conformance.canopen.node import NodeUnderTest, SilenceError
+from rtgen.cli.conformance.report import Outcome, Verdict
+from rtgen.model.canopen import Access, NodeRelative, resolved
+from rtgen.runtime.canopen.description import ObjectNumber
+from rtgen.runtime.canopen.values import ObjectValueError, decode, encode, size
+from rtgen.runtime.canopen.wire import sdo
+from rtgen.runtime.canopen.wire.frames import (
+    ERROR_CONTROL,
+    MILLISECOND,
+    SYNC,
+    CobId,
+    Frame,
+)
+from rtgen.runtime.canopen.wire.nmt import NmtCommand, NmtState
+from rtgen.runtime.canopen.wire.sdo import ABORT_TEXTS, SdoAbort, Target
+
+Problems: TypeAlias = Iterator[str | None]
+"""A problem for each thing that was checked, None where it is as it should be."""
+
+HEARTBEAT: Final = (0x1017, 0)
+_HISTORY: Final = (0x1003, 0)
+_GUARD_TIME: Final = (0x100C, 0)
+_NAME: Final = (0x1008, 0)
+_PERIOD: Final = 100
+"""Heartbeat period of the checks, in ms."""
+_BEATS: Final = 5
+_MOST_SILENT: Final = 5
+"""Objects without an answer after which no further ones are read."""
+_MOST_SYNCHRONOUS: Final = 240
+_READ_ONLY: Final = (sdo.READ_ONLY, sdo.ACCESS_UNSUPPORTED)
+_WRITE_ONLY: Final = (sdo.WRITE_ONLY, sdo.ACCESS_UNSUPPORTED)
+_LENGTH: Final = (sdo.LENGTH_MISMATCH, sdo.LENGTH_TOO_HIGH, sdo.LENGTH_TOO_LOW)
+_TOO_HIGH: Final = (sdo.VALUE_TOO_HIGH, sdo.VALUE_INVALID)
+_TOO_LOW: Final = (sdo.VALUE_TOO_LOW, sdo.VALUE_INVALID)
+
+
+class SkipError(Exception):
+    """The check does not apply, or must not be made; the text says why."""
+
+
+@dataclass(frozen=True, slots=True)
+class Check:
+    """A check: its name in reports, what it asserts, by which clause, and what makes it so.
+
+    One that `actuates` may move what the node drives; it runs only if that is permitted.
+    """
+
+    name: str
+    title: str
+    clause: str
+    run: Callable[[NodeUnderTest], Problems]
+    actuates: bool = False
+
+    def outcome(self, node: NodeUnderTest, *, actuate: bool) -> Outcome:
+        """Run the check on a node."""
+        about = (self.name, self.title, self.clause)
+        if self.actuates and not actuate:
+            return Outcome(
+                *about, Verdict.SKIPPED, 0, ("it may move something: --actuate",)
+            )
+        tried, problems = 0, []
+        try:
+            for problem in self.run(node):
+                tried += 1
+                problems += [] if problem is None else [problem]
+        except SkipError as reason:
+            return Outcome(*about, Verdict.SKIPPED, 0, (str(reason),))
+        except SilenceError:
+            problems.append(f"no answer within {node.bounds.answer // MILLISECOND} ms")
+        except SdoAbort as abort:
+            problems.append(f"the node refuses: {abort}")
+        if not tried and not problems:
+            return Outcome(
+                *about, Verdict.SKIPPED, 0, ("the description has nothing of it",)
+            )
+        verdict = Verdict.FAILED if problems else Verdict.PASSED
+        return Outcome(*about, verdict, tried, tuple(problems))
+
+
+def _objects(node: NodeUnderTest) -> Iterator[DescribedObject]:
+    yield from sorted(node.described.objects.values(), key=lambda o: o.number)
+
+
+def _refused(what: object, code: int | None, *wanted: int) -> str | None:
+    """The problem of an access that should have been refused with one of some codes."""
+    if code in wanted:
+        return None
+    text = f"{wanted[0]:08X}h, {ABORT_TEXTS[wanted[0]]}"
+    got = "it was accepted" if code is None else f"it was refused with {code:08X}h"
+    return f"{what}: {got}, not with {text}"
+
+
+def readable(node: NodeUnderTest) -> Problems:
+    """Every object that the description calls readable is read."""
+    silent = 0
+    for thing in _objects(node):
+        if thing.access.readable:
+            try:
+                node.values[thing.number] = node.upload(thing.number)
+            except SdoAbort as abort:
+                is_empty = thing.number[0] == _HISTORY[0] and abort.code == sdo.NO_DATA
+                yield None if is_empty else f"{thing}: {abort}"
+            except SilenceError:
+                yield f"{thing}: no answer"
+                silent += 1
+                if silent == _MOST_SILENT:
+                    raise
+            else:
+                yield None
+
+
+def types(node: NodeUnderTest) -> Problems:
+    """The values have the length of their types."""
+    for number, octets in node.values.items():
+        thing = node.described.objects[number]
+        wanted = size(thing.kind)
+        fits = wanted is None or len(octets) == wanted
+        yield (
+            None
+            if fits
+            else f"{thing}: {len(octets)} octets, {thing.kind} has {wanted}"
+        )
+
+
+def limits(node: NodeUnderTest) -> Problems:
+    """The values are within LowLimit and HighLimit."""
+    for number, octets in node.values.items():
+        thing = node.described.objects[number]
+        if thing.low is None and thing.high is None:
+            continue
+        try:
+            value = decode(thing.kind, octets)
+        except ObjectValueError as error:
+            yield f"{thing}: {error}"
+            continue
+        if isinstance(value, str | bytes):
+            continue
+        low, high = thing.low, thing.high
+        fits = (low is None or value >= low) and (high is None or value <= high)
+        yield None if fits else f"{thing} is {value}, outside {low} to {high}"
+
+
+def constants(node: NodeUnderTest) -> Problems:
+    """Constants, the device type and the identity are those of the description."""
+    described = {(0x1000, 0), *((0x1018, sub) for sub in (1, 2, 3))}
+    for number, octets in node.values.items():
+        thing = node.described.objects[number]
+        variable = node.described.device.find(*number)
+        wanted = None if variable is None else resolved(variable.default, node.id)
+        is_constant = thing.access is Access.CONST or number in described
+        if (
+            not is_constant
+            or isinstance(wanted, bytes | NodeRelative | None)
+            or not size(thing.kind)
+        ):
+            continue
+        try:
+            fits = octets == encode(thing.kind, wanted)
+        except ObjectValueError:
+            continue
+        yield None if fits else f"{thing} is {octets.hex()}, described is {wanted}"
+
+
+def read_only(node: NodeUnderTest) -> Problems:
+    """Objects that may only be read refuse to be written."""
+    for thing in _objects(node):
+        octets = node.values.get(thing.number)
+        if not thing.access.writable and octets:
+            yield _refused(thing, node.write_code(thing.number, octets), *_READ_ONLY)
+
+
+def write_only(node: NodeUnderTest) -> Problems:
+    """Objects that may only be written refuse to be read."""
+    for thing in _objects(node):
+        if not thing.access.readable:
+            yield _refused(thing, node.read_code(thing.number), *_WRITE_ONLY)
+
+
+def unknown_objects(node: NodeUnderTest) -> Problems:
+    """Objects and sub-indices that the description does not have are refused."""
+    known = {index for index, _ in node.described.objects}
+    for index in (0x0000, 0x1FFF, 0x5FFF, 0xFFFF):
+        if index not in known:
+            yield _refused(f"{index:04X}h", node.read_code((index, 0)), sdo.NO_OBJECT)
+            code = node.write_code((index, 0), bytes(1))
+            yield _refused(f"{index:04X}h, written", code, sdo.NO_OBJECT)
+    for index in sorted(known):
+        subs = {sub for i, sub in node.described.objects if i == index}
+        unused = next((s for s in range(max(subs) + 1, 255)), None)
+        if unused is not None:
+            code = node.read_code((index, unused))
+            yield _refused(f"{index:04X}h:{unused:X}", code, sdo.NO_SUBINDEX)
+
+
+def lengths(node: NodeUnderTest) -> Problems:
+    """A value of a wrong length is refused."""
+    _writable_heartbeat(node)
+    for octets in (bytes(1), bytes(3), bytes(4)):
+        code = node.write_code(HEARTBEAT, octets)
+        yield _refused(f"1017h with {len(octets)} octets", code, *_LENGTH)
+
+
+def commands(node: NodeUnderTest) -> Problems:
+    """Unknown commands, and segments without a transfer, are refused."""
+    for first in (0xE0, 0x00, 0x60):
+        answer = node.ask(bytes((first,)).ljust(8, b"\0"))
+        code = int.from_bytes(answer[4:8], "little") if answer[0] == sdo.ABORT else None
+        yield _refused(f"command {first:02X}h", code, sdo.COMMAND_UNKNOWN)
+
+
+def toggling(node: NodeUnderTest) -> Problems:
+    """A segment whose toggle bit does not alternate ends the transfer."""
+    _long(node)
+    node.ask(Target(*_NAME).message(sdo.UPLOAD))
+    answer = node.ask(bytes((sdo.UPLOAD_SEGMENT | sdo.TOGGLE,)).ljust(8, b"\0"))
+    code = int.from_bytes(answer[4:8], "little") if answer[0] == sdo.ABORT else None
+    yield _refused("the first segment with toggle bit 1", code, sdo.TOGGLE_ERROR)
+    if code is None:
+        node.abandon(_NAME)
+
+
+def segments(node: NodeUnderTest) -> Problems:
+    """A transfer that the client has aborted leaves the server ready, with its value."""
+    _long(node)
+    node.ask(Target(*_NAME).message(sdo.UPLOAD))
+    node.abandon(_NAME)
+    same = node.upload(_NAME) == node.values[_NAME]
+    yield None if same else "1008h differs after an aborted transfer"
+
+
+def blocks(node: NodeUnderTest) -> Problems:
+    """A block upload gives what segments give, or is refused as unknown."""
+    for number, octets in node.values.items():
+        if len(octets) <= sdo.SEGMENT:
+            continue
+        try:
+            same = node.upload(number, block=True) == octets
+        except SdoAbort as abort:
+            if abort.code == sdo.COMMAND_UNKNOWN:
+                raise SkipError("the node has no block transfer") from None
+            raise
+        thing = node.described.objects[number]
+        yield None if same else f"{thing}: a block upload gives another value"
+
+
+def errors(node: NodeUnderTest) -> Problems:
+    """The error history counts its errors, and takes nothing but 0."""
+    if not node.has(*_HISTORY):
+        raise SkipError("1003h is not described")
+    count = int.from_bytes(node.upload(_HISTORY), "little")
+    for sub in range(1, count + 1):
+        code = node.read_code((_HISTORY[0], sub))
+        yield None if code is None else f"1003h:{sub:X}: refused with {code:08X}h"
+    if node.described.objects[_HISTORY].access.writable:
+        code = node.write_code(_HISTORY, b"\x01")
+        yield _refused("1003h:0 set to 1", code, sdo.VALUE_INVALID, *_TOO_HIGH)
+
+
+def pdo_parameters(node: NodeUnderTest) -> Problems:
+    """Identifiers, transmission types and mappings of PDOs are those of the description."""
+    for pdo in node.described.device.pdos:
+        for index in (pdo.communication, pdo.mapping):
+            for (at, sub), octets in node.values.items():
+                variable = node.described.device.find(at, sub)
+                if at != index or variable is None:
+                    continue
+                wanted = resolved(variable.default, node.id)
+                if isinstance(wanted, int):
+                    got = int.from_bytes(octets, "little")
+                    thing = node.described.objects[at, sub]
+                    yield (
+                        None
+                        if got == wanted
+                        else f"{thing} is {got:X}h, described is {wanted:X}h"
+                    )
+
+
+def boot_up(node: NodeUnderTest) -> Problems:
+    """Reset communication leads to the boot-up message, and to PRE-OPERATIONAL."""
+    node.command(NmtCommand.RESET_COMMUNICATION)
+    initialising = NmtState.INITIALISING
+    if node.await_state([initialising], node.bounds.boot) != initialising:
+        yield f"no boot-up within {node.bounds.boot // MILLISECOND} ms"
+        return
+    yield None if node.read_code((0x1000, 0)) is None else "1000h is refused after it"
+
+
+def heartbeat(node: NodeUnderTest) -> Problems:
+    """1017h starts the heartbeat with its period, and 0 ends it."""
+    before = _writable_heartbeat(node)
+    try:
+        node.download(HEARTBEAT, _PERIOD.to_bytes(2, "little"))
+        read = int.from_bytes(node.upload(HEARTBEAT), "little")
+        yield (
+            None if read == _PERIOD else f"1017h is {read} after {_PERIOD} was written"
+        )
+        times = []
+        for _ in range(_BEATS + 1):
+            frame = node.await_frame(
+                ERROR_CONTROL + node.id, 10 * _PERIOD * MILLISECOND
+            )
+            if frame is None:
+                yield f"no heartbeat within {10 * _PERIOD} ms"
+                return
+            times.append(node.line.now())
+        mean = (times[-1] - times[0]) / _BEATS / MILLISECOND
+        fits = abs(mean - _PERIOD) <= node.bounds.period_tolerance * _PERIOD
+        yield None if fits else f"a period of {mean:.0f} ms, {_PERIOD} was written"
+        node.download(HEARTBEAT, bytes(2))
+        node.await_frame(ERROR_CONTROL + node.id, _PERIOD * MILLISECOND // 4)
+        late = node.await_frame(ERROR_CONTROL + node.id, 3 * _PERIOD * MILLISECOND)
+        yield None if late is None else "the heartbeat goes on after 0 was written"
+    finally:
+        node.download(HEARTBEAT, before)
+
+
+def guarding(node: NodeUnderTest) -> Problems:
+    """The node answers remote frames with its state and a bit that alternates."""
+    if not node.has(*_GUARD_TIME):
+        raise SkipError("100Ch is not described")
+    if not node.line.remote_frames:
+        raise SkipError("this interface carries no remote frames")
+    before = node.upload(HEARTBEAT) if node.has(*HEARTBEAT) else bytes(2)
+    if any(before):
+        node.download(HEARTBEAT, bytes(2))
+    try:
+        toggles = []
+        for _ in range(3):
+            node.line.send(Frame(ERROR_CONTROL + node.id, remote=True))
+            frame = node.await_frame(ERROR_CONTROL + node.id, node.bounds.answer)
+            if frame is None or len(frame.data) != 1:
+                yield "no answer to a remote frame of node guarding"
+                return
+            toggles.append(frame.data[0] >> 7)
+        alternating = toggles[0] != toggles[1] != toggles[2]
+        yield None if alternating else f"toggle bits {toggles}"
+    finally:
+        if any(before):
+            node.download(HEARTBEAT, before)
+
+
+def stopped(node: NodeUnderTest) -> Problems:
+    """A stopped node serves no SDO, and does so again in PRE-OPERATIONAL."""
+    node.command(NmtCommand.STOP)
+    try:
+        node.upload((0x1000, 0))
+        yield "a stopped node answers an SDO"
+    except SilenceError:
+        yield None
+    finally:
+        node.command(NmtCommand.ENTER_PRE_OPERATIONAL)
+    yield None if node.read_code((0x1000, 0)) is None else "1000h is refused after it"
+
+
+def states(node: NodeUnderTest) -> Problems:
+    """Each NMT command leads to its state, as the heartbeat shows it."""
+    before = _writable_heartbeat(node)
+    node.download(HEARTBEAT, _PERIOD.to_bytes(2, "little"))
+    try:
+        for command, wanted in (
+            (NmtCommand.START, NmtState.OPERATIONAL),
+            (NmtCommand.STOP, NmtState.STOPPED),
+            (NmtCommand.START, NmtState.OPERATIONAL),
+            (NmtCommand.ENTER_PRE_OPERATIONAL, NmtState.PRE_OPERATIONAL),
+        ):
+            node.command(command)
+            state = node.await_state([wanted], 10 * _PERIOD * MILLISECOND)
+            shown = "nothing" if state is None else f"{state:02X}h"
+            name = command.name.replace("_", " ")
+            yield None if state == wanted else f"{name}: the heartbeat shows {shown}"
+    finally:
+        node.command(NmtCommand.ENTER_PRE_OPERATIONAL)
+        node.download(HEARTBEAT, before)
+
+
+def range_of_writes(node: NodeUnderTest) -> Problems:
+    """Values beyond the limits are refused, and what is there stays."""
+    for thing in _objects(node):
+        before = node.values.get(thing.number)
+        if not thing.access.writable or before is None:
+            continue
+        for limit, step, codes in (
+            (thing.high, 1, _TOO_HIGH),
+            (thing.low, -1, _TOO_LOW),
+        ):
+            if limit is None:
+                continue
+            try:
+                octets = encode(thing.kind, limit + step)
+            except ObjectValueError:
+                continue
+            code = node.write_code(thing.number, octets)
+            yield _refused(f"{thing} set to {limit + step}", code, *codes)
+            kept = node.upload(thing.number) == before
+            yield None if kept else f"{thing}: a refused value was stored"
+            if not kept:
+                node.download(thing.number, before)
+
+
+def same_value(node: NodeUnderTest) -> Problems:
+    """An object of the application takes the value that it has."""
+    for thing in _objects(node):
+        before = node.values.get(thing.number)
+        if thing.number[0] >= 0x2000 and thing.access.writable and before:
+            code = node.write_code(thing.number, before)
+            yield (
+                None
+                if code is None
+                else f"{thing}: its own value is refused with {code:08X}h"
+            )
+
+
+def synchronous(node: NodeUnderTest) -> Problems:
+    """A TPDO of transmission type n is sent after every n-th SYNC, with its length."""
+    found = []
+    for pdo in node.described.device.pdos:
+        kind = int.from_bytes(node.values.get((pdo.communication, 2), b"\0"), "little")
+        cob_id = CobId(
+            int.from_bytes(node.values.get((pdo.communication, 1), b""), "little")
+        )
+        if (
+            pdo.direction == "tpdo"
+            and 1 <= kind <= _MOST_SYNCHRONOUS
+            and not cob_id.bit31
+        ):
+            found.append((pdo, kind, cob_id.can_id))
+    node.command(NmtCommand.START)
+    try:
+        for pdo, kind, can_id in found:
+            counted = 0
+            for _ in range(2 * kind):
+                node.line.send(Frame(SYNC))
+                frame = node.await_frame(can_id, 20 * MILLISECOND)
+                counted += frame is not None
+                if frame is not None and 8 * len(frame.data) != (pdo.bits + 7) // 8 * 8:
+                    yield f"tpdo{pdo.number}: {len(frame.data)} octets for {pdo.bits} bits"
+            yield (
+                None
+                if counted == 2
+                else f"tpdo{pdo.number}: {counted} after {2 * kind} SYNCs"
+            )
+    finally:
+        node.command(NmtCommand.ENTER_PRE_OPERATIONAL)
+
+
+def _writable_heartbeat(node: NodeUnderTest) -> bytes:
+    """The octets of 1017h. Raises SkipError if the node does not have it writable."""
+    thing = node.described.objects.get(HEARTBEAT)
+    if thing is None or not thing.access.writable:
+        raise SkipError("1017h is not described as writable")
+    return node.upload(HEARTBEAT)
+
+
+def _long(node: NodeUnderTest) -> ObjectNumber:
+    """1008h, if its value needs segments. Raises SkipError."""
+    if len(node.values.get(_NAME, b"")) <= sdo.EXPEDITED:
+        raise SkipError("1008h has no value of more than 4 octets")
+    return _NAME
+
+
+_SDO = "CiA 301, 7.2.4.3"
+_EDS = "CiA 306, 4.6"
+
+CHECKS: Final = (
+    Check("sdo.read", "every readable object is read", _SDO, readable),
+    Check("object.type", "values have the length of their types", _EDS, types),
+    Check("object.limits", "values are within their limits", _EDS, limits),
+    Check("object.constants", "constants and identity as described", _EDS, constants),
+    Check(
+        "pdo.parameters",
+        "PDO parameters as described",
+        "CiA 301, 7.5.2.35 to 38",
+        pdo_parameters,
+    ),
+    Check("sdo.read-only", "read-only objects refuse writes", _SDO, read_only),
+    Check("sdo.write-only", "write-only objects refuse reads", _SDO, write_only),
+    Check(
+        "sdo.unknown",
+        "unknown objects and sub-indices are refused",
+        _SDO,
+        unknown_objects,
+    ),
+    Check("sdo.length", "values of a wrong length are refused", _SDO, lengths),
+    Check("sdo.command", "unknown commands are refused", _SDO, commands),
+    Check("sdo.toggle", "a wrong toggle bit is refused", _SDO, toggling),
+    Check("sdo.abort", "an aborted transfer leaves the server ready", _SDO, segments),
+    Check(
+        "sdo.block",
+        "block transfer gives the same values",
+        "CiA 301, 7.2.4.3.9",
+        blocks,
+    ),
+    Check("emcy.history", "the error history", "CiA 301, 7.5.2.4", errors),
+    Check(
+        "heartbeat", "the heartbeat keeps its period", "CiA 301, 7.2.8.3.2.2", heartbeat
+    ),
+    Check("guarding", "node guarding", "CiA 301, 7.2.8.3.2.1", guarding),
+    Check(
+        "nmt.boot-up", "boot-up after reset communication", "CiA 301, 7.3.2.2", boot_up
+    ),
+    Check("nmt.stopped", "a stopped node serves no SDO", "CiA 301, 7.3.2.2.4", stopped),
+    Check(
+        "nmt.states",
+        "NMT commands lead to their states",
+        "CiA 301, 7.3.2",
+        states,
+        True,
+    ),
+    Check(
+        "sdo.range", "values beyond the limits are refused", _SDO, range_of_writes, True
+    ),
+    Check(
+        "sdo.same-value",
+        "objects take the values that they have",
+        _SDO,
+        same_value,
+        True,
+    ),
+    Check(
+        "pdo.synchronous",
+        "synchronous TPDOs follow SYNC",
+        "CiA 301, 7.5.2.37",
+        synchronous,
+        True,
+    ),
+)
+"""All checks, in the order of a test: the first one reads what others compare with."""

@@ -1,0 +1,153 @@
+"""The node under test: transfers, single messages and states over a line of frames."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from typing import Protocol
+
+from rtgen.cli.can.node_index import DescribedNode
+from rtgen.runtime.canopen.description import ObjectNumber
+from rtgen.runtime.canopen.wire import sdo
+from rtgen.runtime.canopen.wire.frames import (
+    ERROR_CONTROL,
+    MILLISECOND,
+    SDO_REQUEST,
+    SDO_RESPONSE,
+    Frame,
+)
+from rtgen.runtime.canopen.wire.nmt import NmtCommand, NmtState, command_frame
+from rtgen.runtime.canopen.wire.sdo import SdoAbort, Target
+from rtgen.runtime.canopen.wire.sdo_client import SdoClient
+
+_TOGGLE = 0x80
+
+
+class Line(Protocol):
+    """Frames to and from a bus; times in ns."""
+
+    remote_frames: bool
+
+    def now(self) -> int:
+        """The time."""
+
+    def send(self, frame: Frame, /) -> None:
+        """Send a frame."""
+
+    def receive(self, until: int, /) -> Frame | None:
+        """The next frame, or None at that time."""
+
+
+class SilenceError(Exception):
+    """The node has not answered within the bound."""
+
+
+@dataclass(frozen=True, slots=True)
+class Bounds:
+    """What a node is allowed to need: an answer, a boot-up, the part of a period; in ns."""
+
+    answer: int = 1000 * MILLISECOND
+    boot: int = 5000 * MILLISECOND
+    period_tolerance: float = 0.2
+
+
+@dataclass(slots=True)
+class NodeUnderTest:
+    """A node with its description. Methods raise SilenceError if it does not answer in time."""
+
+    described: DescribedNode
+    line: Line
+    bounds: Bounds = Bounds()
+    values: dict[ObjectNumber, bytes] = field(default_factory=dict)
+    """What was read, by the first check."""
+
+    @property
+    def id(self) -> int:
+        """The node-id."""
+        return self.described.id
+
+    def upload(self, number: ObjectNumber, *, block: bool = False) -> bytes:
+        """The octets of an object. Raises SdoAbort."""
+        client = SdoClient(self.id, timeout=self.bounds.answer)
+        return self._transfer(
+            client, client.upload(*number, self.line.now(), block=block)
+        )
+
+    def download(self, number: ObjectNumber, value: bytes) -> None:
+        """Write an object. Raises SdoAbort."""
+        client = SdoClient(self.id, timeout=self.bounds.answer)
+        self._transfer(client, client.download(*number, value, self.line.now()))
+
+    def read_code(self, number: ObjectNumber) -> int | None:
+        """The abort code of reading an object, None if it was read."""
+        return _code(lambda: self.upload(number))
+
+    def write_code(self, number: ObjectNumber, value: bytes) -> int | None:
+        """The abort code of writing an object, None if it was written."""
+        return _code(lambda: self.download(number, value))
+
+    def ask(self, data: bytes) -> bytes:
+        """The response to a single SDO message."""
+        self.line.send(Frame(SDO_REQUEST + self.id, data))
+        found = self.await_frame(SDO_RESPONSE + self.id, self.bounds.answer)
+        if found is None:
+            raise SilenceError
+        return found.data
+
+    def abandon(self, number: ObjectNumber) -> None:
+        """Abort the transfer of an object; a server does not answer that."""
+        data = Target(*number).abort(sdo.GENERAL_ERROR)
+        self.line.send(Frame(SDO_REQUEST + self.id, data))
+
+    def command(self, command: NmtCommand) -> None:
+        """Send an NMT command."""
+        self.line.send(command_frame(command, self.id))
+
+    def await_frame(self, can_id: int, within: int) -> Frame | None:
+        """The next frame of an identifier, None if it does not come within that time."""
+        end = self.line.now() + within
+        while (frame := self.line.receive(end)) is not None:
+            if frame.can_id == can_id and not frame.remote and not frame.extended:
+                return frame
+        return None
+
+    def await_state(self, wanted: Iterable[NmtState], within: int) -> int | None:
+        """The last state that error control showed; returns as soon as it is one of `wanted`."""
+        end, states, last = self.line.now() + within, set(wanted), None
+        while (left := end - self.line.now()) > 0:
+            frame = self.await_frame(ERROR_CONTROL + self.id, left)
+            if frame is None:
+                break
+            last = frame.data[0] & ~_TOGGLE if len(frame.data) == 1 else -1
+            if last in states:
+                break
+        return last
+
+    def has(self, index: int, subindex: int = 0) -> bool:
+        """Whether the description has an object."""
+        return (index, subindex) in self.described.objects
+
+    def _transfer(self, client: SdoClient, frames: list[Frame]) -> bytes:
+        for frame in frames:
+            self.line.send(frame)
+        while client.busy:
+            assert client.deadline is not None
+            received = self.line.receive(client.deadline)
+            now = self.line.now()
+            answers = [] if received is None else client.receive(received, now)
+            for frame in (*answers, *client.poll(now)):
+                self.line.send(frame)
+        try:
+            return client.result()
+        except SdoAbort as abort:
+            if abort.code == sdo.TIMED_OUT:
+                raise SilenceError from abort
+            raise
+
+
+def _code(transfer: Callable[[], object]) -> int | None:
+    try:
+        transfer()
+    except SdoAbort as abort:
+        return abort.code
+    return None

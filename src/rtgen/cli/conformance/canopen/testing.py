@@ -1,0 +1,83 @@
+"""Tests a node on a bus of python-can."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+
+from rtgen.cli.can.live_bus import opened, send
+from rtgen.cli.can.node_index import read_node_index
+from rtgen.cli.can.options import BusAccess
+from rtgen.cli.conformance.canopen.checks import CHECKS
+from rtgen.cli.conformance.canopen.node import Bounds, NodeUnderTest, SilenceError
+from rtgen.cli.conformance.report import Report
+from rtgen.diagnostics import ToolError
+from rtgen.runtime.canopen.bus.messages import frame_of
+from rtgen.runtime.canopen.bus.python_can import OpenBus
+from rtgen.runtime.canopen.errors import LinkError
+from rtgen.runtime.canopen.wire.frames import SECOND, Frame
+
+_DEVICE_TYPE = (0x1000, 0)
+"""The object that every node has (CiA 301, 7.5.2.1)."""
+_LONGEST = 0.1
+"""Longest wait for a frame in seconds, so that Ctrl-C is noticed."""
+
+
+class BusLine:
+    """The frames of an open bus. Methods raise ToolError if the bus is lost."""
+
+    def __init__(self, bus: OpenBus) -> None:
+        self._bus = bus
+        self.remote_frames = bus.carries_remote_frames
+
+    def now(self) -> int:
+        """The time in ns."""
+        return time.monotonic_ns()
+
+    def send(self, frame: Frame) -> None:
+        """Send a frame."""
+        send(self._bus, frame)
+
+    def receive(self, until: int) -> Frame | None:
+        """The next frame, or None at that time."""
+        while True:
+            left = (until - self.now()) / SECOND
+            try:
+                message = self._bus.receive(min(max(left, 0.0), _LONGEST))
+            except LinkError as error:
+                raise ToolError(f"the bus is gone: {error}") from error
+            frame = None if message is None else frame_of(message)
+            if frame is not None or left <= 0:
+                return frame
+
+
+def tested(
+    file: Path,
+    node_id: int | None,
+    access: BusAccess,
+    *,
+    timeout: float,
+    boot: float,
+    actuate: bool,
+) -> Report:
+    """The report of all checks. Raises InputError, Refusal and ToolError."""
+    known = read_node_index(None, [(node_id, file)])
+    (described,) = known.nodes.values()
+    bounds = Bounds(round(timeout * SECOND), round(boot * SECOND))
+    with opened(access) as bus:
+        return checked(
+            NodeUnderTest(described, BusLine(bus), bounds), file.as_posix(), actuate
+        )
+
+
+def checked(node: NodeUnderTest, definition: str, actuate: bool) -> Report:
+    """The report of all checks of a node. Raises ToolError if the node is not there."""
+    try:
+        node.read_code(_DEVICE_TYPE)
+    except SilenceError:
+        raise ToolError(
+            f"node {node.id} does not answer",
+            hint="`rtgen can scan` lists the nodes of the bus; a stopped node has no SDO",
+        ) from None
+    outcomes = tuple(check.outcome(node, actuate=actuate) for check in CHECKS)
+    return Report(f"{node.described.name} (node {node.id})", definition, outcomes)

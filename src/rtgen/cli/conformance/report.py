@@ -1,0 +1,124 @@
+"""The report of a conformance test: as text, JSON, JUnit XML and HTML."""
+
+from __future__ import annotations
+
+import html
+import json
+from collections import Counter
+from dataclasses import asdict, dataclass
+from enum import StrEnum
+from typing import Final
+from xml.etree import ElementTree
+
+
+class Verdict(StrEnum):
+    """The outcome of a check."""
+
+    PASSED = "passed"
+    FAILED = "failed"
+    SKIPPED = "skipped"
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """What a check says: `problems` of a failed one, the reason of a skipped one.
+
+    `tried` is the number of things that were checked; `clause` names the specification.
+    """
+
+    check: str
+    title: str
+    clause: str
+    verdict: Verdict
+    tried: int = 0
+    problems: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Report:
+    """The outcomes of all checks of one subject, in order."""
+
+    subject: str
+    definition: str
+    outcomes: tuple[Outcome, ...]
+
+    @property
+    def passed(self) -> bool:
+        """Whether no check has failed."""
+        return all(o.verdict is not Verdict.FAILED for o in self.outcomes)
+
+    @property
+    def summary(self) -> str:
+        """The numbers of checks by verdict."""
+        counts = Counter(o.verdict for o in self.outcomes)
+        return ", ".join(f"{counts[v]} {v.value}" for v in Verdict)
+
+
+def as_text(report: Report) -> str:
+    """A line for each check, its problems below it, and the summary."""
+    lines = []
+    width = max((len(o.check) for o in report.outcomes), default=0)
+    for o in report.outcomes:
+        tried = f" ({o.tried})" if o.tried else ""
+        lines.append(f"{o.verdict.value:7}  {o.check:{width}}  {o.title}{tried}")
+        lines += (f"         {'':{width}}  - {problem}" for problem in o.problems)
+    return "\n".join([*lines, f"{report.subject}: {report.summary}", ""])
+
+
+def as_json_text(report: Report) -> str:
+    """The report by the schema conformance.schema.json."""
+    return f"{json.dumps({'passed': report.passed, **asdict(report)}, indent=2)}\n"
+
+
+def as_junit(report: Report) -> str:
+    """JUnit's XML: a test case for each check."""
+    counts = Counter(o.verdict for o in report.outcomes)
+    suite = ElementTree.Element(
+        "testsuite",
+        name=_printable(report.subject),
+        tests=str(len(report.outcomes)),
+        failures=str(counts[Verdict.FAILED]),
+        skipped=str(counts[Verdict.SKIPPED]),
+    )
+    for o in report.outcomes:
+        case = ElementTree.SubElement(
+            suite, "testcase", classname=_printable(report.definition), name=o.check
+        )
+        if o.verdict is not Verdict.PASSED:
+            tag = "failure" if o.verdict is Verdict.FAILED else "skipped"
+            inner = ElementTree.SubElement(case, tag, message=o.title)
+            inner.text = "\n".join(map(_printable, o.problems))
+    ElementTree.indent(suite)
+    return f"{ElementTree.tostring(suite, 'unicode', xml_declaration=True)}\n"
+
+
+def as_html(report: Report) -> str:
+    """A page of its own, without scripts and without anything from outside."""
+    rows = "".join(
+        f'<tr class="{o.verdict.value}"><td>{o.verdict.value}</td>'
+        f"<td><code>{html.escape(o.check)}</code></td><td>{html.escape(o.title)}"
+        f"{''.join(f'<div>{html.escape(p)}</div>' for p in o.problems)}</td>"
+        f"<td>{o.tried or ''}</td><td>{html.escape(o.clause)}</td></tr>\n"
+        for o in report.outcomes
+    )
+    title = html.escape(f"{report.subject}: {report.summary}")
+    return (
+        '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
+        f"<title>{title}</title>\n<style>{_STYLE}</style></head>\n<body><h1>{title}</h1>\n"
+        f"<p>{html.escape(report.definition)}</p>\n<table><thead><tr><th>verdict</th><th>check</th>"
+        f"<th>what</th><th>tried</th><th>by</th></tr></thead>\n<tbody>\n{rows}</tbody></table>\n"
+        "</body></html>\n"
+    )
+
+
+def _printable(text: str) -> str:
+    """The text without characters that XML cannot have."""
+    return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)
+
+
+_STYLE: Final = (
+    ":root{color-scheme:light dark}body{font:15px system-ui,sans-serif;margin:2rem}"
+    "table{border-collapse:collapse}td,th{text-align:left;vertical-align:top;padding:.3rem .8rem;"
+    "border-bottom:1px solid #8886}.passed td:first-child{color:#2a7d2a}"
+    ".failed td:first-child{color:#c62828;font-weight:bold}.skipped{opacity:.7}"
+)

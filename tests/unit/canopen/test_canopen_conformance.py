@@ -1,0 +1,421 @@
+"""`rtgen conformance`: our own nodes pass, and each check fails for a node that breaks just it."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+from can_nodes import SPECS, description, nodes
+from json_schemas import valid
+
+from rtgen.cli import run
+from rtgen.cli.can.node_index import read_node_index
+from rtgen.cli.conformance.canopen.checks import CHECKS
+from rtgen.cli.conformance.canopen.node import NodeUnderTest
+from rtgen.cli.conformance.canopen.testing import checked
+from rtgen.cli.conformance.report import (
+    Report,
+    Verdict,
+    as_html,
+    as_json_text,
+    as_junit,
+    as_text,
+)
+from rtgen.runtime.canopen.node.node import DeviceNode
+from rtgen.runtime.canopen.wire.frames import Frame
+
+ID = 5
+Alter = Callable[[Frame, list[Frame]], list[Frame]]
+
+
+class SimulatedLine:
+    """A node alone on a line, in simulated time; `alter` changes what it sends."""
+
+    remote_frames = True
+
+    def __init__(self, node: DeviceNode, alter: Alter, latency: int = 100_000) -> None:
+        self._node, self._alter, self._latency = node, alter, latency
+        self._time = 0
+        self._waiting: list[tuple[int, Frame]] = []
+        self._put(Frame(0x7FF), node.boot(0))
+
+    def now(self) -> int:
+        return self._time
+
+    def send(self, frame: Frame) -> None:
+        self._put(frame, self._node.receive(frame, self._time))
+
+    def receive(self, until: int) -> Frame | None:
+        while True:
+            deadline = self._node.deadline
+            first = self._waiting[0][0] if self._waiting else until + 1
+            if deadline is not None and deadline <= min(first, until):
+                self._time = max(self._time, deadline)
+                self._put(Frame(0x7FF), self._node.poll(self._time))
+                continue
+            if first > until:
+                self._time = max(self._time, until)
+                return None
+            self._time = max(self._time, first)
+            return self._waiting.pop(0)[1]
+
+    def _put(self, cause: Frame, frames: Iterable[Frame]) -> None:
+        due = self._time + self._latency
+        self._waiting += [(due, frame) for frame in self._alter(cause, list(frames))]
+
+
+def unaltered(cause: Frame, frames: list[Frame]) -> list[Frame]:
+    return frames
+
+
+def report_of(eds: Path, alter: Alter = unaltered, *, actuate: bool = True) -> Report:
+    (described,) = read_node_index(None, [(ID, eds)]).nodes.values()
+    line = SimulatedLine(DeviceNode(description(eds), ID, serial_number=1), alter)
+    return checked(NodeUnderTest(described, line), eds.name, actuate)
+
+
+def failed(report: Report) -> set[str]:
+    return {o.check for o in report.outcomes if o.verdict is Verdict.FAILED}
+
+
+NAMES = ("f_palette", "motor_core_unit", "ftmd", "epos_drive")
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_our_own_nodes_conform(name: str) -> None:
+    report = report_of(SPECS / f"{name}.eds")
+    assert report.passed, as_text(report)
+    skipped = {o.check for o in report.outcomes if o.verdict is Verdict.SKIPPED}
+    assert skipped <= {"sdo.write-only", "guarding", "pdo.synchronous"}
+
+
+def limited(folder: Path) -> Path:
+    """f_palette with objects that it lacks: limits, a write-only one, node guarding."""
+    text = (SPECS / "f_palette.eds").read_text()
+    for group, objects in (
+        ("Optional", {0x100C: ("0x0006", "rw", ""), 0x100D: ("0x0005", "rw", "")}),
+        (
+            "Manufacturer",
+            {
+                0x2F00: ("0x0003", "ro", "LowLimit=-100\nHighLimit=100\n"),
+                0x2F01: ("0x0006", "wo", ""),
+                0x2F02: ("0x0006", "rw", "LowLimit=0\nHighLimit=10\n"),
+            },
+        ),
+    ):
+        head, count = f"[{group}Objects]\nSupportedObjects=", len(objects)
+        start = text.index(head) + len(head)
+        before = int(text[start:].split("\n", 1)[0])
+        listed = "".join(
+            f"{before + place}=0x{index:X}\n" for place, index in enumerate(objects, 1)
+        )
+        end = text.index("\n\n", start) + 1
+        body = text[start:end].replace(str(before), str(before + count), 1)
+        text = text[:start] + body + listed + text[end:]
+        for index, (kind, access, limits) in objects.items():
+            text += (
+                f"\n[{index:X}]\nParameterName=Object {index:X}\nObjectType=0x7\n"
+                f"DataType={kind}\nAccessType={access}\nDefaultValue=0\n{limits}PDOMapping=0\n"
+            )
+    path = folder / "limited.eds"
+    path.write_text(text)
+    return path
+
+
+def test_a_node_with_everything_conforms(tmp_path: Path) -> None:
+    report = report_of(limited(tmp_path))
+    assert report.passed, as_text(report)
+
+
+def test_without_actuate_the_node_stays_as_it_was(tmp_path: Path) -> None:
+    eds = limited(tmp_path)
+    sent: list[Frame] = []
+
+    def alter(cause: Frame, out: list[Frame]) -> list[Frame]:
+        sent.append(cause)
+        return out
+
+    report = report_of(eds, alter, actuate=False)
+    assert report.passed
+    skipped = {o.check for o in report.outcomes if o.verdict is Verdict.SKIPPED}
+    assert skipped >= {check.name for check in CHECKS if check.actuates}
+    assert Frame(0, bytes((1, ID))) not in sent
+    written = {
+        int.from_bytes(f.data[1:3], "little")
+        for f in sent
+        if f.can_id == 0x600 + ID and not f.remote and f.data[0] & 0xE0 == 0x20
+    }
+    read_only = {
+        v.index
+        for v in read_node_index(None, [(ID, eds)]).nodes[ID].device.variables
+        if not v.access.writable
+    }
+    assert {i for i in written - read_only if i >= 0x2000} <= {0x5FFF, 0xFFFF}
+
+
+# Mutants: each breaks what one check asserts, and nothing else.
+
+
+def sdo_abort(cause: Frame, code: int) -> list[Frame]:
+    data = b"\x80" + cause.data[1:4] + code.to_bytes(4, "little")
+    return [Frame(0x580 + ID, data)]
+
+
+def acknowledged(cause: Frame) -> list[Frame]:
+    return [Frame(0x580 + ID, b"\x60" + cause.data[1:4] + bytes(4))]
+
+
+def at(cause: Frame, command: int, index: int, sub: int = 0) -> bool:
+    """Whether it is the first message of a transfer: 0x40 reads, 0x20 writes."""
+    number = bytes((index & 0xFF, index >> 8, sub))
+    is_sdo = cause.can_id == 0x600 + ID and not cause.remote
+    return is_sdo and cause.data[0] & 0xE0 == command and cause.data[1:4] == number
+
+
+def refusing(command: int, index: int, sub: int = 0, code: int = 0x08000000) -> Alter:
+    return lambda cause, out: (
+        sdo_abort(cause, code) if at(cause, command, index, sub) else out
+    )
+
+
+def accepting(command: int, index: int, sub: int = 0, most: int = 4) -> Alter:
+    return lambda cause, out: (
+        acknowledged(cause)
+        if at(cause, command, index, sub) and 4 - (cause.data[0] >> 2 & 3) <= most
+        else out
+    )
+
+
+def answering(index: int, sub: int, first: int, value: bytes) -> Alter:
+    """Gives another expedited value where an object is read."""
+    return lambda cause, out: (
+        [Frame(0x580 + ID, bytes((first,)) + cause.data[1:4] + value.ljust(4, b"\0"))]
+        if at(cause, 0x40, index, sub)
+        else out
+    )
+
+
+def changed(
+    can_id: int, change: Callable[[bytes], bytes | None], *, of: Alter = unaltered
+) -> Alter:
+    """Changes the data of the frames of an identifier; None drops the frame."""
+
+    def alter(cause: Frame, out: list[Frame]) -> list[Frame]:
+        made = []
+        for frame in of(cause, out):
+            data = change(frame.data) if frame.can_id == can_id else frame.data
+            made += [] if data is None else [Frame(frame.can_id, data)]
+        return made
+
+    return alter
+
+
+def to_command(first: int, answer: Callable[[Frame], list[Frame]]) -> Alter:
+    return lambda cause, out: (
+        answer(cause)
+        if cause.can_id == 0x600 + ID and cause.data[:1] == bytes((first,))
+        else out
+    )
+
+
+class EverySecondBeat:
+    """Loses every second heartbeat."""
+
+    def __init__(self) -> None:
+        self.count = 0
+
+    def __call__(self, cause: Frame, out: list[Frame]) -> list[Frame]:
+        def change(data: bytes) -> bytes | None:
+            self.count += 1
+            return data if data == b"\0" or self.count % 2 else None
+
+        return changed(0x700 + ID, change)(cause, out)
+
+
+class AfterAbort:
+    """Gives another first segment of 1008h after the client has aborted a transfer."""
+
+    def __init__(self) -> None:
+        self.aborted = False
+
+    def __call__(self, cause: Frame, out: list[Frame]) -> list[Frame]:
+        if at(cause, 0x80, 0x1008):
+            self.aborted = True
+        if self.aborted and cause.data[:1] == b"\x60" and out:
+            self.aborted = False
+            return [Frame(f.can_id, f.data[:1] + b"?" + f.data[2:]) for f in out]
+        return out
+
+
+class ServedWhenStopped:
+    """Answers reads of 1000h while it is stopped."""
+
+    def __init__(self) -> None:
+        self.stopped = False
+
+    def __call__(self, cause: Frame, out: list[Frame]) -> list[Frame]:
+        if cause.can_id == 0:
+            self.stopped = cause.data[0] == 2
+        if self.stopped and at(cause, 0x40, 0x1000):
+            return [Frame(0x580 + ID, b"\x43\x00\x10\x00" + bytes(4))]
+        return out
+
+
+class RefusesItsOwnValue:
+    """Refuses the value of an object of the application that it would store."""
+
+    def __call__(self, cause: Frame, out: list[Frame]) -> list[Frame]:
+        stored = [f for f in out if f.data[:1] == b"\x60" and f.data[2] >= 0x20]
+        return sdo_abort(cause, 0x08000000) if stored else out
+
+
+def too_high_is_stored(cause: Frame, out: list[Frame]) -> list[Frame]:
+    refused = [f for f in out if f.data[4:8] == (0x06090031).to_bytes(4, "little")]
+    return acknowledged(cause) if refused else out
+
+
+MUTANTS: dict[str, tuple[str, Alter]] = {
+    "sdo.read": ("f_palette", refusing(0x40, 0x1018, 4)),
+    "object.type": ("f_palette", answering(0x1001, 0, 0x4B, b"\0\0")),
+    "object.limits": ("limited", answering(0x2F00, 0, 0x4B, b"\xff\x7f")),
+    "object.constants": ("f_palette", answering(0x1018, 2, 0x43, b"\x99\0\0\0")),
+    "pdo.parameters": ("f_palette", answering(0x1A00, 1, 0x43, b"\x08\0\x99\x60")),
+    "sdo.read-only": ("f_palette", accepting(0x20, 0x1018, 1)),
+    "sdo.write-only": ("limited", answering(0x2F01, 0, 0x4B, b"\0\0")),
+    "sdo.unknown": ("f_palette", refusing(0x40, 0x5FFF)),
+    "sdo.length": ("f_palette", accepting(0x20, 0x1017, most=1)),
+    "sdo.command": ("f_palette", to_command(0xE0, lambda f: sdo_abort(f, 0x08000000))),
+    "sdo.toggle": (
+        "f_palette",
+        lambda cause, out: (
+            [Frame(0x580 + ID, b"\x10" + bytes(7))]
+            if any(f.data[4:] == b"\x00\x00\x03\x05" for f in out)
+            else out
+        ),
+    ),
+    "sdo.abort": ("f_palette", AfterAbort()),
+    "sdo.block": (
+        "f_palette",
+        lambda cause, out: (
+            [Frame(f.can_id, f.data[:1] + b"?" + f.data[2:]) for f in out]
+            if cause.data[:1] == b"\xa3"
+            else out
+        ),
+    ),
+    "emcy.history": ("f_palette", accepting(0x20, 0x1003)),
+    "heartbeat": ("f_palette", EverySecondBeat()),
+    "guarding": (
+        "limited",
+        lambda cause, out: (
+            [Frame(f.can_id, bytes((f.data[0] & 0x7F,))) for f in out]
+            if cause.remote
+            else out
+        ),
+    ),
+    "nmt.boot-up": (
+        "f_palette",
+        changed(0x700 + ID, lambda data: None if data == b"\0" else data),
+    ),
+    "nmt.stopped": ("f_palette", ServedWhenStopped()),
+    "nmt.states": (
+        "f_palette",
+        changed(0x700 + ID, lambda data: b"\x7f" if data == b"\x05" else data),
+    ),
+    "sdo.range": ("limited", too_high_is_stored),
+    "sdo.same-value": ("f_palette", RefusesItsOwnValue()),
+    "pdo.synchronous": (
+        "motor_core_unit",
+        lambda cause, out: [f for f in out if not 0x180 <= f.can_id < 0x580],
+    ),
+}
+
+
+def test_each_check_has_a_mutant() -> None:
+    assert list(MUTANTS) == [check.name for check in CHECKS]
+
+
+@pytest.mark.parametrize("check", MUTANTS)
+def test_a_check_finds_the_node_that_breaks_just_it(check: str, tmp_path: Path) -> None:
+    name, alter = MUTANTS[check]
+    eds = SPECS / f"{name}.eds" if name != "limited" else limited(tmp_path)
+    report = report_of(eds, alter)
+    assert failed(report) == {check}, as_text(report)
+
+
+# Reports and the command.
+
+
+def broken() -> Report:
+    return report_of(SPECS / "f_palette.eds", refusing(0x40, 0x5FFF), actuate=False)
+
+
+def test_reports_in_each_form() -> None:
+    report = broken()
+    text = as_text(report)
+    assert "failed   sdo.unknown" in text
+    assert "- 5FFFh: it was refused with 08000000h, not with 06020000h" in text
+    content = valid(as_json_text(report), "conformance.schema.json")
+    assert content["passed"] is False
+    assert [o["check"] for o in content["outcomes"]] == [c.name for c in CHECKS]
+    suite = ElementTree.fromstring(as_junit(report))
+    assert suite.get("failures") == "1"
+    (failure,) = suite.findall("testcase/failure")
+    assert failure.text is not None
+    assert failure.text.startswith("5FFFh")
+    page = as_html(report)
+    assert page.count("<tr class=") == len(CHECKS)
+    assert "<script" not in page
+
+
+def test_texts_of_a_definition_are_data_in_reports() -> None:
+    hostile = "<script>alert(1)</script>\x00]]>&\"'"
+    outcome = replace(broken().outcomes[0], problems=(hostile,), verdict=Verdict.FAILED)
+    report = Report(hostile, hostile, (outcome,))
+    assert "<script" not in as_html(report)
+    suite = ElementTree.fromstring(as_junit(report))
+    shown = hostile.replace("\x00", "\N{REPLACEMENT CHARACTER}")
+    assert suite.get("name") == shown
+    assert [e.text for e in suite.iter("failure")] == [shown]
+    assert json.loads(as_json_text(report))["subject"] == hostile
+
+
+def test_the_command_on_a_bus(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    eds, page = str(SPECS / "f_palette.eds"), tmp_path / "report.html"
+    suite = tmp_path / "report.xml"
+    arguments = ["conformance", eds, "--node", str(ID), "--timeout", "0.5"]
+    arguments += ["--connect", "virtual:conformance"]
+    with nodes("conformance", {ID: "f_palette"}):
+        code = run([*arguments, "--json", "--html", str(page), "--junit", str(suite)])
+    said = capfd.readouterr()
+    assert code == 0, said
+    assert valid(said.out, "conformance.schema.json")["passed"]
+    assert ElementTree.parse(suite).getroot().get("failures") == "0"
+    assert page.read_text().startswith("<!DOCTYPE html>")
+    assert run(arguments) == 3
+    assert "node 5 does not answer" in capfd.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "word"),
+    [
+        (["board.cdl"], "is not an EDS or a DCF"),
+        (["f_palette.eds", "--connect", "can0"], "not INTERFACE:CHANNEL"),
+        (["f_palette.eds", "--connect", "virtual:x"], "NODE-ID"),
+        (["nothing.eds", "--node", "1", "--connect", "virtual:x"], "nothing.eds"),
+    ],
+)
+def test_what_the_command_refuses(
+    arguments: list[str],
+    word: str,
+    capfd: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(SPECS)
+    assert run(["conformance", *arguments]) == 2
+    assert word in capfd.readouterr().err
