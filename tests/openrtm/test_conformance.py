@@ -23,9 +23,9 @@ from conformance import BEHAVIOURS, OTHERS, component_of, make_project
 from openrtm_lab import Lab, resolved, until
 from specimens import COUNT, specimen
 
+from rtgen.facts.openrtm_ports import known_name
 from rtgen.runtime import Component
 from rtgen.runtime.rtc.profiles import ParameterProfile
-from rtgen.typemap.openrtm_ports import known_name
 
 HERE = Path(__file__).parent
 IN_EVERY_RUN = {

@@ -22,6 +22,7 @@ from rtgen.diagnostics import (
     has_errors,
 )
 from rtgen.facts.connector_properties import own_properties
+from rtgen.facts.openrtm_ports import IN, OUT, SERVICE, registered_names
 from rtgen.frontends.kit.suggestions import nearest
 from rtgen.model import Connection, System, SystemComponent
 from rtgen.runtime.rtc.conf_file import read as read_conf
@@ -42,14 +43,7 @@ from rtgen.systems.timeline import (
     SetParameter,
     Step,
 )
-from rtgen.typemap.openrtm_ports import (
-    IN,
-    OUT,
-    SERVICE,
-    InstancePorts,
-    registered_names,
-    with_definition_names,
-)
+from rtgen.typemap.openrtm_ports import InstancePorts, with_definition_names
 
 if TYPE_CHECKING:
     from rtgen.runtime.services.transports import ProcessTransport

@@ -6,22 +6,24 @@ its last dot (`PortBase.setOwner`). Profiles written by its tools have these nam
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from msgspec.structs import replace
 
+from rtgen.facts.openrtm_ports import (
+    IN,
+    OUT,
+    SERVICE,
+    Key,
+    known_name,
+    registered_names,
+)
 from rtgen.model import Component, Connection, Port, PortKind, PortReference, System
 
 OPENRTM_NAME = "openrtm_name"
 """The annotation that sets a port's name."""
 
-IN, OUT, SERVICE = "in", "out", "service"
-
-Key = tuple[str, str]
-"""One of `IN`, `OUT`, `SERVICE`, and the name of a port in the definition."""
-
-_SUFFIXES = {IN: "", OUT: "_out", SERVICE: "_service"}
 _WAYS = {PortKind.INPORT: IN, PortKind.OUTPORT: OUT}
 _POLARITIES = {PortKind.PROVIDER: "provided", PortKind.CONSUMER: "required"}
 
@@ -37,26 +39,6 @@ def chosen_name(port: Port) -> str:
     annotation = port.annotation(OPENRTM_NAME)
     value = None if annotation is None else annotation.get()
     return value if isinstance(value, str) else ""
-
-
-def known_name(name: str) -> str:
-    """The name that OpenRTM uses for a port registered as `name`."""
-    return name.rpartition(".")[2]
-
-
-def registered_names(
-    keys: Iterable[Key], chosen: Mapping[Key, str] | None = None
-) -> dict[Key, str]:
-    """Registration names for ports, unique in OpenRTM's name space."""
-    listed = list(dict.fromkeys(keys))
-    names: dict[Key, str] = {}
-    for way, suffix in _SUFFIXES.items():
-        taken = set(map(known_name, names.values()))
-        for key in listed:
-            if key[0] == way:
-                clashes = known_name(key[1]) in taken
-                names[key] = (chosen or {}).get(key) or key[1] + suffix * clashes
-    return names
 
 
 def names_of(component: Component) -> dict[Key, str]:

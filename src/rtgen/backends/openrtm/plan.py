@@ -16,6 +16,7 @@ from rtgen.backends.components.members import attributes_of
 from rtgen.backends.kit.quoting.properties import is_conf_key, is_conf_value
 from rtgen.backends.openrtm import rules
 from rtgen.diagnostics import Diagnostic, Related
+from rtgen.facts.openrtm_ports import known_name
 from rtgen.model import (
     Component,
     ConfigurationParameter,
@@ -33,7 +34,6 @@ from rtgen.typemap.openrtm_ports import (
     OPENRTM_NAME,
     chosen_name,
     key_of,
-    known_name,
     names_of,
 )
 from rtgen.typemap.python_names import identifier

@@ -29,6 +29,7 @@ from rtgen.facts.connector_properties import (
     STRICTNESS,
     own_properties,
 )
+from rtgen.facts.openrtm_ports import SERVICE, known_name
 from rtgen.model import (
     Activation,
     Connection,
@@ -45,7 +46,7 @@ from rtgen.model.system_links import (
     interfaces,
     service_pairs,
 )
-from rtgen.typemap.openrtm_ports import SERVICE, key_of, known_name, names_of
+from rtgen.typemap.openrtm_ports import key_of, names_of
 from rtgen.typemap.parameters import Parameters
 
 PER_CYCLE = "rtgen.openrtm.per_cycle"

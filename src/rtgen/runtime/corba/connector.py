@@ -9,7 +9,7 @@ from typing import Any
 
 from omniORB import CORBA
 
-from rtgen.runtime.corba.faults import caught, is_inactive, is_unsent
+from rtgen.runtime.corba.faults import caught, is_inactive, is_lost, is_unsent
 from rtgen.runtime.corba.naming import Naming, is_alive
 from rtgen.runtime.corba.objects import Objects, Remote, signatures
 from rtgen.runtime.errors import PortTypeError, TransportError
@@ -66,7 +66,7 @@ class RemoteProvider:
         try:
             return remote.attempt(operation, arguments)
         except CORBA.SystemException as error:
-            if is_inactive(error) or not _is_lost(error):
+            if is_inactive(error) or not is_lost(error):
                 raise caught(operation, error) from error
             self._remote = None
             another = self._another(remote, error)
@@ -197,15 +197,3 @@ class RemoteConnector(RemoteServiceConnector[RemoteProvider]):
 
         where = f"by the naming service {naming.address}"
         super().__init__(name, source, target, properties, made, where)
-
-
-_LOST = (
-    CORBA.TRANSIENT,
-    CORBA.COMM_FAILURE,
-    CORBA.OBJECT_NOT_EXIST,
-    CORBA.INV_OBJREF,
-)
-
-
-def _is_lost(error: Any) -> bool:
-    return isinstance(error, _LOST)

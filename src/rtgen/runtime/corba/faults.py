@@ -20,6 +20,13 @@ _OURS = 0
 """Minor code of exceptions raised by rtgen's servants."""
 _BEFORE_THE_CALL = (BadOperation, MarshalError, ObjectNotExist)
 
+_LOST = (
+    CORBA.TRANSIENT,
+    CORBA.COMM_FAILURE,
+    CORBA.OBJECT_NOT_EXIST,
+    CORBA.INV_OBJREF,
+)
+
 
 def raised(error: ServiceError) -> Any:
     """Convert an error to the exception that omniORB sends to the client."""
@@ -48,3 +55,8 @@ def is_inactive(error: Any) -> bool:
 def is_unsent(error: Any) -> bool:
     """Whether a system exception implies that the call was not carried out."""
     return bool(error.completed == CORBA.COMPLETED_NO)
+
+
+def is_lost(error: Any) -> bool:
+    """Whether a system exception means that the object or its process is gone."""
+    return isinstance(error, _LOST)

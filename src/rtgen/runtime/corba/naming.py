@@ -85,6 +85,32 @@ class Naming:
 
         self._asked(unbind, "unbind")
 
+    def bind_object(self, name: tuple[str, str], reference: Any) -> None:
+        """Bind an object by id and kind, replacing one that no longer exists.
+
+        Raises ServedElsewhereError if the bound one still answers.
+        """
+
+        def bind() -> None:
+            if is_alive(_resolved(self._root, *name)):
+                raise ServedElsewhereError(
+                    f"{'.'.join(name)} is served by another process already, "
+                    f"says the naming service at {self.address}"
+                )
+            self._root.rebind(_path(*name), reference)
+
+        self._asked(bind, "bind")
+
+    def unbind_object(self, name: tuple[str, str], reference: Any) -> None:
+        """Unbind an object, unless another one has been bound to the name since."""
+
+        def unbind() -> None:
+            bound = _resolved(self._root, *name)
+            if bound is not None and bound._is_equivalent(reference):
+                self._root.unbind(_path(*name))
+
+        self._asked(unbind, "unbind")
+
     def providers(self, port: tuple[str, str]) -> dict[str, Any]:
         """The bound providers of a port by name."""
 

@@ -6,7 +6,7 @@ import logging
 import threading
 from _thread import interrupt_main
 from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import Any, Protocol, TypeVar
 
 import omniORB
 from omniORB import CORBA, PortableServer, tcInternal
@@ -17,7 +17,6 @@ from rtgen.runtime.corba.operations import Operations
 from rtgen.runtime.corba.orb import Orb
 from rtgen.runtime.corba.wire_types import Interface, WireTypes
 from rtgen.runtime.failures import described, ends_run, log
-from rtgen.runtime.marshalling.descriptors import InterfaceDescriptor
 from rtgen.runtime.marshalling.octets import (
     ObjectReference,
     read_reference,
@@ -201,14 +200,24 @@ def _interface_of(servant: Servant) -> type[Servant]:
     return next(c for c in type(servant).__mro__ if "_skeleton_" in vars(c))
 
 
-class _Skeleton:
+class _Described(Protocol):
+    """An interface, as far as omniORB has to know it."""
+
+    @property
+    def repository_id(self) -> str: ...
+
+    @property
+    def bases(self) -> tuple[Any, ...]: ...
+
+
+class SkeletonClass:
     """The attribute by which omniORB finds the interfaces of a servant."""
 
-    def __init__(self, descriptor: InterfaceDescriptor, operations: Any) -> None:
+    def __init__(self, descriptor: _Described, operations: Any) -> None:
         self._NP_RepositoryId = descriptor.repository_id
         self._omni_op_d = operations
         # The name that omniORB looks up for the base interfaces.
-        self.__bases__ = tuple(_Skeleton(base, {}) for base in descriptor.bases)
+        self.__bases__ = tuple(SkeletonClass(base, {}) for base in descriptor.bases)
 
 
 def _servant_class(interface: type[Servant], operations: Operations) -> type[Any]:
@@ -227,7 +236,7 @@ def _servant_class(interface: type[Servant], operations: Operations) -> type[Any
         "__init__": keep,
         "_NP_RepositoryId": descriptor.repository_id,
         "_omni_op_d": described,
-        "_omni_skeleton": _Skeleton(descriptor, described),
+        "_omni_skeleton": SkeletonClass(descriptor, described),
         "_non_existent": lambda self: not self._exists(),
         _SIGNATURES: lambda self: list(descriptor.operations),
     }

@@ -8,16 +8,21 @@ from collections.abc import Collection, Mapping
 from contextlib import ExitStack
 from functools import partial
 from types import TracebackType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rtgen.runtime.corba.connector import RemoteConnector, RemoteProvider
 from rtgen.runtime.corba.name_server import NameServer
 from rtgen.runtime.corba.naming import Naming
 from rtgen.runtime.corba.objects import Objects
 from rtgen.runtime.corba.orb import LOOPBACK, Orb
+from rtgen.runtime.corba.rt_objects.publishing import RtObjects
 from rtgen.runtime.errors import TransportError
+from rtgen.runtime.rtc.component import Component
 from rtgen.runtime.services.ports import Carrier, PortOwner, Provider, ServicePort
 from rtgen.runtime.services.transports import RemotePort
+
+if TYPE_CHECKING:
+    from rtgen.runtime.system.system import System
 
 log = logging.getLogger("rtgen.runtime")
 
@@ -45,9 +50,11 @@ class CorbaTransport:
         self._references: dict[Provider[Any], Any] = {}
         self._connectors: list[RemoteConnector] = []
         self._naming: Naming | None = None
+        self._rt_objects: RtObjects | None = None
         try:
             if naming:
                 self._naming = self._found(orb, name_server)
+                self._rt_objects = RtObjects(orb, self._objects, self._naming)
         except TransportError:
             self.close()
             raise
@@ -83,10 +90,15 @@ class CorbaTransport:
         """The address of the naming service; empty without one."""
         return "" if self._naming is None else self._naming.address
 
+    def steered(self, system: System) -> None:
+        """Let other processes watch and steer the components of a system."""
+        if self._rt_objects is not None:
+            self._rt_objects.system = system
+
     # Interface to the system
 
     def serve(self, component: PortOwner) -> None:
-        """Publish the providers of a component."""
+        """Publish the providers of a component, and the component itself as an RTObject."""
         for (port, name), provider in component.providers.items():
             reference = self._objects.serve(
                 provider.interface, provider.carry_out, partial(_exists, provider)
@@ -94,9 +106,16 @@ class CorbaTransport:
             self._references[provider] = reference
             if self._naming is not None:
                 self._naming.bind((component.instance_name, port), name, reference)
+        if self._rt_objects is not None and isinstance(component, Component):
+            self._rt_objects.publish(component, self._references)
 
     def withdraw(self, component: PortOwner) -> None:
-        """Withdraw the providers of a component. Failures of the naming service are logged."""
+        """Withdraw a component. Failures of the naming service are logged."""
+        if self._rt_objects is not None:
+            try:
+                self._rt_objects.withdraw(component.instance_name)
+            except TransportError as error:
+                log.warning("%s", error)
         for provider in component.providers.values():
             if provider in self._references:
                 self._withdraw(provider)

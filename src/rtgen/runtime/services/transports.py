@@ -76,11 +76,16 @@ class RemoteDataConnector(Protocol):
 
 
 @runtime_checkable
-class DataTransport(Protocol):
-    """A transport that carries samples between processes, too."""
+class SteeringTransport(Protocol):
+    """A transport by which other processes watch and steer a system."""
 
     def steered(self, system: Any) -> None:
         """Let other processes watch and steer a system, of class `System`."""
+
+
+@runtime_checkable
+class DataTransport(SteeringTransport, Protocol):
+    """A transport that carries samples between processes, too."""
 
     def sending(
         self,

@@ -32,7 +32,7 @@ from rtgen.runtime.rtc.component import Component
 from rtgen.runtime.rtc.configuration import DEFAULT_SET
 from rtgen.runtime.rtc.execution_context import ExecutionContext
 from rtgen.runtime.rtc.participant import Participant
-from rtgen.runtime.services.transports import DataTransport, Transport
+from rtgen.runtime.services.transports import SteeringTransport, Transport
 from rtgen.runtime.system.dependencies import Dependencies
 from rtgen.runtime.system.joining import (
     Connector,
@@ -87,7 +87,7 @@ class System:
         self._observation = Observation(self.clock.elapsed, self.end_run)
         self.on_failure: Callable[[Failure], None] = log_failure
         """Called with each failure of a component's code; in real time from its thread."""
-        if isinstance(transport, DataTransport):
+        if isinstance(transport, SteeringTransport):
             transport.steered(self)
 
     def __enter__(self) -> System:
@@ -299,6 +299,14 @@ class System:
         """
         name = name or f"{'.'.join(source)}_{'.'.join(target)}"
         connector = self._joining.made(source, target, properties or {}, name)
+        self.establish(connector)
+        return connector
+
+    def establish(self, connector: Connector) -> None:
+        """Establishes a connection that a transport has made, as `connect` does.
+
+        Raises DuplicateConnectionError for a name that is used.
+        """
         if connector.name in self._connectors:
             raise DuplicateConnectionError(
                 f"there is a connection {connector.name!r} already"
@@ -313,7 +321,6 @@ class System:
             connector.end_publishing = self._scheduler.drive(
                 connector.publisher, driver
             )
-        return connector
 
     def obstacle(self, source: PortAddress, target: PortAddress) -> str:
         """Why two ports cannot be connected; empty if they can. Raises UnknownComponentError."""

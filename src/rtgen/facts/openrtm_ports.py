@@ -1,0 +1,36 @@
+"""Names of ports on OpenRTM: one name space for all ports of a component.
+
+OpenRTM only keeps the part of a name after its last dot (`PortBase.setOwner`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Final, TypeAlias
+
+IN, OUT, SERVICE = "in", "out", "service"
+
+Key: TypeAlias = tuple[str, str]
+"""One of `IN`, `OUT`, `SERVICE`, and the name of a port in the definition."""
+
+_SUFFIXES: Final = {IN: "", OUT: "_out", SERVICE: "_service"}
+
+
+def known_name(name: str) -> str:
+    """The name that OpenRTM uses for a port registered as `name`."""
+    return name.rpartition(".")[2]
+
+
+def registered_names(
+    keys: Iterable[Key], chosen: Mapping[Key, str] | None = None
+) -> dict[Key, str]:
+    """Registration names for ports, unique in OpenRTM's name space."""
+    listed = list(dict.fromkeys(keys))
+    names: dict[Key, str] = {}
+    for way, suffix in _SUFFIXES.items():
+        taken = set(map(known_name, names.values()))
+        for key in listed:
+            if key[0] == way:
+                clashes = known_name(key[1]) in taken
+                names[key] = (chosen or {}).get(key) or key[1] + suffix * clashes
+    return names

@@ -1,0 +1,319 @@
+"""A component as `OpenRTM::DataFlowComponent`, and its execution contexts."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from omniORB import any as anys
+
+from rtgen.runtime.corba.rt_objects.configuration import Configuration
+from rtgen.runtime.corba.rt_objects.objects import Exported
+from rtgen.runtime.corba.rt_objects.ports import PortService
+from rtgen.runtime.corba.rt_objects.wire import (
+    CONFIGURATION,
+    DATA_FLOW_COMPONENT,
+    EXECUTION_CONTEXT,
+    ComponentProfile,
+    DeviceProfile,
+    ExecutionContextProfile,
+    InterfaceNotImplemented,
+    InvalidParameter,
+    NameValue,
+    ServiceProfile,
+    values,
+)
+from rtgen.runtime.return_codes import (
+    BAD_PARAMETER,
+    CREATED_STATE,
+    PRECONDITION_NOT_MET,
+    UNSUPPORTED,
+    ExecutionKind,
+    LifeCycleState,
+    ReturnCode_t,
+)
+from rtgen.runtime.rtc.component import Component
+from rtgen.runtime.rtc.execution_context import ExecutionContext
+
+_NO_HANDLE = -1
+_CALLBACKS = """
+    on_initialize on_finalize on_startup on_shutdown on_activated on_deactivated on_aborting
+    on_error on_reset on_execute on_state_update on_rate_changed
+    """
+
+
+class ContextService:
+    """`RTC::ExecutionContextService` of a context; its participants are of this process."""
+
+    def __init__(
+        self, context: ExecutionContext, exported: Exported, owner: RtObject
+    ) -> None:
+        self.context = context
+        self._exported = exported
+        self._owner = owner
+        self.reference = exported.serve(EXECUTION_CONTEXT, self)
+
+    def is_running(self) -> bool:
+        """See `RTC::ExecutionContext`."""
+        return self.context.is_running()
+
+    def start(self) -> ReturnCode_t:
+        """See `RTC::ExecutionContext`."""
+        return self.context.start()
+
+    def stop(self) -> ReturnCode_t:
+        """See `RTC::ExecutionContext`."""
+        return self.context.stop()
+
+    def get_rate(self) -> float:
+        """The rate in Hz."""
+        return self.context.get_rate()
+
+    def set_rate(self, rate: float) -> ReturnCode_t:
+        """Set the rate in Hz."""
+        return self.context.set_rate(rate)
+
+    def get_kind(self) -> ExecutionKind:
+        """See `RTC::ExecutionContext`."""
+        return self.context.get_kind()
+
+    def add_component(self, reference: Any) -> ReturnCode_t:
+        """UNSUPPORTED for a component of another process."""
+        component = self._component(reference)
+        return (
+            UNSUPPORTED if component is None else self.context.add_component(component)
+        )
+
+    def remove_component(self, reference: Any) -> ReturnCode_t:
+        """BAD_PARAMETER for a component of another process."""
+        component = self._component(reference)
+        if component is None:
+            return BAD_PARAMETER
+        return self.context.remove_component(component)
+
+    def activate_component(self, reference: Any) -> ReturnCode_t:
+        """Request ACTIVE; carried out at the next tick."""
+        component = self._component(reference)
+        if component is None:
+            return BAD_PARAMETER
+        return self.context.activate_component(component)
+
+    def deactivate_component(self, reference: Any) -> ReturnCode_t:
+        """Request INACTIVE."""
+        component = self._component(reference)
+        if component is None:
+            return BAD_PARAMETER
+        return self.context.deactivate_component(component)
+
+    def reset_component(self, reference: Any) -> ReturnCode_t:
+        """Request INACTIVE after an ERROR."""
+        component = self._component(reference)
+        if component is None:
+            return BAD_PARAMETER
+        return self.context.reset_component(component)
+
+    def get_component_state(self, reference: Any) -> LifeCycleState:
+        """The state of a component; CREATED if it does not participate."""
+        component = self._component(reference)
+        if component is None:
+            return CREATED_STATE
+        return self.context.get_component_state(component)
+
+    def get_profile(self) -> ExecutionContextProfile:
+        """See `RTC::ExecutionContextService`."""
+        return ExecutionContextProfile(
+            self.context.get_kind(),
+            self.context.get_rate(),
+            self._owner.reference,
+            [],
+            [],
+        )
+
+    def _component(self, reference: Any) -> Component | None:
+        found = self._exported.local(reference)
+        return found.component if isinstance(found, RtObject) else None
+
+
+class RtObject:
+    """`OpenRTM::DataFlowComponent`: a component of this process with its ports.
+
+    Callbacks are for the middleware alone, and a component ends with the run: both are
+    UNSUPPORTED for others.
+    """
+
+    def __init__(
+        self, component: Component, ports: Sequence[PortService], exported: Exported
+    ) -> None:
+        self.component = component
+        self.ports = ports
+        self._exported = exported
+        self.reference = exported.serve(DATA_FLOW_COMPONENT, self)
+        self._configuration = exported.serve(CONFIGURATION, Configuration(component))
+        self._contexts: dict[int, ContextService] = {}
+        for port in ports:
+            port.owner = self.reference
+
+    def close(self) -> None:
+        """End the connections to other processes, and serve no more."""
+        for port in self.ports:
+            port.close()
+        for context in self._contexts.values():
+            self._exported.withdraw(context.reference)
+        self._exported.withdraw(self._configuration)
+        self._exported.withdraw(self.reference)
+
+    # RTObject
+
+    def get_component_profile(self) -> ComponentProfile:
+        """See `RTC::RTObject`."""
+        profile = self.component.profile
+        texts = {
+            "instance_name": self.component.instance_name,
+            "type_name": profile.type_name,
+            "implementation_id": profile.type_name,
+            "description": profile.description,
+            "version": profile.version,
+            "vendor": profile.vendor,
+            "category": profile.category,
+            "activity_type": profile.activity,
+            "max_instance": str(profile.max_instances),
+            "language": "Python",
+            "lang_type": "SCRIPT",
+            "naming.names": f"{self.component.instance_name}.rtc",
+        }
+        return ComponentProfile(
+            self.component.instance_name,
+            profile.type_name,
+            profile.description,
+            profile.version,
+            profile.vendor,
+            profile.category,
+            [port.get_port_profile() for port in self.ports],
+            None,
+            values(texts),
+        )
+
+    def get_ports(self) -> list[Any]:
+        """References to the port services."""
+        return [port.reference for port in self.ports]
+
+    # LightweightRTObject
+
+    def initialize(self) -> ReturnCode_t:
+        """PRECONDITION_NOT_MET: it is initialized."""
+        return PRECONDITION_NOT_MET
+
+    def finalize(self) -> ReturnCode_t:
+        """PRECONDITION_NOT_MET: it participates in its own context."""
+        return PRECONDITION_NOT_MET
+
+    def exit(self) -> ReturnCode_t:
+        """UNSUPPORTED: components end with their run."""
+        return UNSUPPORTED
+
+    def is_alive(self, reference: Any) -> bool:
+        """Whether it is initialized; with a context, whether it participates there."""
+        found = self._exported.local(reference)
+        context = found.context if isinstance(found, ContextService) else None
+        if context is None and reference is not None:
+            return False
+        return self.component.is_alive(context)
+
+    def get_owned_contexts(self) -> list[Any]:
+        """The contexts that the component owns."""
+        return self._references(self.component.get_owned_contexts())
+
+    def get_participating_contexts(self) -> list[Any]:
+        """The contexts of others in which it participates."""
+        return self._references(self.component.get_participating_contexts())
+
+    def get_context(self, handle: int) -> Any:
+        """The context of a handle; nil for an unknown one."""
+        context = self.component.get_context(handle)
+        return next(iter(self._references([context])), None)
+
+    def get_context_handle(self, reference: Any) -> int:
+        """The handle of a context, -1 for an unknown one."""
+        found = self._exported.local(reference)
+        if not isinstance(found, ContextService):
+            return _NO_HANDLE
+        return self.component.get_context_handle(found.context)
+
+    def attach_context(self, reference: Any) -> int:
+        """-1: `add_component` of a context attaches it."""
+        return _NO_HANDLE
+
+    def detach_context(self, handle: int) -> ReturnCode_t:
+        """UNSUPPORTED: `remove_component` of a context detaches it."""
+        return UNSUPPORTED
+
+    def _references(self, contexts: Sequence[Any]) -> list[Any]:
+        found = []
+        for context in contexts:
+            if not isinstance(context, ExecutionContext):
+                continue
+            if id(context) not in self._contexts:
+                made = ContextService(context, self._exported, self)
+                self._contexts[id(context)] = made
+            found.append(self._contexts[id(context)].reference)
+        return found
+
+    # SDO
+
+    def get_owned_organizations(self) -> list[Any]:
+        """No organizations."""
+        return []
+
+    def get_organizations(self) -> list[Any]:
+        """No organizations."""
+        return []
+
+    def get_sdo_id(self) -> str:
+        """The instance name."""
+        return self.component.instance_name
+
+    def get_sdo_type(self) -> str:
+        """The description of the component."""
+        return self.component.profile.description
+
+    def get_device_profile(self) -> DeviceProfile:
+        """An empty profile."""
+        return DeviceProfile()
+
+    def get_service_profiles(self) -> list[ServiceProfile]:
+        """No services of SDO."""
+        return []
+
+    def get_service_profile(self, identity: str) -> ServiceProfile:
+        """Raise InvalidParameter."""
+        raise InvalidParameter(f"there is no service {identity}")
+
+    def get_sdo_service(self, identity: str) -> Any:
+        """Raise InvalidParameter."""
+        raise InvalidParameter(f"there is no service {identity}")
+
+    def get_configuration(self) -> Any:
+        """The reference of the configuration."""
+        return self._configuration
+
+    def get_monitoring(self) -> Any:
+        """Raise InterfaceNotImplemented."""
+        raise InterfaceNotImplemented("there is no monitoring")
+
+    def get_status_list(self) -> list[NameValue]:
+        """The reason of the last failure."""
+        return values({"reason": self.component.reason})
+
+    def get_status(self, name: str) -> Any:
+        """The value of a status. Raises InvalidParameter."""
+        if name != "reason":
+            raise InvalidParameter(f"there is no status {name}")
+        return anys.to_any(self.component.reason)
+
+
+def _unsupported(self: RtObject, handle: int = 0) -> ReturnCode_t:
+    return UNSUPPORTED
+
+
+for _name in _CALLBACKS.split():
+    setattr(RtObject, _name, _unsupported)

@@ -1,0 +1,280 @@
+"""Data connections by OpenRTM's interface type `corba_cdr`: octets of CDR, pushed or pulled."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from omniORB import CORBA
+
+from rtgen.facts.connector_properties import EMBEDDED_DATA, Dataflow
+from rtgen.runtime.cdr import CdrError
+from rtgen.runtime.corba.faults import is_lost
+from rtgen.runtime.corba.rt_objects.objects import Exported
+from rtgen.runtime.corba.rt_objects.wire import IN_PORT_CDR, OUT_PORT_CDR
+from rtgen.runtime.errors import ConnectorPropertyError, PortTypeError
+from rtgen.runtime.failures import log
+from rtgen.runtime.marshalling.descriptors import DataType
+from rtgen.runtime.ports.buffers import BufferSettings, RingBuffer
+from rtgen.runtime.ports.data_ports import DataConnector, InPort, OutPort
+from rtgen.runtime.ports.publisher import Publisher
+from rtgen.runtime.return_codes import PORT_OK, PortStatus
+from rtgen.runtime.timing.guards import Guard
+
+INTERFACE_TYPE = "corba_cdr"
+_ENDIAN = "dataport.serializer.cdr.endian"
+_TYPE = "dataport.data_type"
+_SENDERS = ("dataport.subscription_type", "dataport.io_mode", "dataport.publisher.")
+"""Prefixes of properties that concern the sending end alone."""
+
+Lost = Callable[[], None]
+"""Called once, when the other end of a connection cannot be reached any more."""
+
+
+def settings_of(properties: Mapping[str, str], type_: type[DataType]) -> dict[str, str]:
+    """The properties that a connection understands.
+
+    Raises ConnectorPropertyError for another interface type, PortTypeError for another data type.
+    """
+    interface = properties.get("dataport.interface_type", INTERFACE_TYPE)
+    if interface.strip().lower() != INTERFACE_TYPE:
+        raise ConnectorPropertyError(
+            f"the interface type is {interface}; it must be {INTERFACE_TYPE}"
+        )
+    descriptor: Any = type_._descriptor_
+    stated = properties.get(_TYPE, descriptor.repository_id).strip()
+    # OpenRTM 1 has the last part of the name.
+    if stated not in (descriptor.repository_id, descriptor.name.rpartition("::")[2]):
+        raise PortTypeError(f"samples of type {stated}, not {descriptor.repository_id}")
+    kept = {key: text for key, text in properties.items() if key in EMBEDDED_DATA}
+    kept.pop(_TYPE, None)
+    for key in ("dataport.dataflow_type", "dataport.subscription_type"):
+        if key in kept:
+            kept[key] = kept[key].strip().lower()
+    return kept
+
+
+def is_pull(properties: Mapping[str, str]) -> bool:
+    """Whether the receiving end fetches samples."""
+    flow = properties.get("dataport.dataflow_type", Dataflow.PUSH)
+    return flow.strip().lower() == Dataflow.PULL
+
+
+def is_little_endian(properties: Mapping[str, str]) -> bool:
+    """The byte order of a connection: the first of those that it names."""
+    first = properties.get(_ENDIAN, "little").partition(",")[0]
+    return first.strip().lower() != "big"
+
+
+class SentConnector(DataConnector[Any]):
+    """A connection from an OutPort of this process, whose samples are put into a foreign InPort."""
+
+    def __init__(
+        self,
+        name: str,
+        source: OutPort[Any],
+        properties: Mapping[str, str],
+        guard: Callable[[], Guard],
+        objects: Exported,
+        reference: Any,
+        lost: Lost,
+    ) -> None:
+        outside: InPort[Any] = InPort(name, source.type)
+        super().__init__(
+            name, source, outside, settings_of(properties, source.type), guard
+        )
+        put = _Put(
+            self.settings.inport_buffer,
+            guard(),
+            objects,
+            reference,
+            lost,
+            little=is_little_endian(properties),
+        )
+        self.buffer = put
+        if self.publisher is not None:
+            self.publisher = Publisher(self.settings, put, guard())
+
+    def send(self, value: Any) -> PortStatus:
+        """Marshal and send a sample, or leave its snapshot to the publisher."""
+        self.source._checked(value)
+        return self._deliver(value if self.publisher is None else self._snapshot(value))
+
+    def short_way(self) -> Callable[[Any], PortStatus]:
+        """See `DataConnector`."""
+        return self.send
+
+
+class _Put(RingBuffer[Any]):
+    """A foreign InPort's buffer: each `write` is a call of `InPortCdr::put`."""
+
+    __slots__ = ("_little", "_lost", "_objects", "_reference")
+
+    def __init__(
+        self,
+        settings: BufferSettings,
+        guard: Guard,
+        objects: Exported,
+        reference: Any,
+        lost: Lost,
+        *,
+        little: bool,
+    ) -> None:
+        super().__init__(settings, guard)
+        self._objects = objects
+        self._reference = reference
+        self._lost = lost
+        self._little = little
+
+    def write(self, value: Any) -> PortStatus:
+        """Raises CdrError for a value that does not fit its type."""
+        if self.closed:
+            return PortStatus.CONNECTION_LOST
+        octets = value.to_cdr(self._little)
+        try:
+            status: PortStatus = self._objects.call(
+                self._reference, IN_PORT_CDR, "put", octets
+            )
+        except CORBA.SystemException as error:
+            if not is_lost(error):
+                log.warning("a sample is not taken: %s", error)
+                return PortStatus.PORT_ERROR
+            self.closed = True
+            log.warning("a connection is lost: %s", error)
+            self._lost()
+            return PortStatus.CONNECTION_LOST
+        return status
+
+
+class Receiver:
+    """`InPortCdr`: takes the samples of one connection."""
+
+    def __init__(self, connector: DataConnector[Any], *, little: bool) -> None:
+        self._connector = connector
+        self._little = little
+
+    def put(self, octets: bytes) -> PortStatus:
+        """Take a sample; PORT_ERROR if it cannot be decoded."""
+        connector = self._connector
+        try:
+            value = connector.target.type.from_cdr(octets, self._little)
+        except CdrError as error:
+            log.warning("%s: a sample cannot be decoded: %s", connector.target, error)
+            return PortStatus.PORT_ERROR
+        status = connector.give(value)
+        return status if status <= PortStatus.UNKNOWN_ERROR else PortStatus.PORT_ERROR
+
+
+def received(
+    name: str,
+    target: InPort[Any],
+    properties: Mapping[str, str],
+    guard: Callable[[], Guard],
+) -> DataConnector[Any]:
+    """A connection to an InPort of this process; buffers are at this end. Raises ConnectError."""
+    kept = settings_of(properties, target.type)
+    here = {key: text for key, text in kept.items() if not key.startswith(_SENDERS)}
+    here["dataport.dataflow_type"] = Dataflow.PUSH
+    outside: OutPort[Any] = OutPort(name, target.type)
+    return DataConnector(name, outside, target, here, guard)
+
+
+class Source:
+    """`OutPortCdr`: gives the samples of one connection, which wait at the OutPort."""
+
+    def __init__(
+        self,
+        name: str,
+        source: OutPort[Any],
+        properties: Mapping[str, str],
+        guard: Callable[[], Guard],
+    ) -> None:
+        self._little = is_little_endian(properties)
+        self._waiting: InPort[Any] = InPort(name, source.type)
+        self._waiting._protect(guard())
+        kept = settings_of(properties, source.type)
+        self.connector = DataConnector(name, source, self._waiting, kept, guard)
+
+    def get(self) -> tuple[PortStatus, bytes]:
+        """The oldest sample; without one, by the empty policy, the last one or BUFFER_EMPTY."""
+        if not self.connector.connected:
+            return PortStatus.PORT_ERROR, b""
+        value = self._waiting.read()
+        if value is None:
+            return PortStatus.BUFFER_EMPTY, b""
+        try:
+            return PORT_OK, value.to_cdr(self._little)
+        except CdrError as error:
+            log.warning("%s: %s", self.connector.source, error)
+            return PortStatus.PORT_ERROR, b""
+
+
+class Pulled(DataConnector[Any]):
+    """A connection to an InPort of this process, which fetches from a foreign OutPort on demand.
+
+    OpenRTM gives its last sample again and does not say that it does, so octets that are equal to
+    the last ones are no new sample.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        target: InPort[Any],
+        properties: Mapping[str, str],
+        guard: Callable[[], Guard],
+        objects: Exported,
+        reference: Any,
+        lost: Lost,
+    ) -> None:
+        kept = settings_of(properties, target.type)
+        outside: OutPort[Any] = OutPort(name, target.type)
+        super().__init__(name, outside, target, kept, guard)
+        self._objects = objects
+        self._reference = reference
+        self._lost = lost
+        self._little = is_little_endian(properties)
+        self._last = b""
+
+    def attach(self) -> None:
+        """See `DataConnector`."""
+        super().attach()
+        self.target._feed = self._next(self.target._feed)
+
+    def detach(self) -> None:
+        """See `DataConnector`."""
+        super().detach()
+        pulled = [c for c in self.target.connectors if isinstance(c, Pulled)]
+        self.target._feed = None
+        for connector in pulled:
+            self.target._feed = connector._next(self.target._feed)
+
+    def _next(self, others: Callable[[], None] | None) -> Callable[[], None]:
+        def feed() -> None:
+            if others is not None:
+                others()
+            self._fetch()
+
+        return feed
+
+    def _fetch(self) -> None:
+        if not self.connected or self._reference is None:
+            return
+        try:
+            status, octets = self._objects.call(self._reference, OUT_PORT_CDR, "get")
+        except CORBA.SystemException as error:
+            # OpenRTM-aist-Python cannot marshal what it has while there is no sample.
+            if not is_lost(error):
+                return
+            self._reference = None
+            log.warning("%s: the connection is lost: %s", self.target, error)
+            self._lost()
+            return
+        if status is not PORT_OK or octets == self._last:
+            return
+        self._last = octets
+        try:
+            value = self.target.type.from_cdr(octets, self._little)
+        except CdrError as error:
+            log.warning("%s: a sample cannot be decoded: %s", self.target, error)
+            return
+        self.give(value)

@@ -1,0 +1,99 @@
+"""Objects with interfaces of RTC and SDO: those of this process, and calls of others."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+from omniORB import CORBA, PortableServer
+
+from rtgen.runtime.corba.objects import SkeletonClass
+from rtgen.runtime.corba.orb import Orb
+from rtgen.runtime.corba.rt_objects.wire import Interface
+from rtgen.runtime.failures import log
+
+
+class Exported:
+    """Makes CORBA objects of Python objects that have the operations of an interface."""
+
+    def __init__(self, orb: Orb) -> None:
+        self._orb = orb
+
+    def serve(self, interface: Interface, target: object) -> Any:
+        """A reference to an object whose calls are those of `target`."""
+        servant = _class_of(interface)(target, self._orb.busy)
+        return self._orb.poa.id_to_reference(self._orb.poa.activate_object(servant))
+
+    def withdraw(self, reference: Any) -> None:
+        """Remove an object that `serve` has made."""
+        poa = self._orb.poa
+        poa.deactivate_object(poa.reference_to_id(reference))
+
+    def local(self, reference: Any) -> Any:
+        """The Python object of a reference; None for one of another process."""
+        poa = self._orb.poa
+        if reference is None:
+            return None
+        try:
+            return getattr(poa.reference_to_servant(reference), "_target", None)
+        except PortableServer.POA.WrongAdapter:
+            return None
+        except PortableServer.POA.ObjectNotActive:
+            return None
+
+    def call(
+        self, reference: Any, interface: Interface, operation: str, *arguments: Any
+    ) -> Any:
+        """Call an object of another process. Raises omniORB's exceptions."""
+        self._orb.limit(reference)
+        descriptor = interface.operations[operation]
+        return reference._obj.invoke(operation, descriptor, arguments)
+
+    def text(self, reference: Any) -> str:
+        """The IOR of a reference."""
+        ior: str = self._orb.orb.object_to_string(reference)
+        return ior
+
+    def reference(self, text: str) -> Any:
+        """The reference of an IOR or corbaloc; None if there is none."""
+        if not text.startswith(("IOR:", "corbaloc:", "corbaname:")):
+            return None
+        try:
+            return self._orb.orb.string_to_object(text)
+        except CORBA.SystemException:
+            return None
+
+
+@cache
+def _class_of(interface: Interface) -> type[Any]:
+    operations = interface.operations
+
+    def keep(self: Any, target: object, busy: list[None]) -> None:
+        self._target = target
+        self._busy = busy
+
+    parts: dict[str, Any] = {
+        "__init__": keep,
+        "_NP_RepositoryId": interface.repository_id,
+        "_omni_op_d": operations,
+        "_omni_skeleton": SkeletonClass(interface, operations),
+    }
+    for name in operations:
+        parts[name] = _method(name)
+    return type(f"{interface.repository_id}", (PortableServer.Servant,), parts)
+
+
+def _method(name: str) -> Any:
+    def method(self: Any, *arguments: Any) -> Any:
+        self._busy.append(None)
+        try:
+            return getattr(self._target, name)(*arguments)
+        except CORBA.Exception:
+            raise
+        except Exception as error:
+            log.warning("%s failed", name, exc_info=error)
+            raise CORBA.UNKNOWN(0, CORBA.COMPLETED_MAYBE) from error
+        finally:
+            self._busy.pop()
+
+    return method

@@ -1,0 +1,358 @@
+"""Port services: profiles of ports, and connections by the chain of `notify_connect`."""
+
+from __future__ import annotations
+
+import threading
+import uuid
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Protocol
+
+from omniORB import CORBA
+
+from rtgen.runtime.corba.rt_objects.objects import Exported
+from rtgen.runtime.corba.rt_objects.wire import (
+    PORT_SERVICE,
+    ConnectorProfile,
+    PortInterfaceProfile,
+    PortProfile,
+    texts,
+    values,
+)
+from rtgen.runtime.errors import RtcError
+from rtgen.runtime.failures import log
+from rtgen.runtime.return_codes import (
+    BAD_PARAMETER,
+    PRECONDITION_NOT_MET,
+    RTC_ERROR,
+    RTC_OK,
+    ReturnCode_t,
+)
+from rtgen.runtime.system.joining import Connector
+
+if TYPE_CHECKING:
+    from rtgen.runtime.system.system import System
+
+_ENDS = 2
+
+
+@dataclass
+class Offer:
+    """What a port adds to a connector: properties, its half if it is the first, what ends it."""
+
+    properties: Mapping[str, str]
+    connector: Connector | None = None
+    withdraw: Callable[[], None] = lambda: None
+
+
+class End(Protocol):
+    """What is behind a port service: a data port, or the interfaces of a service port."""
+
+    port: str
+    properties: dict[str, str]
+    interfaces: list[PortInterfaceProfile]
+
+    def offer(self, name: str, properties: Mapping[str, str]) -> Offer:
+        """What the port offers to a connection. Raises ConnectError."""
+
+    def accept(
+        self, name: str, properties: Mapping[str, str], lost: Callable[[], None]
+    ) -> Connector | None:
+        """The connection to what the other end offers; None if `offer` has made it.
+
+        Raises ConnectError.
+        """
+
+    def has(self, connector: Connector) -> bool:
+        """Whether a connection of the system ends here."""
+
+
+@dataclass
+class _Link:
+    """A connection to a port of another process."""
+
+    profile: ConnectorProfile
+    connector: Connector | None
+    withdraw: Callable[[], None]
+
+
+class Ports(Protocol):
+    """The port services of a process."""
+
+    exported: Exported
+    system: System | None
+    ids: dict[str, str]
+    """The ids of connections that others have made, by their names in the system."""
+
+    def at(self, connector: Connector) -> list[PortService]:
+        """The port services at which a connection ends."""
+
+
+class PortService:
+    """`RTC::PortService` of a port; connections of the system show here, too."""
+
+    def __init__(self, ports: Ports, instance: str, name: str, end: End) -> None:
+        self.end = end
+        self.instance = instance
+        self.name = f"{instance}.{name}"
+        self.owner: Any = None
+        self._ports = ports
+        self._links: dict[str, _Link] = {}
+        self._connecting = threading.Lock()
+        self.reference: Any = ports.exported.serve(PORT_SERVICE, self)
+
+    # Profiles
+
+    def get_port_profile(self) -> PortProfile:
+        """See `RTC::PortService`."""
+        return PortProfile(
+            self.name,
+            self.end.interfaces,
+            self.reference,
+            self.get_connector_profiles(),
+            self.owner,
+            values(self.end.properties),
+        )
+
+    def get_connector_profiles(self) -> list[ConnectorProfile]:
+        """See `RTC::PortService`."""
+        links = [link.profile for link in tuple(self._links.values())]
+        return links + [self._profile(connector) for connector in self._inner()]
+
+    def get_connector_profile(self, connector_id: str) -> ConnectorProfile:
+        """See `RTC::PortService`; an empty profile for an unknown id."""
+        for profile in self.get_connector_profiles():
+            if profile.connector_id == connector_id:
+                return profile
+        return ConnectorProfile("", "", [], [])
+
+    def _inner(self) -> list[Connector]:
+        """The connections of the system that end here, but for those to foreign ports."""
+        system = self._ports.system
+        if system is None:
+            return []
+        links = [link.connector for link in tuple(self._links.values())]
+        return [
+            connector
+            for connector in system.connectors
+            if self.end.has(connector) and connector not in links
+        ]
+
+    def _profile(self, connector: Connector) -> ConnectorProfile:
+        ports = [each.reference for each in self._ports.at(connector)]
+        stated = getattr(connector, "properties", {})
+        properties = dict(self.end.properties) | dict(stated)
+        for key in ("port.port_type", "dataport.dataflow_type"):
+            properties.pop(key, None)
+        if "dataport.interface_type" in properties:
+            properties.setdefault("dataport.subscription_type", "flush")
+            properties["dataport.dataflow_type"] = stated.get(
+                "dataport.dataflow_type", "push"
+            )
+            subscription = stated.get("dataport.subscription_type", "flush")
+            properties["dataport.subscription_type"] = subscription
+        name = connector.name
+        identity = self._ports.ids.get(name, name)
+        return ConnectorProfile(name, identity, ports, values(properties))
+
+    # Connections
+
+    def connect(self, profile: ConnectorProfile) -> tuple[ReturnCode_t, Any]:
+        """See `RTC::PortService`. BAD_PARAMETER unless two ports fit, one of them this one."""
+        if len(profile.ports) != _ENDS or None in profile.ports:
+            log.warning("%s: a connection has two ports", self.name)
+            return BAD_PARAMETER, profile
+        if not profile.connector_id:
+            profile = replace(profile, connector_id=str(uuid.uuid4()))
+        ends = [self._ports.exported.local(each) for each in profile.ports]
+        if all(isinstance(end, PortService) for end in ends):
+            return self._join(profile, *ends), profile
+        first, exported = profile.ports[0], self._ports.exported
+        try:
+            if ends[0] is not None:
+                code, made = ends[0].notify_connect(profile)
+            else:
+                code, made = exported.call(
+                    first, PORT_SERVICE, "notify_connect", profile
+                )
+        except CORBA.SystemException as error:
+            log.warning("%s: the other port cannot be reached: %s", self.name, error)
+            code, made = RTC_ERROR, profile
+        if code is not RTC_OK:
+            self._notify_all(profile)
+        return code, made
+
+    def _named(self, system: System, profile: ConnectorProfile) -> str:
+        """The name of a connection in the system, where names are unique."""
+        name = profile.name or profile.connector_id
+        if any(connector.name == name for connector in system.connectors):
+            name = f"{name} ({profile.connector_id})"
+        self._ports.ids[name] = profile.connector_id
+        return name
+
+    def _join(
+        self, profile: ConnectorProfile, first: PortService, second: PortService
+    ) -> ReturnCode_t:
+        """Connect two ports of this process."""
+        system = self._ports.system
+        if system is None:
+            return PRECONDITION_NOT_MET
+        stated = texts(profile.properties)
+        kept = {k: v for k, v in stated.items() if k != "dataport.data_type"}
+        with self._refusing() as refused:
+            system.connect(
+                (first.instance, first.end.port),
+                (second.instance, second.end.port),
+                kept,
+                self._named(system, profile),
+            )
+        return refused[0]
+
+    def notify_connect(self, profile: ConnectorProfile) -> tuple[ReturnCode_t, Any]:
+        """See `RTC::PortService`: offer interfaces, let the next port do so, then take theirs."""
+        system = self._ports.system
+        identity = profile.connector_id
+        if system is None or identity in self._links:
+            return PRECONDITION_NOT_MET, profile
+        name = self._named(system, profile)
+        offer = Offer({})
+        with self._refusing() as refused:
+            offer = self.end.offer(name, texts(profile.properties))
+        if refused[0] is not RTC_OK:
+            return refused[0], profile
+        added = [*profile.properties, *values(offer.properties)]
+        code, profile = self._pass_on(replace(profile, properties=added))
+        connector = offer.connector
+        if code is RTC_OK:
+            with self._refusing() as refused:
+                connector = connector or self.end.accept(
+                    name, texts(profile.properties), self._lost(identity)
+                )
+                if connector is not None:
+                    system.establish(connector)
+            code = refused[0]
+        if code is RTC_OK:
+            self._links[identity] = _Link(profile, connector, offer.withdraw)
+        else:
+            offer.withdraw()
+        return code, profile
+
+    def _pass_on(self, profile: ConnectorProfile) -> tuple[ReturnCode_t, Any]:
+        following = self._next(profile)
+        if following is None:
+            return RTC_OK, profile
+        try:
+            code, changed = self._ports.exported.call(
+                following, PORT_SERVICE, "notify_connect", profile
+            )
+        except CORBA.SystemException as error:
+            log.warning("%s: the other port cannot be reached: %s", self.name, error)
+            return RTC_ERROR, profile
+        return code, changed
+
+    def _next(self, profile: ConnectorProfile) -> Any:
+        """The port after this one in a profile; None if this is the last."""
+        mine = [port._is_equivalent(self.reference) for port in profile.ports]
+        place = mine.index(True) if True in mine else len(mine)
+        return next(iter(profile.ports[place + 1 :]), None)
+
+    def disconnect(self, connector_id: str) -> ReturnCode_t:
+        """See `RTC::PortService`. BAD_PARAMETER for an unknown id."""
+        link = self._links.get(connector_id)
+        if link is not None:
+            return self._notify_all(link.profile)
+        return self._cut(connector_id)
+
+    def disconnect_all(self) -> ReturnCode_t:
+        """See `RTC::PortService`."""
+        codes = [
+            self.disconnect(profile.connector_id)
+            for profile in self.get_connector_profiles()
+        ]
+        return next((code for code in codes if code is not RTC_OK), RTC_OK)
+
+    def notify_disconnect(self, connector_id: str) -> ReturnCode_t:
+        """See `RTC::PortService`: let the next port end the connection, then end it here."""
+        link = self._links.pop(connector_id, None)
+        if link is None:
+            return self._cut(connector_id)
+        following = self._next(link.profile)
+        if following is not None:
+            self._notify(following, connector_id)
+        self._end(link)
+        return RTC_OK
+
+    def _notify_all(self, profile: ConnectorProfile) -> ReturnCode_t:
+        """Let the first port that answers end the connection; the others follow it."""
+        identity = profile.connector_id
+        for port in profile.ports:
+            if self._notify(port, identity):
+                break
+        if identity in self._links:
+            self.notify_disconnect(identity)
+        return RTC_OK
+
+    def _notify(self, port: Any, connector_id: str) -> bool:
+        local = self._ports.exported.local(port)
+        if isinstance(local, PortService):
+            local.notify_disconnect(connector_id)
+            return True
+        try:
+            self._ports.exported.call(
+                port, PORT_SERVICE, "notify_disconnect", connector_id
+            )
+        except CORBA.SystemException as error:
+            log.info("%s: the other port is gone: %s", self.name, error)
+            return False
+        return True
+
+    def _cut(self, connector_id: str) -> ReturnCode_t:
+        """Cut a connection within the system."""
+        system = self._ports.system
+        for connector in self._inner():
+            if self._profile(connector).connector_id == connector_id:
+                assert system is not None  # It has the connection.
+                with self._refusing() as refused:
+                    system.disconnect(connector)
+                self._ports.ids.pop(connector.name, None)
+                return refused[0]
+        return BAD_PARAMETER
+
+    def _end(self, link: _Link) -> None:
+        system = self._ports.system
+        if system is not None and link.connector in system.connectors:
+            assert link.connector is not None
+            with self._refusing():
+                system.disconnect(link.connector)
+            self._ports.ids.pop(link.connector.name, None)
+        link.withdraw()
+
+    def _lost(self, connector_id: str) -> Callable[[], None]:
+        """A function that ends a connection whose other end is gone, in a thread of its own.
+
+        The thread that notices sends or publishes samples, which ending a connection waits for.
+        """
+
+        def end() -> None:
+            threading.Thread(
+                target=self.notify_disconnect, args=(connector_id,), daemon=True
+            ).start()
+
+        return end
+
+    @contextmanager
+    def _refusing(self) -> Iterator[list[ReturnCode_t]]:
+        """The code for what is raised inside, which is logged."""
+        code = [RTC_OK]
+        try:
+            yield code
+        except RtcError as error:
+            log.warning("%s: %s", self.name, error)
+            code[0] = BAD_PARAMETER
+
+    def close(self) -> None:
+        """End the connections to other processes, and serve no more."""
+        for link in list(self._links.values()):
+            self._notify_all(link.profile)
+        self._ports.exported.withdraw(self.reference)

@@ -1,0 +1,97 @@
+"""The RTObjects of a process, and their names in a naming service."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from rtgen.facts.openrtm_ports import IN, OUT, SERVICE, known_name, registered_names
+from rtgen.runtime.corba.naming import Naming
+from rtgen.runtime.corba.objects import Objects
+from rtgen.runtime.corba.orb import Orb
+from rtgen.runtime.corba.rt_objects.component import RtObject
+from rtgen.runtime.corba.rt_objects.ends import InEnd, OutEnd, ServiceEnd
+from rtgen.runtime.corba.rt_objects.objects import Exported
+from rtgen.runtime.corba.rt_objects.ports import End, PortService
+from rtgen.runtime.rtc.component import Component
+from rtgen.runtime.services.ports import Provider, ServicePort
+from rtgen.runtime.system.joining import Connector
+from rtgen.runtime.timing.guards import Guard
+
+if TYPE_CHECKING:
+    from rtgen.runtime.system.system import System
+
+KIND = "rtc"
+"""The kind of names of components."""
+
+
+class RtObjects:
+    """Publishes components as `<instance>.rtc`. Methods raise TransportError."""
+
+    def __init__(self, orb: Orb, objects: Objects, naming: Naming) -> None:
+        self.exported = Exported(orb)
+        self.system: System | None = None
+        self.ids: dict[str, str] = {}
+        self._objects = objects
+        self._naming = naming
+        self._published: dict[str, RtObject] = {}
+
+    def publish(
+        self, component: Component, references: Mapping[Provider[Any], Any]
+    ) -> None:
+        """Publish a component; `references` are the objects of its providers."""
+        instance = component.instance_name
+        ports = [
+            PortService(self, instance, name, end)
+            for name, end in self._ends(component, references)
+        ]
+        made = RtObject(component, ports, self.exported)
+        self._published[instance] = made
+        self._naming.bind_object((instance, KIND), made.reference)
+
+    def withdraw(self, instance: str) -> None:
+        """Withdraw a component, after its name."""
+        made = self._published.pop(instance, None)
+        if made is not None:
+            try:
+                self._naming.unbind_object((instance, KIND), made.reference)
+            finally:
+                made.close()
+
+    def at(self, connector: Connector) -> list[PortService]:
+        """See `Ports`; the OutPort, or the first port of a service connection, first."""
+        found = [
+            port
+            for made in tuple(self._published.values())
+            for port in made.ports
+            if port.end.has(connector)
+        ]
+        return sorted(found, key=lambda port: isinstance(port.end, InEnd))
+
+    def _guard(self) -> Guard:
+        assert self.system is not None  # Connections are made while it runs.
+        return self.system.clock.guard()
+
+    def _ends(
+        self, component: Component, references: Mapping[Provider[Any], Any]
+    ) -> list[tuple[str, End]]:
+        """The ports with their names on OpenRTM."""
+        services = [port for port, _ in (*component.providers, *component.consumers)]
+        keys = [
+            *((IN, name) for name in component.in_ports),
+            *((OUT, name) for name in component.out_ports),
+            *((SERVICE, name) for name in services),
+        ]
+        found: list[tuple[str, End]] = []
+        for (way, name), registered in registered_names(keys).items():
+            known = known_name(registered)
+            end: End
+            if way == IN:
+                end = InEnd(component.in_ports[name], self.exported, self._guard)
+            elif way == OUT:
+                end = OutEnd(component.out_ports[name], self.exported, self._guard)
+            else:
+                port = ServicePort(component, name)
+                end = ServiceEnd(port, known, self._objects, self.exported, references)
+            found.append((known, end))
+        return found

@@ -1,0 +1,135 @@
+"""Service connections by IORs in the properties of a connector, as OpenRTM makes them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from omniORB import CORBA
+
+from rtgen.facts.connector_properties import STRICTNESS
+from rtgen.runtime.corba.objects import Objects
+from rtgen.runtime.corba.rt_objects.objects import Exported
+from rtgen.runtime.errors import DuplicateConnectionError, PortTypeError
+from rtgen.runtime.services.ports import Carrier, Consumer, Provider, ServicePort
+from rtgen.runtime.services.transports import RemotePort
+
+_NONE = ("nil", "null")
+"""Values of pairs that mean that a consumer stays without provider."""
+
+
+def descriptor(end: Consumer[Any] | Provider[Any]) -> str:
+    """The name of an interface in connectors: type and instance."""
+    return f"{end.interface._descriptor_.name}.{end.instance}"
+
+
+def offers(
+    instance: str,
+    port: str,
+    providers: Mapping[Provider[Any], str],
+) -> dict[str, str]:
+    """The properties of a connector that offer providers, given with their IORs.
+
+    Besides OpenRTM's two names there is that of the type without its scope, by which authors of
+    many components have registered it.
+    """
+    found: dict[str, str] = {}
+    for provider, ior in providers.items():
+        name = descriptor(provider)
+        found[f"{instance}.port.{port}.provided.{name}"] = ior
+        found[f"port.{name}"] = ior
+        found.setdefault(f"port.{name.rpartition('::')[2]}", ior)
+    return found
+
+
+class ServiceLink:
+    """A connection of a service port to a foreign one; `pairs` are consumers and what they call."""
+
+    def __init__(
+        self,
+        name: str,
+        source: ServicePort,
+        target: RemotePort,
+        pairs: Mapping[Consumer[Any], Carrier],
+    ) -> None:
+        self.name = name
+        self.source = source
+        self.target = target
+        self.pairs = pairs
+        self.connected = False
+
+    def attach(self) -> None:
+        """Establish the connection. Raises DuplicateConnectionError."""
+        for consumer in self.pairs:
+            if consumer.connected:
+                raise DuplicateConnectionError(f"{consumer} is connected already")
+        for consumer, carrier in self.pairs.items():
+            consumer._provider = carrier
+        self.connected = True
+
+    def detach(self) -> None:
+        """Remove the connection; later calls raise ObjectNotExist."""
+        self.connected = False
+        for consumer in self.pairs:
+            consumer._provider = None
+
+
+def link(
+    name: str,
+    source: ServicePort,
+    port: str,
+    properties: Mapping[str, str],
+    objects: Objects,
+    exported: Exported,
+    own: Callable[[str], bool],
+) -> ServiceLink:
+    """The connection that a connector's properties describe for `port`, not established.
+
+    `own` tells whether an IOR is one that this end offers. Raises PortTypeError for a strict one
+    with a consumer that has no provider.
+    """
+    pairs: dict[Consumer[Any], Carrier] = {}
+    for consumer in source.consumers:
+        ior = _offered(consumer, source.instance, port, properties)
+        if ior is None:
+            ior = _only_one(consumer, properties, exported, own)
+        reference = None if ior is None else exported.reference(ior)
+        if reference is not None:
+            pairs[consumer] = objects.remote(consumer.interface, reference)
+        elif properties.get(STRICTNESS) == "strict" and ior not in _NONE:
+            raise PortTypeError(f"strict connection: no provider for {consumer}")
+    return ServiceLink(name, source, RemotePort("", name), pairs)
+
+
+def _offered(
+    consumer: Consumer[Any], instance: str, port: str, properties: Mapping[str, str]
+) -> str | None:
+    """What the properties name for a consumer: by a pair, else by equal names."""
+    name = descriptor(consumer)
+    selected = properties.get(f"{instance}.port.{port}.required.{name}")
+    if selected is not None:
+        return properties.get(selected, selected)
+    short = name.rpartition("::")[2]
+    return properties.get(f"port.{name}", properties.get(f"port.{short}"))
+
+
+def _only_one(
+    consumer: Consumer[Any],
+    properties: Mapping[str, str],
+    exported: Exported,
+    own: Callable[[str], bool],
+) -> str | None:
+    """The only provider that the other end offers of the consumer's interface."""
+    identity = consumer.interface._descriptor_.repository_id
+    iors = {text for text in properties.values() if text.startswith("IOR:")}
+    fitting = []
+    for ior in sorted(iors):
+        if own(ior):
+            continue
+        reference = exported.reference(ior)
+        try:
+            if reference is not None and reference._is_a(identity):
+                fitting.append(ior)
+        except CORBA.SystemException:
+            continue
+    return fitting[0] if len(fitting) == 1 else None

@@ -1,0 +1,108 @@
+"""A process with a system of two components over CORBA: `rt_object_process.py NAMESERVER FOLDER`.
+
+omniORB copies arguments within a process by the caller's stubs, so stubs of OpenRTM and components
+of ours belong into two. Each line of the input is an expression about `system`, `ours` and `long`;
+the line that comes back is its value.
+"""
+
+from __future__ import annotations
+
+import sys
+import threading
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+sys.path.append(str(Path(__file__).parents[1] / "unit" / "types"))
+
+import emitted
+
+from rtgen.resources import idl_file
+from rtgen.runtime import (
+    RTC_ERROR,
+    RTC_OK,
+    Component,
+    ComponentProfile,
+    ParameterProfile,
+    RealClock,
+    ReturnCode_t,
+    System,
+)
+from rtgen.runtime.corba.transport import CorbaTransport
+
+
+class Values:
+    """Parameters."""
+
+    def __init__(self) -> None:
+        self.gain = 2.0
+
+
+def made(package: ModuleType, instance: str) -> Any:
+    """A component with a port of each kind, which repeats what comes."""
+    long, echo = package.rtc.TimedLong, package.facts.Echo
+
+    class Said(echo):  # type: ignore[misc, valid-type]
+        def say(self, text: str) -> str:
+            if text == "refused":
+                raise package.facts.Refused("no")
+            return text * 2
+
+    class Ours(Component):
+        profile = ComponentProfile(
+            "Ours",
+            category="tests",
+            vendor="labs",
+            configuration=(ParameterProfile("gain", "gain", "double", "2.0"),),
+        )
+
+        def __init__(self) -> None:
+            super().__init__(instance)
+            self.inp = self.add_in_port("data", long)
+            self.out = self.add_out_port(".positon", long)
+            self.echo = self.add_provider("said", "echo", echo)
+            self.asked = self.add_consumer("asking", "echo", echo)
+            self.values = self.add_configuration(Values())
+            self.got: list[int] = []
+            self.fails = False
+
+        def on_initialize(self) -> ReturnCode_t:
+            self.echo.set_servant(Said())
+            return RTC_OK
+
+        def on_execute(self, ec_id: int) -> ReturnCode_t:
+            while self.inp.is_new():
+                sample = self.inp.read()
+                assert sample is not None
+                self.got.append(sample.data)
+            return RTC_ERROR if self.fails else RTC_OK
+
+    return Ours()
+
+
+def main(naming_service: str, folder: str) -> None:
+    """Serve `Ours0` and `Other0` until the input ends."""
+    facts = Path(__file__).with_name("facts.idl")
+    package = emitted.emit(Path(folder), [facts, idl_file("BasicDataType.idl")])
+    with (
+        CorbaTransport(name_server=naming_service) as transport,
+        System(RealClock(), transport) as system,
+    ):
+        ours = made(package, "Ours0")
+        for component in (ours, made(package, "Other0")):
+            system.add(component, 200.0)
+        names = {"system": system, "ours": ours, "long": package.rtc.TimedLong}
+        ended = threading.Event()
+
+        def answer() -> None:
+            for line in sys.stdin:
+                print(repr(eval(line, names)), flush=True)
+            ended.set()
+
+        threading.Thread(target=answer).start()
+        print("ready", flush=True)
+        system.run(until=lambda _: ended.is_set())
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
