@@ -20,8 +20,11 @@ import rtgen
 from rtgen.backends import Options
 from rtgen.backends.typescript.backend import BACKEND
 from rtgen.runtime import xcdr
+from rtgen.ui.protocol import ui
+from rtgen.ui.type_table import NO_TYPE, TypeTable
 
 HERE = Path(__file__).parent
+PROTOCOL = HERE.parents[2] / "ui/src/protocol"
 OPTIONS = Options("robots", "", "0", target="typescript")
 FORMATS = [(1, True), (1, False), (2, True), (2, False)]
 OPTIONAL = ("T Growing", "T Maybe", "T Either", "T Whole")
@@ -122,6 +125,45 @@ def test_octets_are_those_of_python(both: Both) -> None:
         made = json.loads(answer)
         assert made["all"][-len(every) :] == every, line
         assert made["same"], line
+
+
+def test_messages_of_any_length(both: Both) -> None:
+    lists = both.types["IDL:T/Lists:1.0"]
+    expected = []
+    for count in range(40, 80):
+        value = lists()
+        value.longs, value.names = [1] * count, ["a"] * (count % 4)
+        expected.append(octets(value, 1, True))
+    lines = "\n".join(f"T Lists 1 1 {text}" for text in expected)
+    answers = node(HERE / "typescript_peer.mjs", lines, str(both.folder)).splitlines()
+    assert [json.loads(answer)["all"][0] for answer in answers] == expected
+
+
+def test_the_table_of_types_gives_the_same_codecs(both: Both) -> None:
+    table = TypeTable()
+    numbers = {type_: table.number(type_._descriptor_) for type_ in structs(both)}
+    assert NO_TYPE not in numbers.values()
+    assert len(table.nodes) < 120
+    added = ui.AddedTypes(first=0, nodes=table.nodes)
+    lines, expected = [f"0 {added.to_cdr().hex()}"], []
+    for type_ in numbers:
+        if not hasattr(type_, "_snapshot_"):
+            continue
+        version = 2 if place(type_) in OPTIONAL else 1
+        for value in drawn(type_, both.types, 4):
+            expected.append(octets(value, version, True))
+            lines.append(f"{numbers[type_]} {version} {expected[-1]}")
+    script = HERE / "type_table_peer.mjs"
+    answers = node(script, "\n".join(lines), str(PROTOCOL)).splitlines()
+    assert answers == expected
+
+
+def test_types_without_a_codec_have_no_number(both: Both) -> None:
+    table = TypeTable()
+    for name in LEFT_OUT:
+        type_ = both.types[f"IDL:{name.replace('::', '/')}:1.0"]
+        assert table.number(type_._descriptor_) == NO_TYPE, name
+    assert table.nodes == []
 
 
 def test_damaged_octets_give_a_value_or_a_coded_error(both: Both) -> None:

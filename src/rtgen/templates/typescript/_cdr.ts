@@ -128,7 +128,8 @@ export class Writer {
   }
 
   ulong(value: number): void {
-    this.view.setUint32(this.put(4), value, this.littleEndian);
+    const at = this.put(4); // It may replace the view.
+    this.view.setUint32(at, value, this.littleEndian);
   }
 
   count(count: number, bound: number): void {
