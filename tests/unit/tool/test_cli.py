@@ -14,6 +14,7 @@ from small_pipeline import Pipeline
 from rtgen import __version__, compiler
 from rtgen.cli import COMMANDS, run
 from rtgen.cli.can import COMMANDS as CAN_COMMANDS
+from rtgen.cli.ctl import COMMANDS as CTL_COMMANDS
 from rtgen.cli.log import COMMANDS as LOG_COMMANDS
 from rtgen.cli.new import COMMANDS as NEW_COMMANDS
 from rtgen.cli.rpc import COMMANDS as RPC_COMMANDS
@@ -39,6 +40,7 @@ def test_version_and_help(capfd: pytest.CaptureFixture[str]) -> None:
     groups = {
         "rpc": RPC_COMMANDS,
         "can": CAN_COMMANDS,
+        "ctl": CTL_COMMANDS,
         "log": LOG_COMMANDS,
         "new": NEW_COMMANDS,
     }
