@@ -21,7 +21,7 @@ from rtgen.facts.ros import is_interface
 from rtgen.facts.ros_marshaling import DEFAULT_TOPIC, messages_for, parse
 from rtgen.facts.ros_qos import PROFILES
 from rtgen.project import Project
-from rtgen.project.ros2 import Ros2Settings, TopicEntry
+from rtgen.project.ros2 import Ros2Settings, ServiceEntry, TopicEntry
 from rtgen.resources import ros_file
 from rtgen.systems.rules import ROS_TOPIC
 
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from rtgen.runtime.ros2.marshaling import Marshaling
     from rtgen.runtime.ros2.network import RosNetwork, RosNode
     from rtgen.runtime.ros2.ports import Joint
+    from rtgen.runtime.ros2.services import ServiceJoint
 
 _DOMAIN = "ROS_DOMAIN_ID"
 _LAST_DOMAIN = 232
@@ -71,6 +72,7 @@ def join(
     settings = project.ros2
     from rtgen.runtime.ros2.network import Ros2Error, RosNode
     from rtgen.runtime.ros2.ports import RosPorts
+    from rtgen.runtime.ros2.services import RosServices
 
     node = RosNode(
         settings.node or _node_name(name),
@@ -78,9 +80,11 @@ def join(
         _domain() if settings.domain is None else settings.domain,
     )
     joints = _joints(settings, running, node)
+    services = _service_joints(settings, running, node)
     try:
         network = _network(kind, node, settings, project)
         files.callback(RosPorts(network, joints).close)
+        files.callback(RosServices(network, services).close)
     except Ros2Error as error:
         raise ToolError(str(error)) from error
 
@@ -106,8 +110,10 @@ def _joints(
     from rtgen.runtime.ros2.ports import Joint
 
     entries = [*settings.topics, *_connected(running)]
-    if not entries:
-        hint = '[ros2.topics] "INSTANCE.PORT" = "TOPIC" in rtgen.toml'
+    if not entries and not settings.services:
+        hint = (
+            '[ros2.topics] "INSTANCE.PORT" = "TOPIC" in rtgen.toml, or [ros2.services]'
+        )
         raise InputError([ROS_TOPIC.at(None, "no port is a topic", hint=hint)])
     found: list[Diagnostic] = []
     joints = []
@@ -178,6 +184,53 @@ def _problems(entry: TopicEntry, running: runtime.System) -> Iterator[str]:
             f"{entry.instance}.{entry.port} carries {name}, which is not a message of ROS 2; "
             f"join it to an adapter{also}"
         )
+
+
+def _service_joints(
+    settings: Ros2Settings, running: runtime.System, node: RosNode
+) -> list[ServiceJoint]:
+    """The operations with their services. Raises InputError with all that cannot be services."""
+    from rtgen.runtime.ros2.services import RosService, ServiceJoint, messages_of
+    from rtgen.runtime.services.servants import ServiceError
+
+    found: list[Diagnostic] = []
+    joints = []
+    for entry in settings.services:
+        try:
+            port = _service_port(entry, running)
+            messages = messages_of(port.interface, entry.operation)
+        except (LookupError, ServiceError) as error:
+            problem = str(error.args[0])
+            found.append(ROS_TOPIC.at(entry.span, problem))
+            continue
+        info = _message_class("service_msgs/msg/ServiceEventInfo")
+        service = RosService(node.qualified(entry.service), *messages, info)
+        joints.append(ServiceJoint(port, entry.operation, service))
+    if found:
+        raise InputError(found)
+    return joints
+
+
+def _service_port(entry: ServiceEntry, running: runtime.System) -> Any:
+    """The provider, or the consumer without a connection. Raises LookupError with the reason."""
+    from rtgen.runtime.services.servants import operations_of
+
+    if entry.instance not in running.instances:
+        known = ", ".join(running.instances)
+        raise LookupError(f"there is no component {entry.instance!r}; known: {known}")
+    component = running.component(entry.instance)
+    both: list[Any] = [*component.providers.values(), *component.consumers.values()]
+    found = [port for port in both if port.port == entry.port]
+    if not found:
+        known = ", ".join(dict.fromkeys(port.port for port in both)) or "none"
+        raise LookupError(
+            f"{entry.instance} has no service port {entry.port!r}; known: {known}"
+        )
+    having = (p for p in found if entry.operation in operations_of(p.interface))
+    port = next(having, found[0])
+    if getattr(port, "connected", False):
+        raise LookupError(f"{entry.instance}.{entry.port} is connected in the system")
+    return port
 
 
 def _marshaled(entry: TopicEntry, running: runtime.System) -> Marshaling | None:

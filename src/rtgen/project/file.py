@@ -171,6 +171,20 @@ def _ros_topics(value: Any) -> str | None:
     return None
 
 
+def _ros_services(value: Any) -> str | None:
+    """Services by operation."""
+    if not isinstance(value, dict):
+        return "must be a table of INSTANCE.PORT.OPERATION to services"
+    for operation, name in value.items():
+        if operation.count(".") != 2:
+            return f"holds {operation!r}, which is not INSTANCE.PORT.OPERATION"
+        if not isinstance(name, str):
+            return f"holds {operation!r}, which must be 'NAME'"
+        if why := ros_names.violation(name):
+            return f"gives {operation!r} the service {name!r}; a name of ROS 2 {why}"
+    return None
+
+
 def _table(value: Any) -> str | None:
     return None if isinstance(value, dict) else "must be a table of a plug-in's options"
 
@@ -225,6 +239,7 @@ SCHEMA: dict[str, dict[str, Check] | Check] = {
         "zenoh": _text,
         "interfaces": _flag,
         "topics": _ros_topics,
+        "services": _ros_services,
     },
     "diff": {"use": _breaks, "allow": _allowances},
     "fmt": {"line-length": _number(20, 1000), "indent": _number(1, 16)},

@@ -29,6 +29,16 @@ class TopicEntry(msgspec.Struct, frozen=True, kw_only=True):
     message: str | None = None
 
 
+class ServiceEntry(msgspec.Struct, frozen=True, kw_only=True):
+    """An operation (`INSTANCE.PORT.OPERATION`) with its service."""
+
+    instance: str
+    port: str
+    operation: str
+    service: str
+    span: Span
+
+
 class Ros2Settings(msgspec.Struct, frozen=True, kw_only=True):
     """`[ros2]`. None: the name of the system, ROS_DOMAIN_ID, loopback, rmw_zenoh's configuration.
 
@@ -43,12 +53,17 @@ class Ros2Settings(msgspec.Struct, frozen=True, kw_only=True):
     zenoh: str | None = None
     interfaces: bool = False
     topics: tuple[TopicEntry, ...] = ()
+    services: tuple[ServiceEntry, ...] = ()
 
 
 def ros2_settings(settings: Settings) -> Ros2Settings:
     """The section of a validated rtgen.toml."""
     section = settings.content.get("ros2", {})
-    rest = {key: value for key, value in section.items() if key != "topics"}
+    rest = {
+        key: value
+        for key, value in section.items()
+        if key not in ("topics", "services")
+    }
     if "namespace" in rest:
         rest["namespace"] = "/" + rest["namespace"].strip("/")
     topics = []
@@ -65,4 +80,16 @@ def ros2_settings(settings: Settings) -> Ros2Settings:
                 message=parse(table.get("marshaling_type", "")),
             )
         )
-    return Ros2Settings(**rest, topics=tuple(topics))
+    services = []
+    for key, name in section.get("services", {}).items():
+        instance, port, operation = key.split(".")
+        services.append(
+            ServiceEntry(
+                instance=instance,
+                port=port,
+                operation=operation,
+                service=name,
+                span=settings.span("ros2.services", key),
+            )
+        )
+    return Ros2Settings(**rest, topics=tuple(topics), services=tuple(services))

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import os
 import threading
-from typing import Any
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from functools import partial
+from typing import Any, NamedTuple
 
 from cyclonedds import idl
 from cyclonedds.domain import DomainParticipant
+from cyclonedds.idl.types import int64, uint64
 from cyclonedds.pub import DataWriter, Publisher
 from cyclonedds.qos import Policy
 from cyclonedds.qos import Qos as DdsQos
@@ -16,6 +21,7 @@ from cyclonedds.topic import Topic
 from rtgen.facts import ros_names
 from rtgen.facts.ros_qos import (
     GRAPH,
+    PROFILES,
     Durability,
     History,
     Liveliness,
@@ -27,6 +33,7 @@ from rtgen.runtime.dds.dispatcher import Dispatcher
 from rtgen.runtime.dds.medium import DOMAINS, configuration
 from rtgen.runtime.dds.types import idl_class
 from rtgen.runtime.distribution.medium import MediumError
+from rtgen.runtime.ros2.dds_services import Client, Server
 from rtgen.runtime.ros2.graph import Gid, NodeEntitiesInfo, ParticipantEntitiesInfo
 from rtgen.runtime.ros2.network import (
     OnMessage,
@@ -35,9 +42,37 @@ from rtgen.runtime.ros2.network import (
     RosNode,
     RosTopic,
 )
+from rtgen.runtime.ros2.services import Call, OnRequest, RosService
+from rtgen.runtime.ros2.types import ros_name
 
 _FOREVER = (1 << 63) - 1
+_ID_SIZE = 16
+_NOBODY: Mapping[str, str] = {}
+SERVICE = PROFILES["services_default"]
 _HEAD = b"\x00\x01\x00\x00"
+
+
+class _Topic(NamedTuple):
+    """A topic of DDS; `is_call`: its messages have the header of requests."""
+
+    name: str
+    type_name: str
+    type: type[Any]
+    type_hash: str
+    is_call: bool = False
+
+
+def _data(topic: RosTopic) -> _Topic:
+    name = ros_names.dds_topic(topic.name)
+    return _Topic(name, topic.type_name, topic.type, topic.type_hash)
+
+
+@contextmanager
+def _as_ros2(what: str) -> Iterator[None]:
+    try:
+        yield
+    except MediumError as error:
+        raise Ros2Error(f"{what}: {error}") from error
 
 
 class DdsNetwork:
@@ -53,6 +88,7 @@ class DdsNetwork:
         self._writers: list[Gid] = []
         self._entities: list[Any] = []
         self._entries: list[Any] = []
+        self._clients: list[Client] = []
         self._closed = False
         try:
             DOMAINS.open(node.domain, configuration(interface))
@@ -72,24 +108,18 @@ class DdsNetwork:
             self._subscriber = Subscriber(self._participant)
             self._dispatcher = Dispatcher(self._participant, "rtgen ros2")
             graph = RosTopic(ros_names.DISCOVERY_TOPIC, ParticipantEntitiesInfo)
-            self._graph = self._writer(ros_names.DISCOVERY_TOPIC, graph, GRAPH)
+            shown = _data(graph)._replace(name=ros_names.DISCOVERY_TOPIC)
+            self._graph = self._writer(shown, GRAPH)
             self._announce()
 
     def publisher(self, topic: RosTopic, profile: Profile) -> Publish:
         """See `RosNetwork`."""
-        try:
-            writer = self._writer(ros_names.dds_topic(topic.name), topic, profile)
-            with self._lock:
-                self._writers.append(_gid(writer))
-                self._announce()
-        except MediumError as error:
-            raise Ros2Error(str(error)) from error
+        with _as_ros2(topic.name):
+            writer = self._made_writer(_data(topic), profile)
 
         def publish(octets: bytes) -> None:
-            try:
+            with _as_ros2(topic.name):
                 entities.write(writer, octets)
-            except MediumError as error:
-                raise Ros2Error(str(error)) from error
 
         return publish
 
@@ -97,33 +127,62 @@ class DdsNetwork:
         self, topic: RosTopic, profile: Profile, on_message: OnMessage
     ) -> None:
         """See `RosNetwork`."""
-        try:
-            with entities.reported(topic.name):
-                reader: Any = DataReader(
-                    self._subscriber,
-                    self._topic(ros_names.dds_topic(topic.name), topic),
-                    _qos(profile, topic.type_hash),
-                )
-                condition = entities.condition(reader)
-            with self._lock:
-                self._entities += (condition, reader)
-                self._readers.append(_gid(reader))
-                self._announce()
-        except MediumError as error:
-            raise Ros2Error(str(error)) from error
+        with _as_ros2(topic.name):
+            self._read(_data(topic), profile, on_message)
 
-        def take() -> None:
-            for octets, info in entities.taken(reader):
-                if info.valid_data:
-                    on_message(octets)
+    def serve(self, service: RosService, on_request: OnRequest) -> None:
+        """See `RosNetwork`."""
+        requests, replies = self._service_topics(service)
+        identity = {"serviceid": ros_names.endpoint_id(os.urandom(_ID_SIZE))}
+        with _as_ros2(service.name):
+            writer = self._made_writer(replies, SERVICE, identity)
+            server = Server(
+                service.name,
+                partial(entities.write, writer),
+                lambda: bool(writer.get_matched_subscriptions()),
+            )
+            self._read(
+                requests,
+                SERVICE,
+                lambda octets: server.take(octets, on_request),
+                identity,
+            )
 
-        self._entries.append(self._dispatcher.add(condition, take))
+    def client(self, service: RosService) -> Call:
+        """See `RosNetwork`."""
+        requests, replies = self._service_topics(service)
+        identity = {"clientid": ros_names.endpoint_id(os.urandom(_ID_SIZE))}
+        with _as_ros2(service.name):
+            writer = self._made_writer(requests, SERVICE, identity)
+            readers: list[Any] = []
+            client = Client(
+                service.name,
+                partial(entities.write, writer),
+                lambda: bool(
+                    writer.get_matched_subscriptions()
+                    and readers[0].get_matched_publications()
+                ),
+            )
+            readers.append(self._read(replies, SERVICE, client.take, identity))
+        self._clients.append(client)
+        return client.call
+
+    def _service_topics(self, service: RosService) -> tuple[_Topic, _Topic]:
+        names = ros_names.dds_service_topics(service.name)
+        types = service.request, service.response
+        requests, replies = (
+            _Topic(name, str(ros_name(type_)), type_, type_hash, True)
+            for name, type_, type_hash in zip(names, types, service.hashes, strict=True)
+        )
+        return requests, replies
 
     def close(self) -> None:
         """See `RosNetwork`."""
         if self._closed:
             return
         self._closed = True
+        for client in self._clients:
+            client.close()
         for entry in self._entries:
             entry.close()
         self._dispatcher.close()
@@ -132,20 +191,57 @@ class DdsNetwork:
         entities.delete(self._participant)
         DOMAINS.close(self._node.domain)
 
-    def _topic(self, name: str, topic: RosTopic) -> Any:
-        type_name = ros_names.dds_type(topic.type_name)
-        own = idl_class(topic.type)
-        made = idl.make_idl_struct(
-            type_name.replace("::", "_"), type_name, dict(own.__annotations__)
-        )
-        made.__idl_annotations__["extensibility"] = "final"
-        return Topic(self._participant, name, made)
+    def _read(
+        self,
+        topic: _Topic,
+        profile: Profile,
+        on_message: OnMessage,
+        identity: Mapping[str, str] = _NOBODY,
+    ) -> Any:
+        """A reader, whose messages are handed on. Raises MediumError."""
+        with entities.reported(topic.name):
+            qos = _qos(profile, topic.type_hash, identity)
+            reader: Any = DataReader(self._subscriber, self._topic(topic), qos)
+            condition = entities.condition(reader)
+        with self._lock:
+            self._entities += (condition, reader)
+            self._readers.append(_gid(reader))
+            self._announce()
 
-    def _writer(self, name: str, topic: RosTopic, profile: Profile) -> DataWriter[Any]:
-        with entities.reported(name):
-            qos = _qos(profile, topic.type_hash, writes=True)
+        def take() -> None:
+            for octets, info in entities.taken(reader):
+                if info.valid_data:
+                    on_message(octets)
+
+        self._entries.append(self._dispatcher.add(condition, take))
+        return reader
+
+    def _topic(self, topic: _Topic) -> Any:
+        type_name = ros_names.dds_type(topic.type_name)
+        members = dict(idl_class(topic.type).__annotations__)
+        if topic.is_call:
+            members = {"rmw_client": uint64, "rmw_sequence": int64, **members}
+        made = idl.make_idl_struct(type_name.replace("::", "_"), type_name, members)
+        made.__idl_annotations__["extensibility"] = "final"
+        return Topic(self._participant, topic.name, made)
+
+    def _made_writer(
+        self, topic: _Topic, profile: Profile, identity: Mapping[str, str] = _NOBODY
+    ) -> Any:
+        """A writer, announced. Raises MediumError."""
+        writer = self._writer(topic, profile, identity)
+        with self._lock:
+            self._writers.append(_gid(writer))
+            self._announce()
+        return writer
+
+    def _writer(
+        self, topic: _Topic, profile: Profile, identity: Mapping[str, str] = _NOBODY
+    ) -> DataWriter[Any]:
+        with entities.reported(topic.name):
+            qos = _qos(profile, topic.type_hash, identity, writes=True)
             writer: DataWriter[Any] = DataWriter(
-                self._publisher, self._topic(name, topic), qos
+                self._publisher, self._topic(topic), qos
             )
         self._entities.append(writer)
         return writer
@@ -166,7 +262,13 @@ def _gid(entity: Any) -> Gid:
     return Gid(entity.guid.bytes)
 
 
-def _qos(profile: Profile, type_hash: str, *, writes: bool = False) -> DdsQos:
+def _qos(
+    profile: Profile,
+    type_hash: str,
+    identity: Mapping[str, str],
+    *,
+    writes: bool = False,
+) -> DdsQos:
     history = (
         Policy.History.KeepAll
         if profile.history is History.KEEP_ALL
@@ -188,7 +290,7 @@ def _qos(profile: Profile, type_hash: str, *, writes: bool = False) -> DdsQos:
             if profile.liveliness is Liveliness.MANUAL_BY_TOPIC
             else Policy.Liveliness.Automatic(lease)
         ),
-        Policy.Userdata(ros_names.user_data(type_hash)),
+        Policy.Userdata(ros_names.user_data(type_hash, **identity)),
         Policy.DataRepresentation(True, False),
     ]
     if durable:

@@ -9,6 +9,7 @@ from typing import Any, Protocol, TypeAlias
 
 from rtgen.facts import ros_names
 from rtgen.facts.ros_qos import Profile
+from rtgen.runtime.ros2.services import Call, OnRequest, RosService
 from rtgen.runtime.ros2.types import ros_name, type_hash
 
 
@@ -70,6 +71,12 @@ class RosNetwork(Protocol):
         self, topic: RosTopic, profile: Profile, on_message: OnMessage
     ) -> None:
         """Receive the messages of a topic until `close`."""
+
+    def serve(self, service: RosService, on_request: OnRequest) -> None:
+        """Serve a service until `close`."""
+
+    def client(self, service: RosService) -> Call:
+        """A client of a service."""
 
     def close(self) -> None:
         """End everything of the node."""

@@ -13,7 +13,7 @@ from rtgen.runtime.ports.data_ports import DataConnector, InPort, OutPort
 from rtgen.runtime.return_codes import PORT_OK, PortStatus
 from rtgen.runtime.ros2.marshaling import Marshaling
 from rtgen.runtime.ros2.network import Ros2Error, RosNetwork, RosTopic
-from rtgen.runtime.xcdr import deserialize
+from rtgen.runtime.ros2.types import decoded
 
 _HEAD = b"\x00\x01\x00\x00"
 """The encapsulation header of classic CDR, little endian, as ROS 2 writes it."""
@@ -90,7 +90,7 @@ class TopicReader:
     def _take(self, octets: bytes) -> None:
         port = self._connector.target
         try:
-            value = deserialize(self._type, octets)
+            value = decoded(self._type, octets)
             if self._marshaling is not None:
                 value = self._marshaling.of_message(value)
         except (CdrError, ValueError) as error:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import Any
 
 from rtgen.facts import ros_hash
 from rtgen.facts.primitives import FLOAT_LIMITS
 from rtgen.facts.ros import is_interface
+from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.marshalling.descriptors import (
     ArrayDescriptor,
     PrimitiveDescriptor,
@@ -15,6 +17,7 @@ from rtgen.runtime.marshalling.descriptors import (
     StructDescriptor,
     plain,
 )
+from rtgen.runtime.xcdr import deserialize
 
 
 def ros_name(type_: type[Any]) -> str | None:
@@ -94,3 +97,65 @@ def _is_octet(element: Any) -> bool:
         case PrimitiveDescriptor(name="octet" | "uint8"):
             return True
     return False
+
+
+def request_of(type_: type[Any] | None) -> str | None:
+    """The service (`std_srvs::srv::SetBool`) of the class of a request; None for others."""
+    name = "" if type_ is None else str(type_._descriptor_.name)
+    is_one = is_interface(name.split("::")) and name.endswith("_Request")
+    return name.removesuffix("_Request") if is_one else None
+
+
+def service_hash(request: type[Any], response: type[Any], info: type[Any]) -> str:
+    """The hash of a service, with that of its events (REP 2016).
+
+    `info` is service_msgs/msg/ServiceEventInfo. Raises ValueError for what ROS 2 lacks.
+    """
+    described: dict[str, dict[str, Any]] = {}
+    names = []
+    for type_ in (request, response, info):
+        names.append(_slashed(type_._descriptor_))
+        described[names[-1]] = _described(type_._descriptor_, described)
+    name = names[0].removesuffix("_Request")
+    nested = [ros_hash.nested(each) for each in names]
+    event = f"{name}_Event"
+    described[event] = ros_hash.description(
+        event,
+        (
+            ("info", ros_hash.field_type(nested[2])),
+            ("request", ros_hash.field_type(nested[0], sequence=1)),
+            ("response", ros_hash.field_type(nested[1], sequence=1)),
+        ),
+    )
+    whole = ros_hash.description(
+        name,
+        (
+            ("request_message", ros_hash.field_type(nested[0])),
+            ("response_message", ros_hash.field_type(nested[1])),
+            ("event_message", ros_hash.field_type(ros_hash.nested(event))),
+        ),
+    )
+    return ros_hash.rihs01(whole, described)
+
+
+_MOST_PADDING = 3
+
+
+def decoded(type_: type[Any], octets: bytes) -> Any:
+    """The value of a serialized message. Raises CdrError.
+
+    rmw_cyclonedds and DDSI-RTPS fill a message up to a multiple of four by zeros, which
+    rmw_cyclonedds does not count in the encapsulation header.
+    """
+    try:
+        return deserialize(type_, octets)
+    except CdrError:
+        if len(octets) % 4:
+            raise
+        for _ in range(_MOST_PADDING):
+            if octets[-1]:
+                break
+            octets = octets[:-1]
+            with suppress(CdrError):
+                return deserialize(type_, octets)
+        raise

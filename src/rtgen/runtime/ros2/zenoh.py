@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
+from functools import partial
 from hashlib import sha256
 from itertools import count
 from pathlib import Path
@@ -13,7 +14,7 @@ import zenoh
 
 from rtgen.facts import ros_zenoh
 from rtgen.facts.ros_names import GID_SIZE
-from rtgen.facts.ros_qos import Durability, History, Profile, Reliability
+from rtgen.facts.ros_qos import PROFILES, Durability, History, Profile, Reliability
 from rtgen.facts.ros_zenoh import Attachment, Entity, Node
 from rtgen.runtime.failures import log
 from rtgen.runtime.ros2.network import (
@@ -22,6 +23,12 @@ from rtgen.runtime.ros2.network import (
     Ros2Error,
     RosNode,
     RosTopic,
+)
+from rtgen.runtime.ros2.services import Call, OnRequest, RosService
+from rtgen.runtime.services.servants import (
+    CallTimeout,
+    CommunicationFailure,
+    ObjectNotExist,
 )
 
 ROUTER = "tcp/localhost:7447"
@@ -133,6 +140,80 @@ class ZenohNetwork:
         except zenoh.ZError as error:
             raise Ros2Error(f"{topic.name}: {error}") from error
 
+    def serve(self, service: RosService, on_request: OnRequest) -> None:
+        """See `RosNetwork`."""
+        key = self._service_key(service)
+        kind = ros_zenoh.SERVICE
+
+        def reply(query: Any, response: bytes) -> None:
+            try:
+                came = ros_zenoh.parse_attachment(query.attachment.to_bytes())
+                sent = came._replace(time=time.time_ns())
+                with query:
+                    query.reply(key, response, attachment=ros_zenoh.attachment(sent))
+            except zenoh.ZError as error:
+                log.debug("%s: the client is gone: %s", service.name, error)
+
+        def take(query: Any) -> None:
+            try:
+                if query.attachment is None or query.payload is None:
+                    raise ValueError("it has no payload or attachment")
+                ros_zenoh.parse_attachment(query.attachment.to_bytes())
+            except ValueError as error:
+                log.warning("%s: a request cannot be read: %s", service.name, error)
+                return
+            on_request(query.payload.to_bytes(), partial(reply, query))
+
+        try:
+            self._kept.append(self._session.declare_queryable(key, take, complete=True))
+            self._present_service(kind, service)
+        except zenoh.ZError as error:
+            raise Ros2Error(f"{service.name}: {error}") from error
+
+    def client(self, service: RosService) -> Call:
+        """See `RosNetwork`."""
+        key = self._service_key(service)
+        try:
+            gid = self._present_service(ros_zenoh.CLIENT, service)
+        except zenoh.ZError as error:
+            raise Ros2Error(f"{service.name}: {error}") from error
+        numbers = count(1)
+
+        def call(octets: bytes, timeout: float) -> bytes:
+            with_it = Attachment(next(numbers), time.time_ns(), gid)
+            started = time.monotonic()
+            try:
+                replies = self._session.get(
+                    key,
+                    payload=octets,
+                    attachment=ros_zenoh.attachment(with_it),
+                    target=zenoh.QueryTarget.ALL_COMPLETE,
+                    consolidation=zenoh.ConsolidationMode.LATEST,
+                    timeout=timeout,
+                )
+                for reply in replies:
+                    if reply.ok is not None:
+                        response: bytes = reply.ok.payload.to_bytes()
+                        return response
+            except zenoh.ZError as error:
+                raise CommunicationFailure(f"{service.name}: {error}") from error
+            if time.monotonic() - started >= timeout:
+                raise CallTimeout(f"no response of {service.name}")
+            raise ObjectNotExist(f"nobody serves {service.name}, or it does not answer")
+
+        return call
+
+    def _service_key(self, service: RosService) -> str:
+        return ros_zenoh.key_expression(
+            self._node.domain, service.name, service.type_name, service.type_hash
+        )
+
+    def _present_service(self, kind: str, service: RosService) -> bytes:
+        profile = PROFILES["services_default"]
+        return self._shown(
+            Entity(kind, service.name, service.type_name, service.type_hash, profile)
+        )
+
     def close(self) -> None:
         """See `RosNetwork`."""
         if self._closed:
@@ -149,7 +230,11 @@ class ZenohNetwork:
 
     def _present(self, kind: str, topic: RosTopic, profile: Profile) -> bytes:
         """Declare the token of an entity; its identifier for attachments."""
-        entity = Entity(kind, topic.name, topic.type_name, topic.type_hash, profile)
+        return self._shown(
+            Entity(kind, topic.name, topic.type_name, topic.type_hash, profile)
+        )
+
+    def _shown(self, entity: Entity) -> bytes:
         token = ros_zenoh.entity_token(self._node, next(self._numbers), entity)
         self._kept.append(self._token(token))
         return sha256(token.encode()).digest()[:GID_SIZE]

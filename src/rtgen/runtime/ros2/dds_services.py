@@ -1,0 +1,128 @@
+"""Requests and responses over DDS as rmw_cyclonedds has them: a header in front of each message.
+
+The header is the number of the client and that of the request, each 8 octets in the byte order of
+the message. A server gives it back.
+"""
+
+from __future__ import annotations
+
+import os
+import struct
+import threading
+import time
+from collections.abc import Callable
+from itertools import count
+from typing import Any
+
+from rtgen.facts.ros_names import RequestId
+from rtgen.runtime.failures import log
+from rtgen.runtime.services.servants import (
+    CallTimeout,
+    CommunicationFailure,
+    ObjectNotExist,
+)
+
+_CDR = 4
+_LITTLE, _BIG = struct.Struct("<Qq"), struct.Struct(">Qq")
+_PAUSE = 0.005
+_PATIENCE = 2.0
+"""Seconds that a server waits for the reader of a client that it does not know yet."""
+
+Write = Callable[[bytes], None]
+Matched = Callable[[], bool]
+
+
+def split(octets: bytes) -> tuple[RequestId, bytes]:
+    """Header and message, with its encapsulation header. Raises ValueError."""
+    form = _LITTLE if octets[1:2] == b"\x01" else _BIG
+    if len(octets) < _CDR + form.size:
+        raise ValueError(f"{len(octets)} octets are not a request")
+    request = RequestId(*form.unpack_from(octets, _CDR))
+    return request, octets[:_CDR] + octets[_CDR + form.size :]
+
+
+def joined(request: RequestId, octets: bytes) -> bytes:
+    """A little-endian message with a header."""
+    return octets[:_CDR] + _LITTLE.pack(*request) + octets[_CDR:]
+
+
+class Server:
+    """The replies of a service; `matched`: a client reads them."""
+
+    def __init__(self, name: str, write: Write, matched: Matched) -> None:
+        self._name = name
+        self._write = write
+        self._matched = matched
+
+    def take(self, octets: bytes, on_request: Any) -> None:
+        """Hand on a request with what replies to it."""
+        try:
+            request, message = split(octets)
+        except ValueError as error:
+            log.warning("%s: %s", self._name, error)
+            return
+        on_request(message, lambda response: self._reply(request, response))
+
+    def _reply(self, request: RequestId, response: bytes) -> None:
+        deadline = time.monotonic() + _PATIENCE
+        while not self._matched() and time.monotonic() < deadline:
+            time.sleep(_PAUSE)
+        self._write(joined(request, response))
+
+
+class Client:
+    """The requests of a client; `matched`: a server is known, with both its ends."""
+
+    def __init__(self, name: str, write: Write, matched: Matched) -> None:
+        self._name = name
+        self._write = write
+        self._matched = matched
+        self._own = int.from_bytes(os.urandom(8), "little")
+        self._numbers = count(1)
+        self._changed = threading.Condition()
+        self._waiting: dict[int, bytes | None] = {}
+        self._closed = False
+
+    def call(self, octets: bytes, timeout: float) -> bytes:
+        """See `services.Call`."""
+        deadline = time.monotonic() + timeout
+        while not self._matched():
+            if time.monotonic() > deadline or self._closed:
+                raise ObjectNotExist(f"nobody serves {self._name}")
+            time.sleep(_PAUSE)
+        number = next(self._numbers)
+        with self._changed:
+            self._waiting[number] = None
+        try:
+            self._write(joined(RequestId(self._own, number), octets))
+            with self._changed:
+                while not (self._closed or self._waiting[number]):
+                    left = deadline - time.monotonic()
+                    if left <= 0:
+                        raise CallTimeout(f"no response of {self._name}")
+                    self._changed.wait(left)
+                response = self._waiting[number]
+        finally:
+            with self._changed:
+                del self._waiting[number]
+        if response is None:
+            raise CommunicationFailure(f"the client of {self._name} is closed")
+        return response
+
+    def take(self, octets: bytes) -> None:
+        """Take a response, which may be that of another client."""
+        try:
+            request, message = split(octets)
+        except ValueError as error:
+            log.warning("%s: %s", self._name, error)
+            return
+        with self._changed:
+            if request.client == self._own and request.sequence in self._waiting:
+                self._waiting[request.sequence] = message
+                self._changed.notify_all()
+
+    def close(self) -> None:
+        """Calls under way raise CommunicationFailure."""
+        with self._changed:
+            self._closed = True
+            self._changed.notify_all()

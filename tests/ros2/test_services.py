@@ -1,0 +1,429 @@
+"""Operations as services beside servers and clients of cyclonedds and Zenoh alone.
+
+The other side is made of what ROS 2 puts on the wire: names of topics and types, the header of
+rmw_cyclonedds, the key expressions and attachments of rmw_zenoh.
+"""
+
+from __future__ import annotations
+
+import importlib
+import struct
+import threading
+from collections.abc import Iterator
+from contextlib import ExitStack
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+from uuid import uuid4
+
+import pytest
+from test_networks import DOMAIN, await_, participant, reliable, zenoh_pair
+
+from rtgen.cli import run as rtgen
+from rtgen.cli.ros2 import _message_class
+from rtgen.frontends.rosidl import load
+from rtgen.layouts.ros_types import service_hash
+from rtgen.resources import ros_file
+from rtgen.runtime import RTC_OK, Component, SimulatedClock, System
+from rtgen.runtime.cdr import CdrError
+from rtgen.runtime.ros2 import types
+from rtgen.runtime.ros2.network import RosNode
+from rtgen.runtime.ros2.services import (
+    RosService,
+    RosServices,
+    ServiceJoint,
+    messages_of,
+)
+from rtgen.runtime.services.servants import CallTimeout, ObjectNotExist, ServiceError
+
+cyclonedds = pytest.importorskip("cyclonedds", reason="cyclonedds is not installed")
+zenoh = pytest.importorskip("zenoh", reason="eclipse-zenoh is not installed")
+
+IDL = """
+#include "std_srvs/srv/SetBool.idl"
+interface Lamp {
+    std_srvs::srv::SetBool_Response set(in std_srvs::srv::SetBool_Request request);
+    std_srvs::srv::SetBool_Request twice(in std_srvs::srv::SetBool_Request request);
+    boolean plainly(in boolean on);
+};
+"""
+NAME = f"lamp_{uuid4().hex}"
+"""Of the service: no other process of the tests has it."""
+REQUEST = f"rq/lab/{NAME}Request", "std_srvs::srv::dds_::SetBool_Request_"
+REPLY = f"rr/lab/{NAME}Reply", "std_srvs::srv::dds_::SetBool_Response_"
+CLIENT, SEQUENCE = 0x0102030405060708, 41
+DONE = b"\x01\x00\x00\x00" + struct.pack("<I", 5) + b"done\x00"
+"""A response: success, and its message."""
+
+
+@pytest.fixture(scope="module")
+def lamp(tmp_path_factory: pytest.TempPathFactory) -> ModuleType:
+    """The generated package."""
+    folder = tmp_path_factory.mktemp("services")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        Path("t.idl").write_text(IDL)
+        Path("rtgen.toml").write_text(
+            '[sources]\npaths = ["t.idl"]\n[output]\npackage = "ros_lamp"\n'
+        )
+        assert rtgen(["generate", "-q", "--no-cache"]) == 0
+        patch.syspath_prepend(str(folder / "generated"))
+        package = importlib.import_module("ros_lamp")
+        importlib.import_module("ros_lamp.std_srvs.srv")
+        return package
+
+
+@pytest.fixture
+def stack() -> Iterator[ExitStack]:
+    with ExitStack() as made:
+        yield made
+
+
+def service(lamp: ModuleType) -> RosService:
+    info = _message_class("service_msgs/msg/ServiceEventInfo")
+    return RosService(f"/lab/{NAME}", *messages_of(lamp.Lamp, "set"), info)
+
+
+def served(lamp: ModuleType) -> tuple[System, Any]:
+    """A system with a provider, which is active, and a consumer."""
+    response = lamp.std_srvs.srv.SetBool_Response
+
+    class Servant(lamp.Lamp):  # type: ignore[misc, name-defined]
+        def set(self, request: Any) -> Any:
+            return response(request.data, "done")
+
+        def twice(self, request: Any) -> Any:
+            return request
+
+        def plainly(self, on: bool) -> bool:
+            return on
+
+    system = System(SimulatedClock())
+    component = Component("Lamp0")
+    component.add_provider("power", "lamp", lamp.Lamp).set_servant(Servant())
+    component.add_consumer("other", "lamp", lamp.Lamp)
+    system.add(component, 100.0)
+    assert system.activate("Lamp0") == RTC_OK
+    system.run(20_000_000)
+    return system, component
+
+
+def joined(
+    stack: ExitStack, network: Any, lamp: ModuleType, *, provides: bool, wait: float
+) -> Any:
+    """The component with its provider or its consumer as the service."""
+    system, component = served(lamp)
+    stack.callback(system.close)
+    ports = component.providers if provides else component.consumers
+    joint = ServiceJoint(next(iter(ports.values())), "set", service(lamp))
+    stack.callback(network.close)
+    services = RosServices(network, [joint], wait)
+    stack.callback(services.close)
+    return component
+
+
+def dds_network() -> Any:
+    from rtgen.runtime.ros2.dds import DdsNetwork
+
+    return DdsNetwork(RosNode("node", "/lab", DOMAIN))
+
+
+def dds_classes() -> tuple[Any, Any]:
+    from cyclonedds.idl import make_idl_struct
+    from cyclonedds.idl.types import int64, uint64
+
+    head = {"rmw_client": uint64, "rmw_sequence": int64}
+    request = make_idl_struct("Req", REQUEST[1], {**head, "data": bool})
+    members = {**head, "success": bool, "message": str}
+    return request, make_idl_struct("Rep", REPLY[1], members)
+
+
+def test_a_client_of_cyclonedds_calls(lamp: ModuleType, stack: ExitStack) -> None:
+    from cyclonedds.builtin import BuiltinDataReader, BuiltinTopicDcpsPublication
+    from cyclonedds.pub import DataWriter
+    from cyclonedds.qos import Policy
+    from cyclonedds.sub import DataReader
+    from cyclonedds.topic import Topic
+
+    joined(stack, dds_network(), lamp, provides=True, wait=1.0)
+    request, reply = dds_classes()
+    part = participant()
+    writer = DataWriter(part, Topic(part, REQUEST[0], request), reliable())
+    reader = DataReader(part, Topic(part, REPLY[0], reply), reliable())
+    await_(writer.get_matched_subscriptions)
+    await_(reader.get_matched_publications)
+    for number, on in enumerate((True, False)):
+        writer.write(request(CLIENT, SEQUENCE + number, on))
+        [found] = await_(lambda: reader.take(8))
+        assert (found.rmw_client, found.rmw_sequence) == (CLIENT, SEQUENCE + number)
+        assert (found.success, found.message) == (on, "done")
+    publications = BuiltinDataReader(part, BuiltinTopicDcpsPublication)
+    own = await_(lambda: [p for p in publications.take(64) if p.topic_name == REPLY[0]])
+    assert own[0].type_name == REPLY[1]
+    data = bytes(own[0].qos[Policy.Userdata].data)
+    assert data.startswith(b"serviceid=")
+    assert data.endswith(f"typehash={service(lamp).hashes[1]};".encode())
+
+
+def test_a_server_of_cyclonedds_is_called(lamp: ModuleType, stack: ExitStack) -> None:
+    from cyclonedds.pub import DataWriter
+    from cyclonedds.sub import DataReader
+    from cyclonedds.topic import Topic
+
+    component = joined(stack, dds_network(), lamp, provides=False, wait=20.0)
+    request, reply = dds_classes()
+    part = participant()
+    reader = DataReader(part, Topic(part, REQUEST[0], request), reliable())
+    writer = DataWriter(part, Topic(part, REPLY[0], reply), reliable())
+
+    def answer() -> None:
+        for _ in range(2):
+            for each in await_(lambda: reader.take(1)):
+                # One for another client, then that of the caller.
+                for client in (each.rmw_client ^ 1, each.rmw_client):
+                    text = "mine" if client == each.rmw_client else "other"
+                    writer.write(reply(client, each.rmw_sequence, each.data, text))
+
+    thread = threading.Thread(target=answer)
+    thread.start()
+    consumer = next(iter(component.consumers.values()))
+    for on in (True, False):
+        response = consumer.set(lamp.std_srvs.srv.SetBool_Request(on))
+        assert (response.success, response.message) == (on, "mine")
+    thread.join()
+
+
+def test_without_a_server_of_dds(lamp: ModuleType, stack: ExitStack) -> None:
+    component = joined(stack, dds_network(), lamp, provides=False, wait=0.05)
+    consumer = next(iter(component.consumers.values()))
+    request = lamp.std_srvs.srv.SetBool_Request(True)
+    with pytest.raises(ObjectNotExist, match="nobody serves /lab/lamp_"):
+        consumer.set(request)
+    with pytest.raises(ObjectNotExist, match="'plainly' is not a service"):
+        consumer.plainly(True)
+
+
+def zenoh_key(lamp: ModuleType) -> str:
+    hash_ = service(lamp).type_hash
+    return f"{DOMAIN}/lab/{NAME}/std_srvs::srv::dds_::SetBool_/{hash_}"
+
+
+def test_a_client_of_zenoh_calls(lamp: ModuleType, stack: ExitStack) -> None:
+    network, plain, _ = zenoh_pair(stack)
+    joined(stack, network, lamp, provides=True, wait=1.0)
+    key = zenoh_key(lamp)
+    gid = bytes(range(16))
+    attachment = struct.pack("<qqB16s", SEQUENCE, 5, 16, gid)
+
+    def replies() -> Any:
+        options = {"payload": b"\x00\x01\x00\x00\x01", "attachment": attachment}
+        return [
+            r.ok
+            for r in plain.get(key, target=zenoh.QueryTarget.ALL_COMPLETE, **options)
+            if r.ok
+        ]
+
+    [sample] = await_(replies)
+    assert sample.payload.to_bytes() == b"\x00\x01\x00\x00" + DONE
+    sequence, _, size, of = struct.unpack("<qqB16s", sample.attachment.to_bytes())
+    assert (sequence, size, of) == (SEQUENCE, 16, gid)
+    tokens = [str(reply.ok.key_expr) for reply in plain.liveliness().get("@ros2_lv/**")]
+    own = [token for token in tokens if "/SS/" in token]
+    assert len(own) == 1
+    shown = f"%/%robot/node/%lab%{NAME}/std_srvs::srv::dds_::SetBool_/"
+    assert own[0].split("/SS/")[1].startswith(f"{shown}{service(lamp).type_hash}/")
+
+
+def test_garbage_has_no_reply(lamp: ModuleType, stack: ExitStack) -> None:
+    network, plain, _ = zenoh_pair(stack)
+    joined(stack, network, lamp, provides=True, wait=1.0)
+    key = zenoh_key(lamp)
+    await_(lambda: [t for t in plain.liveliness().get("@ros2_lv/**") if t.ok])
+    attachment = struct.pack("<qqB16s", 1, 5, 16, bytes(16))
+    for payload, more in (
+        (b"\x00\x01\x00\x00\x01", None),
+        (b"\x00\x01\x00\x00\x01", b"short"),
+        (b"\x00", attachment),
+        (None, attachment),
+    ):
+        found = plain.get(key, payload=payload, attachment=more, timeout=0.5)
+        assert not [reply for reply in found if reply.ok]
+
+
+def test_a_server_of_zenoh_is_called(lamp: ModuleType, stack: ExitStack) -> None:
+    network, plain, _ = zenoh_pair(stack)
+    key = zenoh_key(lamp)
+    came: list[tuple[bytes, bytes]] = []
+
+    def answer(query: Any) -> None:
+        with query:
+            came.append((query.payload.to_bytes(), query.attachment.to_bytes()))
+            query.reply(key, b"\x00\x01\x00\x00" + DONE, attachment=came[-1][1])
+
+    component = joined(stack, network, lamp, provides=False, wait=1.0)
+    consumer = next(iter(component.consumers.values()))
+    request = lamp.std_srvs.srv.SetBool_Request(True)
+    with pytest.raises((ObjectNotExist, CallTimeout)):
+        consumer.set(request)
+    stack.callback(plain.declare_queryable(key, answer, complete=True).undeclare)
+
+    def called() -> Any:
+        try:
+            return consumer.set(request)
+        except ServiceError:
+            return None
+
+    response = await_(called)
+    assert (response.success, response.message) == (True, "done")
+    assert came[-1][0] == b"\x00\x01\x00\x00\x01"
+    sequence, _, size, _ = struct.unpack("<qqB16s", came[-1][1])
+    assert sequence >= 1
+    assert size == 16
+
+
+def test_the_hash_is_that_of_the_definitions(lamp: ModuleType) -> None:
+    """Which `tests/unit/rosidl` compares with one that rmw_zenoh's document shows."""
+    files = [
+        ros_file("std_srvs/srv/SetBool.srv"),
+        ros_file("service_msgs/msg/ServiceEventInfo.msg"),
+    ]
+    model = load(files, root=files[0].parents[2]).model
+    pair = [model.find(("std_srvs", "srv", f"SetBool_{part}")) for part in PARTS]
+    expected = service_hash(model, *pair)  # type: ignore[arg-type]
+    assert service(lamp).type_hash == expected
+    assert types.request_of(lamp.std_srvs.srv.SetBool_Response) is None
+
+
+@pytest.mark.parametrize("text", ["", "a", "ab", "abc", "abcd", "abcde"])
+def test_messages_that_are_filled_up(lamp: ModuleType, text: str) -> None:
+    """By zeros to a multiple of four, as rmw_cyclonedds does it."""
+    type_ = lamp.std_srvs.srv.SetBool_Response
+    whole = type_(True, text)
+    octets = b"\x00\x01\x00\x00" + whole.to_cdr(True)
+    filled = octets + bytes(-len(octets) % 4)
+    assert types.decoded(type_, filled) == whole
+    for wrong in (filled + bytes(4), filled[:-1] + b"\x01", filled + b"\x00"):
+        if wrong != octets:
+            with pytest.raises(CdrError):
+                types.decoded(type_, wrong)
+
+
+PARTS = ("Request", "Response")
+
+
+@pytest.mark.parametrize(
+    ("operation", "why"),
+    [
+        ("twice", "does not return std_srvs::srv::SetBool_Response"),
+        ("plainly", "does not take a request of ROS 2 alone"),
+        ("missing", "there is no operation Lamp::missing; known: set, twice, plainly"),
+    ],
+)
+def test_other_operations_are_refused(
+    lamp: ModuleType, operation: str, why: str
+) -> None:
+    with pytest.raises(ServiceError, match=why):
+        messages_of(lamp.Lamp, operation)
+
+
+SYSTEM = """<?xml version="1.0" encoding="UTF-8"?>
+<rts:RtsProfile rts:id="RTSystem:me:lamps:1.0.0" rts:version="0.2"
+    xmlns:rts="http://www.openrtp.org/namespaces/rts">
+  <rts:Components rts:id="RTC:me:Demo:Lamps:1.0.0" rts:instanceName="L0"
+      rts:pathUri="localhost/L0.rtc" rts:compositeType="None" rts:isRequired="true"/>
+</rts:RtsProfile>
+"""
+MODULE = """
+import ros_lamp
+from ros_lamp.std_srvs.srv import SetBool_Request, SetBool_Response
+from rtgen.runtime import RTC_ERROR, Component, ComponentProfile
+from rtgen.runtime.services.servants import ServiceError
+
+FOUND = []
+
+
+class Servant(ros_lamp.Lamp):
+    def set(self, request):
+        return SetBool_Response(not request.data, "own")
+
+    def twice(self, request):
+        return request
+
+    def plainly(self, on):
+        return on
+
+
+class Lamps(Component):
+    profile = ComponentProfile("Lamps", rate=20.0)
+
+    def __init__(self, instance_name=None):
+        super().__init__(instance_name)
+        self.add_provider("power", "lamp", ros_lamp.Lamp).set_servant(Servant())
+        self.other = self.add_consumer("other", "lamp", ros_lamp.Lamp)
+
+    def on_execute(self, ec_id):
+        FOUND.append(self.other.set(SetBool_Request(True)))
+        return RTC_ERROR
+"""
+COMMAND = (
+    "run",
+    "s.xml",
+    "--clock",
+    "real",
+    "--ros2",
+    "dds",
+    "--until",
+    "L0=ERROR",
+    "-q",
+)
+
+
+def run_lamps(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, services: str
+) -> tuple[int, ModuleType]:
+    name = f"lamps_{tmp_path.name}"
+    monkeypatch.chdir(tmp_path)
+    Path(f"{name}.py").write_text(MODULE)
+    Path("s.xml").write_text(SYSTEM)
+    Path("rtgen.toml").write_text(
+        f'[components]\nLamps = "{name}:Lamps"\n[ros2]\ndomain = {DOMAIN}\n'
+        f"namespace = '{NAME}'\n[ros2.services]\n{services}\n"
+    )
+    monkeypatch.syspath_prepend(tmp_path)
+    code = rtgen([*COMMAND])
+    return code, importlib.import_module(name)
+
+
+def test_of_a_system(
+    lamp: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its consumer calls its provider by way of the service."""
+    monkeypatch.syspath_prepend(Path(str(lamp.__file__)).parents[1])
+    text = '"L0.power.set" = "x/set"\n"L0.other.set" = "x/set"'
+    _, module = run_lamps(tmp_path, monkeypatch, text)
+    [response] = module.FOUND
+    assert (response.success, response.message) == (False, "own")
+
+
+@pytest.mark.parametrize(
+    ("entry", "why"),
+    [
+        ("L1.power.set", "there is no component 'L1'; known: L0"),
+        ("L0.light.set", "L0 has no service port 'light'; known: power, other"),
+        ("L0.power.plainly", "Lamp::plainly does not take a request of ROS 2 alone"),
+    ],
+)
+def test_refused_before_the_start(
+    entry: str,
+    why: str,
+    lamp: ModuleType,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.syspath_prepend(Path(str(lamp.__file__)).parents[1])
+    code, _ = run_lamps(tmp_path, monkeypatch, f'"{entry}" = "x"')
+    assert code == 2
+    errors = capsys.readouterr().err
+    assert "rtgen.toml:7:1: error[SYS0025]" in errors
+    assert why in errors
