@@ -353,12 +353,16 @@ class Commands:
         self._require_simulated()
         _check_range(time, 0.0, _LONGEST_SEEK)
         session = self._session
-        system = session.assembled(saving.profile_now(session))
-        session.profile = saving.profile_now(session)
+        was_playing = session.runner.playing
+        profile = saving.profile_now(session)
+        system = session.assembled(profile)
+        session.profile = profile
         session.change_system(system)
         session.edits.forget()
         if time:
             session.runner.step(round(time * SECOND))
+        if was_playing:
+            session.runner.play()
         self._tell_time()
 
     def _require_simulated(self) -> None:

@@ -126,7 +126,7 @@ class Description:
             numbers = [NO_TYPE, NO_TYPE]
             for i, type_ in enumerate((call.request, call.reply)):
                 if type_ is not None and not refused:
-                    numbers[i] = self.type_number(type_)
+                    numbers[i] = self.types.number(type_._descriptor_)
                     if numbers[i] == NO_TYPE:
                         refused = "a page has no codec of its types"
             operations.append(

@@ -57,7 +57,9 @@ class Runner:
     def close(self) -> None:
         """End the run and close the system."""
         self._closing.set()
-        if self._thread.is_alive() and threading.current_thread() is not self._thread:
+        if self._thread.ident is None:
+            self.system.close()
+        elif threading.current_thread() is not self._thread:
             self._thread.join()
 
     def submit(self, request: Callable[[], None]) -> bool:

@@ -306,13 +306,13 @@ class Session:
                 self.tell(ui.Event.of_cut(name))
             case BusFrame():
                 self.buses.on_frame(happening)
-            case BoardCall(instance, request, reply, error):
+            case BoardCall(instance, request, reply, error, duration):
                 call = ui.BoardCall(
                     time=self.now,
                     instance=instance,
                     request=request,
                     reply=reply,
-                    round_trip=-1.0,
+                    round_trip=duration / SECOND,
                     error=error,
                 )
                 self.tell(ui.Event.of_call(call))

@@ -78,8 +78,8 @@ class Bench:
         return Page(self, full=full)
 
     def close(self) -> None:
-        """Close the system, which no thread runs."""
-        self.session.system.close()
+        """Close the session, which no thread runs."""
+        self.session.close()
 
 
 def whole(events: list[ui.Event]) -> ui.SystemState:

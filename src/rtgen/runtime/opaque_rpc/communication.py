@@ -32,8 +32,10 @@ class _Servant(OpaqueRpc):
         self._request = b""
         self._reply = bytearray()
         self._error = ""
+        self._begun = 0
 
     def begin(self, request: bytes, first: int) -> bytes:
+        self._begun = self._owner._clock.elapsed()
         try:
             data = self._link.begin(request, first)
         except ChannelError as error:
@@ -60,10 +62,10 @@ class _Servant(OpaqueRpc):
         self._link.reset()
 
     def _report(self, request: bytes, reply: bytes, error: str) -> None:
-        traffic = self._owner._clock.traffic
-        if traffic.watchers:
-            name = self._owner.instance_name
-            traffic.report(BoardCall(name, request, reply, error))
+        clock = self._owner._clock
+        if clock.traffic.watchers:
+            name, duration = self._owner.instance_name, clock.elapsed() - self._begun
+            clock.traffic.report(BoardCall(name, request, reply, error, duration))
 
 
 def _profile(parameter: CommunicationParameter) -> ParameterProfile:

@@ -39,12 +39,16 @@ class BusFrame(NamedTuple):
 
 
 class BoardCall(NamedTuple):
-    """A call that a communication RTC has carried to a board; `error` is empty if it succeeded."""
+    """A call that a communication RTC has carried to a board; `error` is empty if it succeeded.
+
+    `duration` is the time from the request to the end of the reply [ns], by the system's clock.
+    """
 
     instance: str
     request: bytes
     reply: bytes
     error: str
+    duration: int = 0
 
 
 Event: TypeAlias = ParameterChange | ConnectionChange | BusFrame | BoardCall
