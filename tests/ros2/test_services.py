@@ -21,6 +21,7 @@ from test_networks import DOMAIN, await_, participant, reliable, zenoh_pair
 
 from rtgen.cli import run as rtgen
 from rtgen.cli.ros2 import _message_class
+from rtgen.facts.ros_names import dds_type
 from rtgen.frontends.rosidl import load
 from rtgen.layouts.ros_types import service_hash
 from rtgen.resources import ros_file
@@ -41,6 +42,11 @@ zenoh = pytest.importorskip("zenoh", reason="eclipse-zenoh is not installed")
 
 IDL = """
 #include "std_srvs/srv/SetBool.idl"
+#include "lab/action/Go.idl"
+interface Mover {
+    lab::action::Go_SendGoal_Response send(in lab::action::Go_SendGoal_Request request);
+    lab::action::Go_GetResult_Response result(in lab::action::Go_GetResult_Request request);
+};
 interface Lamp {
     std_srvs::srv::SetBool_Response set(in std_srvs::srv::SetBool_Request request);
     std_srvs::srv::SetBool_Request twice(in std_srvs::srv::SetBool_Request request);
@@ -63,8 +69,12 @@ def lamp(tmp_path_factory: pytest.TempPathFactory) -> ModuleType:
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
         Path("t.idl").write_text(IDL)
+        Path("lab/action").mkdir(parents=True)
+        Path("lab/action/Go.action").write_text(
+            "float64 x\n---\nbool done\n---\nfloat64 left\n"
+        )
         Path("rtgen.toml").write_text(
-            '[sources]\npaths = ["t.idl"]\n[output]\npackage = "ros_lamp"\n'
+            '[sources]\npaths = ["t.idl", "lab"]\n[output]\npackage = "ros_lamp"\n'
         )
         assert rtgen(["generate", "-q", "--no-cache"]) == 0
         patch.syspath_prepend(str(folder / "generated"))
@@ -306,6 +316,16 @@ def test_messages_that_are_filled_up(lamp: ModuleType, text: str) -> None:
         if wrong != octets:
             with pytest.raises(CdrError):
                 types.decoded(type_, wrong)
+
+
+def test_services_of_an_action(lamp: ModuleType) -> None:
+    info = _message_class("service_msgs/msg/ServiceEventInfo")
+    for operation, kind in (("send", "SendGoal"), ("result", "GetResult")):
+        found = RosService("/go/_action/x", *messages_of(lamp.Mover, operation), info)
+        assert found.type_name == f"lab/action/Go_{kind}"
+        assert dds_type(f"{found.type_name}_Request") == (
+            f"lab::action::dds_::Go_{kind}_Request_"
+        )
 
 
 PARTS = ("Request", "Response")

@@ -86,6 +86,7 @@ def test_wrong_sections_have_a_place(text: str) -> None:
     [finding] = error.value.diagnostics
     assert WRONG[text] in finding.message
     assert finding.span is not None
+    assert finding.span.line == 2
 
 
 @pytest.fixture

@@ -143,30 +143,49 @@ def _ros_name(value: Any) -> str | None:
     return f"must be a name of ROS 2, which {problem or 'is a string'}"
 
 
+class _Problem(str):
+    """A problem of an entry of a table, with the key of the entry."""
+
+    entry: str
+
+    def __new__(cls, text: str, entry: str) -> _Problem:
+        made = super().__new__(cls, text)
+        made.entry = entry
+        return made
+
+
 def _ros_topics(value: Any) -> str | None:
     """Topics by port; each a name, or a table with a profile."""
     if not isinstance(value, dict):
         return "must be a table of INSTANCE.PORT to topics"
     for port, entry in value.items():
         if port.count(".") != 1:
-            return f"holds {port!r}, which is not INSTANCE.PORT"
+            return _Problem(f"holds {port!r}, which is not INSTANCE.PORT", port)
         table = {"topic": entry} if isinstance(entry, str) else entry
         fine = isinstance(table, dict) and {"topic"} <= set(table) <= {
             *("topic", "qos", "marshaling_type")
         }
         if not fine or not isinstance(table["topic"], str):
-            return f"holds {port!r}, which must be 'NAME' or {{ topic = 'NAME', qos = 'PROFILE' }}"
+            return _Problem(
+                f"holds {port!r}, which must be 'NAME' or {{ topic = 'NAME', qos = 'PROFILE' }}",
+                port,
+            )
         if why := ros_names.violation(table["topic"]):
-            return f"gives {port!r} the topic {table['topic']!r}; a name of ROS 2 {why}"
+            return _Problem(
+                f"gives {port!r} the topic {table['topic']!r}; a name of ROS 2 {why}",
+                port,
+            )
         marshaling = table.get("marshaling_type", "ros2:std_msgs/String")
         if not isinstance(marshaling, str) or parse_marshaling(marshaling) is None:
-            return (
+            return _Problem(
                 f"gives {port!r} the marshaling_type {marshaling!r}, "
-                "which is not ros2:PACKAGE/TYPE"
+                "which is not ros2:PACKAGE/TYPE",
+                port,
             )
         if table.get("qos", "default") not in PROFILES:
-            return (
-                f"gives {port!r} the qos {table['qos']!r}; known: {', '.join(PROFILES)}"
+            return _Problem(
+                f"gives {port!r} the qos {table['qos']!r}; known: {', '.join(PROFILES)}",
+                port,
             )
     return None
 
@@ -177,11 +196,20 @@ def _ros_services(value: Any) -> str | None:
         return "must be a table of INSTANCE.PORT.OPERATION to services"
     for operation, name in value.items():
         if operation.count(".") != 2:
-            return f"holds {operation!r}, which is not INSTANCE.PORT.OPERATION"
+            return _Problem(
+                f"holds {operation!r}, which is not INSTANCE.PORT.OPERATION",
+                operation,
+            )
         if not isinstance(name, str):
-            return f"holds {operation!r}, which must be 'NAME'"
+            return _Problem(
+                f"holds {operation!r}, which must be 'NAME'",
+                operation,
+            )
         if why := ros_names.violation(name):
-            return f"gives {operation!r} the service {name!r}; a name of ROS 2 {why}"
+            return _Problem(
+                f"gives {operation!r} the service {name!r}; a name of ROS 2 {why}",
+                operation,
+            )
     return None
 
 
@@ -415,9 +443,10 @@ def _check_key(
             hint=_did_you_mean(key, schema),
         )
     elif (problem := check(value)) is not None:
-        yield WRONG_TYPE.at(
-            settings.span(section, key), f"{key!r} in [{section}] {problem}"
-        )
+        span = settings.span(section, key)
+        if isinstance(problem, _Problem):
+            span = settings.span(f"{section}.{key}", problem.entry)
+        yield WRONG_TYPE.at(span, f"{key!r} in [{section}] {problem}")
 
 
 def _did_you_mean(name: str, known: dict[str, Any]) -> str:

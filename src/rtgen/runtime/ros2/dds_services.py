@@ -15,6 +15,7 @@ from itertools import count
 from typing import Any
 
 from rtgen.facts.ros_names import RequestId
+from rtgen.runtime.distribution.medium import MediumError
 from rtgen.runtime.failures import log
 from rtgen.runtime.services.servants import (
     CallTimeout,
@@ -94,7 +95,10 @@ class Client:
         with self._changed:
             self._waiting[number] = None
         try:
-            self._write(joined(RequestId(self._own, number), octets))
+            try:
+                self._write(joined(RequestId(self._own, number), octets))
+            except MediumError as error:
+                raise CommunicationFailure(str(error)) from error
             with self._changed:
                 while not (self._closed or self._waiting[number]):
                     left = deadline - time.monotonic()

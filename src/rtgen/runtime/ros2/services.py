@@ -6,14 +6,16 @@ An operation is a service if it takes a request of ROS 2 and returns the respons
 
 from __future__ import annotations
 
+from _thread import interrupt_main
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any, TypeAlias
 
 from rtgen.runtime.cdr import CdrError
+from rtgen.runtime.distribution.medium import MediumError
 from rtgen.runtime.distribution.workers import Workers
-from rtgen.runtime.failures import log
+from rtgen.runtime.failures import ends_run, log
 from rtgen.runtime.marshalling.descriptors import StructDescriptor, plain
 from rtgen.runtime.ros2.types import (
     decoded,
@@ -120,8 +122,13 @@ class _Server:
             request = decoded(self._type, octets)
             response: Any = self._provider.carry_out(self._operation, (request,))
             reply(_HEAD + response.to_cdr(True))
-        except (CdrError, ServiceError) as error:
+        except (CdrError, MediumError, ServiceError) as error:
             log.warning("%s: a request has no response: %s", self._name, error)
+        except BaseException as error:
+            if not ends_run(error):
+                raise
+            # This is not a thread of the run; that ends in the main thread.
+            interrupt_main()
 
 
 class _Carrier:
