@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import sys
 import threading
+from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -29,6 +30,7 @@ from rtgen.runtime import (
     System,
 )
 from rtgen.runtime.corba.transport import CorbaTransport
+from rtgen.runtime.errors import RtcError
 
 
 class Values:
@@ -80,6 +82,15 @@ def made(package: ModuleType, instance: str) -> Any:
     return Ours()
 
 
+def refused(action: Callable[..., object], *arguments: Any) -> str:
+    """The error of an action; empty if it has none."""
+    try:
+        action(*arguments)
+    except RtcError as error:
+        return f"{type(error).__name__}: {error}"
+    return ""
+
+
 def main(naming_service: str, folder: str) -> None:
     """Serve `Ours0` and `Other0` until the input ends."""
     facts = Path(__file__).with_name("facts.idl")
@@ -91,7 +102,13 @@ def main(naming_service: str, folder: str) -> None:
         ours = made(package, "Ours0")
         for component in (ours, made(package, "Other0")):
             system.add(component, 200.0)
-        names = {"system": system, "ours": ours, "long": package.rtc.TimedLong}
+        names = {
+            "system": system,
+            "transport": transport,
+            "ours": ours,
+            "long": package.rtc.TimedLong,
+            "refused": refused,
+        }
         ended = threading.Event()
 
         def answer() -> None:

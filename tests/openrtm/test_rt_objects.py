@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from openrtm_lab import Lab, until
+from openrtm_lab import Lab, resolved, until
 from patience import PATIENCE
 
 
@@ -311,3 +311,70 @@ def test_a_lost_peer_ends_the_connection(ours: Any, there: Process, lab: Lab) ->
     assert there("ours.out.write(long(data=1)).name") == "CONNECTION_LOST"
     until(lambda: there("len(ours.out.connectors)") == 0)
     assert ports(ours)["positon"].get_connector_profiles() == []
+
+
+def found_by_name(lab: Lab, naming_service: str, port: Any) -> tuple[str, str]:
+    """Instance and port of a component of OpenRTM, once the naming service has it."""
+    name = port.getPortRef().get_port_profile().name
+    instance, _, own = name.partition(".")
+    resolved(lab.rtm, naming_service, f"{instance}.rtc")
+    return instance, own
+
+
+def test_the_system_connects_itself_with_components_of_openrtm(
+    ours: Any, there: Process, lab: Lab, naming_service: str
+) -> None:
+    import RTC
+
+    def zero() -> Any:
+        return RTC.TimedLong(RTC.Time(0, 0), 0)
+
+    target, source = lab.in_port(zero(), "target"), lab.out_port(zero(), "source")
+    to = found_by_name(lab, naming_service, target)
+    from_ = found_by_name(lab, naming_service, source)
+    new = {"dataport.subscription_type": "new"}
+    there(f"system.connect(('Ours0', '.positon'), {to}, {new}, 'to').name")
+    there(f"system.connect({from_}, ('Ours0', 'data'), {{}}, 'from').name")
+    assert there("refused(transport.await_others, 30)") == ""
+    (shown,) = ports(ours)["positon"].get_connector_profiles()
+    assert (shown.name, shown.connector_id) == ("to", "to")
+    assert texts(shown.properties)["dataport.subscription_type"] == "new"
+    there("system.activate('Ours0').name")
+    until(lambda: there("ours.is_active"))
+    assert there("ours.out.write(long(data=5)).name") == "PORT_OK"
+    until(target.isNew)
+    assert target.read().data == 5
+    assert source.write(RTC.TimedLong(RTC.Time(0, 0), 6))
+    until(lambda: there("ours.got") == [6])
+    there("system.disconnect('to')")
+    assert target.getPortRef().get_connector_profiles() == []
+    there("system.disconnect('from')")
+    assert there("len(system.connectors)") == 0
+
+
+def test_what_is_missing_at_the_other_end_is_said(
+    ours: Any, there: Process, lab: Lab, naming_service: str
+) -> None:
+    import RTC
+
+    word = lab.in_port(RTC.TimedString(RTC.Time(0, 0), ""), "word")
+    to = found_by_name(lab, naming_service, word)
+
+    def error(instance: str, port: str) -> Any:
+        address = instance, port
+        there(f"system.connect(('Ours0', '.positon'), {address}, {{}}, 'to').name")
+        found = there("refused(transport.await_others, 0.1)")
+        there("system.disconnect('to')")
+        return found
+
+    assert error("Nobody0", "x") == (
+        "TransportError: Ours0..positon waits for Nobody0.x; "
+        f"the naming service {naming_service} has no Nobody0.rtc that answers"
+    )
+    assert error(*to) == (
+        f"PortTypeError: Ours0..positon and {'.'.join(to)} have different types: "
+        "IDL:RTC/TimedLong:1.0 and IDL:RTC/TimedString:1.0"
+    )
+    assert error(to[0], "other") == (
+        f"PortTypeError: {to[0]}.other is not a DataInPort; {to[0]} has: word"
+    )

@@ -149,7 +149,7 @@ def _between(
     return ELSEWHERE.at(
         span,
         f"{name}: data ports of two processes, {source} and {target}, cannot be connected",
-        hint="name both instances in --only, or neither; or --transport dds, which carries samples",
+        hint="name both instances in --only, or neither; or take --transport corba, dds or zenoh",
     )
 
 

@@ -125,9 +125,9 @@ def run(
     INSTANCE.PORT[index] are values over time, anything else is the file, by default values.csv and
     values.svg below build. Without any of them the file gets the trajectory.
 
-    With --transport corba service calls go over omniORB; with --transport dds or zenoh samples and
-    calls go over DDS or Zenoh. With --only this process runs a part of the system, and they go to
-    the processes that run the rest.
+    With --transport corba service calls go over omniORB, and components show as OpenRTM's; with
+    --transport dds or zenoh samples and calls go over DDS or Zenoh. With --only this process runs
+    a part of the system, and they go to the processes that run the rest.
     """
     simulated = clock == "sim"
     carrying.check(simulated=simulated)
@@ -144,7 +144,7 @@ def run(
     values = [timeline.assignment(text, profile) for text in settings]
     if carrying.only is not None:
         here = partition.named(carrying.only, profile)
-        data = carrying.carries_data
+        data = carrying.joins_data
         partition.require_here(values, here)
         condition = partition.condition_here(condition, here, asked=until is not None)
         steps = partition.steps_here(steps, profile, here, data=data)

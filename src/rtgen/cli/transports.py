@@ -61,7 +61,7 @@ _OPTIONS = (
         type=_Transport(),
         default="direct",
         show_default=True,
-        help="What carries service calls, dds and zenoh samples, too, between processes.",
+        help="What carries service calls, and samples between processes.",
     ),
     click.option(
         "--only",
@@ -114,6 +114,11 @@ class TransportOptions(EngineOptions):
     def carries_data(self) -> bool:
         """Whether samples can go to other processes."""
         return self.transport in engines.TAKES
+
+    @property
+    def joins_data(self) -> bool:
+        """Whether data ports of two processes can be connected."""
+        return self.carries_data or self.transport == "corba"
 
     def check(self, *, simulated: bool) -> None:
         """Raise Refusal for inconsistent options."""

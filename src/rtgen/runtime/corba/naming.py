@@ -23,6 +23,8 @@ _T = TypeVar("_T")
 PORT = 2809
 """Default port of naming services (IANA: corbaloc)."""
 _AT_ONCE = 100
+_HOST = "host_cxt"
+"""The kind of contexts in which OpenRTM binds the components of a host."""
 
 _Context = CosNaming.NamingContext
 
@@ -110,6 +112,31 @@ class Naming:
                 self._root.unbind(_path(*name))
 
         self._asked(unbind, "unbind")
+
+    def component(self, name: str, kind: str) -> Any:
+        """The object of a name in the root, or in the context of a host, as OpenRTM binds it.
+
+        None if there is none.
+        """
+
+        def component() -> Any:
+            found = _resolved(self._root, name, kind)
+            hosts = [] if found is not None else self._contexts(_HOST)
+            for host in hosts:
+                found = found or _resolved(host, name, kind)
+            return found
+
+        return self._asked(component, "ask")
+
+    def _contexts(self, kind: str) -> list[Any]:
+        """The contexts of a kind in the root."""
+        bindings, more = self._root.list(_AT_ONCE)
+        if more is not None:
+            more.destroy()
+        names = [binding.binding_name[0] for binding in bindings]
+        found = [_resolved(self._root, n.id, n.kind) for n in names if n.kind == kind]
+        contexts = [None if f is None else f._narrow(_Context) for f in found]
+        return [context for context in contexts if context is not None]
 
     def providers(self, port: tuple[str, str]) -> dict[str, Any]:
         """The bound providers of a port by name."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import time
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from contextlib import ExitStack
 from functools import partial
 from types import TracebackType
@@ -15,11 +15,14 @@ from rtgen.runtime.corba.name_server import NameServer
 from rtgen.runtime.corba.naming import Naming
 from rtgen.runtime.corba.objects import Objects
 from rtgen.runtime.corba.orb import LOOPBACK, Orb
+from rtgen.runtime.corba.rt_objects.peers import PeerConnection
 from rtgen.runtime.corba.rt_objects.publishing import RtObjects
 from rtgen.runtime.errors import TransportError
+from rtgen.runtime.ports.data_ports import InPort, OutPort
 from rtgen.runtime.rtc.component import Component
 from rtgen.runtime.services.ports import Carrier, PortOwner, Provider, ServicePort
 from rtgen.runtime.services.transports import RemotePort
+from rtgen.runtime.timing.guards import Guard
 
 if TYPE_CHECKING:
     from rtgen.runtime.system.system import System
@@ -49,6 +52,7 @@ class CorbaTransport:
         self._objects = Objects(orb)
         self._references: dict[Provider[Any], Any] = {}
         self._connectors: list[RemoteConnector] = []
+        self._peers: list[PeerConnection] = []
         self._naming: Naming | None = None
         self._rt_objects: RtObjects | None = None
         try:
@@ -150,10 +154,44 @@ class CorbaTransport:
         self._connectors.append(made)
         return made
 
+    def sending(
+        self,
+        name: str,
+        here: OutPort[Any],
+        there: RemotePort,
+        properties: Mapping[str, str],
+    ) -> PeerConnection:
+        """A connection to an InPort of another process, not established."""
+        return self._peer(name, here, there, properties)
+
+    def receiving(
+        self,
+        name: str,
+        here: InPort[Any],
+        there: RemotePort,
+        properties: Mapping[str, str],
+        guard: Callable[[], Guard],
+    ) -> PeerConnection:
+        """A connection from an OutPort of another process, not established."""
+        return self._peer(name, here, there, properties)
+
+    def _peer(
+        self,
+        name: str,
+        here: InPort[Any] | OutPort[Any],
+        there: RemotePort,
+        properties: Mapping[str, str],
+    ) -> PeerConnection:
+        if self._rt_objects is None:
+            raise TransportError(f"{there} is in no process that could be asked")
+        made = PeerConnection(name, here, there, properties, self._rt_objects)
+        self._peers.append(made)
+        return made
+
     # Other processes
 
     def await_others(self, seconds: float) -> None:
-        """Wait for all connected providers.
+        """Wait for all connected providers and data ports.
 
         Raises PortTypeError for incompatible types.
         """
@@ -161,6 +199,9 @@ class CorbaTransport:
         for connector in self._connectors:
             if connector.connected:
                 connector.await_providers(deadline)
+        for peer in self._peers:
+            if peer.connected and self._naming is not None:
+                peer.establish(self._naming, deadline)
 
     def _wanted(self) -> list[RemoteProvider]:
         return [p for c in self._connectors if c.connected for p in c.providers]

@@ -103,7 +103,7 @@ class DataTransport(SteeringTransport, Protocol):
         there: RemotePort,
         properties: Mapping[str, str],
         guard: Callable[[], Guard],
-    ) -> DataConnector[Any]:
+    ) -> DataConnector[Any] | RemoteDataConnector:
         """A connection from an OutPort of another process, not established.
 
         Buffers and policies of the connection are at this end. Raises ConnectError.

@@ -161,7 +161,9 @@ class System:
             component.exit()
         finally:
             for connector in list(self._connectors.values()):
-                if instance in instances_of(connector):
+                # One that a transport has made for another one ends with it.
+                known = connector.name in self._connectors
+                if known and instance in instances_of(connector):
                     self.disconnect(connector)
         if self._transport is not None:
             self._transport.withdraw(component)

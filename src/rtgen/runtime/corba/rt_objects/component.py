@@ -9,6 +9,7 @@ from omniORB import any as anys
 
 from rtgen.runtime.corba.rt_objects.configuration import Configuration
 from rtgen.runtime.corba.rt_objects.objects import Exported
+from rtgen.runtime.corba.rt_objects.peers import RUNTIME
 from rtgen.runtime.corba.rt_objects.ports import PortService
 from rtgen.runtime.corba.rt_objects.wire import (
     CONFIGURATION,
@@ -179,6 +180,7 @@ class RtObject:
             "max_instance": str(profile.max_instances),
             "language": "Python",
             "lang_type": "SCRIPT",
+            RUNTIME: "embedded",
             "naming.names": f"{self.component.instance_name}.rtc",
         }
         return ComponentProfile(

@@ -28,7 +28,6 @@ from rtgen.runtime.corba.rt_objects.wire import (
 )
 from rtgen.runtime.errors import ConnectorPropertyError
 from rtgen.runtime.ports.data_ports import DataConnector, InPort, OutPort
-from rtgen.runtime.services.connectors import ServiceConnector
 from rtgen.runtime.services.ports import Provider, ServicePort
 from rtgen.runtime.system.joining import Connector
 from rtgen.runtime.timing.guards import Guard
@@ -121,9 +120,7 @@ class OutEnd:
 
     def has(self, connector: Connector) -> bool:
         """See `End`."""
-        return not isinstance(connector, ServiceConnector) and (
-            connector.source is self._port
-        )
+        return isinstance(connector, DataConnector) and connector.source is self._port
 
 
 class ServiceEnd:

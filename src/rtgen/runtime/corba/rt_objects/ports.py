@@ -264,6 +264,20 @@ class PortService:
             return self._notify_all(link.profile)
         return self._cut(connector_id)
 
+    def has_link(self, connector_id: str) -> bool:
+        """Whether there is a connection of an id to a port of another process."""
+        return connector_id in self._links
+
+    def leave(self, connector_id: str) -> None:
+        """End a connection here, then at the other end; it need not be there."""
+        link = self._links.pop(connector_id, None)
+        if link is None:
+            return
+        self._end(link)
+        for port in link.profile.ports:
+            if self._ports.exported.local(port) is None:
+                self._notify(port, connector_id)
+
     def disconnect_all(self) -> ReturnCode_t:
         """See `RTC::PortService`."""
         codes = [

@@ -12,7 +12,9 @@ from rtgen.runtime.corba.orb import Orb
 from rtgen.runtime.corba.rt_objects.component import RtObject
 from rtgen.runtime.corba.rt_objects.ends import InEnd, OutEnd, ServiceEnd
 from rtgen.runtime.corba.rt_objects.objects import Exported
+from rtgen.runtime.corba.rt_objects.peers import KIND
 from rtgen.runtime.corba.rt_objects.ports import End, PortService
+from rtgen.runtime.ports.data_ports import InPort, OutPort
 from rtgen.runtime.rtc.component import Component
 from rtgen.runtime.services.ports import Provider, ServicePort
 from rtgen.runtime.system.joining import Connector
@@ -20,9 +22,6 @@ from rtgen.runtime.timing.guards import Guard
 
 if TYPE_CHECKING:
     from rtgen.runtime.system.system import System
-
-KIND = "rtc"
-"""The kind of names of components."""
 
 
 class RtObjects:
@@ -57,6 +56,16 @@ class RtObjects:
                 self._naming.unbind_object((instance, KIND), made.reference)
             finally:
                 made.close()
+
+    def port(self, end: InPort[Any] | OutPort[Any]) -> PortService | None:
+        """The port service of a data port; None if it is withdrawn."""
+        made = self._published.get(end.owner)
+        kind = InEnd if isinstance(end, InPort) else OutEnd
+        ports = () if made is None else made.ports
+        return next(
+            (p for p in ports if isinstance(p.end, kind) and p.end.port == end.name),
+            None,
+        )
 
     def at(self, connector: Connector) -> list[PortService]:
         """See `Ports`; the OutPort, or the first port of a service connection, first."""
