@@ -27,12 +27,16 @@ from runs import Run
 from refrobots import iis, rtc
 from rtgen import runtime
 from rtgen.cli import run as rtgen
+from rtgen.cli.common import Console
+from rtgen.cli.transports import await_others
+from rtgen.diagnostics import ToolError
 from rtgen.runtime import idl, xcdr
 from rtgen.runtime.cdr import Aggregated, CdrError
 from rtgen.runtime.dds.medium import DdsMedium, configuration
 from rtgen.runtime.dds.numbers import DOUBLE, Numbers, numbered, plain
 from rtgen.runtime.dds.types import idl_class
 from rtgen.runtime.distribution.data import encoder
+from rtgen.runtime.distribution.in_process import Network
 from rtgen.runtime.distribution.medium import (
     MediumError,
     PublishTimeoutError,
@@ -43,6 +47,7 @@ from rtgen.runtime.distribution.medium import (
 )
 from rtgen.runtime.distribution.payloads import received
 from rtgen.runtime.distribution.services import RemoteCalls
+from rtgen.runtime.distribution.transport import DistributedTransport
 from rtgen.runtime.opaque_rpc.interface import OpaqueRpc, OpaqueRpcFailed
 
 ROOT = Path(__file__).parents[2]
@@ -373,6 +378,31 @@ def test_options_that_do_not_fit(
     more = ["--domain", "91"] if "real" in options and code == 3 else []
     assert rtgen(["run", system, *options, *more, "--until", "0.1"]) == code
     assert text in capfd.readouterr().err
+
+
+def test_who_is_awaited_is_said(
+    partition: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    system = str(ROOT / "specs" / "navigation" / "rh3_goal.xml")
+    options = ["--clock", "real", "--transport", "dds", "--partition", partition]
+    options += ["--domain", str(DOMAIN), "--only", "PathFollower0", "--wait", "1.3"]
+    assert rtgen(["run", system, *options]) == 3
+    printed = capfd.readouterr().err
+    assert "waiting for other processes: Navigation0, " in printed
+    assert "start the process that runs it" in printed
+
+
+def test_a_second_process_for_an_instance_is_to_end(stack: ExitStack) -> None:
+    transport = stack.enter_context(DistributedTransport(Network().medium()))
+
+    def refuse(seconds: float) -> None:
+        raise runtime.ServedElsewhereError("another process runs a, too")
+
+    transport.await_others = refuse  # type: ignore[method-assign]
+    with pytest.raises(ToolError) as failure:
+        await_others(transport, 0, Console("text", False, False))
+    assert failure.value.hint is not None
+    assert failure.value.hint.startswith("end the other process")
 
 
 @pytest.fixture

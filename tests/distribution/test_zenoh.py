@@ -181,6 +181,24 @@ def test_a_wrong_configuration_file_is_reported(
     assert ".rs:" not in str(caught.value)
 
 
+def test_a_session_that_does_not_open_is_reported(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    """As when another program holds the port where sessions meet."""
+    monkeypatch.setattr(session, "_SLOW", 0.01)
+    opened = object()
+
+    def slow(_: object) -> object:
+        wait_for(lambda: caplog.messages)
+        return opened
+
+    monkeypatch.setattr(session.zenoh, "open", slow)
+    assert open_session(Endpoints()) is opened
+    assert caplog.messages == [
+        "Zenoh waits: nobody answers as Zenoh at tcp/127.0.0.1:7447"
+    ]
+
+
 def test_locators_replace_those_of_the_file(tmp_path: Path, locator: str) -> None:
     file = tmp_path / "zenoh.json5"
     file.write_text(

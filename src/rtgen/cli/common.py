@@ -40,8 +40,28 @@ class Refusal(click.ClickException):
     exit_code = BAD_INPUT
 
 
+def _in_words(minimum: float | None, maximum: float | None, *, is_open: bool) -> str:
+    """A range in words, for help and messages (click writes `0<=x<=5`)."""
+    if minimum is None:
+        return "" if maximum is None else f"at most {maximum:.10g}"
+    above = f"above {minimum:.10g}" if is_open else f"{minimum:.10g}"
+    if maximum is None:
+        return above if is_open else f"at least {above}"
+    return f"{above} to {maximum:.10g}"
+
+
+class WholeRange(click.IntRange):
+    """A range of whole numbers."""
+
+    def _describe_range(self) -> str:
+        return _in_words(self.min, self.max, is_open=self.min_open)
+
+
 class FiniteRange(click.FloatRange):
     """A range of numbers that excludes `nan` and `inf`."""
+
+    def _describe_range(self) -> str:
+        return _in_words(self.min, self.max, is_open=self.min_open)
 
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
@@ -284,7 +304,7 @@ def with_node_id(function: Callable[P, int]) -> Callable[P, int]:
     """Add --node-id; the function gets `node_id`."""
     return click.option(
         "--node-id",
-        type=click.IntRange(1, 127),
+        type=WholeRange(1, 127),
         metavar="N",
         help="Read CANopen devices as node N; default: a DCF's own node-id.",
     )(function)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from rtgen import runtime
-from rtgen.cli.common import FiniteRange, Refusal
+from rtgen.cli.common import FiniteRange, Refusal, WholeRange
 from rtgen.diagnostics import ToolError
 
 if TYPE_CHECKING:
@@ -55,8 +55,8 @@ OPTIONS = (
     ),
     click.option(
         "--domain",
-        type=click.IntRange(0, 232),
-        metavar="0..232",
+        type=WholeRange(0, 232),
+        metavar="NUMBER",
         help="DDS domain (dds); by default 0.",
     ),
     click.option(
@@ -110,9 +110,9 @@ class EngineOptions:
         for given in self.given:
             if given not in takes.get(self.transport, ()):
                 takers = [each for each, names in takes.items() if given in names]
-                raise Refusal(
-                    f"{option_of(given)} needs --transport {' or '.join(takers)}"
-                )
+                *others, last = takers
+                either = f"{', '.join(others)} or {last}" if others else last
+                raise Refusal(f"{option_of(given)} needs --transport {either}")
         if self.interface is not None and self.transport_config is not None:
             raise Refusal("--interface and --transport-config exclude each other")
 

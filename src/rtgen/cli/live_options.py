@@ -55,7 +55,10 @@ def _place(
     if value is None:
         return None
     host, _colon, port = value.rpartition(":")
-    if not (port.isascii() and port.isdecimal() and int(port[:6]) < _PORTS):
+    is_number = port.isascii() and port.isdecimal()
+    if is_number and int(port[:6]) >= _PORTS:
+        raise click.BadParameter(f"{port} is not a port: they are 0 to {_PORTS - 1}.")
+    if not is_number:
         message = (
             f"'{value}' is not PORT or HOST:PORT; a system goes before --foxglove."
         )

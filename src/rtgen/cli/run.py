@@ -214,7 +214,7 @@ def run(
             shown.enter_context(report.breakpoints())
             _show(running, bar)
             if transport is not None:
-                transports.await_others(transport, carrying.patience)
+                transports.await_others(transport, carrying.patience, console)
             end.of(running.end_run)
             met, wall = _run(running, condition, report, simulated=simulated)
         if recorder is not None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import threading
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, fields
@@ -17,6 +18,7 @@ from rtgen.cli.engines import CALL_TIMEOUT, EngineOptions, option_of
 from rtgen.cli.signals import terminable
 from rtgen.diagnostics import InputError, ToolError
 from rtgen.runtime.errors import NoNamingServiceError
+from rtgen.runtime.services.transports import AwaitingTransport
 from rtgen.systems.rules import CONNECTION
 
 if TYPE_CHECKING:
@@ -24,6 +26,8 @@ if TYPE_CHECKING:
     from rtgen.runtime.services.transports import ProcessTransport
 
 _PORTS = 1 << 16
+_SILENCE = 1.0
+"""Seconds after which a wait for other processes is announced."""
 _BUILT_IN = ("corba", *engines.TAKES)
 
 
@@ -203,17 +207,37 @@ def _corba(carrying: TransportOptions, *, simulated: bool) -> CorbaTransport:
         raise ToolError(str(error)) from error
 
 
-def await_others(transport: ProcessTransport, seconds: float) -> None:
+def await_others(transport: ProcessTransport, seconds: float, console: Console) -> None:
     """Wait until other processes provide what is called here. Raises ToolError, InputError.
 
-    Ctrl-C and SIGTERM raise KeyboardInterrupt.
+    Says after a while which components it waits for. Ctrl-C and SIGTERM raise KeyboardInterrupt.
     """
+
+    def tell() -> None:
+        if isinstance(transport, AwaitingTransport) and (missing := transport.missing):
+            console.say(f"waiting for other processes: {', '.join(missing)}")
+
+    patience = threading.Timer(_SILENCE, tell)
+    patience.daemon = True
+    patience.start()
     try:
         with terminable():
             transport.await_others(seconds)
+    except runtime.ServedElsewhereError as error:
+        raise ToolError(
+            str(error),
+            hint="end the other process, or give this one components of its own by --only, "
+            "or another --partition",
+        ) from error
     except runtime.TransportError as error:
         raise ToolError(
             str(error), hint="start the process that runs it, or --wait longer"
         ) from error
     except runtime.ConnectError as error:
         raise InputError([CONNECTION.at(None, str(error))]) from error
+    except KeyboardInterrupt:
+        if patience.is_alive():
+            tell()
+        raise
+    finally:
+        patience.cancel()

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import queue
+import socket
 from collections.abc import Callable, Sequence
 from concurrent.futures import CancelledError, Future
 from concurrent.futures import TimeoutError as FutureTimeoutError
@@ -44,6 +45,19 @@ _BACKLOG: Final = 1024
 """Messages that wait for a client before the oldest are dropped."""
 _PATIENCE: Final = 5.0
 """How long a call waits for the run [s]."""
+
+
+def _is_own(host: str) -> bool:
+    """Whether a server can listen at that address of this machine, at some port."""
+    try:
+        family, kind, _, _, address = socket.getaddrinfo(
+            host, 0, type=socket.SOCK_STREAM
+        )[0]
+        with socket.socket(family, kind) as probe:
+            probe.bind(address)
+    except (OSError, UnicodeError):
+        return False
+    return True
 
 
 class LiveView:
@@ -89,7 +103,11 @@ class LiveView:
         except (OSError, RuntimeError, ValueError) as error:
             raise RecordingError(
                 f"the live view cannot listen at {host}:{port}: {error}",
-                hint="another port, or 0 for any that is free",
+                hint=(
+                    "another port, or 0 for any that is free"
+                    if _is_own(host)
+                    else f"{host} is not this machine's; 127.0.0.1 is, 0.0.0.0 means all"
+                ),
             ) from error
         self.address = f"ws://{host}:{self._server.port}"
         system.clock.traffic.watch(self._on_event)

@@ -378,6 +378,13 @@ def test_a_port_that_is_taken_is_an_error() -> None:
         view.close()
 
 
+def test_an_address_of_another_machine_is_named() -> None:
+    with System(SimulatedClock()) as system, pytest.raises(RecordingError) as caught:
+        LiveView(system, "test", host="203.0.113.1", port=0)
+    assert caught.value.hint is not None
+    assert caught.value.hint.startswith("203.0.113.1 is not this machine's")
+
+
 def test_without_the_sdk_the_message_says_what_to_install(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -391,7 +398,8 @@ def test_without_the_sdk_the_message_says_what_to_install(
     ("arguments", "what"),
     [
         (("--foxglove", "x.xml"), "'x.xml' is not PORT or HOST:PORT"),
-        (("--foxglove", "65536"), "'65536' is not PORT"),
+        (("--foxglove", "99999"), "99999 is not a port: they are 0 to 65535"),
+        (("--foxglove", "65536"), "65536 is not a port"),
         (("--rate", "0"), "--rate"),
         (("--rate", "1", "--clock", "real"), "--rate goes with --clock sim"),
     ],

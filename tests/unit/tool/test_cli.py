@@ -8,12 +8,14 @@ import subprocess
 import sys
 from pathlib import Path
 
+import click
 import pytest
 from small_pipeline import Pipeline
 
 from rtgen import __version__, compiler
 from rtgen.cli import COMMANDS, run
 from rtgen.cli.can import COMMANDS as CAN_COMMANDS
+from rtgen.cli.common import FiniteRange, WholeRange
 from rtgen.cli.ctl import COMMANDS as CTL_COMMANDS
 from rtgen.cli.log import COMMANDS as LOG_COMMANDS
 from rtgen.cli.new import COMMANDS as NEW_COMMANDS
@@ -321,3 +323,21 @@ def test_names_that_differ_in_case_only(
     assert run([command, "--ignore-case-clashes", "case.idl"]) != 2
     Path("rtgen.toml").write_text("[sources]\nignore_case_clashes = true\n")
     assert run([command, "case.idl"]) != 2
+
+
+@pytest.mark.parametrize(
+    ("range_", "text"),
+    [
+        (WholeRange(0, 232), "0 to 232"),
+        (WholeRange(min=1), "at least 1"),
+        (WholeRange(max=1_000_000), "at most 1000000"),
+        (FiniteRange(min=0, min_open=True), "above 0"),
+        (FiniteRange(0.001, 3600), "0.001 to 3600"),
+    ],
+)
+def test_ranges_are_described_in_words(range_: click.ParamType, text: str) -> None:
+    option = click.Option(["--n"], type=range_)
+    _, shown = option.get_help_record(click.Context(click.Command("c"))) or ("", "")
+    assert shown == f"[{text}]"
+    with pytest.raises(click.BadParameter, match=f"range {text}"):
+        range_.convert("-1" if "most" not in text else "2000000", None, None)

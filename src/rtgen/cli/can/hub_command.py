@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rtgen.cli.common import OK, Console, with_console, write_out
+from rtgen.cli.common import OK, Console, WholeRange, with_console, write_out
 from rtgen.diagnostics import ToolError
 from rtgen.runtime.canopen.bus.hub import QUEUE, Hub, HubSettings
 from rtgen.runtime.canopen.bus.hub_faults import Fault, fault_of
@@ -34,21 +34,21 @@ def _faults(
 @click.option("--host", default="127.0.0.1", show_default=True, metavar="ADDRESS")
 @click.option(
     "--port",
-    type=click.IntRange(0, 65535),
+    type=WholeRange(0, 65535),
     default=SOCKETCAND_PORT,
     show_default=True,
     help="0 takes a free one.",
 )
 @click.option(
     "--bitrate",
-    type=click.IntRange(0, 1_000_000),
+    type=WholeRange(0, 1_000_000),
     default=0,
     metavar="BIT/S",
     help="Give frames the time that they take; default: none.",
 )
 @click.option(
     "--queue",
-    type=click.IntRange(1, 1_000_000),
+    type=WholeRange(1, 1_000_000),
     default=QUEUE,
     show_default=True,
     metavar="N",

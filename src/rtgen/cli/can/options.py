@@ -11,7 +11,7 @@ from typing import Any, ParamSpec, TypeVar
 import click
 
 from rtgen.cli.can.node_index import NodeIndex, read_node_index
-from rtgen.cli.common import FiniteRange, Refusal
+from rtgen.cli.common import FiniteRange, Refusal, WholeRange
 from rtgen.runtime.canopen.bus.python_can import BusAddress, Option, option
 
 P = ParamSpec("P")
@@ -72,7 +72,7 @@ def with_bus(function: Callable[P, R]) -> Callable[..., R]:
     @click.option("--channel", metavar="NAME", help=f"The channel; default: {CHANNEL}.")
     @click.option(
         "--bitrate",
-        type=click.IntRange(min=1),
+        type=WholeRange(min=1),
         metavar="N",
         help="Bit rate in bit/s; default: the interface's.",
     )
@@ -153,7 +153,7 @@ def with_span(function: Callable[P, R]) -> Callable[P, R]:
     )(function)
     return click.option(
         "--count",
-        type=click.IntRange(min=1),
+        type=WholeRange(min=1),
         metavar="N",
         help="End after N frames.",
     )(function)

@@ -14,7 +14,7 @@ from rtgen.cli.can.frame_parsing import FORMS, frame_of_text
 from rtgen.cli.can.live_bus import drained, opened, send, until_interrupted
 from rtgen.cli.can.options import BusAccess, Described, with_bus, with_nodes
 from rtgen.cli.can.sequences import Step, read_sequence
-from rtgen.cli.common import OK, Console, FiniteRange, with_console
+from rtgen.cli.common import OK, Console, FiniteRange, WholeRange, with_console
 from rtgen.runtime.canopen.bus.python_can import OpenBus
 
 
@@ -34,7 +34,7 @@ from rtgen.runtime.canopen.bus.python_can import OpenBus
 )
 @click.option(
     "--count",
-    type=click.IntRange(min=1),
+    type=WholeRange(min=1),
     metavar="N",
     help="Send so many times; default: once, with --every without end.",
 )

@@ -51,7 +51,7 @@ _OPTIONS = (
     ),
     click.option(
         "--system",
-        type=click.Path(exists=True),
+        type=click.Path(),
         metavar="FILE",
         help="The RtsProfile of the system, or its folder, whose name is the partition.",
     ),

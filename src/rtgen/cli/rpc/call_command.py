@@ -7,7 +7,7 @@ from typing import cast
 
 import click
 
-from rtgen.cli.common import FAILED, OK, Console, with_console, write_out
+from rtgen.cli.common import FAILED, OK, Console, WholeRange, with_console, write_out
 from rtgen.cli.rpc.codecs import Function
 from rtgen.cli.rpc.common import (
     Peer,
@@ -35,7 +35,7 @@ from rtgen.runtime.opaque_rpc.values import is_rpc_error
 @click.command("call")
 @click.argument("words", metavar="[HOST:PORT] SIG.FUNC [JSON]", nargs=-1)
 @click.option("--serial", metavar="DEV", help="Call over a serial line.")
-@click.option("--baud", type=click.IntRange(min=1), default=BAUDRATE, show_default=True)
+@click.option("--baud", type=WholeRange(min=1), default=BAUDRATE, show_default=True)
 @with_cdl
 @with_peer
 @with_console

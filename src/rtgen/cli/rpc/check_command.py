@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from rtgen.cli.common import NO, OK, Console, with_console, write_out
+from rtgen.cli.common import NO, OK, Console, WholeRange, with_console, write_out
 from rtgen.cli.rpc.call_command import channel_of
 from rtgen.cli.rpc.common import (
     Peer,
@@ -24,7 +24,7 @@ from rtgen.runtime.opaque_rpc.serial import BAUDRATE
 @click.command("check")
 @click.argument("words", metavar="[HOST:PORT] SIG", nargs=-1)
 @click.option("--serial", metavar="DEV", help="Ask over a serial line.")
-@click.option("--baud", type=click.IntRange(min=1), default=BAUDRATE, show_default=True)
+@click.option("--baud", type=WholeRange(min=1), default=BAUDRATE, show_default=True)
 @with_cdl
 @with_peer
 @with_console

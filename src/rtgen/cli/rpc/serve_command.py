@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from rtgen.cli.common import OK, Console, with_console, write_out
+from rtgen.cli.common import OK, Console, WholeRange, with_console, write_out
 from rtgen.cli.rpc.board import MockBoard, ScriptError
 from rtgen.cli.rpc.common import (
     Peer,
@@ -34,13 +34,13 @@ from rtgen.runtime.opaque_rpc.serial import BAUDRATE
 @click.option("--host", default="127.0.0.1", show_default=True, metavar="ADDRESS")
 @click.option(
     "--port",
-    type=click.IntRange(0, 65535),
+    type=WholeRange(0, 65535),
     default=FIRST_PORT,
     show_default=True,
     help="0 takes a free one.",
 )
 @click.option("--serial", metavar="DEV", help="Serve a serial line.")
-@click.option("--baud", type=click.IntRange(min=1), default=BAUDRATE, show_default=True)
+@click.option("--baud", type=WholeRange(min=1), default=BAUDRATE, show_default=True)
 @click.option(
     "--script",
     type=click.Path(dir_okay=False, path_type=Path),

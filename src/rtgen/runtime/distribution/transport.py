@@ -264,6 +264,14 @@ class DistributedTransport:
                     f"another process of this system runs {instance}, too"
                 )
 
+    @property
+    def missing(self) -> list[str]:
+        """The instances of other processes that connections need and no process has, sorted."""
+        data = [c.ends[1] for c in self._data if c.connected]
+        calls = [c.target for c in self._calls if c.connected]
+        needed = {there.instance for there in (*data, *calls)}
+        return sorted(each for each in needed if not self.peers.is_present(each))
+
     def await_instance(self, instance: str, seconds: float) -> None:
         """Wait until a process has an instance. Raises TransportError after so many seconds."""
         deadline = time.monotonic() + seconds

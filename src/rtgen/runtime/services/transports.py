@@ -124,3 +124,12 @@ class ProcessTransport(Transport, Protocol):
 
         `before` are the names of the instances that are activated before it.
         """
+
+
+@runtime_checkable
+class AwaitingTransport(Protocol):
+    """A transport that knows which components of other processes are not there yet."""
+
+    @property
+    def missing(self) -> list[str]:
+        """The instances that `await_others` waits for, sorted; from any thread."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -13,10 +14,13 @@ from typing import Any
 import zenoh
 
 from rtgen.runtime.distribution.medium import MediumError
+from rtgen.runtime.failures import log
 
 MEETING_PLACE = "tcp/127.0.0.1:7447"
 """Where the processes of one machine find each other, and a router of this machine, if one runs."""
 
+_SLOW = 1.5
+"""Seconds after which a session that does not open is reported."""
 _LEASE_MS = 3000
 _FRAGMENTS_WAIT_US = 1_000_000
 _RETRY = {"period_init_ms": 100, "period_max_ms": 1000, "period_increase_factor": 2}
@@ -41,8 +45,20 @@ class Endpoints:
 
 def open_session(endpoints: Endpoints) -> zenoh.Session:
     """Open a session. Raises MediumError."""
-    with reported(str(endpoints.config or "zenoh")):
-        return zenoh.open(_configuration(endpoints))
+    places = [*endpoints.connect, *endpoints.listen] or [MEETING_PLACE]
+    named = endpoints.config or ", ".join(places)
+
+    def tell() -> None:
+        log.warning("Zenoh waits: nobody answers as Zenoh at %s", named)
+
+    slow = threading.Timer(_SLOW, tell)
+    slow.daemon = True
+    slow.start()
+    try:
+        with reported(str(endpoints.config or "zenoh")):
+            return zenoh.open(_configuration(endpoints))
+    finally:
+        slow.cancel()
 
 
 @contextmanager
