@@ -29,7 +29,7 @@ endif
 endif
 endif
 
-.PHONY: demo gallery test check format lint types pyright imports drift pytest test-openrtm interpreters interpreter interpreted lowest lock licences wheels fuzz bench clean
+.PHONY: demo gallery test check format lint types pyright imports drift pytest test-openrtm interpreters interpreter interpreted lowest lock licences wheels fuzz soak bench clean
 
 demo: $(VENV)/demo.stamp
 	$(BIN)/rtgen generate
@@ -130,6 +130,11 @@ ifdef DOOR
 else
 	$(BIN)/pytest -n 2 --dist worksteal -m random
 endif
+
+# Ten million calls and frames, and 24 simulated hours: `make soak SHARE=0.01 PARTS="calls rh3"` does less.
+soak: SHARE ?= 1
+soak: $(VENV)/test.stamp
+	$(BIN)/python tests/soak.py $(PARTS) --share $(SHARE)
 
 bench: $(VENV)/bench.stamp
 	for script in benchmarks/*.py; do $(BIN)/python $$script || exit 1; done

@@ -1,4 +1,4 @@
-"""Remote calls: OpaqueRPC on both sides, bodies of GIOP, and the envelope of DDS and Zenoh."""
+"""Remote calls: OpaqueRPC on both sides, bodies of GIOP, and DDS-RPC."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from functools import cache, partial
 from itertools import chain
 from pathlib import Path
 from random import Random
+from typing import Any, cast
 
 import octets
 from fuzzing import log_uniform
@@ -24,7 +25,10 @@ from rtgen.layouts.tdr import TransferError
 from rtgen.model.tecs import Signature
 from rtgen.runtime import Servant, ServiceError, Stub
 from rtgen.runtime.cdr import CdrError, UserException
-from rtgen.runtime.distribution import envelope
+from rtgen.runtime.distribution import rpc_header
+from rtgen.runtime.distribution.medium import representation
+from rtgen.runtime.distribution.rpc_calls import RpcClient, RpcServer
+from rtgen.runtime.distribution.rpc_types import OK, interface_types
 from rtgen.runtime.opaque_rpc import ArgumentError, RpcError, make_tdr
 from rtgen.runtime.opaque_rpc.messages import PacketReader, serve_message
 from rtgen.runtime.opaque_rpc.tdr import EOP_NOTHING_FOLLOWS, EOP_REPLY_FOLLOWS
@@ -35,12 +39,15 @@ from rtgen.runtime.services.calls import (
     Server,
     calls_of,
 )
+from rtgen.runtime.xcdr import serialize
 
 _FILES = (
     "tests/unit/cdl/constructs.cdl",
     "specs/tecs/board.cdl",
     "tests/fuzz/calls.cdl",
 )
+_HEAD = 2
+"""Octets before a message: the number of what reads it."""
 _ORDERS = ("network", "little", "big")
 
 
@@ -253,27 +260,74 @@ def _giop_client(_folder: Path) -> Door:
     return Door(enter, partial(_octets, seeds), seeds)
 
 
-def _envelope(_folder: Path) -> Door:
-    """Requests and replies as DDS and Zenoh carry them."""
-    request = envelope.Request(bytes(16), 1, "stop", b"\1\2", True, False)
-    seeds = [
-        envelope.request_octets(request),
-        envelope.reply_octets(Reply(ReplyStatus.NO_EXCEPTION, b"\1", True)),
-    ]
+@cache
+def _rpc_interfaces() -> tuple[type[Servant], ...]:
+    """Those that DDS and Zenoh carry."""
+    return tuple(dict.fromkeys(interface for interface, _ in _operations()))
+
+
+def _head(number: int) -> bytes:
+    return number.to_bytes(_HEAD, "little")
+
+
+def _dds_rpc_server(_folder: Path) -> Door:
+    """Requests by DDS-RPC's basic mapping, with their headers, as DDS and Zenoh carry them."""
+    known = [(RpcServer(i, _nothing), interface_types(i)) for i in _rpc_interfaces()]
+    seeds = []
+    for number, (_, types) in enumerate(known):
+        for operation in types.operations.values():
+            with suppress(CdrError, TypeError):
+                call = types.call(operation.label, operation.request())
+                request = types.request(rpc_header.Identities().header(), call)
+                request.header.request_id.writer_guid = rpc_header.Guid()
+                octets_ = serialize(request, representation(types.request))
+                seeds.append(_head(number) + octets_)
 
     def enter(data: bytes) -> bool:
-        accepted = False
-        with suppress(envelope.EnvelopeError):
-            request = envelope.read_request(data)
-            if envelope.read_request(envelope.request_octets(request)) != request:
-                raise AssertionError(f"{data.hex()} became another request")
-            accepted = True
-        with suppress(envelope.EnvelopeError):
-            reply = envelope.read_reply(data)
-            if envelope.read_reply(envelope.reply_octets(reply)) != reply:
-                raise AssertionError(f"{data.hex()} became another reply")
-            accepted = True
-        return accepted
+        server, _ = known[int.from_bytes(data[:_HEAD], "little") % len(known)]
+        request = data[_HEAD:]
+        with suppress(CdrError):
+            rpc_header.server_of(request)
+        try:
+            rpc_header.identity_of(request)
+            identity, operation, value = server.request(request)
+        except CdrError:
+            return False
+        rpc_header.identity_of(server.answer(identity, operation, value))
+        return operation is not None
+
+    return Door(enter, partial(_octets, seeds), seeds)
+
+
+def _dds_rpc_client(_folder: Path) -> Door:
+    """Replies of the same mapping."""
+    known = [
+        (i, name) for i, name in _operations() if name in interface_types(i).operations
+    ]
+    seeds = []
+    for number, (interface, name) in enumerate(known):
+        types = interface_types(interface)
+        operation = types.operations[name]
+        for label in (OK, *operation.exceptions):
+            with suppress(CdrError, TypeError):
+                kind = (
+                    operation.reply if label == OK else operation.exceptions[label][0]
+                )
+                answer = types.answer(operation.label, operation.result(label, kind()))
+                reply = types.reply(rpc_header.ReplyHeader(), answer)
+                octets_ = serialize(reply, representation(types.reply))
+                seeds.append(_head(number) + octets_)
+    nobody = cast(Any, None)
+    clients = {i: RpcClient(i, nobody, 1.0) for i, _ in known}
+
+    def enter(data: bytes) -> bool:
+        interface, name = known[int.from_bytes(data[:_HEAD], "little") % len(known)]
+        operation = interface_types(interface).operations[name]
+        try:
+            clients[interface]._result(name, operation, data[_HEAD:])
+        except (ServiceError, UserException, CdrError):
+            return False
+        return True
 
     return Door(enter, partial(_octets, seeds), seeds)
 
@@ -285,5 +339,6 @@ DOORS: dict[str, Callable[[Path], Door]] = {
     "rpc-script": _rpc_script,
     "giop-server": _giop_server,
     "giop-client": _giop_client,
-    "envelope": _envelope,
+    "dds-rpc-server": _dds_rpc_server,
+    "dds-rpc-client": _dds_rpc_client,
 }

@@ -1,0 +1,251 @@
+"""Long runs whose memory, descriptors and threads have to stay as they are.
+
+    python tests/soak.py [--share S] [calls|frames|rh3|network ...]
+
+`calls`: 10,000,000 OpaqueRPC calls over TCP, client and server in this process. `frames`:
+10,000,000 frames through `rtgen can hub`, a process of its own. `rh3`: 24 hours of the navigation
+pipeline in simulated time. `network`: 24 hours of 126 CANopen slaves and their manager. A share of
+0.01 does a hundredth of each. Numbers in calls and frames show what is lost or doubled.
+
+A line for each gives the growth of the resident memory (by linear regression, behind the first
+fifth), of descriptors and of threads. The exit code is 1 if the memory grows by more than 2 % of
+itself over the run, if descriptors or threads grow, or if something was lost or doubled.
+"""
+
+from __future__ import annotations
+
+import argparse
+import gc
+import os
+import statistics
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import chdir
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from full_network import FullNetwork
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path[:0] = [str(ROOT / "tests/unit/canopen"), str(ROOT / "tests/unit/tecs")]
+
+SAMPLES = 50
+WARM = 0.2
+GROWTH = 0.02
+MILLION = 1_000_000
+HOUR = 3600
+WHOLE = {
+    "calls": 10 * MILLION,
+    "frames": 10 * MILLION,
+    "rh3": 24 * HOUR,
+    "network": 24 * HOUR,
+}
+"""Units of a whole soak: calls, frames, simulated seconds."""
+
+CDL = "signature sSoak { int32_t next([in] int32_t number); };\n"
+_PAGE = os.sysconf("SC_PAGE_SIZE")
+
+Steps = Iterator[tuple[int, tuple[int, ...]]]
+"""How many units are done, and the processes that do them."""
+
+
+class WrongError(Exception):
+    """Something was lost, doubled or changed."""
+
+
+@dataclass(frozen=True, slots=True)
+class Sample:
+    """What processes hold after a number of units."""
+
+    done: int
+    memory: int
+    descriptors: int
+    threads: int
+
+
+def sample(done: int, processes: tuple[int, ...]) -> Sample:
+    """The sum over the processes."""
+    gc.collect()
+    memory = descriptors = threads = 0
+    for each in processes:
+        folder = Path("/proc", str(each))
+        memory += int((folder / "statm").read_text().split()[1]) * _PAGE
+        descriptors += sum(1 for _ in (folder / "fd").iterdir())
+        threads += sum(1 for _ in (folder / "task").iterdir())
+    return Sample(done, memory, descriptors, threads)
+
+
+def calls(count: int) -> Steps:
+    """Each call sends the number that the last one returned; the server returns the next one."""
+    from services import Generated
+
+    from rtgen.cli.rpc.codecs import Service
+    from rtgen.frontends import cdl
+    from rtgen.model.tecs import Signature
+    from rtgen.runtime.opaque_rpc import NETWORK, TcpChannel, TcpServer
+
+    folder = ROOT / "build/soak"
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "soak.cdl").write_text(CDL)
+    [unit] = cdl.load([folder / "soak.cdl"], root=folder).model.tecs
+    [signature] = [d for d in unit.declarations if isinstance(d, Signature)]
+    service = Service(unit, signature, NETWORK)
+    made = Generated(service)
+    expected = 0
+
+    def following(_self: object, number: int) -> int:
+        nonlocal expected
+        if number != expected:
+            raise WrongError(f"call {number} came where {expected} was next")
+        expected += 1
+        return number + 1
+
+    target = type("Target", (made.target,), {"next": following})()
+    with TcpServer(made.unmarshaller(target, service.codec), "127.0.0.1", 0) as server:
+        channel = TcpChannel(*server.address, timeout=60.0)
+        proxy = made.proxy(channel, service.codec)
+        for number in range(count):
+            if proxy.next(number) != number + 1:
+                raise WrongError(f"call {number} got another answer")
+            yield number + 1, (os.getpid(),)
+        channel.close()
+
+
+def frames(count: int) -> Steps:
+    """Batches from one client to another; each frame has its number."""
+    from hub_process import HubProcess
+
+    from rtgen.runtime.canopen.bus.python_can import BusAddress, open_bus
+    from rtgen.runtime.canopen.wire.frames import Frame
+
+    batch = 200
+    with HubProcess() as hub:
+        options = (("host", hub.host), ("port", hub.port))
+        ends = [
+            open_bus(BusAddress("socketcand", "soak", options=options)) for _ in "ab"
+        ]
+        sender, receiver = ends
+        processes = (os.getpid(), hub._process.pid)
+        expected = 0
+        for first in range(0, count, batch):
+            for number in range(first, first + batch):
+                if not sender.send(
+                    Frame(number % 0x700 + 1, number.to_bytes(8, "little"))
+                ):
+                    raise WrongError(f"frame {number} was not taken")
+            while expected < first + batch:
+                events = receiver.receive_events(60.0, batch)
+                if not events:
+                    raise WrongError(f"frame {expected} has not come")
+                for event in events:
+                    frame = getattr(event, "frame", event)
+                    if int.from_bytes(frame.data, "little") != expected:
+                        raise WrongError(f"{frame} came where {expected} was next")
+                    expected += 1
+            yield first + batch, processes
+        for end in ends:
+            end.close()
+
+
+def rh3(seconds: int) -> Steps:
+    """The navigation pipeline: it drives to the goal and goes on to run there."""
+    from rtgen import runtime
+    from rtgen.cli.assembly import assemble
+    from rtgen.cli.factories import Factories
+    from rtgen.project import load
+    from rtgen.systems.reading import read_file
+
+    with chdir(ROOT):
+        project = load()
+        profile = read_file(Path("specs/navigation/rh3_goal.xml"))[0]
+        assert profile is not None
+        factories = Factories(project)
+        clock = runtime.SimulatedClock()
+        with assemble(profile, factories, clock, (), ()) as system:
+            for second in range(1, seconds + 1):
+                system.run(second * runtime.SECOND)
+                yield second, (os.getpid(),)
+
+
+def network(seconds: int) -> Steps:
+    """126 slaves that listen to each other; samples are compared each ten seconds."""
+    from full_network import FullNetwork
+
+    whole = FullNetwork()
+    whole.run(3)
+    for second in range(13, seconds + 13, 10):
+        whole.run(second)
+        _forget(whole)
+        yield second - 3, (os.getpid(),)
+
+
+def _forget(whole: FullNetwork) -> None:
+    """Compare what came with what was sent, and keep the last sample of each slave."""
+    if wrong := whole.lost_or_doubled():
+        raise WrongError(f"{wrong} samples were lost or doubled")
+    for samples in whole.collector.samples.values():
+        del samples[:-1]
+    for slave in whole.slaves:
+        del slave.heard[:-1]
+
+
+PARTS: dict[str, Callable[[int], Steps]] = {
+    "calls": calls,
+    "frames": frames,
+    "rh3": rh3,
+    "network": network,
+}
+
+
+def soak(name: str, share: float) -> tuple[str, bool]:
+    """Run a part; its line, and whether all is flat."""
+    count = max(1, round(WHOLE[name] * share))
+    begun = time.perf_counter()
+    found: list[Sample] = []
+    due, wrong = 0.0, ""
+    try:
+        for done, processes in PARTS[name](count):
+            if done >= due:
+                found.append(sample(done, processes))
+                due = done + count / SAMPLES
+    except WrongError as error:
+        wrong = f"; {error}"
+    taken = time.perf_counter() - begun
+    warm = [each for each in found if each.done >= WARM * found[-1].done]
+    slope, start = statistics.linear_regression(
+        [each.done for each in warm], [each.memory for each in warm]
+    )
+    whole = found[-1].done
+    growth = slope * (whole - warm[0].done)
+    descriptors = warm[-1].descriptors - warm[0].descriptors
+    threads = warm[-1].threads - warm[0].threads
+    flat = growth <= GROWTH * start and descriptors <= 0 and threads <= 0
+    unit, per = ("h", HOUR) if name in ("rh3", "network") else ("M", MILLION)
+    line = (
+        f"{name:<8} {whole / per:8.2f} {unit} in {taken:6.0f} s: {start / MILLION:.1f} MB"
+        f" {slope * per / 1000:+.1f} kB/{unit} ({growth / MILLION:+.2f} MB),"
+        f" descriptors {warm[-1].descriptors} {descriptors:+d},"
+        f" threads {warm[-1].threads} {threads:+d}{wrong}"
+    )
+    return line, flat and not wrong
+
+
+def main() -> int:
+    """Run the parts that are named, or all."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("parts", nargs="*", choices=[*PARTS, []], metavar="PART")
+    parser.add_argument("--share", type=float, default=1.0)
+    given = parser.parse_args()
+    good = True
+    for name in given.parts or PARTS:
+        line, sound = soak(name, given.share)
+        print(line if sound else f"{line}  NOT FLAT", flush=True)
+        good &= sound
+    return 0 if good else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,89 @@
+"""The soak finds what grows and what is lost; small shares of it run here."""
+
+import os
+import re
+import threading
+from collections.abc import Iterator
+
+import pytest
+import soak
+
+Steps = Iterator[tuple[int, tuple[int, ...]]]
+COUNT = 5000
+
+
+@pytest.fixture(autouse=True)
+def few_samples(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(soak, "SAMPLES", 8)
+
+
+def running(monkeypatch: pytest.MonkeyPatch, steps: object) -> tuple[str, bool]:
+    monkeypatch.setitem(soak.PARTS, "calls", steps)  # type: ignore[arg-type]
+    return soak.soak("calls", COUNT / soak.WHOLE["calls"])
+
+
+def test_some_calls() -> None:
+    line, _ = soak.soak("calls", 2000 / soak.WHOLE["calls"])
+    # Of so few calls the memory says nothing.
+    found = re.search(r"descriptors \d+ ([+-]\d+), threads \d+ ([+-]\d+)$", line)
+    assert found is not None, line
+    assert all(int(growth) <= 0 for growth in found.groups()), line
+
+
+def test_some_seconds() -> None:
+    line, _ = soak.soak("rh3", 20 / soak.WHOLE["rh3"])
+    assert line.startswith("rh3 ")
+
+
+def test_memory_that_grows(monkeypatch: pytest.MonkeyPatch) -> None:
+    kept = []
+
+    def steps(count: int) -> Steps:
+        for number in range(1, count + 1):
+            kept.append(bytes(10_000))
+            yield number, (os.getpid(),)
+
+    line, flat = running(monkeypatch, steps)
+    assert not flat, line
+
+
+def test_descriptors_and_threads_that_grow(monkeypatch: pytest.MonkeyPatch) -> None:
+    kept: list[int] = []
+    waiting: list[threading.Thread] = []
+    end = threading.Event()
+
+    def opening(count: int) -> Steps:
+        for number in range(1, count + 1):
+            if number % 1000 == 0:
+                kept.append(os.open(os.devnull, os.O_RDONLY))
+            yield number, (os.getpid(),)
+
+    def starting(count: int) -> Steps:
+        for number in range(1, count + 1):
+            if number % 1000 == 0:
+                waiting.append(threading.Thread(target=end.wait))
+                waiting[-1].start()
+            yield number, (os.getpid(),)
+
+    try:
+        for steps in (opening, starting):
+            line, flat = running(monkeypatch, steps)
+            assert not flat, line
+    finally:
+        end.set()
+        for thread in waiting:
+            thread.join()
+        for descriptor in kept:
+            os.close(descriptor)
+
+
+def test_what_is_lost(monkeypatch: pytest.MonkeyPatch) -> None:
+    def steps(count: int) -> Steps:
+        for number in range(1, count + 1):
+            if number == count // 2:
+                raise soak.WrongError("call 3 came where 2 was next")
+            yield number, (os.getpid(),)
+
+    line, flat = running(monkeypatch, steps)
+    assert not flat
+    assert "call 3 came where 2 was next" in line
