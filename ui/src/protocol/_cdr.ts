@@ -291,6 +291,7 @@ export const wchar = scalar<string>(
 
 // Texts.
 
+const LONE_SURROGATE = /\p{Surrogate}/u;
 const encoder = new TextEncoder();
 const decoder = new TextDecoder("utf-8", { fatal: true, ignoreBOM: true });
 
@@ -312,7 +313,7 @@ export function string(bound = 0): CdrType<string> {
     },
     write(writer, value) {
       if (value.includes("\0")) throw new CdrError("a string contains a zero");
-      if (!value.isWellFormed()) throw new CdrError("a string contains a lone surrogate");
+      if (LONE_SURROGATE.test(value)) throw new CdrError("a string contains a lone surrogate");
       const octets = encoder.encode(value);
       if (bound && octets.length > bound) throw new CdrError(`a string longer than ${bound}`);
       writer.ulong(octets.length + 1);
@@ -338,12 +339,12 @@ export function wstring(bound = 0): CdrType<string> {
       for (let at = start; at < start + size; at += 2) {
         text += String.fromCharCode(reader.view.getUint16(at, reader.littleEndian));
       }
-      if (!text.isWellFormed()) throw new CdrError("a wide string is not UTF-16");
+      if (LONE_SURROGATE.test(text)) throw new CdrError("a wide string is not UTF-16");
       return text;
     },
     write(writer, value) {
       if (bound && value.length > bound) throw new CdrError(`a wide string longer than ${bound}`);
-      if (!value.isWellFormed()) throw new CdrError("a wide string contains a lone surrogate");
+      if (LONE_SURROGATE.test(value)) throw new CdrError("a wide string contains a lone surrogate");
       writer.ulong(2 * value.length);
       for (let i = 0; i < value.length; i++) {
         const at = writer.put(2);
