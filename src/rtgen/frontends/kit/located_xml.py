@@ -103,6 +103,7 @@ def decode(data: bytes, file: str) -> str:
         ) from None
 
 
+_NO_XML = "profiles and systems are XML or YAML; rtgen generate takes definitions"
 _NEWLINE = re.compile(r"\r\n?|\n")
 
 
@@ -135,8 +136,10 @@ class _Builder:
         except expat.ExpatError as error:
             message = expat.ErrorString(error.code)
             place = self._span(self._offset(error.lineno, error.offset), 1)
+            is_xml = self._text.lstrip("\ufeff \t\r\n").startswith("<")
+            hint = None if is_xml else _NO_XML
             raise InputError(
-                [MALFORMED.at(place, f"not well-formed XML: {message}")]
+                [MALFORMED.at(place, f"not well-formed XML: {message}", hint=hint)]
             ) from None
         assert self._root is not None, "expat accepts no document without an element"
         return self._root
