@@ -26,6 +26,7 @@ from rtgen.runtime.distribution.rpc_calls import RpcServer
 from rtgen.runtime.distribution.rpc_header import Identities
 from rtgen.runtime.distribution.rpc_types import interface_types, lineage_types
 from rtgen.runtime.distribution.services import RemoteCalls
+from rtgen.runtime.distribution.workers import Workers
 from rtgen.runtime.marshalling.descriptors import InterfaceDescriptor
 from rtgen.runtime.opaque_rpc.interface import OpaqueRpc, OpaqueRpcFailed
 from rtgen.runtime.xcdr import deserialize, serialize
@@ -407,6 +408,27 @@ def test_another_process_is_watched_and_steered(pair: tuple[Process, Process]) -
     with pytest.raises(ControlError, match="no configuration parameter"):
         asker.set("speed", "1")
     assert asker.parameters().active == "default"
+
+
+def test_other_processes_cannot_make_sets_without_end(
+    pair: tuple[Process, Process],
+) -> None:
+    here, _ = pair
+    here.transport.await_instance("b", PATIENCE)
+    asker = here.transport.peers.asker("b")
+    for number in range(63):
+        asker.set("gain", "2", f"set {number}")
+    with pytest.raises(ControlError, match="64 configuration sets already"):
+        asker.set("gain", "2", "one more")
+    asker.set("gain", "3", "set 1")
+
+
+def test_workers_that_are_closed_take_nothing() -> None:
+    workers = Workers()
+    workers.close()
+    # As many as may wait at once, and more.
+    assert not any(workers.submit(lambda: None) for _ in range(2000))
+    assert workers._room.acquire(blocking=False)
 
 
 def test_names_of_ports_have_any_characters() -> None:

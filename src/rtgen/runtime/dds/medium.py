@@ -110,14 +110,17 @@ class DdsMedium:
         self._lock = threading.Lock()
         text = configuration(interface) if config is None else _read(config)
         DOMAINS.open(domain, text)
+        participant: DomainParticipant | None = None
         try:
             with entities.reported(f"domain {domain}"):
-                self._participant = DomainParticipant(domain)
+                participant = self._participant = DomainParticipant(domain)
                 self._made = Entities(self._participant, system)
                 self._data = Dispatcher(self._participant, "rtgen dds data")
                 self._control = Dispatcher(self._participant, "rtgen dds control")
             self._presences = Presences(self._made, self._control)
         except MediumError:
+            if participant is not None:
+                entities.delete(participant)
             DOMAINS.close(domain)
             raise
 

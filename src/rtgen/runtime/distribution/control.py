@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 
 _T = TypeVar("_T")
 
+_MOST_SETS = 64
+"""Configuration sets that other processes can make a component have."""
 _LONGEST = 1 << 20
 """Octets of a request."""
 
@@ -130,6 +132,8 @@ def _parameters(system: System, instance: str, _: Mapping[str, str]) -> Paramete
 def _set(system: System, instance: str, arguments: Mapping[str, str]) -> None:
     sets = system.component(instance).configuration_sets
     set_id = arguments.get("set", sets.active)
+    if set_id not in sets.ids and len(sets.ids) >= _MOST_SETS:
+        raise ControlError(f"{instance} has {_MOST_SETS} configuration sets already")
     system.configure(instance, arguments["parameter"], arguments["value"], set_id)
 
 

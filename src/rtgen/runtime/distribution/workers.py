@@ -25,6 +25,7 @@ class Workers:
         try:
             self._pool.submit(self._carry_out, work)
         except RuntimeError:
+            self._room.release()
             return False
         return True
 
