@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import ast
+import importlib.util
+import os
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -378,3 +380,51 @@ def test_what_is_missing_at_the_other_end_is_said(
     assert error(to[0], "other") == (
         f"PortTypeError: {to[0]}.other is not a DataInPort; {to[0]} has: word"
     )
+
+
+def shell(naming_service: str, tool: str, *arguments: str) -> str:
+    """What a tool of rtshell prints."""
+    code = f"import sys; from rtshell.{tool} import main; sys.exit(main())"
+    done = subprocess.run(
+        [sys.executable, "-W", "ignore", "-c", code, *arguments],
+        env={**os.environ, "RTCTREE_NAMESERVERS": naming_service},
+        capture_output=True,
+        text=True,
+        timeout=PATIENCE,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+@pytest.mark.peer
+@pytest.mark.skipif(
+    importlib.util.find_spec("rtshell") is None, reason="rtshell-aist is not installed"
+)
+def test_rtshell_works_with_components_of_ours(
+    ours: Any, there: Process, naming_service: str, tmp_path: Path
+) -> None:
+    root = f"/{naming_service}"
+    first, second = f"{root}/Ours0.rtc", f"{root}/Other0.rtc"
+
+    def rt(tool: str, *arguments: str) -> str:
+        return shell(naming_service, tool, *arguments)
+
+    assert "Ours0.rtc" in rt("rtls", f"{root}/")
+    assert "IDL:RTC/TimedLong:1.0" in rt("rtcat", "-l", first)
+    rt("rtact", first)
+    until(lambda: there("ours.is_active"))
+    rt("rtconf", first, "set", "gain", "4.5")
+    until(lambda: there("ours.values.gain") == 4.5)
+    rt("rtcon", f"{first}:positon", f"{second}:data")
+    assert there("len(ours.out.connectors)") == 1
+    file = str(tmp_path / "system.xml")
+    rt("rtcryo", "-o", file, naming_service)
+    rt("rtteardown", file)
+    assert there("len(ours.out.connectors)") == 0
+    rt("rtresurrect", file)
+    assert there("len(ours.out.connectors)") == 1
+    rt("rtdis", first)
+    assert there("len(ours.out.connectors)") == 0
+    rt("rtdeact", first)
+    until(lambda: not there("ours.is_active"))
