@@ -203,11 +203,14 @@ def test_a_server_of_cyclonedds_is_called(lamp: ModuleType, stack: ExitStack) ->
     thread.join()
 
 
-def test_without_a_server_of_dds(lamp: ModuleType, stack: ExitStack) -> None:
+def test_without_a_server_of_dds(
+    lamp: ModuleType, stack: ExitStack, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(globals(), "NAME", f"nobody_{uuid4().hex}")
     component = joined(stack, dds_network(), lamp, provides=False, wait=0.05)
     consumer = next(iter(component.consumers.values()))
     request = lamp.std_srvs.srv.SetBool_Request(True)
-    with pytest.raises(ObjectNotExist, match="nobody serves /lab/lamp_"):
+    with pytest.raises(ObjectNotExist, match="nobody serves /lab/nobody_"):
         consumer.set(request)
     with pytest.raises(ObjectNotExist, match="'plainly' is not a service"):
         consumer.plainly(True)
