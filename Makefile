@@ -29,7 +29,7 @@ endif
 endif
 endif
 
-.PHONY: demo gallery test check format lint types pyright imports drift pytest test-openrtm interpreters interpreter interpreted lowest lock licences wheels fuzz soak bench clean
+.PHONY: demo gallery test check format lint types pyright imports drift pytest test-openrtm interpreters interpreter interpreted lowest lock licences wheels ui fuzz soak bench clean
 
 demo: $(VENV)/demo.stamp
 	$(BIN)/rtgen generate
@@ -50,7 +50,7 @@ test: $(VENV)/bin/python
 	$(MAKE) --no-print-directory -j 2 $(VENV)/test.stamp interpreter
 	$(MAKE) --no-print-directory -j 2 pytest lint types imports drift interpreted SELECTED='$(SELECTED)'
 
-CHECKED = src tests benchmarks requirements editors hatch_build.py mkdocs_hooks.py
+CHECKED = src tests benchmarks requirements editors hatch_build.py mkdocs_hooks.py ui/build.py
 
 lint: $(VENV)/test.stamp
 	$(BIN)/black --check --quiet $(CHECKED)
@@ -108,7 +108,7 @@ licences: $(VENV)/release.stamp
 	$(BIN)/python requirements/licences.py > requirements/licences.md
 
 # Both wheels and the bill of materials of an environment that has rtgen alone, in dist/.
-wheels: $(VENV)/release.stamp
+wheels: $(VENV)/release.stamp ui
 	rm -rf dist build/bare
 	$(BIN)/python -m pip wheel $(filter-out --no-compile,$(PIP)) --no-deps --wheel-dir dist . ./runtime
 	$(PYTHON) -m venv build/bare
@@ -135,6 +135,9 @@ endif
 soak: SHARE ?= 1
 soak: $(VENV)/test.stamp
 	$(BIN)/python tests/soak.py $(PARTS) --share $(SHARE)
+# The page of `rtgen ui`, with the node of this machine, else with that of a wheel.
+ui: $(VENV)/test.stamp
+	$(BIN)/python ui/build.py
 
 bench: $(VENV)/bench.stamp
 	for script in benchmarks/*.py; do $(BIN)/python $$script || exit 1; done

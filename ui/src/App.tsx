@@ -1,0 +1,51 @@
+/** The page: palette, wiring, panel of the selected component, time. */
+
+import { useState, useSyncExternalStore } from "react";
+import { Palette } from "./Palette.tsx";
+import { Panel } from "./Panel.tsx";
+import { TimeBar } from "./TimeBar.tsx";
+import { Wiring } from "./Wiring.tsx";
+import { store } from "./store.ts";
+
+export function App() {
+  const page = useSyncExternalStore(store.subscribe, store.snapshot);
+  const [selected, select] = useState("");
+  const { system } = page;
+  const component = system?.components.find((each) => each.instance === selected);
+  return (
+    <div className="app">
+      <header>
+        <h1>{system?.name || "rtgen"}</h1>
+        {system && <TimeBar system={system} full={page.full} />}
+        <span className={`link ${page.link}`} role="status">
+          {page.link}
+          {page.link === "live" && !page.full && ", read only"}
+        </span>
+      </header>
+      {page.notice && (
+        <p className="notice" role="alert">
+          {page.notice}
+          <button type="button" aria-label="Dismiss notice" onClick={() => store.notify("")}>
+            ×
+          </button>
+        </p>
+      )}
+      {system ? (
+        <main>
+          <Palette system={system} full={page.full} />
+          <Wiring system={system} full={page.full} statistics={page.statistics} select={select} />
+          <Panel
+            system={system}
+            component={component}
+            statistics={page.statistics.get(selected)}
+            lines={page.lines}
+            full={page.full}
+            select={select}
+          />
+        </main>
+      ) : (
+        <p className="empty">Waiting for the system.</p>
+      )}
+    </div>
+  );
+}

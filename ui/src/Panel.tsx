@@ -1,0 +1,251 @@
+/** The selected component: its values, configuration and history. */
+
+import { useEffect, useMemo, useState } from "react";
+import { Plot } from "./Plot.tsx";
+import type { Component, Parameter, SystemState } from "./protocol/Ui.ts";
+import type { Line, Statistics } from "./store.ts";
+import { leaves, stateName, store } from "./store.ts";
+
+const TABS = ["Values", "Configuration", "Timeline"] as const;
+
+interface Selection {
+  system: SystemState;
+  component: Component;
+  full: boolean;
+}
+
+/** The samples of the component's OutPorts and of those that its InPorts are connected to. */
+function Values({ system, component }: Selection) {
+  const shown = useMemo(() => {
+    const near = new Set(
+      system.connections
+        .filter((each) => each.target.instance === component.instance)
+        .map((each) => `${each.source.instance}.${each.source.port}`),
+    );
+    return system.channels.filter(
+      ({ port }) => port.instance === component.instance || near.has(`${port.instance}.${port.port}`),
+    );
+  }, [system.connections, system.channels, component.instance]);
+  const wanted = shown.map((each) => each.id).join();
+  useEffect(() => {
+    store.watch(wanted ? wanted.split(",").map(Number) : []);
+    return () => store.watch([]);
+  }, [wanted]);
+  if (!shown.length) return <p>No port of this component has values.</p>;
+  return shown.map((channel) => {
+    const name = `${channel.port.instance}.${channel.port.port}`;
+    const owner = system.components.find((each) => each.instance === channel.port.instance);
+    const unit = owner?.ports.find((each) => each.name === channel.port.port)?.unit ?? "";
+    const track = store.tracks.get(channel.id);
+    return (
+      <section key={channel.id} aria-label={name}>
+        <h3>{name}</h3>
+        {track ? (
+          <>
+            {track.numbers.size > 0 && <Plot channel={channel.id} unit={unit} />}
+            <table>
+              <tbody>
+                {leaves(track.value).map(([path, value]) => (
+                  <tr key={path}>
+                    <th scope="row">{path}</th>
+                    <td>{typeof value === "number" ? Number(value.toPrecision(7)) : String(value)}</td>
+                    <td>{/^tm\b/.test(path) ? "" : unit}</td>
+                  </tr>
+                ))}
+              </tbody>
+            </table>
+          </>
+        ) : (
+          <p>No sample yet.</p>
+        )}
+      </section>
+    );
+  });
+}
+
+/** The limits of a constraint `a<=x<=b`, and the choices of `(a,b)`. */
+export function limits(constraint: string): { min?: number; max?: number; choices?: string[] } {
+  const choices = /^\((.*)\)$/.exec(constraint.trim());
+  if (choices) return { choices: choices[1]!.split(",").map((each) => each.trim()) };
+  const range = /^(?:([-+.\deE]+)\s*<=?\s*)?x(?:\s*<=?\s*([-+.\deE]+))?$/.exec(constraint.trim());
+  const least = /^x\s*>=?\s*([-+.\deE]+)$/.exec(constraint.trim());
+  const [min, max] = [range?.[1] ?? least?.[1], range?.[2]];
+  return { ...(min && { min: Number(min) }), ...(max && { max: Number(max) }) };
+}
+
+function Field(props: { parameter: Parameter; text: string; full: boolean; label: string; set: (text: string) => Promise<unknown> }) {
+  const { parameter, text, full, label, set } = props;
+  const [edited, edit] = useState<string>();
+  const { min, max, choices } = limits(parameter.constraint);
+  const commit = () => {
+    if (edited !== undefined && edited !== text) void set(edited).then(() => edit(undefined));
+    else edit(undefined);
+  };
+  const common = { "aria-label": label, title: parameter.doc, disabled: !full };
+  if (choices && parameter.widget !== "checkbox" && parameter.widget !== "ordered_list")
+    return (
+      <select {...common} value={text} onChange={(e) => void set(e.target.value)}>
+        {[...new Set([text, ...choices])].map((each) => (
+          <option key={each}>{each}</option>
+        ))}
+      </select>
+    );
+  const range = parameter.widget.startsWith("slider") && min !== undefined && max !== undefined;
+  return (
+    <>
+      <input
+        {...common}
+        type={range ? "range" : parameter.widget.startsWith("spin") ? "number" : "text"}
+        min={min}
+        max={max}
+        step={range ? (max - min) / 100 : "any"}
+        value={edited ?? text}
+        onChange={(e) => edit(e.target.value)}
+        onBlur={commit}
+        onPointerUp={range ? commit : undefined}
+        onKeyDown={(e) => {
+          if (e.key === "Enter") commit();
+          if (e.key === "Escape") edit(undefined);
+        }}
+      />
+      {range && <output>{edited ?? text}</output>}
+    </>
+  );
+}
+
+function Configuration({ component, full }: Selection) {
+  const [shown, show] = useState("");
+  const name = component.configuration_sets.some((each) => each.name === shown) ? shown : component.active_set;
+  const set = component.configuration_sets.find((each) => each.name === name);
+  if (!component.parameters.length) return <p>This component has no parameters.</p>;
+  return (
+    <>
+      <div className="sets">
+        <label>
+          Set
+          <select value={name} onChange={(e) => show(e.target.value)}>
+            {component.configuration_sets.map((each) => (
+              <option key={each.name} value={each.name}>
+                {each.name}
+                {each.name === component.active_set ? " (active)" : ""}
+              </option>
+            ))}
+          </select>
+        </label>
+        <button
+          type="button"
+          disabled={!full || name === component.active_set}
+          onClick={() => store.order({ case: "chosen", value: { instance: component.instance, set: name } })}
+        >
+          Use this set
+        </button>
+      </div>
+      <table>
+        <tbody>
+          {component.parameters.map((parameter) => (
+            <tr key={`${name} ${parameter.name}`}>
+              <th scope="row" title={parameter.doc}>
+                {parameter.name}
+              </th>
+              <td>
+                <Field
+                  parameter={parameter}
+                  full={full}
+                  label={`${component.instance}.${parameter.name}`}
+                  text={set?.values.find((each) => each.name === parameter.name)?.text ?? parameter.default_value}
+                  set={(text) =>
+                    store.order({
+                      case: "setting",
+                      value: { instance: component.instance, set: name, parameter: parameter.name, text },
+                    })
+                  }
+                />
+              </td>
+              <td>
+                {parameter.unit} <small>{parameter.constraint}</small>
+              </td>
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </>
+  );
+}
+
+function Timeline({ lines }: { lines: readonly Line[] }) {
+  return (
+    <ol className="timeline">
+      {[...lines].reverse().map((line, i) => (
+        <li key={lines.length - i}>
+          <time>{line.time.toFixed(3)} s</time> {line.instance} {line.text}
+        </li>
+      ))}
+    </ol>
+  );
+}
+
+export function Panel(props: {
+  system: SystemState;
+  component: Component | undefined;
+  statistics: Statistics | undefined;
+  lines: readonly Line[];
+  full: boolean;
+  select: (instance: string) => void;
+}) {
+  const { system, component, statistics, lines, full, select } = props;
+  const [tab, open] = useState<(typeof TABS)[number]>("Values");
+  return (
+    <aside className="panel" aria-label="Component">
+      <label>
+        Component
+        <select value={component?.instance ?? ""} onChange={(e) => select(e.target.value)}>
+          <option value="">none</option>
+          {system.components.map((each) => (
+            <option key={each.instance}>{each.instance}</option>
+          ))}
+        </select>
+      </label>
+      {component && (
+        <>
+          <p>
+            <span className={`state ${component.current}`}>{stateName(component.current)}</span> {component.type}
+            {component.contexts.map((each) => `, ${each.rate} Hz`)}
+            {statistics && `, ${statistics.ticks} ticks, ${statistics.overruns} overruns, ${statistics.lost} lost`}
+          </p>
+          {(component.reason || statistics?.impaired) && <p className="reason">{component.reason || statistics?.impaired}</p>}
+          <div className="buttons">
+            {(
+              [
+                ["Activate", "activated"],
+                ["Deactivate", "deactivated"],
+                ["Reset", "restored"],
+              ] as const
+            ).map(([name, kind]) => (
+              <button key={kind} type="button" disabled={!full} aria-label={`${name} ${component.instance}`} onClick={() => store.order({ case: kind, value: [component.instance] })}>
+                {name}
+              </button>
+            ))}
+          </div>
+        </>
+      )}
+      <div role="tablist" aria-label="Views" className="tabs">
+        {TABS.map((each) => (
+          <button key={each} type="button" role="tab" aria-selected={tab === each} onClick={() => open(each)}>
+            {each}
+          </button>
+        ))}
+      </div>
+      <div role="tabpanel" aria-label={tab}>
+        {tab === "Timeline" ? (
+          <Timeline lines={lines} />
+        ) : !component ? (
+          <p>Select a component.</p>
+        ) : tab === "Values" ? (
+          <Values key={component.instance} system={system} component={component} full={full} />
+        ) : (
+          <Configuration key={component.instance} system={system} component={component} full={full} />
+        )}
+      </div>
+    </aside>
+  );
+}

@@ -1,0 +1,54 @@
+/** Time: play, pause, step, speed, and the way back. */
+
+import { useState } from "react";
+import type { SystemState } from "./protocol/Ui.ts";
+import { store } from "./store.ts";
+
+const SPEEDS = [0.1, 0.5, 1, 2, 5, 10, 0];
+
+export function TimeBar({ system, full }: { system: SystemState; full: boolean }) {
+  const { time } = system;
+  const [goal, setGoal] = useState("");
+  const simulated = time.kind !== "CLOCK_REAL";
+  return (
+    <div className="time" role="toolbar" aria-label="Time">
+      <output aria-label="Time of the run">{time.now.toFixed(3)} s</output>
+      {simulated && (
+        <>
+          <button
+            type="button"
+            disabled={!full}
+            onClick={() => store.order(time.playing ? { case: "paused", value: true } : { case: "played", value: true })}
+          >
+            {time.playing ? "Pause" : "Play"}
+          </button>
+          <button type="button" disabled={!full || time.playing} onClick={() => store.order({ case: "step", value: 0 })}>
+            Step
+          </button>
+          <label>
+            Speed
+            <select disabled={!full} value={time.speed} onChange={(e) => store.order({ case: "speed", value: Number(e.target.value) })}>
+              {[...new Set([...SPEEDS, time.speed])].map((speed) => (
+                <option key={speed} value={speed}>
+                  {speed ? `${speed}×` : "fastest"}
+                </option>
+              ))}
+            </select>
+          </label>
+          <form
+            onSubmit={(e) => {
+              e.preventDefault();
+              if (goal.trim() && Number.isFinite(Number(goal))) void store.order({ case: "time", value: Number(goal) });
+            }}
+          >
+            <input aria-label="Go to time in seconds" inputMode="decimal" size={6} value={goal} onChange={(e) => setGoal(e.target.value)} disabled={!full} />
+            <button type="submit" disabled={!full}>
+              Go
+            </button>
+          </form>
+        </>
+      )}
+      {time.ended && <span>ended</span>}
+    </div>
+  );
+}

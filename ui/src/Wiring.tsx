@@ -1,0 +1,241 @@
+/** The graph of components and connections, changed by mouse and by keyboard. */
+
+import { Background, Controls, Handle, Position, ReactFlow, useNodesState } from "@xyflow/react";
+import type { Connection as Drawn, Edge, Node, NodeProps } from "@xyflow/react";
+import { useEffect, useRef, useState } from "react";
+import { WIDTH, layout, shown, stored } from "./layout.ts";
+import type { Component, Fit, Port, SystemState } from "./protocol/Ui.ts";
+import type { Statistics } from "./store.ts";
+import { stateName, store } from "./store.ts";
+
+interface BoxData extends Record<string, unknown> {
+  component: Component;
+  overruns: bigint;
+  fits: ReadonlyMap<string, string> | undefined;
+}
+
+type Box = Node<BoxData, "component">;
+
+const address = (instance: string, port: string): string => `${instance} ${port}`;
+
+/** A hue for each type, the same on each page. */
+export function hue(type: string): number {
+  let sum = 0;
+  for (const character of type) sum = (sum * 31 + character.charCodeAt(0)) % 360;
+  return sum;
+}
+
+function PortRow({ component, port, fits }: { component: Component; port: Port; fits: BoxData["fits"] }) {
+  const service = port.kind === "PORT_SERVICE";
+  const kind = service ? "service" : port.kind === "PORT_IN" ? "in" : "out";
+  const refused = fits?.get(address(component.instance, port.name));
+  const type = service ? port.interfaces.map((each) => `${each.provided ? "provides" : "uses"} ${each.type}`).join(", ") : port.type;
+  const title = [port.name, type, port.unit && `[${port.unit}]`, port.doc, refused && `Does not fit: ${refused}`].filter(Boolean).join("\n");
+  const mark = fits ? (refused === undefined ? "other" : refused ? "refused" : "fits") : "";
+  const provided = port.interfaces.some((each) => each.provided);
+  const style = { background: service && !provided ? "var(--box)" : `hsl(${hue(type)} 65% 50%)` };
+  const names = { id: port.name, "aria-label": `${kind} port ${component.instance}.${port.name}`, title, style };
+  return (
+    <div className={`port ${kind} ${mark}`} title={title}>
+      {kind !== "out" && <Handle type="target" position={Position.Left} {...names} />}
+      <span>{port.name}</span>
+      {kind === "out" && <Handle type="source" position={Position.Right} {...names} />}
+      {service && <Handle type="source" position={Position.Right} {...names} />}
+    </div>
+  );
+}
+
+function ComponentBox({ data, selected }: NodeProps<Box>) {
+  const { component, overruns, fits } = data;
+  const of = (kind: Port["kind"]) =>
+    component.ports
+      .filter((port) => port.kind === kind)
+      .map((port) => <PortRow key={port.name} component={component} port={port} fits={fits} />);
+  const rates = component.contexts.map((each) => `${each.rate} Hz`).join(", ");
+  return (
+    <div className={`box ${component.current} ${selected ? "selected" : ""}`} style={{ width: WIDTH }}>
+      <div className="head" title={[component.type, component.doc, component.reason].filter(Boolean).join("\n")}>
+        <strong>{component.instance}</strong>
+        <small>
+          {stateName(component.current)} {rates}
+          {overruns > 0n && ` ${overruns} overruns`}
+        </small>
+      </div>
+      <div className="ports">
+        <div>{of("PORT_IN")}</div>
+        <div>{of("PORT_OUT")}</div>
+      </div>
+      {of("PORT_SERVICE")}
+    </div>
+  );
+}
+
+const nodeTypes = { component: ComponentBox };
+
+interface Menu {
+  instance: string;
+  x: number;
+  y: number;
+}
+
+export function Wiring(props: {
+  system: SystemState;
+  full: boolean;
+  statistics: ReadonlyMap<string, Statistics>;
+  select: (instance: string) => void;
+}) {
+  const { system, full, statistics, select } = props;
+  const [nodes, setNodes, onNodesChange] = useNodesState<Box>([]);
+  const [places, setPlaces] = useState<Map<string, { x: number; y: number }>>();
+  const [picked, pick] = useState<ReadonlySet<string>>(new Set());
+  const [fits, setFits] = useState<ReadonlyMap<string, string>>();
+  const [menu, setMenu] = useState<Menu>();
+  const opened = useRef<HTMLButtonElement>(null);
+  const shape = system.components.map((each) => each.instance).join("\n");
+
+  useEffect(() => {
+    let current = true;
+    layout(system.components, system.connections).then(
+      (found) => current && setPlaces(found),
+      (error: unknown) => store.notify(`The layout failed: ${String(error)}`),
+    );
+    return () => {
+      current = false;
+    };
+    // Connections that are made later move no box.
+  }, [shape]);
+
+  useEffect(() => {
+    if (!places) return;
+    setNodes((before) => {
+      const known = new Map(before.map((node) => [node.id, node]));
+      return system.components.map((component) => {
+        const old = known.get(component.instance);
+        const place = component.placed ? shown(component.where) : (places.get(component.instance) ?? { x: 0, y: 0 });
+        return {
+          ...old,
+          id: component.instance,
+          type: "component" as const,
+          position: old?.dragging ? old.position : place,
+          ariaLabel: `${component.instance}, ${component.type}, ${stateName(component.current)}`,
+          data: { component, overruns: statistics.get(component.instance)?.overruns ?? 0n, fits },
+        };
+      });
+    });
+  }, [system.components, places, statistics, fits, setNodes]);
+
+  useEffect(() => {
+    if (menu) opened.current?.focus();
+  }, [menu]);
+
+  const edges: Edge[] = system.connections.map((each) => ({
+    id: each.name,
+    source: each.source.instance,
+    sourceHandle: each.source.port,
+    target: each.target.instance,
+    targetHandle: each.target.port,
+    selected: picked.has(each.name),
+    ariaLabel: `connection ${each.name} from ${each.source.instance}.${each.source.port} to ${each.target.instance}.${each.target.port}`,
+  }));
+
+  const ask = async (instance: string, port: string) => {
+    const result = await store.ask({ case: "ends", value: { instance, port } });
+    if (result.done) setFits(new Map(result.fits.map((each: Fit) => [address(each.port.instance, each.port.port), each.refused])));
+  };
+  const connect = (drawn: Drawn) =>
+    store.order({
+      case: "wire",
+      value: {
+        source: { instance: drawn.source, port: drawn.sourceHandle ?? "" },
+        target: { instance: drawn.target, port: drawn.targetHandle ?? "" },
+        name: "",
+        properties: [],
+      },
+    });
+  const act = (kind: "activated" | "deactivated" | "restored") => {
+    if (menu) void store.order({ case: kind, value: [menu.instance] });
+    setMenu(undefined);
+  };
+
+  return (
+    <section
+      className="wiring"
+      aria-label="Wiring"
+      onKeyDown={(e) => {
+        if (e.key === "Escape") setMenu(undefined);
+        const node = (e.target as HTMLElement).closest<HTMLElement>(".react-flow__node");
+        if (node && full && (e.key === "ContextMenu" || (e.key === "F10" && e.shiftKey))) {
+          e.preventDefault();
+          const box = node.getBoundingClientRect();
+          setMenu({ instance: node.dataset["id"] ?? "", x: box.x + 20, y: box.y + 20 });
+        }
+      }}
+    >
+      {places && (
+        <ReactFlow
+          nodes={nodes}
+          edges={edges}
+          nodeTypes={nodeTypes}
+          colorMode="system"
+          defaultEdgeOptions={{ interactionWidth: 16 }}
+          fitView
+          fitViewOptions={{ padding: 0.06 }}
+          minZoom={0.1}
+          nodesConnectable={full}
+          nodesDraggable={full}
+          deleteKeyCode={full ? ["Delete", "Backspace"] : null}
+          onNodesChange={onNodesChange}
+          onEdgesChange={(changes) =>
+            pick((before) => {
+              const after = new Set(before);
+              for (const each of changes)
+                if (each.type === "select") after[each.selected ? "add" : "delete"](each.id);
+              return after;
+            })
+          }
+          onBeforeDelete={async ({ nodes: gone, edges: cut }) => {
+            // The events of the server take them off the page.
+            if (gone.length) for (const each of gone) await store.order({ case: "removed", value: each.id });
+            else for (const each of cut) await store.order({ case: "connection", value: each.id });
+            return false;
+          }}
+          onConnectStart={(_, from) => void ask(from.nodeId ?? "", from.handleId ?? "")}
+          onConnectEnd={(_, state) => {
+            const end = state.toHandle;
+            const refused = end && fits?.get(address(end.nodeId, end.id ?? ""));
+            if (refused) store.notify(refused);
+            setFits(undefined);
+          }}
+          isValidConnection={(drawn) => {
+            const refused = (instance: string, port: string | null | undefined) => fits?.get(address(instance, port ?? ""));
+            return !(refused(drawn.target, drawn.targetHandle) || refused(drawn.source, drawn.sourceHandle));
+          }}
+          onConnect={(drawn) => void connect(drawn)}
+          onNodeDragStop={(_, node) => void store.order({ case: "place", value: { instance: node.id, where: stored(node.position) } })}
+          onSelectionChange={({ nodes: chosen }) => chosen[0] && select(chosen[0].id)}
+          onNodeContextMenu={(e, node) => {
+            e.preventDefault();
+            if (full) setMenu({ instance: node.id, x: e.clientX, y: e.clientY });
+          }}
+          onPaneClick={() => setMenu(undefined)}
+        >
+          <Background />
+          <Controls showInteractive={false} />
+        </ReactFlow>
+      )}
+      {menu && (
+        <div className="menu" role="menu" aria-label={menu.instance} style={{ left: menu.x, top: menu.y }}>
+          <button ref={opened} type="button" role="menuitem" onClick={() => act("activated")}>
+            Activate
+          </button>
+          <button type="button" role="menuitem" onClick={() => act("deactivated")}>
+            Deactivate
+          </button>
+          <button type="button" role="menuitem" onClick={() => act("restored")}>
+            Reset
+          </button>
+        </div>
+      )}
+    </section>
+  );
+}

@@ -1,0 +1,297 @@
+/** What the page knows: the system as the events of the server describe it. */
+
+import { ClientMessage, ServerMessage } from "./protocol/Ui.ts";
+import type { Command, Component, Connection, Event, Result, SystemState } from "./protocol/Ui.ts";
+import { decode, deserialize, encode } from "./protocol/_cdr.ts";
+import { TypeTable } from "./protocol/table.ts";
+
+export interface Line {
+  time: number;
+  instance: string;
+  text: string;
+}
+
+export interface Statistics {
+  ticks: bigint;
+  overruns: bigint;
+  lost: bigint;
+  awaited: string;
+  impaired: string;
+}
+
+/** The newest value of a channel, and its numbers over time. */
+export interface Track {
+  value: unknown;
+  times: number[];
+  numbers: Map<string, number[]>;
+}
+
+export interface Page {
+  link: "connecting" | "live" | "lost" | "refused";
+  full: boolean;
+  system: SystemState | undefined;
+  statistics: ReadonlyMap<string, Statistics>;
+  lines: readonly Line[];
+  notice: string;
+}
+
+const MOST_LINES = 500;
+const MOST_POINTS = 2000;
+const RECONNECT_AFTER = 1000;
+
+const unavailable: Page = {
+  link: "connecting",
+  full: false,
+  system: undefined,
+  statistics: new Map(),
+  lines: [],
+  notice: "",
+};
+
+export class Store {
+  page: Page = unavailable;
+  readonly tracks = new Map<number, Track>();
+  types = new TypeTable();
+  private server = "";
+  private socket: WebSocket | undefined;
+  private request = 0;
+  private readonly waiting = new Map<number, (result: Result) => void>();
+  private readonly listeners = new Set<() => void>();
+  private watched: number[] = [];
+
+  subscribe = (listener: () => void): (() => void) => {
+    this.listeners.add(listener);
+    return () => this.listeners.delete(listener);
+  };
+
+  snapshot = (): Page => this.page;
+
+  private change(part: Partial<Page>): void {
+    this.page = { ...this.page, ...part };
+    for (const listener of this.listeners) listener();
+  }
+
+  connect(): void {
+    const token = new URLSearchParams(location.search).get("token") ?? "";
+    const address = `ws://${location.host}/socket?token=${encodeURIComponent(token)}`;
+    const socket = new WebSocket(address, "rtgen-ui.1");
+    socket.binaryType = "arraybuffer";
+    socket.onmessage = (message) => {
+      for (const event of decode(ServerMessage, new Uint8Array(message.data as ArrayBuffer)).events)
+        this.take(event);
+      this.change({});
+    };
+    socket.onclose = (closed) => {
+      for (const settle of this.waiting.values())
+        settle({ done: false, message: "the connection to the server is lost" } as Result);
+      this.waiting.clear();
+      if (closed.code === 4401 || closed.code === 4403) {
+        this.change({ link: "refused", notice: "The server refuses this address: its token is not valid." });
+        return;
+      }
+      this.change({ link: "lost", notice: "The server has ended. Looking for it again." });
+      setTimeout(() => this.connect(), RECONNECT_AFTER);
+    };
+    this.socket = socket;
+  }
+
+  /** Sends a command; what it has done comes by events, whether it could be done by the result. */
+  ask(asked: Command): Promise<Result> {
+    const request = ++this.request;
+    return new Promise<Result>((settle) => {
+      if (this.socket?.readyState !== WebSocket.OPEN) {
+        settle({ done: false, message: "there is no connection to the server" } as Result);
+        return;
+      }
+      this.waiting.set(request, settle);
+      this.socket.send(encode(ClientMessage, { request, asked }) as Uint8Array<ArrayBuffer>);
+    });
+  }
+
+  /** Sends a command and shows why it was refused, if it was. */
+  async order(asked: Command): Promise<Result> {
+    const result = await this.ask(asked);
+    this.change({ notice: result.done ? "" : [result.message, result.hint].filter(Boolean).join(": ") });
+    return result;
+  }
+
+  watch(channels: number[]): void {
+    this.watched = channels;
+    void this.ask({ case: "channels", value: channels });
+  }
+
+  notify(notice: string): void {
+    this.change({ notice });
+  }
+
+  private system(part: (system: SystemState) => Partial<SystemState>): void {
+    const system = this.page.system;
+    if (system) this.page = { ...this.page, system: { ...system, ...part(system) } };
+  }
+
+  private component(instance: string, part: (component: Component) => Partial<Component>): void {
+    this.system((system) => ({
+      components: system.components.map((each) =>
+        each.instance === instance ? { ...each, ...part(each) } : each,
+      ),
+    }));
+  }
+
+  private line(time: number, instance: string, text: string): void {
+    this.page = {
+      ...this.page,
+      lines: [...this.page.lines, { time, instance, text }].slice(-MOST_LINES),
+    };
+  }
+
+  private take(event: Event): void {
+    switch (event.case) {
+      case "greeting":
+        if (event.value.server !== this.server) {
+          this.types = new TypeTable();
+          this.tracks.clear();
+        }
+        this.server = event.value.server;
+        this.page = { ...unavailable, link: "live", full: event.value.full };
+        break;
+      case "whole":
+        this.types.add(0, event.value.types);
+        this.tracks.clear();
+        this.page = { ...this.page, system: event.value, notice: "" };
+        if (this.watched.length) this.watch(this.watched);
+        break;
+      case "types":
+        this.types.add(event.value.first, event.value.nodes);
+        break;
+      case "described": {
+        const component = event.value;
+        this.system((system) => ({ components: replaced(system.components, component, (c) => c.instance) }));
+        break;
+      }
+      case "removed":
+        this.system((system) => ({
+          components: system.components.filter((each) => each.instance !== event.value),
+        }));
+        break;
+      case "connected": {
+        const connection = event.value;
+        this.system((system) => ({ connections: replaced(system.connections, connection, (c: Connection) => c.name) }));
+        break;
+      }
+      case "cut":
+        this.system((system) => ({
+          connections: system.connections.filter((each) => each.name !== event.value),
+        }));
+        break;
+      case "change": {
+        const { time, instance, after, reason } = event.value;
+        this.component(instance, () => ({ current: after, reason }));
+        this.line(time, instance, stateName(after) + (reason ? `: ${reason}` : ""));
+        break;
+      }
+      case "statistics":
+        this.page = {
+          ...this.page,
+          statistics: new Map([
+            ...this.page.statistics,
+            ...event.value.map((each) => [each.instance, each] as const),
+          ]),
+        };
+        break;
+      case "setting": {
+        const { instance, set, parameter, text } = event.value;
+        this.component(instance, (component) => ({
+          configuration_sets: component.configuration_sets.map((each) =>
+            each.name === set ? { ...each, values: replaced(each.values, { name: parameter, text }, (v) => v.name) } : each,
+          ),
+        }));
+        break;
+      }
+      case "activated":
+        this.component(event.value.instance, () => ({ active_set: event.value.set }));
+        break;
+      case "opened": {
+        const channel = event.value;
+        this.system((system) => ({ channels: replaced(system.channels, channel, (c) => c.id) }));
+        break;
+      }
+      case "samples":
+        for (const { channel, time, data } of event.value) this.sample(channel, time, data);
+        break;
+      case "clock":
+        this.system(() => ({ time: event.value }));
+        break;
+      case "outcome":
+        this.waiting.get(event.value.request)?.(event.value);
+        this.waiting.delete(event.value.request);
+        break;
+      case "place":
+        this.component(event.value.instance, () => ({ placed: true, where: event.value.where }));
+        break;
+      case "edited":
+        this.system(() => ({ edits: event.value }));
+        break;
+      case "reported":
+        this.line(event.value.time, event.value.instance, `${event.value.kind}: ${event.value.text}`);
+        break;
+      case "less":
+        this.page = { ...this.page, notice: `This page is slow: ${event.value.dropped} messages were left out.` };
+        break;
+      case "reason":
+        this.page = { ...this.page, notice: event.value };
+        break;
+      default:
+        break; // Frames and calls of boards are not shown.
+    }
+  }
+
+  private sample(id: number, time: number, data: Uint8Array): void {
+    const channel = this.page.system?.channels.find((each) => each.id === id);
+    if (!channel) return;
+    let track = this.tracks.get(id);
+    if (!track || time < (track.times.at(-1) ?? 0)) {
+      track = { value: undefined, times: [], numbers: new Map() };
+      this.tracks.set(id, track);
+    }
+    track.value =
+      channel.type_number < 0
+        ? JSON.parse(new TextDecoder().decode(data))
+        : deserialize(this.types.codec(channel.type_number), data);
+    if (track.times.length >= MOST_POINTS) {
+      track.times.shift();
+      for (const row of track.numbers.values()) row.shift();
+    }
+    const before = track.times.push(time) - 1;
+    const found = new Map(leaves(track.value).filter((leaf): leaf is [string, number] => typeof leaf[1] === "number"));
+    for (const name of found.keys())
+      if (!track.numbers.has(name)) track.numbers.set(name, Array<number>(before).fill(NaN));
+    for (const [name, row] of track.numbers) row.push(found.get(name) ?? NaN);
+  }
+}
+
+function replaced<T>(list: readonly T[], item: T, key: (item: T) => unknown): T[] {
+  const at = list.findIndex((each) => key(each) === key(item));
+  return at < 0 ? [...list, item] : list.map((each, i) => (i === at ? item : each));
+}
+
+const MOST_LEAVES = 64;
+
+/** The values in a sample with their paths, the first of them if there are many. */
+export function leaves(value: unknown, path = "", found: [string, unknown][] = []): [string, unknown][] {
+  if (found.length >= MOST_LEAVES) return found;
+  if (Array.isArray(value) || ArrayBuffer.isView(value)) {
+    const items = value as unknown as ArrayLike<unknown>;
+    for (let i = 0; i < items.length && found.length < MOST_LEAVES; i++) leaves(items[i], `${path}[${i}]`, found);
+  } else if (value instanceof Map) {
+    for (const [key, item] of value) leaves(item, `${path}[${String(key)}]`, found);
+  } else if (value && typeof value === "object") {
+    for (const [name, item] of Object.entries(value)) leaves(item, path ? `${path}.${name}` : name, found);
+  } else {
+    found.push([path || "value", typeof value === "bigint" ? Number(value) : value]);
+  }
+  return found;
+}
+
+export const stateName = (state: Component["current"]): string => state.replace("STATE_", "");
+
+export const store = new Store();
