@@ -1,6 +1,6 @@
 """Samples and calls over dds and zenoh, between two processes, beside the libraries alone.
 
-    python benchmarks/transports.py [ROUNDS]
+    python benchmarks/transports.py [ROUNDS | --writers [ROUNDS]]
 
 Samples: the writer of one process, the reader of another, that counts what arrives. `write` is
 the writer's path alone, per sample: ours (encoding, and the engine's publisher) beside
@@ -28,7 +28,7 @@ HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent / "tests"))
 sys.path.insert(0, str(HERE.parent / "generated"))
 
-from media import engine, medium_at  # noqa: E402
+from media import DOMAIN, engine, medium_at  # noqa: E402
 
 from refrobots import rtc  # noqa: E402
 from rtgen.runtime.distribution.data import encoder  # noqa: E402
@@ -42,7 +42,7 @@ from rtgen.runtime.timing.guards import SINGLE_THREAD  # noqa: E402
 
 POSE = struct.Struct("<4s2I3d")
 HEAD = b"\0\1\0\0"
-SIZES = (0, 1 << 10, 64 << 10, 1 << 20)
+SIZES = (0, 64, 1 << 10, 64 << 10, 1 << 20, 10 << 20)
 """Octets of a TimedOctetSeq; 0 stands for a TimedPose2D."""
 BUDGET = 16 << 20
 TRIPS = 400
@@ -98,9 +98,52 @@ def serve(medium: Medium) -> None:
 
         medium.subscribe(topic_of("ping", size), Qos(depth=None), on_ping)
         kept += [done, back]
+    medium.subscribe(topic_of("alone", 0), Qos(depth=8), lambda _: None)
+    kept.append(_bare_reader(medium))
     serve_octets(medium, "empty", lambda octets, reply: reply(octets))
     print("ready", flush=True)
     sys.stdin.read()
+    # Zenoh can wait for Python's threads for ever if its session is open at exit.
+    medium.close()
+
+
+def _bare_reader(medium: Any) -> Any:
+    """What reads the samples of the library alone, as `rtgen.runtime` takes those of ours."""
+    if hasattr(medium, "_session"):
+        return medium._session.declare_subscriber(
+            "plain", lambda sample: sample.payload.to_bytes()
+        )
+    from cyclonedds.domain import DomainParticipant
+    from cyclonedds.util import duration
+
+    participant = DomainParticipant(DOMAIN)
+    reader = _bare_ends(participant)[1]
+
+    def read() -> None:
+        for _ in reader.take_iter(timeout=duration(days=1)):
+            pass
+
+    threading.Thread(target=read, daemon=True).start()
+    return participant
+
+
+def _bare_ends(participant: Any) -> tuple[Any, Any]:
+    """Writer and reader of cyclonedds-python's class for TimedPose2D."""
+    from cyclonedds.core import Policy
+    from cyclonedds.core import Qos as TheirQos
+    from cyclonedds.pub import DataWriter
+    from cyclonedds.sub import DataReader
+    from cyclonedds.topic import Topic as TheirTopic
+
+    from rtgen.runtime.dds.types import idl_class
+
+    qos = TheirQos(Policy.Reliability.Reliable(0), Policy.History.KeepLast(8))
+    theirs = idl_class(rtc.TimedPose2D)
+    topic = TheirTopic(participant, "pose", theirs, qos=qos)
+    return (
+        DataWriter(participant, topic, qos=qos),
+        DataReader(participant, topic, qos=qos),
+    )
 
 
 # Measurements, each a median of what one process sees.
@@ -209,7 +252,11 @@ def other(address: str) -> Iterator[None]:
     try:
         yield
     finally:
-        process.communicate()
+        try:
+            process.communicate(timeout=20)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.communicate()
 
 
 def direct(size: int) -> float:
@@ -238,39 +285,30 @@ def timed(action: Callable[[], object], count: int) -> float:
 
 
 def dds_writers(rounds: int) -> tuple[float, float]:
-    """Seconds of a write: our path, and cyclonedds-python's own; a reader is matched to both."""
-    from cyclonedds.core import Policy
-    from cyclonedds.core import Qos as TheirQos
+    """Seconds of a write: our path, and cyclonedds-python's own; each has a reader elsewhere."""
     from cyclonedds.domain import DomainParticipant
-    from cyclonedds.pub import DataWriter
-    from cyclonedds.sub import DataReader
-    from cyclonedds.topic import Topic as TheirTopic
 
     from rtgen.runtime.dds.types import idl_class
 
     value = value_of(0)
+    encode = encoder(type(value))
     with engine("dds") as network, ExitStack() as stack:
         medium = network.medium()
         stack.callback(medium.close)
-        medium.subscribe(topic_of("data", 0), Qos(depth=8), lambda _: None)
-        publisher = medium.publisher(topic_of("data", 0), Qos(depth=8))
-        encode = encoder(type(value))
-        theirs = idl_class(type(value))
-        made = theirs.deserialize(encode(value))
-        participant = DomainParticipant(89)
-        qos = TheirQos(Policy.Reliability.Reliable(0), Policy.History.KeepLast(8))
-        topic = TheirTopic(participant, "pose", theirs, qos=qos)
-        reader = DataReader(participant, topic, qos=qos)
-        writer = DataWriter(participant, topic, qos=qos)
+        stack.enter_context(other(str(network.address)))
+        publisher = medium.publisher(topic_of("alone", 0), Qos(depth=8))
+        made = idl_class(type(value)).deserialize(encode(value))
+        writer, own = _bare_ends(DomainParticipant(DOMAIN))
+        del own
+        await_match(lambda: publisher.matched)
+        await_match(writer.get_matched_subscriptions)
         number = iter(range(1, 1 << 30))
-        ours, peers = [], []
-        for _ in range(rounds):
-            ours.append(
-                timed(lambda: publisher.publish(encode(value), next(number)), 5000)
-            )
-            peers.append(timed(lambda: writer.write(made), 2000))
-        del reader
-    return statistics.median(ours), statistics.median(peers)
+        ours, theirs = interleaved(
+            rounds,
+            lambda: publisher.publish(encode(value), next(number)),
+            lambda: writer.write(made),
+        )
+    return ours, theirs
 
 
 def zenoh_writers(rounds: int) -> tuple[float, float, float]:
@@ -278,21 +316,17 @@ def zenoh_writers(rounds: int) -> tuple[float, float, float]:
     import zenoh
 
     value = value_of(0)
+    encode = encoder(type(value))
     with engine("zenoh") as network, ExitStack() as stack:
         medium: Any = network.medium()
-        reading = network.medium()
         stack.callback(medium.close)
-        stack.callback(reading.close)
-        session = medium._session
-        reading.subscribe(topic_of("data", 0), Qos(depth=8), lambda _: None)
-        plain = reading._session.declare_subscriber("plain", lambda _: None)
-        publisher = medium.publisher(topic_of("data", 0), Qos(depth=8))
-        encode = encoder(type(value))
-        bare = session.declare_publisher(
+        stack.enter_context(other(str(network.address)))
+        publisher = medium.publisher(topic_of("alone", 0), Qos(depth=8))
+        bare = medium._session.declare_publisher(
             "plain", congestion_control=zenoh.CongestionControl.DROP
         )
-        while not publisher.matched:
-            time.sleep(0.01)
+        await_match(lambda: publisher.matched)
+        await_match(lambda: bare.matching_status.matching)
         pose, tm = value.data, value.tm
         place = pose.position
 
@@ -301,26 +335,34 @@ def zenoh_writers(rounds: int) -> tuple[float, float, float]:
 
         assert pack() == encode(value)
         octets, number = pack(), iter(range(1, 1 << 30))
-        found: tuple[list[float], ...] = ([], [], [])
-        for _ in range(rounds):
-            for seconds, action in zip(
-                found,
-                (
-                    lambda: publisher.publish(encode(value), next(number)),
-                    lambda: bare.put(pack()),
-                    lambda: bare.put(octets),
-                ),
-                strict=True,
-            ):
-                seconds.append(timed(action, 5000))
-                time.sleep(0.05)
-        plain.undeclare()
-    ours, packed, ready = (statistics.median(each) for each in found)
+        ours, packed, ready = interleaved(
+            rounds,
+            lambda: publisher.publish(encode(value), next(number)),
+            lambda: bare.put(pack()),
+            lambda: bare.put(octets),
+        )
     return ours, packed, ready
 
 
+def await_match(matched: Callable[[], object]) -> None:
+    """Wait until the reader is known."""
+    while not matched():
+        time.sleep(0.01)
+
+
+def interleaved(rounds: int, *actions: Callable[[], object]) -> list[float]:
+    """Seconds of each action, medians of turns; each turn begins when the last one's has left."""
+    found: list[list[float]] = [[] for _ in actions]
+    for _ in range(5 * rounds):
+        for seconds, action in zip(found, actions, strict=True):
+            seconds.append(timed(action, 2000))
+            time.sleep(0.05)
+    return [statistics.median(each) for each in found]
+
+
 def main() -> None:
-    rounds = int(sys.argv[1]) if len(sys.argv) > 1 else 5
+    alone = sys.argv[1:2] == ["--writers"]
+    rounds = int(dict(enumerate(sys.argv)).get(2 if alone else 1, 5))
     ours, theirs = dds_writers(rounds)
     print(
         f"write of TimedPose2D, dds: {_us(ours)}, cyclonedds-python {_us(theirs)}:",
@@ -334,6 +376,8 @@ def main() -> None:
     print(
         f"  of ready octets {_us(ready)}: {ours / packed:.2f} and {ours / ready:.2f} times as long"
     )
+    if alone:
+        return
     print("\nsize       engine        write  arrives/s   of     latency  99 %")
     for size in SIZES:
         name = f"{size or 'TimedPose2D'}"
