@@ -2,7 +2,7 @@
 
     python tests/fault_table.py > docs/faults.md
 
-`bound(name)` is what tests compare with; `test_fault_table.py` looks that each test exists and that
+`bound(name)` is what tests compare with; `test_table_of_faults.py` looks that each test exists and that
 the page is this table.
 """
 
