@@ -33,6 +33,7 @@ from rtgen.diagnostics import ToolError
 from rtgen.runtime import idl, xcdr
 from rtgen.runtime.cdr import Aggregated, CdrError
 from rtgen.runtime.dds.medium import DdsMedium, configuration
+from rtgen.runtime.dds.numbers import DOUBLE, Numbers, numbered, plain
 from rtgen.runtime.dds.types import idl_class
 from rtgen.runtime.distribution.data import encoder
 from rtgen.runtime.distribution.in_process import Network
@@ -44,7 +45,6 @@ from rtgen.runtime.distribution.medium import (
     Topic,
     representation,
 )
-from rtgen.runtime.distribution.numbers import DOUBLE, Numbers, numbered, plain
 from rtgen.runtime.distribution.payloads import received
 from rtgen.runtime.distribution.services import RemoteCalls
 from rtgen.runtime.distribution.transport import DistributedTransport

@@ -73,9 +73,7 @@ def test_a_program_of_eclipse_zenoh_reads_and_drives_a_component(
         node.out.write(sample(number))
     wait_for(lambda: TIMED_DOUBLE.unpack(read[-1])[2] == 499)
     values = [TIMED_DOUBLE.unpack(octets) for octets in read]
-    assert {octets[:2] for octets in read} == {HEADER[:2]}
-    # The two low bits are the padding; the others hold the number of the sample.
-    assert {octets[3] & 3 for octets in read} == {HEADER[3]}
+    assert {octets[:4] for octets in read} == {HEADER}
     assert [v for v in values if v[2] >= 0] == [(1, 2, n) for n in range(500)]
 
     def driven() -> bool:

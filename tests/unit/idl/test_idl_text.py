@@ -103,6 +103,7 @@ IDL4 = (
     "octets.idl",
     "constructs.idl",
     "dynamic.idl",
+    "typescript.idl",
 )
 """Files with what omniidl does not know, annotations apart."""
 

@@ -13,6 +13,7 @@ from cyclonedds.domain import Domain, DomainParticipant
 from rtgen.runtime.dds import entities
 from rtgen.runtime.dds.dispatcher import Dispatcher
 from rtgen.runtime.dds.entities import Entities
+from rtgen.runtime.dds.numbers import DOUBLE, Numbers, numbered, plain
 from rtgen.runtime.dds.presence import Presences
 from rtgen.runtime.dds.rpc import DdsClient, DdsService
 from rtgen.runtime.distribution.medium import (
@@ -27,7 +28,6 @@ from rtgen.runtime.distribution.medium import (
     Topic,
     check_name,
 )
-from rtgen.runtime.distribution.numbers import DOUBLE, Numbers, numbered, plain
 
 _T = TypeVar("_T", bound=Token)
 

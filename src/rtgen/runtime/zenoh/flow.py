@@ -13,7 +13,6 @@ import threading
 import zenoh
 
 from rtgen.runtime.distribution.medium import PublishTimeoutError
-from rtgen.runtime.distribution.numbers import CYCLE
 from rtgen.runtime.failures import log
 from rtgen.runtime.zenoh.declared import Declared
 from rtgen.runtime.zenoh.session import plain
@@ -22,8 +21,7 @@ WINDOW = 64
 """Samples that are under way to the slowest subscription at most."""
 
 _EVERY = WINDOW // 4
-_NUMBER = struct.Struct("<Q")
-"""The number of the sample, before the publisher's encoding as text."""
+_ACKNOWLEDGEMENT = struct.Struct("<16sQ")
 
 
 class Acknowledging:
@@ -36,12 +34,12 @@ class Acknowledging:
         token = session.liveliness().declare_token(key)
         self._declared = Declared(session, self._publisher, token)
 
-    def handled(self, source: str, sequence: int) -> None:
+    def handled(self, source: bytes, sequence: int) -> None:
         """Acknowledge a sample, with all before it; not each one causes a message."""
         if sequence % _EVERY and sequence != 1:
             return
         try:
-            self._publisher.put(_NUMBER.pack(sequence) + source.encode())
+            self._publisher.put(_ACKNOWLEDGEMENT.pack(source, sequence))
         except zenoh.ZError as error:
             log.debug("zenoh: %s", plain(error))
 
@@ -54,9 +52,9 @@ class Window:
     """The sending end: waits until the slowest subscription is less than a window behind."""
 
     def __init__(
-        self, session: zenoh.Session, keys: str, source: str, patience: float
+        self, session: zenoh.Session, keys: str, identity: bytes, patience: float
     ) -> None:
-        self._source = source.encode()
+        self._identity = identity
         self._patience = patience
         self._changed = threading.Condition()
         self._handled: dict[str, int] = {}
@@ -100,13 +98,11 @@ class Window:
 
     def _on_acknowledgement(self, sample: zenoh.Sample) -> None:
         octets = sample.payload.to_bytes()
-        if octets[_NUMBER.size :] != self._source:
+        if len(octets) != _ACKNOWLEDGEMENT.size:
             return
-        [number] = _NUMBER.unpack_from(octets)
+        identity, sequence = _ACKNOWLEDGEMENT.unpack(octets)
         key = str(sample.key_expr)
         with self._changed:
-            if key in self._handled:
-                # A subscription that came late counts from a number less whole cycles.
-                handled = self._sent - (self._sent - number) % CYCLE
-                self._handled[key] = max(self._handled[key], handled)
+            if identity == self._identity and key in self._handled:
+                self._handled[key] = max(self._handled[key], min(sequence, self._sent))
                 self._changed.notify_all()

@@ -1,13 +1,13 @@
 """Topics: publishers and subscribers of Zenoh, with history for late joiners.
 
-The payload of a sample is the serialized value, with its number in the encapsulation header. The
-encoding is `application/cdr`, with the identity of the publisher as its schema: Zenoh keeps it with
-the publisher, so it costs a write nothing. Samples of programs without rtgen need neither. Durable
-topics use Zenoh's own advanced publishers and subscribers.
+The payload of a sample is the serialized value. Its attachment of 24 octets has the identity of
+the publisher (16) and the number of the sample (8, little-endian); samples of programs without
+rtgen need none. Durable topics use Zenoh's own advanced publishers and subscribers.
 """
 
 from __future__ import annotations
 
+import struct
 import uuid
 from typing import Any, TypeAlias
 
@@ -21,18 +21,15 @@ from rtgen.runtime.distribution.medium import (
     Sample,
     Topic,
 )
-from rtgen.runtime.distribution.numbers import DOUBLE, Numbers, numbered, plain
 from rtgen.runtime.zenoh.declared import Declared, matches
 from rtgen.runtime.zenoh.flow import Acknowledging, Window
 from rtgen.runtime.zenoh.keys import Keys
-from rtgen.runtime.zenoh.session import plain as plain_text
+from rtgen.runtime.zenoh.session import plain
 
+_NUMBER = struct.Struct("<Q")
+_ATTACHMENT = struct.Struct("<16sQ")
 _MOST_KEPT = 4096
 """Samples kept for late joiners by a topic that keeps all."""
-_IDENTIFIED = "application/cdr;"
-"""How the encoding of an identified publisher begins."""
-_REPEATED = 64
-"""Samples of a volatile topic that may come again when links change."""
 
 _Publisher: TypeAlias = zenoh.Publisher | ext.AdvancedPublisher
 
@@ -45,10 +42,10 @@ class ZenohPublisher:
     ) -> None:
         key = keys.topic(topic)
         self._name = topic.name
-        encoding = zenoh.Encoding.APPLICATION_CDR.with_schema(uuid.uuid4().hex)
+        self._identity = uuid.uuid4().bytes
         plainly = session.declare_publisher(
             key,
-            encoding=encoding,
+            encoding=zenoh.Encoding.APPLICATION_CDR,
             congestion_control=_congestion_control(qos),
             reliability=_reliability(qos),
         )
@@ -59,7 +56,7 @@ class ZenohPublisher:
             publisher = ext.declare_advanced_publisher(
                 session,
                 key,
-                encoding=encoding,
+                encoding=zenoh.Encoding.APPLICATION_CDR,
                 congestion_control=_congestion_control(qos),
                 reliability=_reliability(qos),
                 cache=ext.CacheConfig(_MOST_KEPT if qos.depth is None else qos.depth),
@@ -73,7 +70,7 @@ class ZenohPublisher:
         self._window: Window | None = None
         if qos.depth is None:
             flow = keys.flow(topic, "*")
-            self._window = Window(session, flow, str(encoding), qos.patience)
+            self._window = Window(session, flow, self._identity, qos.patience)
         self._declared = Declared(session, *declared)
 
     def publish(self, octets: bytes, sequence: int) -> None:
@@ -81,9 +78,9 @@ class ZenohPublisher:
         if self._window is not None:
             self._window.wait(sequence, self._name)
         try:
-            self._put(numbered(octets, sequence))
+            self._put(octets, attachment=self._identity + _NUMBER.pack(sequence))
         except zenoh.ZError as error:
-            raise MediumError(f"{self._name}: {plain_text(error)}") from error
+            raise MediumError(f"{self._name}: {plain(error)}") from error
 
     @property
     def matched(self) -> bool:
@@ -91,7 +88,7 @@ class ZenohPublisher:
         try:
             return matches(self._plainly)
         except zenoh.ZError as error:
-            raise MediumError(f"{self._name}: {plain_text(error)}") from error
+            raise MediumError(f"{self._name}: {plain(error)}") from error
 
     def close(self) -> None:
         """See `medium.Publisher`."""
@@ -115,7 +112,6 @@ class ZenohSubscription:
         on_sample: OnSample,
     ) -> None:
         self._on_sample = on_sample
-        self._numbers = Numbers(_MOST_KEPT if qos.durable else _REPEATED)
         self._acknowledging: Acknowledging | None = None
         if qos.depth is None:
             self._acknowledging = Acknowledging(
@@ -141,18 +137,8 @@ class ZenohSubscription:
     def _received(self, received: zenoh.Sample) -> None:
         if self._closed or received.kind != zenoh.SampleKind.PUT:
             return
-        octets = received.payload.to_bytes()
-        source = str(received.encoding)
-        sequence = (
-            self._numbers.sequence(source, octets)
-            if source.startswith(_IDENTIFIED)
-            else None
-        )
-        if sequence == DOUBLE:
-            return
-        if sequence is not None:
-            octets = plain(octets)
-        self._on_sample(Sample(octets, source, sequence))
+        source, sequence = _origin(received)
+        self._on_sample(Sample(received.payload.to_bytes(), source, sequence))
         if self._acknowledging is not None and sequence is not None:
             self._acknowledging.handled(source, sequence)
 
@@ -162,6 +148,16 @@ class ZenohSubscription:
         self._declared.close()
         if self._acknowledging is not None:
             self._acknowledging.close()
+
+
+def _origin(received: zenoh.Sample) -> tuple[bytes, int | None]:
+    """Publisher and number of a sample; a program without rtgen gives none."""
+    attachment = received.attachment
+    octets = b"" if attachment is None else attachment.to_bytes()
+    if len(octets) != _ATTACHMENT.size:
+        return b"", None
+    identity, sequence = _ATTACHMENT.unpack(octets)
+    return identity, sequence
 
 
 def _congestion_control(qos: Qos) -> zenoh.CongestionControl:

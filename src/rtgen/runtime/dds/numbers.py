@@ -1,9 +1,9 @@
 """Numbers of samples in their encapsulation headers, so that lost ones are counted.
 
 Cyclone DDS neither shows the sequence numbers of samples nor counts those that a reliable writer
-overwrote; an attachment of Zenoh costs a writer as much as encoding a small sample. DDS-XTypes
-1.3, 7.6.3.1.2, gives the two low bits of the header's options to padding, and lets receivers ignore
-the others: 14 bits, which hold a number from 1 to 16383. 0 is a sample of another program.
+overwrote. DDS-XTypes 1.3, 7.6.3.1.2, gives the two low bits of the header's options to padding, and
+lets receivers ignore the others: 14 bits, which hold a number from 1 to 16383. 0 is a sample of
+another program.
 """
 
 from __future__ import annotations
@@ -11,8 +11,7 @@ from __future__ import annotations
 from collections import OrderedDict
 from collections.abc import Hashable
 
-CYCLE = (1 << 14) - 1
-_HEADER = 4
+_CYCLE = (1 << 14) - 1
 DOUBLE = -1
 _SOURCES = 256
 """Writers of one topic whose numbers are remembered."""
@@ -20,9 +19,9 @@ _SOURCES = 256
 
 def numbered(octets: bytes, sequence: int) -> bytes:
     """A payload with its number."""
-    number = (sequence - 1) % CYCLE + 1
+    number = (sequence - 1) % _CYCLE + 1
     options = number << 2 | octets[3] & 3
-    return octets[:2] + options.to_bytes(2, "big") + octets[4:]
+    return b"%b%b%b" % (octets[:2], options.to_bytes(2, "big"), octets[4:])
 
 
 def plain(octets: bytes) -> bytes:
@@ -31,31 +30,27 @@ def plain(octets: bytes) -> bytes:
 
 
 class Numbers:
-    """Counts the numbers of each writer on beyond their 14 bits.
+    """Counts the numbers of each writer on beyond their 14 bits."""
 
-    `back`: how many samples behind the last one a sample may be that comes again.
-    """
-
-    def __init__(self, back: int = 0) -> None:
-        self._back = back
+    def __init__(self) -> None:
         self._last: OrderedDict[Hashable, int] = OrderedDict()
 
     def sequence(self, source: Hashable, octets: bytes) -> int | None:
         """The sequence number of a payload; None if it has none, DOUBLE if it came before.
 
-        A writer's new samples come in order, so each is less than a cycle after the one before. A
+        A writer's samples come in order, so each is less than a cycle after the one before. A
         write that found no room with one reader of its process, and was repeated, comes twice to
         the others.
         """
         number = int.from_bytes(octets[2:4], "big") >> 2
-        if not number or len(octets) < _HEADER:
+        if not number:
             return None
         last = self._last.get(source)
         if last is None:
             sequence = number
         else:
-            step = (number - last) % CYCLE
-            if not step or step > CYCLE - self._back:
+            step = (number - last) % _CYCLE
+            if not step:
                 return DOUBLE
             sequence = last + step
         self._last[source] = sequence
