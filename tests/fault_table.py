@@ -2,8 +2,8 @@
 
     python tests/fault_table.py > docs/faults.md
 
-`bound(name)` is what tests compare with; `test_table_of_faults.py` looks that each test exists and that
-the page is this table.
+`bound(name)` is what tests compare with; `test_table_of_faults.py` checks that each test exists and
+that the page is this table.
 """
 
 from __future__ import annotations
