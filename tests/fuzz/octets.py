@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import struct
-import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from importlib import import_module
@@ -176,12 +175,15 @@ def types(module: ModuleType) -> Iterator[type[Any]]:
             yield value
 
 
+_REFERENCE = (
+    *("basic_data_type", "extended_data_types", "intellirobot", "interface_data_types"),
+    *("obstacles", "ref_hard_rh3_pro", "timed_velocity"),
+)
+
+
 def _reference() -> Iterator[ModuleType]:
-    import_module("refrobots.rtc")
-    import_module("refrobots.iis")
-    for name in sorted(sys.modules):
-        if name.startswith("refrobots._idl."):
-            yield sys.modules[name]
+    for name in _REFERENCE:
+        yield import_module(f"refrobots._idl.{name}")
 
 
 def _constructs() -> Iterator[ModuleType]:

@@ -1,4 +1,4 @@
-"""Names of ports on OpenRTM: one name space for all ports of a component.
+"""Names of components and ports on OpenRTM: one name space for all ports of a component.
 
 OpenRTM only keeps the part of a name after its last dot (`PortBase.setOwner`).
 """
@@ -7,6 +7,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from typing import Final, TypeAlias
+
+KIND: Final = "rtc"
+"""The kind of the name of a component in a naming service: `Arm0.rtc`."""
+RUNTIME: Final = "rtgen.runtime"
+"""The property of components that tells those of rtgen, whose OutPorts make connections."""
 
 IN, OUT, SERVICE = "in", "out", "service"
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from bench import ROOT, Bench, whole
+from ui_bench import ROOT, Bench, whole
 
 from rtgen.runtime import xcdr
 from rtgen.ui.protocol import ui

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import pytest
-from bench import ROOT, Bench, Page, whole
+from ui_bench import ROOT, Bench, Page, whole
 
 from rtgen.runtime.canopen.bus.links import simulated_bus
 from rtgen.ui.protocol import ui

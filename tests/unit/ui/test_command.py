@@ -6,7 +6,7 @@ import socket
 from pathlib import Path
 
 import pytest
-from bench import GOAL
+from ui_bench import GOAL
 
 from rtgen.cli import run
 from rtgen.cli import ui as command

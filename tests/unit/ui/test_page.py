@@ -11,8 +11,8 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
-from bench import GOAL, QUIET
 from patience import PATIENCE
+from ui_bench import GOAL, QUIET
 
 from rtgen.cli.ui import CommandProject
 from rtgen.runtime import SimulatedClock

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from bench import GOAL, QUIET
+from ui_bench import GOAL, QUIET
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import ClientConnection, connect
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from shutil import copytree
 
 import pytest
-from bench import GOAL, ROOT, Bench, Page, channels, whole
+from ui_bench import GOAL, ROOT, Bench, Page, channels, whole
 
 from refrobots.iis import TimedVelocity2D
 from rtgen.runtime import ACTIVE_STATE, INACTIVE_STATE, RealClock, xcdr

@@ -7,9 +7,9 @@ from typing import Any
 
 from omniORB import any as anys
 
+from rtgen.facts.openrtm_ports import RUNTIME
 from rtgen.runtime.corba.rt_objects.configuration import Configuration
 from rtgen.runtime.corba.rt_objects.objects import Exported
-from rtgen.runtime.corba.rt_objects.peers import RUNTIME
 from rtgen.runtime.corba.rt_objects.ports import PortService
 from rtgen.runtime.corba.rt_objects.wire import (
     CONFIGURATION,

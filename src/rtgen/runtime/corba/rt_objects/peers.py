@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from omniORB import CORBA
 
-from rtgen.facts.openrtm_ports import known_name
+from rtgen.facts.openrtm_ports import KIND, RUNTIME, known_name
 from rtgen.runtime.corba.naming import Naming, is_alive
 from rtgen.runtime.corba.rt_objects.wire import (
     RT_OBJECT,
@@ -23,11 +23,6 @@ from rtgen.runtime.services.transports import RemotePort
 
 if TYPE_CHECKING:
     from rtgen.runtime.corba.rt_objects.publishing import RtObjects
-
-KIND = "rtc"
-"""The kind of names of components."""
-RUNTIME = "rtgen.runtime"
-"""The property of components that tells those of rtgen, whose OutPorts make connections."""
 
 _LOOK_AGAIN = 0.05
 _DEFAULTS = {

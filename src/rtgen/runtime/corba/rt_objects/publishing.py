@@ -5,14 +5,20 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from rtgen.facts.openrtm_ports import IN, OUT, SERVICE, known_name, registered_names
+from rtgen.facts.openrtm_ports import (
+    IN,
+    KIND,
+    OUT,
+    SERVICE,
+    known_name,
+    registered_names,
+)
 from rtgen.runtime.corba.naming import Naming
 from rtgen.runtime.corba.objects import Objects
 from rtgen.runtime.corba.orb import Orb
 from rtgen.runtime.corba.rt_objects.component import RtObject
 from rtgen.runtime.corba.rt_objects.ends import InEnd, OutEnd, ServiceEnd
 from rtgen.runtime.corba.rt_objects.objects import Exported
-from rtgen.runtime.corba.rt_objects.peers import KIND
 from rtgen.runtime.corba.rt_objects.ports import End, PortService
 from rtgen.runtime.ports.data_ports import InPort, OutPort
 from rtgen.runtime.rtc.component import Component
