@@ -11,6 +11,7 @@ from typing import Any
 
 import forwarder
 import pytest
+from patience import PATIENCE
 
 pytest.importorskip("omniORB", reason="omniORBpy is not installed")
 sys.path.insert(0, str(Path(__file__).parents[1] / "types"))
@@ -91,7 +92,7 @@ def m(tmp_path_factory: pytest.TempPathFactory) -> Any:
 @pytest.fixture(params=["in the process", "by a socket"])
 def connect(m: Any, request: pytest.FixtureRequest) -> Iterator[Connect]:
     """The stub of a servant that gives back what it is given."""
-    orb = Orb()
+    orb = Orb(timeout=PATIENCE)
     objects = Objects(orb)
     with ExitStack() as stack:
 
