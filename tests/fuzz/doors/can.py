@@ -330,6 +330,16 @@ def _socketcand(_folder: Path) -> Door:
     return Door(enter, mixing([*_CLIENT, *_HUB, b"".join(_CLIENT), b"".join(_HUB)]))
 
 
+def _words(text: bytes) -> str:
+    """The content of the one element of a text."""
+    stream = Elements()
+    stream.feed(text)
+    words = stream.take()
+    if words is None or stream.waiting:
+        raise ViolationError(f"{text!r} is not an element")
+    return words
+
+
 def _element(words: str) -> bool:
     for parse in (sent_frame, received_frame, received_error):
         try:
@@ -337,14 +347,14 @@ def _element(words: str) -> bool:
         except Malformed:
             continue
         if isinstance(found, Frame):
-            again: object = sent_frame(send_text(found)[2:-2].decode())
+            again: object = sent_frame(_words(send_text(found)))
         elif isinstance(found[0], Frame):
             text = frame_text(found[0], round(found[1] * 10**9))
-            again = received_frame(text[2:-2].decode().strip())[0]
+            again = received_frame(_words(text))[0]
             found = found[0]
         else:
             text = error_text(found[0], round(found[1] * 10**9))
-            again = received_error(text[2:-2].decode().strip())[0]
+            again = received_error(_words(text))[0]
             found = found[0]
         if again != found:
             raise ViolationError(f"{found} became {again}")
