@@ -13,6 +13,14 @@ from typing import Final, TypeAlias
 
 from rtgen.facts.ros_marshaling import parse as parse_marshaling
 
+PROFILE_ATTRIBUTES: Final[Mapping[str, str]] = {
+    "dataport.data_type": "dataType",
+    "dataport.interface_type": "interfaceType",
+    "dataport.dataflow_type": "dataflowType",
+    "dataport.subscription_type": "subscriptionType",
+}
+"""Properties that are attributes of a connector in an RtsProfile (RtsProfile 0.2)."""
+
 
 class Dataflow(StrEnum):
     """Who moves a sample: the writer, or the reader when it reads (`dataport.dataflow_type`)."""

@@ -8,20 +8,18 @@ Elements that may be repeated are lists, dates are mappings of numbers.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
-from xml.sax.saxutils import escape, quoteattr
 
+from rtgen import xml_text
 from rtgen.diagnostics import InputError, Rule, Severity, Span
 from rtgen.frontends.kit import located_yaml
 from rtgen.frontends.kit.located_xml import Element
 from rtgen.frontends.kit.located_yaml import Node, YamlError
+from rtgen.model.profile_elements import XSI
 
 YAML_SUFFIXES = (".yaml", ".yml")
-
-XSI = "http://www.w3.org/2001/XMLSchema-instance"
-
 
 BAD_YAML = Rule("RTC0545", "not a profile in YAML", Severity.ERROR)
 RULES = (BAD_YAML,)
@@ -155,7 +153,6 @@ _DATE_PARTS = ("year", "month", "day", "hour", "minute", "second")
 _DATE_REST = ("fraction", "zone")
 _MANY_CONSTRAINTS = ("And", "Or", "ConstraintListType", "ConstraintHashType")
 _NAME = re.compile(r"[A-Za-z_][\w.-]*")
-_NOT_IN_XML = re.compile("[\0-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
 _MAX_DEPTH = 60
 
 
@@ -288,7 +285,7 @@ def _split(form: _Form, key: str, span: Span, inside: str) -> tuple[str, str]:
 
 def _text(text: str, name: str, node: Node) -> str:
     """A text that XML can represent. Raises YamlError."""
-    if _NOT_IN_XML.search(text):
+    if xml_text.NOT_IN_XML.search(text):
         raise YamlError(f"`{name}` has a character that XML cannot hold", node.span)
     return text
 
@@ -314,29 +311,4 @@ def to_xml(text: str, file: str) -> str:
     root = parse(text, file)
     [form] = [f for f in _FORMS if root.name == (f.namespaces[f.base], f.root)]
     prefixes = {uri: prefix for prefix, uri in form.namespaces.items()} | {XSI: "xsi"}
-    names = [f'xmlns:{prefix}="{uri}"' for uri, prefix in prefixes.items()]
-    body = "\n".join(_lines(prefixes, root, 0, names))
-    return f'<?xml version="1.0" encoding="UTF-8" standalone="yes"?>\n{body}\n'
-
-
-def _lines(
-    prefixes: Mapping[str, str], element: Element, depth: int, more: Iterable[str] = ()
-) -> Iterator[str]:
-    def qualified(name: tuple[str, str]) -> str:
-        return f"{prefixes[name[0]]}:{name[1]}"
-
-    margin, name = "    " * depth, qualified(element.name)
-    attributes = (
-        f"{qualified(key)}={quoteattr(value)}"
-        for key, value in element.attributes.items()
-    )
-    head = " ".join((name, *more, *attributes))
-    if element.children:
-        yield f"{margin}<{head}>"
-        for child in element.children:
-            yield from _lines(prefixes, child, depth + 1)
-        yield f"{margin}</{name}>"
-    elif element.text:
-        yield f"{margin}<{head}>{escape(element.text)}</{name}>"
-    else:
-        yield f"{margin}<{head}/>"
+    return xml_text.document(root, prefixes)

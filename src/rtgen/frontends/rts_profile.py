@@ -12,15 +12,13 @@ from pathlib import Path
 from typing import NamedTuple
 
 from rtgen.diagnostics import Diagnostic, Related, Rule, Severity, Span
+from rtgen.facts.connector_properties import PROFILE_ATTRIBUTES
 from rtgen.frontends import profile_tree
 from rtgen.frontends.kit.findings import Findings
 from rtgen.frontends.kit.located_xml import Element
 from rtgen.model import Activation, Connection, PortReference, System, SystemComponent
 from rtgen.model.components import NO_DATE
-
-RTS = "http://www.openrtp.org/namespaces/rts"
-RTS_EXT = "http://www.openrtp.org/namespaces/rts_ext"
-
+from rtgen.model.profile_elements import RTS, RTS_EXT, ProfileElement
 
 NOT_A_SYSTEM = Rule("RTC0510", "not an RtsProfile", Severity.ERROR)
 MISSING = Rule("RTC0511", "attribute missing", Severity.ERROR)
@@ -47,12 +45,6 @@ RULES = (
     TWICE,
 )
 
-_CONNECTOR_ATTRIBUTES = (
-    ("dataflowType", "dataport.dataflow_type"),
-    ("interfaceType", "dataport.interface_type"),
-    ("subscriptionType", "dataport.subscription_type"),
-    ("dataType", "dataport.data_type"),
-)
 _DROPPED = frozenset(
     f"dataport.corba_cdr.{end}_{form}"
     for end in ("inport", "outport")
@@ -122,6 +114,7 @@ class _Reader:
             },
             created=root.get(RTS, "creationDate") or NO_DATE,
             updated=root.get(RTS, "updateDate") or NO_DATE,
+            document=_document(root),
         )
 
     def _required(self, element: Element, name: str) -> str | None:
@@ -277,7 +270,7 @@ class _Reader:
         properties: dict[str, str] = {}
         places: dict[str, Span] = {}
         if not service:
-            for attribute, key in _CONNECTOR_ATTRIBUTES:
+            for key, attribute in PROFILE_ATTRIBUTES.items():
                 value = element.get(RTS, attribute)
                 if value:
                     properties[key] = value
@@ -380,6 +373,15 @@ class _Reader:
             started.append(ready)
             waiting = [step for step in waiting if step is not ready]
         return tuple(started)
+
+
+def _document(element: Element) -> ProfileElement:
+    return ProfileElement(
+        name=element.name,
+        attributes=element.attributes,
+        children=tuple(map(_document, element.children)),
+        text=element.text.strip() if element.children else element.text,
+    )
 
 
 def _part_of_id(id_: str, prefix: str, index: int) -> str:

@@ -10,6 +10,7 @@ import msgspec
 from rtgen.diagnostics import Span
 from rtgen.facts.adapter_constants import AdapterConstant
 from rtgen.model.declarations import ConstantValue, Declaration, Documented
+from rtgen.model.profile_elements import ProfileElement
 from rtgen.model.spelling import Unspelled
 from rtgen.model.types import ScopedName, Type
 
@@ -192,10 +193,11 @@ class System(Unspelled, frozen=True, eq=False, kw_only=True):
 
     `places` has the places of its properties. `created` and `updated` are dates as xsd:dateTime;
     `key` and `sha256` are as in SourceFile, `folder` is the path from the output folder to that
-    of the file.
+    of the file. `document` is the file's content, whose parts without a field here are written
+    again when the system is saved.
     """
 
-    spelling = frozenset({"places"})
+    spelling = frozenset({"places", "document"})
 
     name: str
     id: str
@@ -211,3 +213,4 @@ class System(Unspelled, frozen=True, eq=False, kw_only=True):
     key: str = ""
     sha256: str = ""
     folder: str = ""
+    document: ProfileElement | None = None

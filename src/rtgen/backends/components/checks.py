@@ -29,11 +29,11 @@ from rtgen.typemap.parameters import (
 )
 from rtgen.typemap.python_names import module_name
 from rtgen.typemap.widgets import is_widget, needs_range, needs_values
+from rtgen.xml_text import NOT_IN_XML
 
 _IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,119}")
 _VERSION = re.compile(r"[^\s:]+")
 _BREAKS_ID = re.compile(r"[:\r\n\t]")
-_NOT_IN_XML = re.compile("[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 _ACTIVITIES = ("PERIODIC", "SPORADIC", "EVENTDRIVEN")
 _COMPONENT_TYPES = ("STATIC", "UNIQUE", "COMMUTATIVE")
 _DATA_PORTS = (PortKind.INPORT, PortKind.OUTPORT)
@@ -135,7 +135,7 @@ def _basic(component: Component) -> Iterator[Diagnostic]:
 def _texts(component: Component) -> Iterator[Diagnostic]:
     def finding(span: Span, owner: str, texts: tuple[str, ...]) -> Iterator[Diagnostic]:
         for text in texts:
-            bad = _NOT_IN_XML.search(text)
+            bad = NOT_IN_XML.search(text)
             if bad is not None:
                 message = f"{owner} has the character U+{ord(bad[0]):04X}, which XML cannot hold"
                 yield rules.TEXT.at(span, message)

@@ -7,9 +7,7 @@ import re
 from markupsafe import Markup, escape
 
 from rtgen.backends.kit.quoting.code import UnquotableError
-
-NOT_IN_XML = re.compile("[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
-"""The characters that XML 1.0 cannot hold in any notation."""
+from rtgen.xml_text import NOT_IN_XML
 
 _SPACE = str.maketrans({"\t": "&#9;", "\n": "&#10;", "\r": "&#13;"})
 _HYPHENS = re.compile("-(?=-|$)")

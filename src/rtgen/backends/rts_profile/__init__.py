@@ -1,0 +1,42 @@
+"""Prints systems as RtsProfile: the XML of RT System Editor and rtshell, format version 0.2.
+
+What the file of the system had besides is written again (`rtgen.backends.rts_profile.kept`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from rtgen import xml_text
+from rtgen.backends.kit.quoting.code import UnquotableError
+from rtgen.backends.kit.quoting.xml import xml_comment
+from rtgen.backends.rts_profile.elements import InstancePorts, profile_element
+from rtgen.backends.rts_profile.kept import with_kept
+from rtgen.model import System
+from rtgen.model.profile_elements import RTS, RTS_EXT, XSI
+
+_PREFIXES = {RTS: "rts", RTS_EXT: "rtsExt", XSI: "xsi"}
+
+__all__ = ["InstancePorts", "system_text"]
+
+
+def system_text(
+    system: System,
+    ports: Mapping[str, InstancePorts] | None = None,
+    header: Sequence[str] = (),
+) -> str:
+    """The system as XML; `ports` by instance, by default the connected ones.
+
+    Connectors and components keep the order of the system. The activation order is written
+    separately; the steps of one instance after another follow it. Raises UnquotableError for
+    characters that XML cannot hold.
+    """
+    root = profile_element(system, ports)
+    if system.document is not None:
+        root = with_kept(root, system.document, all_ports=ports is not None)
+    lines = (f"  {xml_comment(line)}".rstrip() for line in header)
+    comment = "\n".join(("<!--", *lines, "-->", "")) if header else ""
+    text = xml_text.document(root, _PREFIXES, comment)
+    if xml_text.NOT_IN_XML.search(text):
+        raise UnquotableError(system.name, "XML")
+    return text
