@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from rtgen.cli.ui_bus import BusDescriber
 
 _LOOPBACK = "127.0.0.1"
-_SUFFIX = ".xml"
+_SUFFIXES = (".xml", ".yaml", ".yml")
 
 
 class CommandProject:
@@ -67,7 +67,11 @@ class CommandProject:
         return profile
 
     def write(self, file: str, text: str) -> None:
-        """Write a system; only XML below the working folder or beside a system that was named."""
+        """Write a system, below the working folder or beside a system that was named.
+
+        Only a file that describes a system is overwritten.
+        """
+        from rtgen.project import is_system
         from rtgen.ui.errors import FILE, CommandError
 
         path = Path(file)
@@ -76,12 +80,14 @@ class CommandProject:
         path = path.resolve()
         roots = [Path.cwd(), *(Path(each).resolve().parent for each in self._files)]
         inside = any(path.is_relative_to(root.resolve()) for root in roots)
-        if path.suffix != _SUFFIX or not inside:
+        if path.suffix.lower() not in _SUFFIXES or not inside:
             raise CommandError(
                 FILE,
-                f"{file} is not an XML file of the project",
-                f"a name that ends in {_SUFFIX}, beside the system",
+                f"{file} is not an XML or YAML file of the project",
+                f"a name that ends in {', '.join(_SUFFIXES)}, beside the system",
             )
+        if path.exists() and not is_system(path):
+            raise CommandError(FILE, f"{file} is there and is not a system")
         part = path.with_name(f".{path.name}.{os.getpid()}.part")
         try:
             part.write_text(text, encoding="utf-8")

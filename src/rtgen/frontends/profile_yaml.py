@@ -8,7 +8,7 @@ Elements that may be repeated are lists, dates are mappings of numbers.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -151,6 +151,9 @@ _DATE = re.compile(
 )
 _DATE_PARTS = ("year", "month", "day", "hour", "minute", "second")
 _DATE_REST = ("fraction", "zone")
+_CONDITIONS = ("WaitTime", "Preceding")
+_CONDITION = "condition"
+"""In YAML, the key of `targets` around the element that says when a step is due."""
 _MANY_CONSTRAINTS = ("And", "Or", "ConstraintListType", "ConstraintHashType")
 _NAME = re.compile(r"[A-Za-z_][\w.-]*")
 _MAX_DEPTH = 60
@@ -183,6 +186,9 @@ def _mapping(form: _Form, element: Element) -> dict[str, Any]:
     for child in element.children:
         key, local = _key(form, child.name, element.name[0]), child.name[1]
         inside = child.text if local in form.texts else _mapping(form, child)
+        if element.name[1] == "targets" and local in _CONDITIONS:
+            key, inside = _CONDITION, {key: inside}
+            local = _CONDITION
         if _is_many(form, element.name[1], local):
             made.setdefault(key, []).append(inside)
         else:
@@ -251,7 +257,7 @@ def _element(form: _Form, name: tuple[str, str], node: Node, depth: int) -> Elem
     children: list[Element] = []
     if (type_ := form.types.get(local)) is not None:
         attributes[XSI, "type"] = type_
-    for key, value in content.items():
+    for key, value in _items(content, local):
         inside, inner = _split(form, key, value.key, namespace)
         inner_content = value.content
         child = inner if inner in form.lower else inner[:1].upper() + inner[1:]
@@ -270,6 +276,16 @@ def _element(form: _Form, name: tuple[str, str], node: Node, depth: int) -> Elem
     order = {word: place for place, word in enumerate(form.order)}
     children.sort(key=lambda child: order.get(child.name[1], len(order)))
     return Element(name, attributes, node.key, children, _places=places)
+
+
+def _items(content: Mapping[str, Node], local: str) -> Iterator[tuple[str, Node]]:
+    """The keys and values of an element, without the level around conditions."""
+    for key, value in content.items():
+        inner = value.content
+        if local == "targets" and key == _CONDITION and isinstance(inner, Mapping):
+            yield from inner.items()
+        else:
+            yield key, value
 
 
 def _split(form: _Form, key: str, span: Span, inside: str) -> tuple[str, str]:

@@ -17,7 +17,7 @@ from rtgen.frontends import profile_tree
 from rtgen.frontends.kit.findings import Findings
 from rtgen.frontends.kit.located_xml import Element
 from rtgen.model import Activation, Connection, PortReference, System, SystemComponent
-from rtgen.model.components import NO_DATE
+from rtgen.model.components import NO_SYSTEM_DATE
 from rtgen.model.profile_elements import RTS, RTS_EXT, ProfileElement
 
 NOT_A_SYSTEM = Rule("RTC0510", "not an RtsProfile", Severity.ERROR)
@@ -112,8 +112,8 @@ class _Reader:
                 item.get(RTS_EXT, "name"): item.place("value")
                 for item in root.all(RTS_EXT, "Properties")
             },
-            created=root.get(RTS, "creationDate") or NO_DATE,
-            updated=root.get(RTS, "updateDate") or NO_DATE,
+            created=root.get(RTS, "creationDate") or NO_SYSTEM_DATE,
+            updated=root.get(RTS, "updateDate") or NO_SYSTEM_DATE,
             document=_document(root),
         )
 
@@ -170,9 +170,10 @@ class _Reader:
         try:
             rate = float(text)
         except ValueError:
-            rate = 0.0
-        if isfinite(rate) and rate > 0:
-            return rate
+            rate = -1.0
+        if isfinite(rate) and rate >= 0:
+            # rtsprofile writes zero for a context without a rate.
+            return rate or None
         self._findings.add(
             NUMBER,
             context.place("rate"),

@@ -15,6 +15,8 @@ from rtgen.model.spelling import Unspelled
 from rtgen.model.types import ScopedName, Type
 
 NO_DATE = "1970-01-01T00:00:00+00:00"
+NO_SYSTEM_DATE = "1970-01-01T00:00:00"
+"""Without a zone, which dates of rtsprofile's YAML do not have."""
 """Default date, since profiles require one and the clock is never read."""
 
 
@@ -208,8 +210,8 @@ class System(Unspelled, frozen=True, eq=False, kw_only=True):
     activation: tuple[Activation, ...] = ()
     properties: tuple[tuple[str, str], ...] = ()
     places: Mapping[str, Span] = msgspec.field(default_factory=dict)
-    created: str = NO_DATE
-    updated: str = NO_DATE
+    created: str = NO_SYSTEM_DATE
+    updated: str = NO_SYSTEM_DATE
     key: str = ""
     sha256: str = ""
     folder: str = ""

@@ -311,7 +311,7 @@ class Commands:
     def _save(self, file: str) -> None:
         session = self._session
         target = file or session.file
-        session.project.write(target, saving.text(session))
+        session.project.write(target, saving.text(session, target))
         session.file = target
         session.edits.saved = True
 

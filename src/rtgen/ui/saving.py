@@ -6,6 +6,9 @@ from msgspec.structs import replace
 
 from rtgen.backends.rts_profile import InstancePorts, system_text
 from rtgen.diagnostics import Span
+from rtgen.frontends import profile_yaml
+from rtgen.frontends.kit import located_xml
+from rtgen.frontends.profile_yaml import YAML_SUFFIXES
 from rtgen.model import Connection, PortReference, System, SystemComponent
 from rtgen.runtime.ports.data_ports import DataConnector
 from rtgen.runtime.system.joining import Connector, instances_of
@@ -61,8 +64,8 @@ def profile_now(session: Session) -> System:
     )
 
 
-def text(session: Session) -> str:
-    """The RtsProfile of the system as it is now."""
+def text(session: Session, file: str) -> str:
+    """The RtsProfile of the system as it is now, in YAML if the file's suffix says so."""
     ports = {}
     for instance in session.system.instances:
         component = session.system.component(instance)
@@ -71,7 +74,10 @@ def text(session: Session) -> str:
             port for port, _ in (*component.providers, *component.consumers)
         )
         ports[instance] = InstancePorts(data, tuple(services))
-    return str(system_text(profile_now(session), ports))
+    written = str(system_text(profile_now(session), ports))
+    if file.lower().endswith(YAML_SUFFIXES):
+        return profile_yaml.to_yaml(located_xml.parse(written, file))
+    return written
 
 
 def _connection(connector: Connector, before: Connection | None) -> Connection:

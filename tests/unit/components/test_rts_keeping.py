@@ -16,7 +16,7 @@ from rtgen.model import System
 ROOT = Path(__file__).resolve().parents[3]
 SYSTEMS = sorted(
     path
-    for path in ROOT.glob("specs/*/*.xml")
+    for path in ROOT.glob("specs/**/*.xml")
     if b"RtsProfile" in path.read_bytes()[:2000]
 )
 RECORDED = ROOT.parent / "shared/golden/rtc_profiles/rts"
@@ -132,7 +132,14 @@ def test_a_system_of_an_editor_is_the_same_after_any_number_of_saves() -> None:
     assert system_text(read(once)) == once
 
 
-@pytest.mark.parametrize("path", SYSTEMS, ids=lambda path: path.stem)
+def test_a_context_without_a_rate_may_say_zero() -> None:
+    [a] = read(HEAD + component("A", rate="0.0") + REST).components
+    assert a.rate is None
+
+
+@pytest.mark.parametrize(
+    "path", SYSTEMS, ids=lambda path: path.relative_to(ROOT / "specs").as_posix()
+)
 def test_systems_of_the_specs_lose_nothing(path: Path) -> None:
     before = path.read_bytes()
     after = system_text(read(before))

@@ -183,9 +183,18 @@ def test_a_system_is_saved_with_its_places(
     places = {c.instance: c.location for c in saved.components}
     assert places["Odometry0"] is not None
     assert places["Odometry0"][:2] == (321, 123)
+    in_yaml = file.with_suffix(".yaml")
+    page.done("file", str(in_yaml))
+    loaded, found, _ = read_file(in_yaml)
+    assert not found
+    assert loaded is not None
+    assert [c.location for c in loaded.components] == [*places.values()]
     again = Bench(file, GOAL)
     assert len(again.session.system.connectors) == 11
-    for refused in ("/etc/made.xml", file.parent.parent / "made.xml", f"{file}.txt"):
+    other = file.with_name("other.yaml")
+    other.write_text("a: 1\n")
+    outside = file.parent.parent / "made.xml"
+    for refused in ("/etc/made.xml", outside, f"{file}.txt", other):
         result = page.ask("file", str(refused))
         assert result.code == "UIS0010", refused
     again.page().done("system", str(GOAL))

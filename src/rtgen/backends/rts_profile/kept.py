@@ -28,6 +28,7 @@ _ORDER = (
     *("WaitTime", "Preceding", "TargetComponent", "VersionUpLogs", "Properties"),
 )
 """The elements of a profile in the order of its schema."""
+_DIRECTION: Name = (RTS_EXT, "direction")
 _PLACES = {name: place for place, name in enumerate(_ORDER)}
 
 _OF_THE_MODEL = frozenset(
@@ -42,7 +43,7 @@ _FOR_THE_SCHEMA: Mapping[str, frozenset[Name]] = {
     "DataPorts": frozenset({(RTS_EXT, "visible")}),
     "ServicePorts": frozenset({(RTS_EXT, "visible")}),
     "ExecutionContexts": frozenset({(RTS, "kind")}),
-    "Location": frozenset({(RTS_EXT, "direction")}),
+    "Location": frozenset({_DIRECTION}),
     "DataPortConnectors": frozenset({(RTS_EXT, "visible")}),
     "ServicePortConnectors": frozenset({(RTS_EXT, "visible")}),
     "Preceding": frozenset({(RTS, "timeout"), (RTS, "sendingTiming")}),
@@ -115,6 +116,9 @@ class _Merge:
         }
         for name, text in old.attributes.items():
             attributes.setdefault(name, text)
+        if _DIRECTION in attributes:
+            # rtsprofile writes it in lower case, which the schema does not allow.
+            attributes[_DIRECTION] = attributes[_DIRECTION].upper()
         return replace(
             made,
             attributes=attributes,
