@@ -5,7 +5,7 @@ The info string of a fenced block says what it is:
 - `console`: commands after `$ `, each with what it prints, messages first. A line `...` stands for
   any lines, `...` within a line for any text. Without output, the exit code must be 0.
 - `python`, `toml`, `json`, `xml`: parsed; the imports of Python are carried out.
-- `idl`, `cdl`, `jsonl`, `text`: shown only.
+- `idl`, `cdl`, `ini`, `text` and the like: shown only.
 
 Comments steer what happens, and are not rendered:
 
@@ -50,7 +50,9 @@ PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 RUN_ELSEWHERE = frozenset({"gallery"})
 """The systems of the gallery are run by the tests of the reference build."""
 
-SHOWN_ONLY = frozenset({"idl", "cdl", "jsonl", "text", "typescript", "yaml"})
+SHOWN_ONLY = frozenset(
+    {"cdl", "dockerfile", "idl", "ini", "jsonl", "text", "typescript", "yaml"}
+)
 _COMMENT = re.compile(r"<!-- page: (.*?) -->", re.DOTALL)
 _VARYING = re.compile(r"^(wall \[s\]|ratio)( +)[\d.]+$", re.MULTILINE)
 _REPOSITORY = ("specs", "generated", "src/refnav", "rtgen.toml", "Makefile")
