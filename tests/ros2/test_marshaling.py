@@ -9,7 +9,7 @@ import pytest
 
 from refrobots import rtc
 from rtgen.cli import run as rtgen
-from rtgen.cli.ros2 import _message_class
+from rtgen.cli.ros2 import message_classes
 from rtgen.facts.ros_marshaling import CONVERSIONS, messages_for, parse
 from rtgen.facts.ros_qos import PROFILES
 from rtgen.runtime.cdr import CdrError
@@ -29,7 +29,7 @@ def stamp(sample: Any) -> None:
 
 
 def made(type_: type[Any], ros: str) -> Marshaling:
-    return marshaling(type_, _message_class(ros), stamp)
+    return marshaling(type_, message_classes(ros)[ros], stamp)
 
 
 NUMBERS = {

@@ -20,7 +20,7 @@ import pytest
 from test_networks import DOMAIN, await_, participant, reliable, zenoh_pair
 
 from rtgen.cli import run as rtgen
-from rtgen.cli.ros2 import _message_class
+from rtgen.cli.ros2 import message_classes
 from rtgen.facts.ros_names import dds_type
 from rtgen.frontends.rosidl import load
 from rtgen.layouts.ros_types import service_hash
@@ -28,6 +28,7 @@ from rtgen.resources import ros_file
 from rtgen.runtime import RTC_OK, Component, SimulatedClock, System
 from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.ros2 import types
+from rtgen.runtime.ros2.managed import EVENT_INFO
 from rtgen.runtime.ros2.network import RosNode
 from rtgen.runtime.ros2.services import (
     RosService,
@@ -90,7 +91,7 @@ def stack() -> Iterator[ExitStack]:
 
 
 def service(lamp: ModuleType) -> RosService:
-    info = _message_class("service_msgs/msg/ServiceEventInfo")
+    info = message_classes(EVENT_INFO)[EVENT_INFO]
     return RosService(f"/lab/{NAME}", *messages_of(lamp.Lamp, "set"), info)
 
 
@@ -322,7 +323,7 @@ def test_messages_that_are_filled_up(lamp: ModuleType, text: str) -> None:
 
 
 def test_services_of_an_action(lamp: ModuleType) -> None:
-    info = _message_class("service_msgs/msg/ServiceEventInfo")
+    info = message_classes(EVENT_INFO)[EVENT_INFO]
     for operation, kind in (("send", "SendGoal"), ("result", "GetResult")):
         found = RosService("/go/_action/x", *messages_of(lamp.Mover, operation), info)
         assert found.type_name == f"lab/action/Go_{kind}"

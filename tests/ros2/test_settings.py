@@ -99,7 +99,7 @@ def system(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> str:
 
 
 REFUSED = {
-    "": (["--clock", "real"], "no port is a topic"),
+    "\n[ros2]\nmanaged_nodes = false": (["--clock", "real"], "no port is a topic"),
     '"P0.own" = "x"': (
         ["--clock", "real"],
         "carries lab::Own, which is not a message of ROS 2",

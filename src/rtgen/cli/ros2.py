@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -70,6 +70,7 @@ def join(
     if simulated:
         raise Refusal("--ros2 needs --clock real: nodes share no simulated time")
     settings = project.ros2
+    from rtgen.runtime.ros2.managed import INTERFACES, ManagedNodes
     from rtgen.runtime.ros2.network import Ros2Error, RosNode
     from rtgen.runtime.ros2.ports import RosPorts
     from rtgen.runtime.ros2.services import RosServices
@@ -79,12 +80,18 @@ def join(
         settings.namespace,
         _domain() if settings.domain is None else settings.domain,
     )
-    joints = _joints(settings, running, node)
-    services = _service_joints(settings, running, node)
+    nodes = _nodes(running) if settings.managed_nodes else {}
+    joints = _joints(settings, running, node, nodes)
+    services = _service_joints(settings, running, node, nodes)
     try:
         network = _network(kind, node, settings, project)
         files.callback(RosPorts(network, joints).close)
         files.callback(RosServices(network, services).close)
+        if nodes:
+            classes = message_classes(*INTERFACES)
+            space = settings.namespace
+            managed = ManagedNodes(network, running, nodes, classes, space)
+            files.callback(managed.close)
     except Ros2Error as error:
         raise ToolError(str(error)) from error
 
@@ -96,6 +103,20 @@ def _node_name(system: str) -> str:
     return f"rtgen_{name}" if name[0].isdigit() else name
 
 
+def _nodes(running: runtime.System) -> dict[str, str]:
+    """The nodes of components, by instance. Raises InputError for two of one name."""
+    nodes: dict[str, str] = {}
+    for instance in running.instances:
+        name = _node_name(instance)
+        if name in nodes.values():
+            other = next(each for each in nodes if nodes[each] == name)
+            message = f"{other} and {instance} would both be the node {name!r}"
+            hint = "rename one, or [ros2] managed_nodes = false in rtgen.toml"
+            raise InputError([ROS_TOPIC.at(None, message, hint=hint)])
+        nodes[instance] = name
+    return nodes
+
+
 def _domain() -> int:
     text = os.environ.get(_DOMAIN, "") or "0"
     if not (text.isascii() and text.isdecimal() and int(text) <= _LAST_DOMAIN):
@@ -104,13 +125,16 @@ def _domain() -> int:
 
 
 def _joints(
-    settings: Ros2Settings, running: runtime.System, node: RosNode
+    settings: Ros2Settings,
+    running: runtime.System,
+    node: RosNode,
+    nodes: Mapping[str, str],
 ) -> list[Joint]:
     """The ports with their topics. Raises InputError with all that cannot be topics."""
     from rtgen.runtime.ros2.ports import Joint
 
     entries = [*settings.topics, *_connected(running)]
-    if not entries and not settings.services:
+    if not (entries or settings.services or nodes):
         hint = (
             '[ros2.topics] "INSTANCE.PORT" = "TOPIC" in rtgen.toml, or [ros2.services]'
         )
@@ -124,7 +148,9 @@ def _joints(
             continue
         port = _ports(running, entry.instance)[entry.port]
         topic = node.qualified(entry.topic)
-        joints.append(Joint(port, topic, entry.profile, _marshaled(entry, running)))
+        marshaled = _marshaled(entry, running)
+        shown = nodes.get(entry.instance, "")
+        joints.append(Joint(port, topic, entry.profile, marshaled, shown))
     if found:
         raise InputError(found)
     return joints
@@ -187,12 +213,19 @@ def _problems(entry: TopicEntry, running: runtime.System) -> Iterator[str]:
 
 
 def _service_joints(
-    settings: Ros2Settings, running: runtime.System, node: RosNode
+    settings: Ros2Settings,
+    running: runtime.System,
+    node: RosNode,
+    nodes: Mapping[str, str],
 ) -> list[ServiceJoint]:
     """The operations with their services. Raises InputError with all that cannot be services."""
+    from rtgen.runtime.ros2.managed import EVENT_INFO
     from rtgen.runtime.ros2.services import RosService, ServiceJoint, messages_of
     from rtgen.runtime.services.servants import ServiceError
 
+    if not settings.services:
+        return []
+    info = message_classes(EVENT_INFO)[EVENT_INFO]
     found: list[Diagnostic] = []
     joints = []
     for entry in settings.services:
@@ -203,8 +236,9 @@ def _service_joints(
             problem = str(error.args[0])
             found.append(ROS_TOPIC.at(entry.span, problem))
             continue
-        info = _message_class("service_msgs/msg/ServiceEventInfo")
-        service = RosService(node.qualified(entry.service), *messages, info)
+        shown = nodes.get(entry.instance, "")
+        name = node.qualified(entry.service)
+        service = RosService(name, *messages, info, shown)
         joints.append(ServiceJoint(port, entry.operation, service))
     if found:
         raise InputError(found)
@@ -240,16 +274,17 @@ def _marshaled(entry: TopicEntry, running: runtime.System) -> Marshaling | None:
         return None
     component = running.component(entry.instance)
     port = _ports(running, entry.instance)[entry.port]
-    return marshaling(port.type, _message_class(entry.message), component.stamp)
+    message = message_classes(entry.message)[entry.message]
+    return marshaling(port.type, message, component.stamp)
 
 
-def _message_class(name: str) -> Any:
-    """A class for a message that ships with rtgen."""
+def message_classes(*interfaces: str) -> dict[str, Any]:
+    """Classes of interfaces that ship with rtgen, and of what they contain, by name."""
     from rtgen.frontends.rosidl import load
-    from rtgen.recording.schema_types import message_class
+    from rtgen.recording.schema_types import message_classes
 
-    file = ros_file(f"{name}.msg")
-    return message_class(load([file], root=file.parents[2]).model, name)
+    files = [ros_file(f"{name}.{name.split('/')[1]}") for name in interfaces]
+    return message_classes(load(files, root=files[0].parents[2]).model)
 
 
 def _ports(running: runtime.System, instance: str) -> dict[str, Any]:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from typing import Final
+from decimal import Decimal
+from typing import Any, Final
 
 TRUE: Final = ("true", "1", "yes", "on")
 FALSE: Final = ("false", "0", "no", "off")
@@ -39,3 +40,21 @@ def number(text: str) -> float:
 def items(text: str) -> list[str]:
     """The items of a sequence: between commas, trimmed; none in a blank text."""
     return [item.strip() for item in text.split(",")] if text.strip() else []
+
+
+def text_of(value: Any) -> str:
+    """The text of a value: a truth value, number, text, octets, or a list of these.
+
+    Raises ValueError for others, and for lists whose items a text cannot hold.
+    """
+    match value:
+        case bool():
+            return "true" if value else "false"
+        case int() | float() | Decimal() | str():
+            return str(value)
+        case list() | bytes():
+            texts = [text_of(item) for item in value]
+            if items(",".join(texts)) != texts:
+                raise ValueError("no item of a list may be empty or contain a comma")
+            return ",".join(texts)
+    raise ValueError(f"it cannot be {str(value)[:60]!r}")

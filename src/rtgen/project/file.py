@@ -266,6 +266,7 @@ SCHEMA: dict[str, dict[str, Check] | Check] = {
         "interface": _text,
         "zenoh": _text,
         "interfaces": _flag,
+        "managed_nodes": _flag,
         "topics": _ros_topics,
         "services": _ros_services,
     },

@@ -43,7 +43,8 @@ class Ros2Settings(msgspec.Struct, frozen=True, kw_only=True):
     """`[ros2]`. None: the name of the system, ROS_DOMAIN_ID, loopback, rmw_zenoh's configuration.
 
     `zenoh` is the path of a configuration of Zenoh, relative to the project; `interfaces`: write
-    interface files of ROS 2.
+    interface files of ROS 2; `managed_nodes`: each component is a node with the services of life
+    cycle and parameters.
     """
 
     node: str | None = None
@@ -52,6 +53,7 @@ class Ros2Settings(msgspec.Struct, frozen=True, kw_only=True):
     interface: str | None = None
     zenoh: str | None = None
     interfaces: bool = False
+    managed_nodes: bool = True
     topics: tuple[TopicEntry, ...] = ()
     services: tuple[ServiceEntry, ...] = ()
 

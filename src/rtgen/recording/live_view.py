@@ -18,12 +18,13 @@ from functools import partial
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any, Final
 
+from rtgen.facts.parameter_texts import text_of
 from rtgen.recording.errors import RecordingError
 from rtgen.recording.live_channels import LiveChannels
 from rtgen.recording.live_services import LiveService, RefusedError, services_of
 from rtgen.recording.recorder import Recorder
 from rtgen.runtime.errors import RtcError
-from rtgen.runtime.rtc.configuration import ConfigurationSets
+from rtgen.runtime.rtc.configuration import ACTIVE_SET, ConfigurationSets
 from rtgen.runtime.system.system import System
 from rtgen.runtime.timing.clocks import SECOND
 from rtgen.runtime.timing.traffic import Event, ParameterChange
@@ -35,8 +36,6 @@ if TYPE_CHECKING:
 LOOPBACK: Final = "127.0.0.1"
 PORT: Final = 8765
 """The port that Foxglove offers for its WebSocket protocol."""
-ACTIVE_SET: Final = "configuration.active_config"
-"""The parameter of a component that names its active set, as OpenRTM calls it."""
 
 _PERIOD: Final = SECOND // 50
 """How often requests are carried out, in the system's time [ns]."""
@@ -159,9 +158,9 @@ class LiveView:
         for parameter in parameters:
             instance, _, name = parameter.name.partition(".")
             try:
-                text = _text_of(parameter.get_value())
+                text = text_of(parameter.get_value())
                 found.append(self._set(instance, name, text))
-            except (RtcError, RefusedError) as error:
+            except (RtcError, RefusedError, ValueError) as error:
                 self._warn(f"{parameter.name}: {error}")
                 found += self.parameters([parameter.name])
         return found
@@ -291,15 +290,3 @@ def _native(value: Any) -> Any:
         case list() | tuple():
             return [_native(item) for item in value]
     return value
-
-
-def _text_of(value: Any) -> str:
-    """The text of a configuration set for a value of JSON. Raises RefusedError."""
-    match value:
-        case bool():
-            return "true" if value else "false"
-        case int() | float() | str():
-            return str(value)
-        case list():
-            return ",".join(map(_text_of, value))
-    raise RefusedError(f"a value of a parameter cannot be {str(value)[:60]!r}")

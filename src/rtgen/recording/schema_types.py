@@ -89,12 +89,16 @@ def type_of(schema: Schema) -> type[DataType]:
     return class_
 
 
-def message_class(model: Model, name: str) -> type[DataType]:
-    """A class of a message (`std_msgs/msg/Float32`) that ships with rtgen. Raises SchemaError."""
-    descriptor = Types(model, own_names=True).named(tuple(name.split("/")), name)
-    assert isinstance(descriptor, StructDescriptor)
-    class_: type[DataType] = descriptor.class_
-    return class_
+def message_classes(model: Model) -> dict[str, type[DataType]]:
+    """Classes of messages that ship with rtgen, by name (`std_msgs/msg/Float32`)."""
+    types = Types(model, own_names=True)
+    found = {}
+    for declaration in model.declarations:
+        if isinstance(declaration, Struct):
+            descriptor = types.named(declaration.name)
+            assert isinstance(descriptor, StructDescriptor)
+            found["/".join(declaration.name)] = descriptor.class_
+    return found
 
 
 def _idl_model(schema: Schema) -> Model:

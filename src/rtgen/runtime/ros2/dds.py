@@ -59,12 +59,20 @@ class _Topic(NamedTuple):
     type_name: str
     type: type[Any]
     type_hash: str
+    node: str
     is_call: bool = False
+
+
+class _Ends(NamedTuple):
+    """The readers and writers of a node."""
+
+    readers: list[Gid]
+    writers: list[Gid]
 
 
 def _data(topic: RosTopic) -> _Topic:
     name = ros_names.dds_topic(topic.name)
-    return _Topic(name, topic.type_name, topic.type, topic.type_hash)
+    return _Topic(name, topic.type_name, topic.type, topic.type_hash, topic.node)
 
 
 @contextmanager
@@ -84,8 +92,7 @@ class DdsNetwork:
     def __init__(self, node: RosNode, *, interface: str | None = None) -> None:
         self._node = node
         self._lock = threading.Lock()
-        self._readers: list[Gid] = []
-        self._writers: list[Gid] = []
+        self._nodes = {node.name: _Ends([], [])}
         self._entities: list[Any] = []
         self._entries: list[Any] = []
         self._clients: list[Client] = []
@@ -171,7 +178,7 @@ class DdsNetwork:
         names = ros_names.dds_service_topics(service.name)
         types = service.request, service.response
         requests, replies = (
-            _Topic(name, str(ros_name(type_)), type_, type_hash, True)
+            _Topic(name, str(ros_name(type_)), type_, type_hash, service.node, True)
             for name, type_, type_hash in zip(names, types, service.hashes, strict=True)
         )
         return requests, replies
@@ -205,7 +212,7 @@ class DdsNetwork:
             condition = entities.condition(reader)
         with self._lock:
             self._entities += (condition, reader)
-            self._readers.append(_gid(reader))
+            self._ends(topic).readers.append(_gid(reader))
             self._announce()
 
         def take() -> None:
@@ -231,7 +238,7 @@ class DdsNetwork:
         """A writer, announced. Raises MediumError."""
         writer = self._writer(topic, profile, identity)
         with self._lock:
-            self._writers.append(_gid(writer))
+            self._ends(topic).writers.append(_gid(writer))
             self._announce()
         return writer
 
@@ -247,15 +254,21 @@ class DdsNetwork:
         return writer
 
     def _announce(self) -> None:
-        """Tell other nodes which readers and writers this one has."""
-        node = NodeEntitiesInfo(
-            node_namespace=self._node.namespace,
-            node_name=self._node.name,
-            reader_gid_seq=list(self._readers),
-            writer_gid_seq=list(self._writers),
-        )
-        own = ParticipantEntitiesInfo(_gid(self._participant), [node])
+        """Tell other nodes which readers and writers those of this process have."""
+        nodes = [
+            NodeEntitiesInfo(
+                node_namespace=self._node.namespace,
+                node_name=name,
+                reader_gid_seq=list(ends.readers),
+                writer_gid_seq=list(ends.writers),
+            )
+            for name, ends in self._nodes.items()
+        ]
+        own = ParticipantEntitiesInfo(_gid(self._participant), nodes)
         entities.write(self._graph, _HEAD + own.to_cdr(True))
+
+    def _ends(self, topic: _Topic) -> _Ends:
+        return self._nodes.setdefault(topic.node or self._node.name, _Ends([], []))
 
 
 def _gid(entity: Any) -> Gid:

@@ -19,10 +19,14 @@ class Ros2Error(Exception):
 
 @dataclass(frozen=True)
 class RosTopic:
-    """A topic: its fully qualified name, and the generated class of its messages."""
+    """A topic: its fully qualified name, and the generated class of its messages.
+
+    `node` is the node that shows it, in the network's namespace; by default the network's own.
+    """
 
     name: str
     type: type[Any]
+    node: str = ""
 
     @cached_property
     def type_name(self) -> str:
@@ -41,7 +45,7 @@ class RosTopic:
 
 @dataclass(frozen=True, slots=True)
 class RosNode:
-    """The node that a process is, with its domain."""
+    """A node of a process, with its domain."""
 
     name: str
     namespace: str = "/"
@@ -62,7 +66,7 @@ Publish: TypeAlias = Callable[[bytes], None]
 
 
 class RosNetwork(Protocol):
-    """One node on one network. Methods raise Ros2Error."""
+    """Nodes of one process on one network. Methods raise Ros2Error."""
 
     def publisher(self, topic: RosTopic, profile: Profile) -> Publish:
         """A publisher of a topic."""
@@ -79,4 +83,4 @@ class RosNetwork(Protocol):
         """A client of a service."""
 
     def close(self) -> None:
-        """End everything of the node."""
+        """End everything of the nodes."""

@@ -23,13 +23,14 @@ _HEAD = b"\x00\x01\x00\x00"
 class Joint:
     """A port of the system with the topic that it is, by its fully qualified name.
 
-    `marshaling` is for data that go as another message.
+    `marshaling` is for data that go as another message, `node` as in `RosTopic`.
     """
 
     port: InPort[Any] | OutPort[Any]
     topic: str
     profile: Profile
     marshaling: Marshaling | None = None
+    node: str = ""
 
 
 class TopicWriter:
@@ -116,7 +117,7 @@ class RosPorts:
             for joint in joints:
                 marshaling = joint.marshaling
                 type_ = joint.port.type if marshaling is None else marshaling.message
-                topic = RosTopic(joint.topic, type_)
+                topic = RosTopic(joint.topic, type_, joint.node)
                 self._made.append(_made(network, joint, topic))
         except Ros2Error:
             self.close()

@@ -15,6 +15,7 @@ from typing import Any, TypeAlias
 from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.distribution.medium import MediumError
 from rtgen.runtime.distribution.workers import Workers
+from rtgen.runtime.errors import RtcError
 from rtgen.runtime.failures import ends_run, log
 from rtgen.runtime.marshalling.descriptors import StructDescriptor, plain
 from rtgen.runtime.ros2.types import (
@@ -42,12 +43,14 @@ class RosService:
     """A service: its fully qualified name, and the generated classes of its two messages.
 
     `event_info` is the class of service_msgs/msg/ServiceEventInfo, of which its hash is made.
+    `node` is the node that shows it, in the network's namespace; by default the network's own.
     """
 
     name: str
     request: type[Any]
     response: type[Any]
     event_info: type[Any]
+    node: str = ""
 
     @cached_property
     def type_name(self) -> str:
@@ -101,34 +104,43 @@ def _only(body: type[Any] | None) -> type[Any] | None:
     return None
 
 
-class _Server:
-    """Answers requests by a provider. ROS 2 has no errors: a call that fails has no response."""
+class Server:
+    """Answers the requests of a service by a function, in threads of its own.
 
-    def __init__(self, joint: ServiceJoint, workers: Workers) -> None:
-        assert isinstance(joint.port, Provider)
-        self._provider = joint.port
-        self._operation = joint.operation
-        self._type = joint.service.request
-        self._name = joint.service.name
+    ROS 2 has no errors: a call that fails has no response.
+    """
+
+    def __init__(
+        self, service: RosService, answer: Callable[[Any], Any], workers: Workers
+    ) -> None:
+        self._service = service
+        self._function = answer
         self._workers = workers
 
     def take(self, octets: bytes, reply: Reply) -> None:
         """Answer soon."""
         if not self._workers.submit(partial(self._answer, octets, reply)):
-            log.warning("%s: too many calls wait", self._name)
+            log.warning("%s: too many calls wait", self._service.name)
 
     def _answer(self, octets: bytes, reply: Reply) -> None:
+        name = self._service.name
         try:
-            request = decoded(self._type, octets)
-            response: Any = self._provider.carry_out(self._operation, (request,))
+            response = self._function(decoded(self._service.request, octets))
             reply(_HEAD + response.to_cdr(True))
-        except (CdrError, MediumError, ServiceError) as error:
-            log.warning("%s: a request has no response: %s", self._name, error)
+        except (CdrError, MediumError, RtcError, ServiceError) as error:
+            log.warning("%s: a request has no response: %s", name, error)
         except BaseException as error:
-            if not ends_run(error):
-                raise
-            # This is not a thread of the run; that ends in the main thread.
-            interrupt_main()
+            if ends_run(error):
+                # This is not a thread of the run; that ends in the main thread.
+                interrupt_main()
+                return
+            log.exception("%s: a request cannot be answered", name)
+
+
+def _carried_out(joint: ServiceJoint) -> Callable[[Any], Any]:
+    provider = joint.port
+    assert isinstance(provider, Provider)
+    return lambda request: provider.carry_out(joint.operation, (request,))
 
 
 class _Carrier:
@@ -170,7 +182,7 @@ class RosServices:
         self._consumers: dict[int, tuple[Consumer[Any], _Carrier]] = {}
         for joint in joints:
             if isinstance(joint.port, Provider):
-                server = _Server(joint, self._workers)
+                server = Server(joint.service, _carried_out(joint), self._workers)
                 network.serve(joint.service, server.take)
                 continue
             carrier = self._carrier(joint.port, timeout)

@@ -92,6 +92,22 @@ def blank(descriptor: Any) -> Any:
     return 0
 
 
+def made(descriptor: Any, value: Any) -> Any:
+    """A value of a type of ROS 2: structs of mappings, whose other members are zeros."""
+    match plain(descriptor):
+        case StructDescriptor() as struct:
+            members = {
+                m.attribute: (
+                    made(m.type, value[m.name]) if m.name in value else blank(m.type)
+                )
+                for m in struct.members
+            }
+            return struct.class_(**members)
+        case SequenceDescriptor(element=element) if not _is_octet(element):
+            return [made(element, each) for each in value]
+    return value
+
+
 def _is_octet(element: Any) -> bool:
     match plain(element):
         case PrimitiveDescriptor(name="octet" | "uint8"):

@@ -66,9 +66,11 @@ class ZenohNetwork:
             raise Ros2Error(f"Zenoh cannot be opened: {error}") from error
         identity = str(self._session.zid())
         self._node = Node(node.domain, identity, 0, node.name, node.namespace)
-        self._numbers = count(1)
+        self._nodes: dict[str, Node] = {}
+        self._numbers = count()
         self._closed = False
-        self._kept: list[Any] = [self._token(ros_zenoh.node_token(self._node))]
+        self._kept: list[Any] = []
+        self._shown_node("")
 
     def publisher(self, topic: RosTopic, profile: Profile) -> Publish:
         """See `RosNetwork`."""
@@ -211,7 +213,8 @@ class ZenohNetwork:
     def _present_service(self, kind: str, service: RosService) -> bytes:
         profile = PROFILES["services_default"]
         return self._shown(
-            Entity(kind, service.name, service.type_name, service.type_hash, profile)
+            service.node,
+            Entity(kind, service.name, service.type_name, service.type_hash, profile),
         )
 
     def close(self) -> None:
@@ -231,11 +234,22 @@ class ZenohNetwork:
     def _present(self, kind: str, topic: RosTopic, profile: Profile) -> bytes:
         """Declare the token of an entity; its identifier for attachments."""
         return self._shown(
-            Entity(kind, topic.name, topic.type_name, topic.type_hash, profile)
+            topic.node,
+            Entity(kind, topic.name, topic.type_name, topic.type_hash, profile),
         )
 
-    def _shown(self, entity: Entity) -> bytes:
-        token = ros_zenoh.entity_token(self._node, next(self._numbers), entity)
+    def _shown_node(self, name: str) -> Node:
+        """A node of this process, whose token is declared; the network's own without a name."""
+        name = name or self._node.name
+        if name not in self._nodes:
+            node = self._node._replace(name=name, number=next(self._numbers))
+            self._kept.append(self._token(ros_zenoh.node_token(node)))
+            self._nodes[name] = node
+        return self._nodes[name]
+
+    def _shown(self, node: str, entity: Entity) -> bytes:
+        shown = self._shown_node(node)
+        token = ros_zenoh.entity_token(shown, next(self._numbers), entity)
         self._kept.append(self._token(token))
         return sha256(token.encode()).digest()[:GID_SIZE]
 

@@ -13,6 +13,8 @@ from rtgen.runtime.rtc.profiles import ParameterProfile
 from rtgen.runtime.timing.traffic import ParameterChange, Traffic
 
 DEFAULT_SET = "default"
+ACTIVE_SET = "configuration.active_config"
+"""The name under which tools have the id of the active set beside parameters, as OpenRTM's."""
 
 
 class ConfigurationSets:
@@ -79,10 +81,15 @@ class ConfigurationSets:
 
         Raises UnknownParameterError or ParameterValueError, leaving the old value.
         """
-        self.check(parameter, text)
+        self.set_all({parameter: text}, set_id)
+
+    def set_all(self, values: Mapping[str, str], set_id: str = DEFAULT_SET) -> None:
+        """Set parameters of one set, all between the same two cycles, or none. Raises as `set`."""
+        for parameter, text in values.items():
+            self.check(parameter, text)
         with self._lock:
-            values = self._texts.get(set_id, {}) | {parameter: text}
-            self._texts = self._texts | {set_id: values}
+            texts = self._texts.get(set_id, {}) | dict(values)
+            self._texts = self._texts | {set_id: texts}
         self._schedule(self.apply)
 
     def check(self, parameter: str, text: str) -> None:

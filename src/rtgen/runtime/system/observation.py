@@ -11,7 +11,6 @@ from rtgen.runtime.rtc.component import Component
 from rtgen.runtime.rtc.participant import Participant
 from rtgen.runtime.system.records import (
     Listener,
-    Record,
     SampleRecord,
     SampleWriter,
     StateRecord,
@@ -31,6 +30,7 @@ class Observation:
         self._elapsed = elapsed
         self._end_run = end_run
         self._listeners: tuple[Listener, ...] = ()
+        self._state_watchers: tuple[Callable[[StateRecord], None], ...] = ()
         self._watched: dict[tuple[str, str], tuple[Callable[[Any], None], ...]] = {}
 
     def add(self, listener: Listener, components: Iterable[Component]) -> None:
@@ -48,6 +48,10 @@ class Observation:
         self._watched[address] = (*self._watched.get(address, ()), action)
         self._observe(port)
 
+    def watch_states(self, action: Callable[[StateRecord], None]) -> None:
+        """Calls an action with each change of state."""
+        self._state_watchers = (*self._state_watchers, action)
+
     def observe(self, component: Component) -> None:
         """Report samples of a component's OutPorts to listeners and watchers."""
         for port in component.out_ports.values():
@@ -57,7 +61,8 @@ class Observation:
         self, participant: Participant, before: LifeCycleState, after: LifeCycleState
     ) -> None:
         """Notifies the listeners of a change of state."""
-        if self._listeners:
+        watchers = (*self._listeners, *self._state_watchers)
+        if watchers:
             component = participant.component
             record = StateRecord(
                 "state",
@@ -68,7 +73,7 @@ class Observation:
                 participant.handle,
                 component.reason if after is ERROR_STATE else "",
             )
-            self._notify(record)
+            self._notify(record, watchers)
 
     def _set_listeners(
         self, listeners: tuple[Listener, ...], components: Iterable[Component]
@@ -118,8 +123,10 @@ class Observation:
 
         return write
 
-    def _notify(self, record: Record) -> None:
-        for listener in self._listeners:
+    def _notify(
+        self, record: StateRecord, watchers: Iterable[Callable[[StateRecord], None]]
+    ) -> None:
+        for listener in watchers:
             try:
                 listener(record)
             except BaseException as error:

@@ -45,6 +45,7 @@ from rtgen.runtime.system.port_names import unknown_port
 from rtgen.runtime.system.real_time import RealTimeScheduler
 from rtgen.runtime.system.records import (
     Listener,
+    StateRecord,
     Statistics,
 )
 from rtgen.runtime.system.scheduling import Scheduler
@@ -432,6 +433,13 @@ class System:
     def remove_listener(self, listener: Listener) -> None:
         """Removes a listener; one that is not there is no error."""
         self._observation.remove(listener, self._components())
+
+    def watch_states(self, action: Callable[[StateRecord], None]) -> None:
+        """Calls an action with each change of state; samples cost nothing more.
+
+        In real time it is called from the threads of the components.
+        """
+        self._observation.watch_states(action)
 
     def watch_port(
         self, instance: str, port: str, action: Callable[[Any], None]

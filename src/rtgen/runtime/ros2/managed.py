@@ -1,0 +1,171 @@
+"""Components as managed nodes with parameters: services and topics that tools of ROS 2 expect.
+
+Each component is a node of its instance name, with `~/get_state` and its like,
+`~/transition_event`, `~/list_parameters` and its like, and `/parameter_events`.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Mapping
+from typing import Any, Final
+
+from rtgen.facts.ros_qos import PROFILES
+from rtgen.runtime.distribution.workers import Workers
+from rtgen.runtime.failures import log
+from rtgen.runtime.ros2 import life_cycle, parameters
+from rtgen.runtime.ros2.life_cycle import LifeCycle, Members
+from rtgen.runtime.ros2.network import Publish, Ros2Error, RosNetwork, RosTopic
+from rtgen.runtime.ros2.parameters import Parameters
+from rtgen.runtime.ros2.services import RosService, Server
+from rtgen.runtime.ros2.types import made
+from rtgen.runtime.rtc.configuration import ACTIVE_SET
+from rtgen.runtime.system.records import StateRecord
+from rtgen.runtime.system.system import System
+from rtgen.runtime.timing.clocks import SECOND
+from rtgen.runtime.timing.traffic import Event, ParameterChange
+
+EVENT_INFO: Final = "service_msgs/msg/ServiceEventInfo"
+_TRANSITION_EVENT: Final = "lifecycle_msgs/msg/TransitionEvent"
+_PARAMETER_EVENT: Final = "rcl_interfaces/msg/ParameterEvent"
+_SERVICES: Final = {
+    **{
+        name: f"lifecycle_msgs/srv/{type_}"
+        for name, type_ in life_cycle.SERVICES.items()
+    },
+    **{
+        name: f"rcl_interfaces/srv/{type_}"
+        for name, type_ in parameters.SERVICES.items()
+    },
+}
+INTERFACES: Final = tuple(
+    dict.fromkeys(
+        (EVENT_INFO, _TRANSITION_EVENT, _PARAMETER_EVENT, *_SERVICES.values())
+    )
+)
+"""The interfaces whose classes `ManagedNodes` needs."""
+_HEAD: Final = b"\x00\x01\x00\x00"
+_PATIENCE: Final = 10.0
+"""Seconds that a request of a transition waits for it."""
+
+
+class ManagedNodes:
+    """Shows components of a system as managed nodes, until `close`; the network stays open."""
+
+    def __init__(
+        self,
+        network: RosNetwork,
+        system: System,
+        nodes: Mapping[str, str],
+        classes: Mapping[str, type[Any]],
+        namespace: str = "/",
+        patience: float = _PATIENCE,
+    ) -> None:
+        """`nodes` are their names by instance, `classes` those of the messages of `INTERFACES`.
+
+        Raises Ros2Error.
+        """
+        self._workers = Workers()
+        self._nodes = {
+            instance: _ManagedNode(
+                f"{namespace.rstrip('/')}/{name}",
+                LifeCycle(system, instance, patience),
+                Parameters(system.component(instance).configuration_sets),
+            )
+            for instance, name in nodes.items()
+        }
+        for node in self._nodes.values():
+            node.join(network, classes, self._workers)
+        self._closed = False
+        system.watch_states(self._on_state)
+        system.clock.traffic.watch(self._on_event)
+
+    def close(self) -> None:
+        """Answer no more."""
+        self._closed = True
+        for node in self._nodes.values():
+            node.life_cycle.close()
+        self._workers.close()
+
+    def _on_state(self, record: StateRecord) -> None:
+        node = self._nodes.get(record.instance)
+        if node is not None and not self._closed:
+            node.on_state(record)
+
+    def _on_event(self, event: Event) -> None:
+        if isinstance(event, ParameterChange) and not self._closed:
+            node = self._nodes.get(event.instance)
+            if node is not None:
+                node.on_parameter(event.parameter, event.value)
+
+
+class _ManagedNode:
+    """A component with the two sides that it shows."""
+
+    def __init__(self, name: str, cycle: LifeCycle, values: Parameters) -> None:
+        self.life_cycle = cycle
+        self._name = name
+        self._parameters = values
+        self._active_set = values.value(ACTIVE_SET)
+        self._lock = threading.Lock()
+        self._topics: dict[str, tuple[Publish, type[Any]]] = {}
+
+    def join(
+        self, network: RosNetwork, classes: Mapping[str, type[Any]], workers: Workers
+    ) -> None:
+        """Serve and announce. Raises Ros2Error."""
+        node = self._name.rpartition("/")[2]
+        for name, type_ in _SERVICES.items():
+            request, response = (
+                classes[f"{type_}_{end}"] for end in ("Request", "Response")
+            )
+            service = RosService(
+                f"{self._name}/{name}", request, response, classes[EVENT_INFO], node
+            )
+            side = self.life_cycle if name in life_cycle.SERVICES else self._parameters
+            answer = _answering(getattr(side, name), response)
+            network.serve(service, Server(service, answer, workers).take)
+        for topic, type_, profile in (
+            (f"{self._name}/transition_event", _TRANSITION_EVENT, "default"),
+            ("/parameter_events", _PARAMETER_EVENT, "parameter_events"),
+        ):
+            shown = RosTopic(topic, classes[type_], node)
+            publish = network.publisher(shown, PROFILES[profile])
+            self._topics[type_] = publish, classes[type_]
+
+    def on_state(self, record: StateRecord) -> None:
+        """Publish a change of state."""
+        event = self.life_cycle.changed(record)
+        if event is not None:
+            self._publish(_TRANSITION_EVENT, event)
+
+    def on_parameter(self, name: str, text: str) -> None:
+        """Publish a parameter that has taken effect, and the active set with its first one."""
+        changed = [{"name": name, "value": self._parameters.value(name, text)}]
+        active = self._parameters.value(ACTIVE_SET)
+        if active != self._active_set:
+            self._active_set = active
+            changed.append({"name": ACTIVE_SET, "value": active})
+        seconds, rest = divmod(time.time_ns(), SECOND)
+        event = {
+            "stamp": {"sec": seconds, "nanosec": rest},
+            "node": self._name,
+            "changed_parameters": changed,
+        }
+        self._publish(_PARAMETER_EVENT, event)
+
+    def _publish(self, type_: str, members: Members) -> None:
+        publish, class_ = self._topics[type_]
+        try:
+            octets = made(class_._descriptor_, members).to_cdr(True)
+            with self._lock:
+                publish(_HEAD + octets)
+        except Ros2Error as error:
+            log.warning("%s: %s", self._name, error)
+
+
+def _answering(
+    answer: Callable[[Any], Members], response: type[Any]
+) -> Callable[[Any], Any]:
+    return lambda request: made(response._descriptor_, answer(request))
