@@ -47,8 +47,7 @@ gallery: $(VENV)/test.stamp
 # the same on each interpreter, and fast, is left to the further one: `pytest` alone runs all.
 test: SELECTED = -m "not once or slow or peer or random"
 test: $(VENV)/bin/python
-	$(MAKE) --no-print-directory -j 2 $(VENV)/test.stamp interpreter
-	$(MAKE) --no-print-directory -j 2 pytest lint types imports drift interpreted SELECTED='$(SELECTED)'
+	$(MAKE) --no-print-directory -j 3 pytest interpreters lint types imports drift SELECTED='$(SELECTED)'
 
 CHECKED = src tests benchmarks requirements editors hatch_build.py mkdocs_hooks.py ui/build.py
 
@@ -70,9 +69,12 @@ imports: $(VENV)/test.stamp
 drift: $(VENV)/test.stamp
 	$(BIN)/rtgen check
 
-# Each worker begins with a half of the files, so what tests of a file share is made once.
+# Each worker begins with a third of the files, so what tests of a file share is made once. For a third of
+# their time tests wait for other processes and for clocks, so there are more workers than processors.
+# Assertions that show their values take time to be compiled: only what fails has them.
 pytest: $(VENV)/test.stamp
-	$(BIN)/pytest -n 2 --dist worksteal $(SELECTED)
+	$(BIN)/pytest -n 3 --dist worksteal --assert=plain $(SELECTED) || \
+	    { $(BIN)/pytest -q --last-failed --last-failed-no-failures none; exit 1; }
 
 # The tests of OpenRTM on an installed OpenRTM-aist-Python: SITE is the folder that has its package
 # OpenRTM_aist and its .pth file. One process: OpenRTM has one manager and one ORB in each.

@@ -27,8 +27,20 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 gc.disable()
 
 TESTS = Path(__file__).parent
-ONCE = ("openrtm", "reference")
-"""Folders of tests that are the same on each interpreter: OpenRTM's modules, simulated robots."""
+ONCE = (
+    "golden",
+    "openrtm",
+    "reference",
+    "unit/diff",
+    "unit/formatting",
+    "unit/language_server",
+    "unit/lint",
+    "unit/quoting",
+)
+"""Folders of tests that are the same on each interpreter.
+
+OpenRTM's modules, simulated robots, and what makes findings or other text of text, in the compiler.
+"""
 
 DRAWN = {seeds.seed, seeds.budget, seeds.cases}
 """A file that uses one of them has tests with many drawn inputs."""
@@ -61,18 +73,25 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     `make fuzz` selects what is random by its marker.
 
     OpenRTM's manager is the process's until its end, with an ORB and loggers that keep their
-    settings, so its tests come last.
+    settings, so its tests come last; of them those first that would hold up the end of a run.
     """
-    items.sort(key=lambda item: "openrtm" in item.path.relative_to(TESTS).parts[:1])
+    items.sort(key=_turn)
     for item in items:
         assert isinstance(item, pytest.Function)
         is_random = any(getattr(item.module, f.__name__, None) is f for f in DRAWN)
         if is_random:
             item.add_marker("random")
-        if item.path.relative_to(TESTS).parts[0] in ONCE:
+        folder = item.path.parent.relative_to(TESTS)
+        if any(folder.is_relative_to(name) for name in ONCE):
             item.add_marker("once")
         if is_random or item.get_closest_marker("slow"):
             item.add_marker("no_cover")
+
+
+def _turn(item: pytest.Item) -> tuple[bool, bool]:
+    """What is run later is greater."""
+    last = "openrtm" in item.path.relative_to(TESTS).parts[:1]
+    return last, last and item.get_closest_marker("longest") is None
 
 
 def pytest_collection_finish() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import itertools
 import os
 import re
@@ -96,12 +97,16 @@ def test_each_test_is_run_on_one_interpreter_at_least() -> None:
         left_out += not runs
         assert runs or eval(interpreters.SELECTED, {}, marked)
     assert left_out == 1
-    folders = {Path(name).name for name in interpreters.TRIED_ONCE}
-    assert folders.isdisjoint(conftest_folders())
+    once = conftest_folders()
+    assert Path("reference") in once
+    for tried in (Path(name).relative_to("tests") for name in interpreters.TRIED_ONCE):
+        for folder in once:
+            assert not folder.is_relative_to(tried)
+            assert not tried.is_relative_to(folder)
 
 
-def conftest_folders() -> set[str]:
+def conftest_folders() -> set[Path]:
     """The folders whose tests are marked as `once`."""
     text = (ROOT / "tests" / "conftest.py").read_text(encoding="utf-8")
-    [names] = re.findall(r"^ONCE = \((.+)\)$", text, re.MULTILINE)
-    return set(re.findall(r'"(\w+)"', names))
+    [names] = re.findall(r"^ONCE = (\(.+?^\))$", text, re.MULTILINE | re.DOTALL)
+    return {Path(name) for name in ast.literal_eval(names)}
