@@ -8,7 +8,7 @@ import re
 import shlex
 import shutil
 import subprocess
-from collections.abc import Iterator
+from collections.abc import Callable
 from pathlib import Path
 from string import Template
 from typing import Any
@@ -42,13 +42,13 @@ def run_options(words: list[str]) -> dict[str, Any]:
     return command.make_context("run", words[1:]).params
 
 
-def parts() -> Iterator[tuple[str, list[dict[str, Any]]]]:
-    """The ways of the page, with the options of their processes."""
+def by_systemd() -> list[dict[str, Any]]:
+    """The options of the processes that the unit starts."""
     unit = configparser.ConfigParser(interpolation=None, strict=False)
     unit.optionxform = str  # type: ignore[assignment,method-assign]
     unit.read_string(UNIT)
     line = unit["Service"]["ExecStart"]
-    yield "systemd", [
+    return [
         run_options(
             shlex.split(
                 Template(line).substitute(
@@ -58,26 +58,31 @@ def parts() -> Iterator[tuple[str, list[dict[str, Any]]]]:
         )
         for text in ENVIRONMENTS
     ]
+
+
+def in_containers() -> list[dict[str, Any]]:
+    """The options of the processes in the containers."""
     found = re.search(r"^ENTRYPOINT (.*)$", IMAGE, re.MULTILINE)
     assert found is not None
     entry = json.loads(found[1])
     services = yaml.safe_load(COMPOSITION)["services"]
-    yield "containers", [
+    return [
         run_options([*entry[1:], *service["command"]])
         for service in services.values()
         if "build" in service
     ]
 
 
-@pytest.mark.parametrize(("way", "processes"), list(parts()))
+@pytest.mark.parametrize("way", [by_systemd, in_containers])
 def test_the_processes_run_each_component_once(
-    way: str, processes: list[dict[str, Any]]
+    way: Callable[[], list[dict[str, Any]]],
 ) -> None:
+    processes = way()
     [file] = {str(each["system"]) for each in processes}
     system = rts_profile.load(ROOT / file).system
     assert system is not None
     run = [name for each in processes for name in str(each["only"]).split(",")]
-    assert sorted(run) == sorted(c.instance for c in system.components), way
+    assert sorted(run) == sorted(c.instance for c in system.components)
 
 
 def test_the_unit_is_one_of_systemd(tmp_path: Path) -> None:

@@ -8,7 +8,6 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from rtgen.backends.tecs.expressions import expression_text
 from rtgen.cli.rpc.codecs import Function, Service
 from rtgen.cli.rpc.common import printed
 from rtgen.cli.rpc.values import Json, JsonError
@@ -20,7 +19,6 @@ from rtgen.runtime.opaque_rpc import (
     Handlers,
     More,
     ProtocolError,
-    codecs,
 )
 from rtgen.runtime.opaque_rpc.digest import DIGEST, digest_handler
 from rtgen.typemap.tecs_python import zero
@@ -178,10 +176,7 @@ def _echo(
 def _zeros(
     service: Service, function: Function, node: Counted, known: dict[str, object]
 ) -> object:
-    items = {item.name: item for item in function.layout.items}
-    text = expression_text(node.count, lambda name: (f"known[{name!r}]", items[name]))
-    names = {**vars(codecs), "known": known, "self": service.codec}
-    count: int = eval(text, names)
+    count = function.evaluated(node.count, known)
     if node.is_octets:
         return bytes(count)
     types = dict(vars(service.types))

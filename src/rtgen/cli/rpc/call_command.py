@@ -23,7 +23,6 @@ from rtgen.cli.rpc.values import JsonError
 from rtgen.diagnostics import ToolError
 from rtgen.runtime.opaque_rpc import (
     ArgumentError,
-    Channel,
     RpcError,
     SerialChannel,
     TcpChannel,
@@ -62,7 +61,7 @@ def call_(
     channel = channel_of(*address, serial=serial, baud=baud, peer=peer)
     try:
         arguments = function.arguments_from_json(parsed(text))
-        returned, outs = _exchange(function, channel, arguments)
+        returned, outs = function.call(channel, arguments)
     except (ArgumentError, JsonError) as error:
         raise refused(str(error)) from error
     except RpcError as error:
@@ -96,20 +95,3 @@ def host_and_port(text: str) -> tuple[str, int]:
     if not host or not port.isdecimal() or not 0 < int(port) < 65536:
         raise refused(f"{text!r} is not HOST:PORT")
     return host.removeprefix("[").removesuffix("]"), int(port)
-
-
-def _exchange(
-    function: Function, channel: Channel, arguments: tuple[object, ...]
-) -> tuple[object, tuple[object, ...] | None]:
-    """Call the function; return its value and outs. Raises RpcError and ArgumentError."""
-    head = channel.begin(function.encode_request(arguments), function.first)
-    if function.oneway:
-        channel.end()
-        return 0, ()
-    try:
-        result = function.read_reply(head, channel.more, function.kept(arguments))
-    except BaseException:
-        channel.reset()
-        raise
-    channel.end()
-    return result

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import count, product
 from types import ModuleType
 from typing import cast
 
 from rtgen.backends.tecs.codec import codec_text
+from rtgen.backends.tecs.expressions import expression_text
 from rtgen.backends.tecs.types_module import types_text
 from rtgen.cli.rpc.values import (
     Json,
@@ -26,10 +27,12 @@ from rtgen.layouts.tdr import (
     SignatureLayout,
 )
 from rtgen.layouts.tdr_messages import layout_of
+from rtgen.model.c_types import Expression
 from rtgen.model.tecs import Signature, TecsUnit
 from rtgen.runtime.opaque_rpc import (
     E_BOVR,
     REQUEST_LIMIT,
+    Channel,
     ChannelError,
     Codec,
     More,
@@ -37,6 +40,7 @@ from rtgen.runtime.opaque_rpc import (
     ReplyOrder,
     Tdr,
 )
+from rtgen.runtime.opaque_rpc import codecs as runtime_codecs
 from rtgen.runtime.opaque_rpc.codecs import Messages
 from rtgen.runtime.opaque_rpc.tdr import SOP_REQUEST
 from rtgen.typemap.tecs_python import codec_class, codec_module, zero
@@ -152,12 +156,40 @@ class Function:
         reader.finish()
         return found
 
+    def call(
+        self, channel: Channel, arguments: tuple[object, ...]
+    ) -> tuple[object, tuple[object, ...] | None]:
+        """Call the function; return its value and outs. Raises RpcError and ArgumentError."""
+        head = channel.begin(self.encode_request(arguments), self.first)
+        if self.oneway:
+            channel.end()
+            return 0, ()
+        try:
+            result = self.read_reply(head, channel.more, self.kept(arguments))
+        except BaseException:
+            channel.reset()
+            raise
+        channel.end()
+        return result
+
     def kept(self, arguments: Sequence[object]) -> tuple[object, ...]:
         """The arguments that the layout of the reply depends on."""
         values = dict(
             zip((i.name for i in self.layout.arguments), arguments, strict=True)
         )
         return tuple(values[item.name] for item in self.layout.kept)
+
+    def evaluated(self, expression: Expression, known: Mapping[str, object]) -> int:
+        """The value of a size, with those of the parameters that it refers to.
+
+        Raises ArgumentError, and KeyError for parameters that are not known.
+        """
+        items = {item.name: item for item in self.layout.items}
+        text = expression_text(
+            expression, lambda name: (f"known[{name!r}]", items[name])
+        )
+        names = {**vars(runtime_codecs), "known": known, "self": self._codec}
+        return int(eval(text, names))
 
     def zeros(self) -> tuple[object, tuple[object, ...]]:
         """A return value and outs of zeros."""

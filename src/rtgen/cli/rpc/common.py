@@ -7,7 +7,7 @@ import json
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import ParamSpec, TypeVar
+from typing import NamedTuple, ParamSpec, TypeVar
 
 import click
 
@@ -23,6 +23,13 @@ from rtgen.runtime.opaque_rpc.connection import checked_timeout
 
 P = ParamSpec("P")
 R = TypeVar("R")
+
+
+class Wire(NamedTuple):
+    """How the other end represents values and orders replies."""
+
+    tdr: Tdr
+    reply: ReplyOrder
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,8 +48,8 @@ def _timeout(context: click.Context, option: click.Parameter, value: float) -> f
         raise click.BadParameter(str(error)) from error
 
 
-def with_peer(function: Callable[P, R]) -> Callable[..., R]:
-    """Add --tdr, --reply-order, --long-bits and --timeout; the function gets `peer`."""
+def with_representation(function: Callable[P, R]) -> Callable[..., R]:
+    """Add --tdr, --reply-order and --long-bits; the function gets `wire`."""
 
     @click.option(
         "--tdr",
@@ -64,6 +71,25 @@ def with_peer(function: Callable[P, R]) -> Callable[..., R]:
         type=click.Choice(["32", "64"]),
         help="Width of long: 32 in network order, else 64.",
     )
+    @functools.wraps(function)
+    def wrapped(
+        order: Order,
+        reply_order: ReplyOrder,
+        long_bits: str | None,
+        *args: P.args,
+        **kwargs: P.kwargs,
+    ) -> R:
+        bits = int(long_bits) if long_bits else None
+        wire = Wire(make_tdr(order, long_bits=bits), reply_order)
+        return function(*args, wire=wire, **kwargs)  # type: ignore[arg-type]
+
+    return wrapped
+
+
+def with_peer(function: Callable[P, R]) -> Callable[..., R]:
+    """Add --tdr, --reply-order, --long-bits and --timeout; the function gets `peer`."""
+
+    @with_representation
     @click.option(
         "--timeout",
         callback=_timeout,
@@ -74,17 +100,8 @@ def with_peer(function: Callable[P, R]) -> Callable[..., R]:
         help="Seconds to wait for the peer.",
     )
     @functools.wraps(function)
-    def wrapped(
-        order: Order,
-        reply_order: ReplyOrder,
-        long_bits: str | None,
-        timeout: float,
-        *args: P.args,
-        **kwargs: P.kwargs,
-    ) -> R:
-        bits = int(long_bits) if long_bits else None
-        peer = Peer(make_tdr(order, long_bits=bits), reply_order, timeout)
-        return function(*args, peer=peer, **kwargs)  # type: ignore[arg-type]
+    def wrapped(wire: Wire, timeout: float, *args: P.args, **kwargs: P.kwargs) -> R:
+        return function(*args, peer=Peer(*wire, timeout), **kwargs)  # type: ignore[arg-type]
 
     return wrapped
 

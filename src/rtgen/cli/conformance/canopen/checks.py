@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-from typing import Final, TypeAlias
+from collections.abc import Iterator
+from typing import Final
 
 from rtgen.cli.can.node_index import DescribedObject
 from rtgen.cli.conformance.canopen.node import NodeUnderTest, SilenceError
-from rtgen.cli.conformance.report import Outcome, Verdict
+from rtgen.cli.conformance.check import Check, Problems, SkipError
 from rtgen.model.canopen import Access, NodeRelative, resolved
 from rtgen.runtime.canopen.description import ObjectNumber
 from rtgen.runtime.canopen.values import ObjectValueError, decode, encode, size
@@ -22,9 +21,6 @@ from rtgen.runtime.canopen.wire.frames import (
 )
 from rtgen.runtime.canopen.wire.nmt import NmtCommand, NmtState
 from rtgen.runtime.canopen.wire.sdo import ABORT_TEXTS, SdoAbort, Target
-
-Problems: TypeAlias = Iterator[str | None]
-"""A problem for each thing that was checked, None where it is as it should be."""
 
 HEARTBEAT: Final = (0x1017, 0)
 _HISTORY: Final = (0x1003, 0)
@@ -41,49 +37,6 @@ _WRITE_ONLY: Final = (sdo.WRITE_ONLY, sdo.ACCESS_UNSUPPORTED)
 _LENGTH: Final = (sdo.LENGTH_MISMATCH, sdo.LENGTH_TOO_HIGH, sdo.LENGTH_TOO_LOW)
 _TOO_HIGH: Final = (sdo.VALUE_TOO_HIGH, sdo.VALUE_INVALID)
 _TOO_LOW: Final = (sdo.VALUE_TOO_LOW, sdo.VALUE_INVALID)
-
-
-class SkipError(Exception):
-    """The check does not apply, or must not be made; the text says why."""
-
-
-@dataclass(frozen=True, slots=True)
-class Check:
-    """A check: its name in reports, what it asserts, by which clause, and what makes it so.
-
-    One that `actuates` may move what the node drives; it runs only if that is permitted.
-    """
-
-    name: str
-    title: str
-    clause: str
-    run: Callable[[NodeUnderTest], Problems]
-    actuates: bool = False
-
-    def outcome(self, node: NodeUnderTest, *, actuate: bool) -> Outcome:
-        """Run the check on a node."""
-        about = (self.name, self.title, self.clause)
-        if self.actuates and not actuate:
-            return Outcome(
-                *about, Verdict.SKIPPED, 0, ("it may move something: --actuate",)
-            )
-        tried, problems = 0, []
-        try:
-            for problem in self.run(node):
-                tried += 1
-                problems += [] if problem is None else [problem]
-        except SkipError as reason:
-            return Outcome(*about, Verdict.SKIPPED, 0, (str(reason),))
-        except SilenceError:
-            problems.append(f"no answer within {node.bounds.answer // MILLISECOND} ms")
-        except SdoAbort as abort:
-            problems.append(f"the node refuses: {abort}")
-        if not tried and not problems:
-            return Outcome(
-                *about, Verdict.SKIPPED, 0, ("the description has nothing of it",)
-            )
-        verdict = Verdict.FAILED if problems else Verdict.PASSED
-        return Outcome(*about, verdict, tried, tuple(problems))
 
 
 def _objects(node: NodeUnderTest) -> Iterator[DescribedObject]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 from rtgen.cli.can.node_index import DescribedNode
 from rtgen.runtime.canopen.description import ObjectNumber
@@ -55,11 +55,19 @@ class Bounds:
 class NodeUnderTest:
     """A node with its description. Methods raise SilenceError if it does not answer in time."""
 
+    faults: ClassVar[tuple[type[Exception], ...]] = (SilenceError, SdoAbort)
+
     described: DescribedNode
     line: Line
     bounds: Bounds = Bounds()
     values: dict[ObjectNumber, bytes] = field(default_factory=dict)
     """What was read, by the first check."""
+
+    def explained(self, fault: Exception) -> str:
+        """See `Subject`."""
+        if isinstance(fault, SilenceError):
+            return f"no answer within {self.bounds.answer // MILLISECOND} ms"
+        return f"the node refuses: {fault}"
 
     @property
     def id(self) -> int:

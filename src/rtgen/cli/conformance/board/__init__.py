@@ -1,0 +1,1 @@
+"""Checks of a TECS board against the CDL of its signature (OpaqueRPC)."""

@@ -1,0 +1,159 @@
+"""The board under test: calls of its functions, and octets that are no call."""
+
+from __future__ import annotations
+
+import socket
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from time import monotonic, sleep
+from typing import ClassVar
+
+from rtgen.cli.conformance.check import SkipError
+from rtgen.cli.rpc.codecs import Function, Service
+from rtgen.cli.rpc.values import Json
+from rtgen.runtime.opaque_rpc import (
+    REPLY_LIMIT,
+    ArgumentError,
+    ChannelError,
+    ProtocolError,
+    RpcError,
+    SerialChannel,
+    TcpChannel,
+)
+from rtgen.runtime.opaque_rpc.errors import E_TMOUT
+from rtgen.runtime.sockets import TIME_OVER
+
+_PIECE = 4096
+_PAUSE = 0.02
+"""Seconds between the segments of a request, so that they arrive one by one."""
+
+
+class ConnectError(Exception):
+    """The board has not accepted a connection."""
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """What came back for some octets; `closed`: the board has closed the connection."""
+
+    data: bytes
+    closed: bool
+
+    def __str__(self) -> str:
+        what = f"the answer {self.data[:16].hex(' ')}" if self.data else "no answer"
+        return f"{what}, and the connection {'closed' if self.closed else 'open'}"
+
+
+@dataclass(slots=True)
+class BoardUnderTest:
+    """A board that serves a signature.
+
+    `address` is that of a TCP port, None where `serial` is a device; `answer` is the time in
+    seconds that the board has. Methods raise RpcError if the board does not answer as it must.
+    """
+
+    faults: ClassVar[tuple[type[Exception], ...]] = (RpcError, ConnectError)
+
+    service: Service
+    functions: Mapping[str, Function]
+    address: tuple[str, int] | None
+    serial: str | None
+    baud: int
+    answer: float
+
+    def explained(self, fault: Exception) -> str:
+        """See `Subject`."""
+        return str(fault)
+
+    def channel(self) -> TcpChannel | SerialChannel:
+        """A channel of its own, which the caller closes."""
+        if self.address is None:
+            assert self.serial is not None
+            return SerialChannel(self.serial, self.baud, self.answer)
+        return TcpChannel(*self.address, timeout=self.answer)
+
+    def problem(self, function: Function, arguments: Json, what: str) -> str | None:
+        """The problem of a call, None if it was answered as the signature has it."""
+        try:
+            values = function.arguments_from_json(arguments)
+        except (ArgumentError, ValueError) as error:
+            return f"{function.name}, {what}: {error}"
+        channel = self.channel()
+        try:
+            function.call(channel, values)
+            if function.oneway:
+                self.serves(channel)
+        except RpcError as error:
+            return f"{function.name}, {what}: {error}"
+        finally:
+            channel.close()
+        return None
+
+    def serves(self, channel: TcpChannel | SerialChannel) -> None:
+        """Look whether the board still reads requests after a oneway call, by a function of it."""
+        for function in self.functions.values():
+            if not function.oneway and not function.layout.arguments:
+                function.call(channel, ())
+                return
+
+    def raw(self, segments: Sequence[bytes], wanted: int = 0) -> Answer:
+        """What the board answers to octets, up to `wanted` ones, or until it closes.
+
+        Raises SkipError for a serial line, which has no connection that could be closed.
+        """
+        if self.address is None:
+            raise SkipError("a serial line has no connection that could be closed")
+        found = b""
+        with self._connected(self.address) as line:
+            try:
+                for number, segment in enumerate(segments):
+                    if number:
+                        sleep(_PAUSE)
+                    line.sendall(segment)
+                end = monotonic() + self.answer
+                while not wanted or len(found) < wanted:
+                    line.settimeout(max(end - monotonic(), 0.001))
+                    part = line.recv(_PIECE)
+                    if not part:
+                        return Answer(found, closed=True)
+                    found += part
+                    if len(found) > REPLY_LIMIT:
+                        raise ProtocolError(E_TMOUT, "the answer does not end")
+            except TIME_OVER:
+                pass
+            except OSError:
+                return Answer(found, closed=True)
+        return Answer(found, closed=False)
+
+    def leave(self, octets: bytes) -> None:
+        """Send octets and close the connection. Raises ConnectError, and SkipError as `raw`."""
+        if self.address is None:
+            raise SkipError("a serial line has no connection that could be closed")
+        with self._connected(self.address) as line, suppress(OSError):
+            line.sendall(octets)
+
+    def _connected(self, address: tuple[str, int]) -> socket.socket:
+        """A connection. Raises ConnectError."""
+        try:
+            line = socket.create_connection(address, self.answer)
+        except OSError as error:
+            raise ConnectError(f"no connection: {error.strerror or error}") from error
+        line.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        return line
+
+    def is_there(self) -> bool:
+        """Whether the board can be reached."""
+        if self.address is None:
+            try:
+                assert self.serial is not None
+                channel = SerialChannel(self.serial, self.baud, self.answer)
+                channel.close()
+            except ChannelError:
+                return False
+            return True
+        try:
+            self._connected(self.address).close()
+        except ConnectError:
+            return False
+        return True

@@ -1,0 +1,337 @@
+"""The checks of a TECS board: a function each, in the order in which they run."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterator
+from typing import Final
+
+from rtgen.cli.conformance.board.arguments import (
+    Values,
+    arguments,
+    ends,
+    exceeds,
+    lengths,
+    longest,
+    scalars,
+)
+from rtgen.cli.conformance.board.board import BoardUnderTest
+from rtgen.cli.conformance.check import Check, Problems, SkipError
+from rtgen.cli.rpc.codecs import Function
+from rtgen.cli.rpc.values import Json
+from rtgen.layouts.tdr import Role, Run, String
+from rtgen.runtime.opaque_rpc import ArgumentError, ChannelError, peer_digest
+from rtgen.runtime.opaque_rpc.digest import DIGEST
+from rtgen.runtime.opaque_rpc.tdr import SOP_REPLY, SOP_REQUEST, Tdr
+
+_HIGHEST: Final = 0x7FFF
+_CALLS: Final = 100
+_CONNECTIONS: Final = 5
+_WIRE: Final = "OpaqueRPC as tecsgen 1.7.0 has it"
+
+
+def _request(function: Function, given: Json) -> bytes:
+    return function.encode_request(function.arguments_from_json(given))
+
+
+def _simplest(board: BoardUnderTest) -> Function:
+    """The function with the fewest arguments that has a reply. Raises SkipError."""
+    two_way = [f for f in board.functions.values() if not f.oneway]
+    if not two_way:
+        raise SkipError("all functions are oneway")
+    return min(two_way, key=lambda f: len(f.layout.arguments))
+
+
+def _refused(board: BoardUnderTest, octets: bytes, what: str) -> str | None:
+    """The problem of a request that should have been refused: no answer, connection closed."""
+    answer = board.raw([octets])
+    return None if answer.closed and not answer.data else f"{what}: {answer}"
+
+
+def _unknown(board: BoardUnderTest) -> bytes:
+    """A request of a function that the signature has not."""
+    codec = board.service.codec
+    return codec.request_head(_HIGHEST - 1) + codec.awaiting_reply
+
+
+def connections(board: BoardUnderTest) -> Problems:
+    """Connections are served, one after another."""
+    for number in range(1, _CONNECTIONS + 1):
+        yield _refused(board, _unknown(board), f"connection {number}")
+
+
+def digest(board: BoardUnderTest) -> Problems:
+    """The board was made from this signature."""
+    channel, codec = board.channel(), board.service.codec
+    try:
+        found = peer_digest(channel, codec)
+    except ChannelError:
+        raise SkipError("the board does not tell the digest of its signature") from None
+    finally:
+        channel.close()
+    same = found == codec.digest
+    yield None if same else f"the digest is {found}, that of the CDL {codec.digest}"
+
+
+def wrong_starts(board: BoardUnderTest) -> Problems:
+    """A request that does not begin as one is refused."""
+    tdr = board.service.codec.tdr
+    start, identifier = tdr.int16(SOP_REQUEST), tdr.int16(_HIGHEST - 1)
+    for wrong in (
+        b"\0\0",
+        bytes((start[0] ^ 1, start[1])),
+        bytes((start[0], start[1] ^ 1)),
+        tdr.int16(SOP_REPLY),
+    ):
+        yield _refused(board, wrong + identifier, f"start {wrong.hex(' ')}")
+
+
+def unknown_functions(board: BoardUnderTest) -> Problems:
+    """A function that the signature has not is refused."""
+    codec = board.service.codec
+    known = [f.layout.function.id for f in board.service.functions.values()]
+    for number in (0, max(known, default=0) + 1, _HIGHEST - 1, 0xFFFF):
+        if number in known or number == DIGEST:
+            continue
+        request = codec.request_head(number) + codec.awaiting_reply
+        yield _refused(board, request, f"function {number}")
+
+
+def cut_requests(board: BoardUnderTest) -> Problems:
+    """A client that leaves within a request does not keep others from being served."""
+    for function in board.functions.values():
+        request = _request(function, arguments(function, Values()))
+        # Without its last octet nothing is called.
+        for size in sorted({1, 2, 3, 4, len(request) // 2, len(request) - 1}):
+            board.leave(request[:size])
+            yield _refused(
+                board, _unknown(board), f"after {size} octets of {function.name}"
+            )
+
+
+def answers(board: BoardUnderTest) -> Problems:
+    """Each function answers with a reply of its form, and with no octet more."""
+    for function in board.functions.values():
+        given = arguments(function, Values())
+        problem = board.problem(function, given, "zeros")
+        if problem is None and board.address is not None and not function.oneway:
+            problem = _surplus(board, function, given)
+        yield problem
+
+
+def _surplus(board: BoardUnderTest, function: Function, given: Json) -> str | None:
+    values = function.arguments_from_json(given)
+    reply = board.raw([function.encode_request(values)])
+    try:
+        function.decode_reply(reply.data, function.kept(values))
+    except ChannelError as error:
+        return f"{function.name}: {error}"
+    return None if not reply.closed else f"{function.name}: the connection is closed"
+
+
+def limits(board: BoardUnderTest) -> Problems:
+    """Each number is taken at both ends of its type."""
+    for function in board.functions.values():
+        for name, scalar in scalars(function):
+            for end in ends(scalar, board.service.codec.tdr):
+                given = arguments(function, Values(), {name: end})
+                yield board.problem(function, given, f"{name} = {end}")
+
+
+def _with_arrays(board: BoardUnderTest) -> Iterator[tuple[Function, int]]:
+    for function in board.functions.values():
+        most = longest(function)
+        if most is not None:
+            yield function, most
+
+
+def arrays(board: BoardUnderTest) -> Problems:
+    """Arrays are taken with no element, with one, and with as many as may be."""
+    for function, most in _with_arrays(board):
+        for length in sorted({0, min(1, most), most}):
+            try:
+                given = arguments(function, Values(length=length))
+            except ArgumentError:
+                continue
+            yield board.problem(function, given, f"arrays of length {length}")
+
+
+def long_arrays(board: BoardUnderTest) -> Problems:
+    """An array beyond the bound of the signature is refused."""
+    for function, most in _with_arrays(board):
+        if exceeds(function, most + 1):
+            request = _too_long(function, board.service.codec.tdr, most)
+            if request is not None:
+                what = f"{function.name}, arrays of length {most + 1}"
+                yield _refused(board, request, what)
+
+
+def _too_long(function: Function, tdr: Tdr, most: int) -> bytes | None:
+    """A request whose arrays are one element longer than its octets; None if it has none.
+
+    Lengths stand before all else (spec of the wire, "referenced" parameters), and are written over.
+    """
+    request = bytearray(_request(function, arguments(function, Values(length=most))))
+    run = function.layout.request[0]
+    missing, offset = set(lengths(function)), 0
+    for field in run.fields if isinstance(run, Run) else ():
+        form = tdr.struct("".join(text * times for text, times in field.kinds))
+        name = field.item.name if field.item is not None else ""
+        if name in missing and field.role is Role.VALUE:
+            missing.remove(name)
+            try:
+                form.pack_into(request, offset, most + 1)
+            except struct.error:
+                return None
+        offset += form.size
+    return None if missing else bytes(request)
+
+
+def texts(board: BoardUnderTest) -> Problems:
+    """Texts are taken empty, and as long as their buffers are."""
+    for function in board.functions.values():
+        if not any(
+            i.inward and isinstance(i.node, String) for i in function.layout.items
+        ):
+            continue
+        length = longest(function) or 0
+        for full in (False, True):
+            given = arguments(function, Values(full=full, length=length))
+            yield board.problem(
+                function, given, "texts full" if full else "texts empty"
+            )
+
+
+def nulls(board: BoardUnderTest) -> Problems:
+    """Nullable parameters are taken as NULL."""
+    for function in board.functions.values():
+        if any(item.nullable for item in function.layout.arguments):
+            given = arguments(function, Values(null=True))
+            yield board.problem(function, given, "NULL")
+
+
+def wrong_ends(board: BoardUnderTest) -> Problems:
+    """A request that does not end as its function has it is refused."""
+    codec = board.service.codec
+    for function in board.functions.values():
+        request = _request(function, arguments(function, Values()))
+        other = codec.awaiting_reply if function.oneway else codec.nothing_follows
+        for end in (b"\0\0", other):
+            what = f"{function.name}, end {end.hex(' ')}"
+            yield _refused(board, request[: -len(end)] + end, what)
+
+
+def segments(board: BoardUnderTest) -> Problems:
+    """A request in pieces is taken, and so are two requests in one piece."""
+    function = _simplest(board)
+    request = _request(function, arguments(function, Values()))
+    whole = board.raw([request])
+    size = len(whole.data)
+    for pieces in ([request[:1], request[1:2], request[2:4], request[4:]],):
+        answer = board.raw(pieces, wanted=size)
+        same = len(answer.data) == size
+        yield None if same else f"{function.name} in {len(pieces)} pieces: {answer}"
+    answer = board.raw([request + request], wanted=2 * size)
+    both = size > 0 and len(answer.data) == 2 * size
+    yield None if both else f"{function.name}, two requests in one piece: {answer}"
+
+
+def oneway(board: BoardUnderTest) -> Problems:
+    """A oneway call has no answer, and the next call has its own."""
+    for function in board.functions.values():
+        if function.oneway:
+            given = arguments(function, Values())
+            if board.address is None:
+                yield board.problem(function, given, "oneway")
+            else:
+                answer = board.raw([_request(function, given)])
+                silent = not answer.data and not answer.closed
+                yield None if silent else f"{function.name}: {answer}"
+
+
+def repeated(board: BoardUnderTest) -> Problems:
+    """Calls over one connection are answered one after another, each in time."""
+    function = _simplest(board)
+    values = function.arguments_from_json(arguments(function, Values()))
+    channel = board.channel()
+    try:
+        for _ in range(_CALLS):
+            function.call(channel, values)
+            yield None
+    finally:
+        channel.close()
+
+
+CHECKS: Final = (
+    Check(
+        "connections", "connections are served, one after another", _WIRE, connections
+    ),
+    Check(
+        "digest", "the board was made from this signature", "docs/opaque-rpc.md", digest
+    ),
+    Check(
+        "request.start",
+        "a request that does not begin as one is refused",
+        _WIRE,
+        wrong_starts,
+    ),
+    Check(
+        "function.unknown", "unknown functions are refused", _WIRE, unknown_functions
+    ),
+    Check(
+        "request.cut",
+        "a client that leaves within a request does not keep others out",
+        _WIRE,
+        cut_requests,
+    ),
+    Check(
+        "request.end",
+        "a request with a wrong end is refused",
+        _WIRE,
+        wrong_ends,
+        actuates=True,
+    ),
+    Check(
+        "request.segments",
+        "requests are taken in pieces",
+        _WIRE,
+        segments,
+        actuates=True,
+    ),
+    Check(
+        "call.reply", "each function answers as declared", _WIRE, answers, actuates=True
+    ),
+    Check(
+        "call.limits",
+        "numbers are taken at both ends of their types",
+        _WIRE,
+        limits,
+        actuates=True,
+    ),
+    Check(
+        "call.arrays", "arrays are taken empty and full", _WIRE, arrays, actuates=True
+    ),
+    Check(
+        "call.long-arrays",
+        "arrays beyond their bound are refused",
+        _WIRE,
+        long_arrays,
+        actuates=True,
+    ),
+    Check("call.texts", "texts are taken empty and full", _WIRE, texts, actuates=True),
+    Check(
+        "call.null",
+        "nullable parameters are taken as NULL",
+        _WIRE,
+        nulls,
+        actuates=True,
+    ),
+    Check("call.oneway", "oneway calls have no answer", _WIRE, oneway, actuates=True),
+    Check(
+        "call.repeated",
+        "calls are answered one after another",
+        _WIRE,
+        repeated,
+        actuates=True,
+    ),
+)

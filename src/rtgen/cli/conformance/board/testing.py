@@ -1,0 +1,65 @@
+"""Tests a board at a TCP port or a serial line."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from rtgen.cli.common import Refusal
+from rtgen.cli.conformance.board.board import BoardUnderTest
+from rtgen.cli.conformance.board.checks import CHECKS
+from rtgen.cli.conformance.report import Report
+from rtgen.cli.rpc.call_command import host_and_port
+from rtgen.cli.rpc.common import Peer, read_unit, service_of, signatures_of
+from rtgen.diagnostics import ToolError
+
+
+def tested(
+    file: Path,
+    connect: str,
+    signature: str | None,
+    functions: Sequence[str],
+    peer: Peer,
+    *,
+    baud: int,
+    actuate: bool,
+) -> Report:
+    """The report of all checks. Raises InputError, Refusal and ToolError.
+
+    `functions`: those that may be called, all if there are none.
+    """
+    unit = read_unit(file)
+    if signature is None:
+        names = [str(each.scoped) for each in signatures_of(unit)]
+        if len(names) != 1:
+            raise Refusal(
+                f"{file} has several signatures; --signature names one: {', '.join(names)}"
+            )
+        [signature] = names
+    service = service_of(unit, signature, peer)
+    unknown = [name for name in functions if name not in service.functions]
+    if unknown:
+        known = ", ".join(service.functions)
+        raise Refusal(f"{signature} has no function {unknown[0]!r}; it has: {known}")
+    kind, _, rest = connect.partition(":")
+    if kind not in ("tcp", "serial") or not rest:
+        raise Refusal(f"{connect!r} is neither tcp:HOST:PORT nor serial:DEVICE")
+    board = BoardUnderTest(
+        service,
+        {n: f for n, f in service.functions.items() if not functions or n in functions},
+        host_and_port(rest) if kind == "tcp" else None,
+        rest if kind == "serial" else None,
+        baud,
+        peer.timeout,
+    )
+    return checked(board, f"{signature} at {rest}", file.as_posix(), actuate=actuate)
+
+
+def checked(
+    board: BoardUnderTest, subject: str, definition: str, *, actuate: bool
+) -> Report:
+    """The report of all checks of a board. Raises ToolError if it cannot be reached."""
+    if not board.is_there():
+        raise ToolError(f"{subject}: no connection")
+    outcomes = tuple(check.outcome(board, actuate=actuate) for check in CHECKS)
+    return Report(subject, definition, outcomes)

@@ -1,0 +1,65 @@
+"""A check of a conformance test, whatever is tested."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import ClassVar, Generic, Protocol, TypeAlias, TypeVar
+
+from rtgen.cli.conformance.report import Outcome, Verdict
+
+Problems: TypeAlias = Iterator[str | None]
+"""A problem for each thing that was checked, None where it is as it should be."""
+
+
+class Subject(Protocol):
+    """What is tested; `faults` are the exceptions by which it shows that a check has failed."""
+
+    faults: ClassVar[tuple[type[Exception], ...]]
+
+    def explained(self, fault: Exception) -> str:
+        """A fault as the problem of a check."""
+
+
+S = TypeVar("S", bound=Subject)
+
+
+class SkipError(Exception):
+    """The check does not apply, or must not be made; the text says why."""
+
+
+@dataclass(frozen=True, slots=True)
+class Check(Generic[S]):
+    """A check: its name in reports, what it asserts, by which clause, and what makes it so.
+
+    One that `actuates` may move what the subject drives; it runs only if that is permitted.
+    """
+
+    name: str
+    title: str
+    clause: str
+    run: Callable[[S], Problems]
+    actuates: bool = False
+
+    def outcome(self, subject: S, *, actuate: bool) -> Outcome:
+        """Run the check on a subject."""
+        about = (self.name, self.title, self.clause)
+        if self.actuates and not actuate:
+            return Outcome(
+                *about, Verdict.SKIPPED, 0, ("it may move something: --actuate",)
+            )
+        tried, problems = 0, []
+        try:
+            for problem in self.run(subject):
+                tried += 1
+                problems += [] if problem is None else [problem]
+        except SkipError as reason:
+            return Outcome(*about, Verdict.SKIPPED, 0, (str(reason),))
+        except subject.faults as fault:
+            problems.append(subject.explained(fault))
+        if not tried and not problems:
+            return Outcome(
+                *about, Verdict.SKIPPED, 0, ("the description has nothing of it",)
+            )
+        verdict = Verdict.FAILED if problems else Verdict.PASSED
+        return Outcome(*about, verdict, tried, tuple(problems))
