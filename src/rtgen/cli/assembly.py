@@ -26,6 +26,7 @@ from rtgen.facts.openrtm_ports import IN, OUT, SERVICE, registered_names
 from rtgen.frontends.kit.suggestions import nearest
 from rtgen.model import Connection, System, SystemComponent
 from rtgen.runtime.rtc.conf_file import read as read_conf
+from rtgen.runtime.services.transports import ForeignTransport
 from rtgen.runtime.system.watchdog import calling
 from rtgen.systems.rules import (
     CONNECTION,
@@ -173,6 +174,9 @@ def _fill(
             system.at(time, activate)
         elif profile.activation:
             before.append(instance)
+            if isinstance(transport, ForeignTransport) and transport.reaches(instance):
+                activate = partial(transport.activate_foreign, instance)
+                system.at(time, _reporting(activate))
     for step in steps:
         system.at(step.time, _with_place(step, _performing(system, step.action)))
 
@@ -369,6 +373,15 @@ def _performing(
                 system.configure(
                     action.instance, action.parameter, action.text, sets.active
                 )
+
+    return perform
+
+
+def _reporting(action: Callable[[], None]) -> Callable[[], None]:
+    """The action, with errors of the transport turned into ToolErrors."""
+
+    def perform() -> None:
+        _raise_if_any([*_findings(CONNECTION, None, action)])
 
     return perform
 

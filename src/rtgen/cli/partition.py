@@ -24,10 +24,22 @@ from rtgen.systems.timeline import (
 _OBSERVABLES = ("rtgen.run.pose", "rtgen.run.goal")
 
 
-def named(only: str, profile: System) -> frozenset[str]:
-    """Parse a comma-separated list of instances. Raises InputError for an unknown instance."""
+def named(
+    only: str | None, profile: System, outside: Collection[str] = ()
+) -> frozenset[str]:
+    """The instances of a comma-separated list, or all of them, without those `outside`.
+
+    Raises InputError for an unknown instance, and for a listed one that is outside.
+    """
+    if only is None:
+        return frozenset(c.instance for c in profile.components) - {*outside}
     names = [name.strip() for name in only.split(",")]
-    return frozenset(timeline.require_instance(n, profile, None) for n in names)
+    here = frozenset(timeline.require_instance(n, profile, None) for n in names)
+    _raise_if_any(
+        ELSEWHERE.at(None, f"--only: {name} is a foreign component of the system")
+        for name in sorted(here & {*outside})
+    )
+    return here
 
 
 def share(profile: System, here: Collection[str], *, data: bool = False) -> System:

@@ -11,7 +11,7 @@ from pathlib import Path
 import click
 
 from rtgen import runtime
-from rtgen.cli import partition, transports
+from rtgen.cli import foreign, partition, transports
 from rtgen.cli.assembly import assemble
 from rtgen.cli.common import BAD_INPUT, NO, OK, Console, with_console, write_out
 from rtgen.cli.curves import Curves, divided, draw_curves, write_curves
@@ -36,6 +36,7 @@ from rtgen.diagnostics import InputError, ToolError, has_errors, in_order
 from rtgen.model import System
 from rtgen.project import load_around
 from rtgen.runtime.failures import ends_run
+from rtgen.runtime.services.transports import ForeignComponent
 from rtgen.runtime.system.recording import JsonLinesRecorder
 from rtgen.runtime.system.watchdog import Watchdog
 from rtgen.systems import measures, timeline
@@ -142,8 +143,13 @@ def run(
     steps, wanted = plan.steps, plan.measures
     condition = _condition(until, profile)
     values = [timeline.assignment(text, profile) for text in settings]
-    if carrying.only is not None:
-        here = partition.named(carrying.only, profile)
+    outside = foreign.named(profile, carrying.foreign)
+    awaited: Sequence[ForeignComponent] = ()
+    if outside:
+        foreign.require_reachable(profile, outside, carrying, simulated=simulated)
+    if carrying.only is not None or outside:
+        here = partition.named(carrying.only, profile, outside)
+        awaited = foreign.awaited(profile, outside, here)
         data = carrying.joins_data
         partition.require_here(values, here)
         condition = partition.condition_here(condition, here, asked=until is not None)
@@ -172,6 +178,7 @@ def run(
         transports.opened(
             carrying, console, project.plugins, profile.name, simulated=simulated
         ) as transport,
+        foreign.expected(transport, awaited),
         assemble(
             profile,
             factories,

@@ -19,7 +19,7 @@ from rtgen.cli.signals import terminable
 from rtgen.diagnostics import InputError, ToolError
 from rtgen.runtime.errors import NoNamingServiceError
 from rtgen.runtime.services.transports import AwaitingTransport
-from rtgen.systems.rules import CONNECTION
+from rtgen.systems.rules import CONNECTION, PARAMETER
 
 if TYPE_CHECKING:
     from rtgen.runtime.corba.transport import CorbaTransport
@@ -73,6 +73,11 @@ _OPTIONS = (
         help="The components of this process; others run the rest (real time).",
     ),
     click.option(
+        "--foreign",
+        metavar="INSTANCE,...",
+        help="Components that rtgen does not run: they are found, connected, activated (corba).",
+    ),
+    click.option(
         "--nameserver",
         callback=_place,
         metavar="HOST[:PORT]",
@@ -94,7 +99,7 @@ _OPTIONS = (
 _WAIT = 30.0
 _COMMON = frozenset({"only", "wait"})
 _TAKES: dict[str, frozenset[str]] = {
-    "corba": _COMMON | {"nameserver", "endpoint", "call_timeout"},
+    "corba": _COMMON | {"foreign", "nameserver", "endpoint", "call_timeout"},
     **{engine: _COMMON | names for engine, names in engines.TAKES.items()},
 }
 """The options that a built-in transport takes."""
@@ -108,6 +113,7 @@ class TransportOptions(EngineOptions):
     nameserver: str | None
     endpoint: str | None
     wait: float | None
+    foreign: str | None
 
     @property
     def patience(self) -> float:
@@ -235,6 +241,8 @@ def await_others(transport: ProcessTransport, seconds: float, console: Console) 
         ) from error
     except runtime.ConnectError as error:
         raise InputError([CONNECTION.at(None, str(error))]) from error
+    except runtime.ConfigurationError as error:
+        raise InputError([PARAMETER.at(None, str(error))]) from error
     except KeyboardInterrupt:
         if patience.is_alive():
             tell()

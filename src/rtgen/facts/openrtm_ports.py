@@ -12,6 +12,8 @@ KIND: Final = "rtc"
 """The kind of the name of a component in a naming service: `Arm0.rtc`."""
 RUNTIME: Final = "rtgen.runtime"
 """The property of components that tells those of rtgen, whose OutPorts make connections."""
+FOREIGN: Final = "rtgen.foreign"
+"""The property of a system that lists the instances that rtgen does not run."""
 
 IN, OUT, SERVICE = "in", "out", "service"
 

@@ -24,6 +24,7 @@ IMPORT = Rule(
 BLOCKED = Rule("SYS0023", "code of a component that does not return", Severity.WARNING)
 NOTICE = Rule("SYS0024", "notice of the runtime", Severity.WARNING)
 ROS_TOPIC = Rule("SYS0025", "port that cannot be a topic of ROS 2", Severity.ERROR)
+FOREIGN = Rule("SYS0026", "foreign component out of reach", Severity.ERROR)
 
 RULES: tuple[Rule, ...] = (
     UNKNOWN_TYPE,
@@ -42,4 +43,5 @@ RULES: tuple[Rule, ...] = (
     BLOCKED,
     NOTICE,
     ROS_TOPIC,
+    FOREIGN,
 )

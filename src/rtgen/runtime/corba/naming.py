@@ -6,7 +6,7 @@ kind: port name) that contains the provider under its instance name.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, TypeVar
 
 import CosNaming
@@ -127,6 +127,17 @@ class Naming:
             return found
 
         return self._asked(component, "ask")
+
+    def at(self, path: Sequence[tuple[str, str]]) -> Any:
+        """The object of a path of ids and kinds; None if there is none."""
+
+        def at() -> Any:
+            try:
+                return self._root.resolve([p for pair in path for p in _path(*pair)])
+            except _Context.NotFound:
+                return None
+
+        return self._asked(at, "ask")
 
     def _contexts(self, kind: str) -> list[Any]:
         """The contexts of a kind in the root."""

@@ -15,19 +15,24 @@ from rtgen.runtime.corba.name_server import NameServer
 from rtgen.runtime.corba.naming import Naming
 from rtgen.runtime.corba.objects import Objects
 from rtgen.runtime.corba.orb import LOOPBACK, Orb
-from rtgen.runtime.corba.rt_objects.peers import PeerConnection
+from rtgen.runtime.corba.rt_objects.foreign import Directory, Foreign
+from rtgen.runtime.corba.rt_objects.keeping import Keeper
+from rtgen.runtime.corba.rt_objects.peers import PeerConnection, ServicePeer
 from rtgen.runtime.corba.rt_objects.publishing import RtObjects
 from rtgen.runtime.errors import TransportError
 from rtgen.runtime.ports.data_ports import InPort, OutPort
+from rtgen.runtime.return_codes import ACTIVE_STATE
 from rtgen.runtime.rtc.component import Component
 from rtgen.runtime.services.ports import Carrier, PortOwner, Provider, ServicePort
-from rtgen.runtime.services.transports import RemotePort
+from rtgen.runtime.services.transports import ForeignComponent, RemotePort
 from rtgen.runtime.timing.guards import Guard
 
 if TYPE_CHECKING:
     from rtgen.runtime.system.system import System
 
 log = logging.getLogger("rtgen.runtime")
+
+_LOOK_AGAIN = 0.05
 
 
 class CorbaTransport:
@@ -52,13 +57,18 @@ class CorbaTransport:
         self._objects = Objects(orb)
         self._references: dict[Provider[Any], Any] = {}
         self._connectors: list[RemoteConnector] = []
-        self._peers: list[PeerConnection] = []
+        self._peers: list[PeerConnection | ServicePeer] = []
         self._naming: Naming | None = None
+        self._directory: Directory | None = None
+        self._keeper: Keeper | None = None
         self._rt_objects: RtObjects | None = None
         try:
             if naming:
                 self._naming = self._found(orb, name_server)
                 self._rt_objects = RtObjects(orb, self._objects, self._naming)
+                self._directory = Directory(
+                    self._naming, self._rt_objects.exported, partial(Naming, orb.orb)
+                )
         except TransportError:
             self.close()
             raise
@@ -76,6 +86,7 @@ class CorbaTransport:
 
     def close(self) -> None:
         """Remove the objects, and shut down the ORB and a private naming service."""
+        self._rest()
         for provider in list(self._references):
             self._withdraw(provider)
         self._closing.close()
@@ -144,10 +155,16 @@ class CorbaTransport:
         here: ServicePort,
         there: RemotePort,
         properties: Mapping[str, str],
-    ) -> RemoteConnector:
+    ) -> RemoteConnector | ServicePeer:
         """A connection to a port of another process. Raises ConnectError."""
         if self._naming is None:
             raise TransportError(f"{there} is in no process that could be asked")
+        directory = self._directory
+        if directory is not None and there.instance in directory.foreign:
+            assert self._rt_objects is not None  # It has come with the directory.
+            peer = ServicePeer(name, here, there, properties, self._rt_objects)
+            self._peers.append(peer)
+            return peer
         made = RemoteConnector(
             name, here, there, properties, self._objects, self._naming
         )
@@ -193,21 +210,76 @@ class CorbaTransport:
     def await_others(self, seconds: float) -> None:
         """Wait for all connected providers and data ports.
 
-        Raises PortTypeError for incompatible types.
+        Foreign components are configured. Raises PortTypeError for incompatible types,
+        ConfigurationError.
         """
         deadline = time.monotonic() + seconds
+        directory = self._directory
+        if directory is not None:
+            for foreign in directory.foreign.values():
+                self._await(directory, foreign, deadline)
         for connector in self._connectors:
             if connector.connected:
                 connector.await_providers(deadline)
         for peer in self._peers:
-            if peer.connected and self._naming is not None:
-                peer.establish(self._naming, deadline)
+            if peer.connected and directory is not None:
+                peer.establish(directory, deadline)
+        if directory is not None and (self._peers or directory.foreign):
+            self._rest()
+            self._keeper = Keeper(directory, lambda: tuple(self._peers))
+
+    def _await(self, directory: Directory, foreign: Foreign, deadline: float) -> None:
+        while directory.find(foreign.instance) is None:
+            if time.monotonic() > deadline:
+                raise TransportError(
+                    f"no process runs {foreign.instance}, which rtgen does not run: "
+                    f"{directory.where(foreign.instance)}"
+                )
+            time.sleep(_LOOK_AGAIN)
+        foreign.configure()
+
+    def _rest(self) -> None:
+        """Look after other processes no more."""
+        keeper, self._keeper = self._keeper, None
+        if keeper is not None:
+            keeper.close()
+
+    def expect(self, component: ForeignComponent) -> None:
+        """See `ForeignTransport`."""
+        if self._directory is None:
+            raise TransportError(f"{component.instance} is found by a naming service")
+        self._directory.expect(component)
+
+    def reaches(self, instance: str) -> bool:
+        """See `ForeignTransport`."""
+        return self._directory is not None and instance in self._directory.foreign
+
+    def activate_foreign(self, instance: str) -> None:
+        """See `ForeignTransport`."""
+        if self._directory is not None:
+            self._directory.foreign[instance].activate()
+
+    @property
+    def missing(self) -> list[str]:
+        """See `AwaitingTransport`: those that nobody has found yet."""
+        if self._directory is None:
+            return []
+        foreign = self._directory.foreign
+        return sorted(name for name, each in foreign.items() if each.reference is None)
 
     def _wanted(self) -> list[RemoteProvider]:
         return [p for c in self._connectors if c.connected for p in c.providers]
 
     def is_ready(self, instance: str, before: Collection[str]) -> bool:
         """Whether the providers are ACTIVE that other processes activate before an instance."""
+        foreign = {} if self._directory is None else self._directory.foreign
+        called = {
+            peer.there.instance
+            for peer in self._peers
+            if isinstance(peer, ServicePeer) and peer.here.instance == instance
+        }
+        if any(foreign[name].state is not ACTIVE_STATE for name in called & {*before}):
+            return False
         return all(
             provider.exists
             for provider in self._wanted()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Protocol, runtime_checkable
 
 from rtgen.runtime.ports.data_ports import DataConnector, InPort, OutPort
@@ -20,6 +20,20 @@ class RemotePort:
 
     def __str__(self) -> str:
         return f"{self.instance}.{self.port}"
+
+
+@dataclass(frozen=True, slots=True)
+class ForeignComponent:
+    """A component of a system that rtgen does not run.
+
+    `path` is the `pathUri` of an RtsProfile (`HOST[:PORT]/HOST.host_cxt/NAME.rtc`), or an address
+    that CORBA knows (`corbaname:`, `corbaloc:`, `IOR:`). `configuration` maps sets to values.
+    """
+
+    instance: str
+    path: str = ""
+    configuration: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    active_set: str = "default"
 
 
 class RemoteConnector(Protocol):
@@ -124,6 +138,20 @@ class ProcessTransport(Transport, Protocol):
 
         `before` are the names of the instances that are activated before it.
         """
+
+
+@runtime_checkable
+class ForeignTransport(Protocol):
+    """A transport that reaches components that rtgen does not run. Methods raise TransportError."""
+
+    def expect(self, component: ForeignComponent) -> None:
+        """Look for a component, configure it, and connect it again when it was lost."""
+
+    def reaches(self, instance: str) -> bool:
+        """Whether a component is expected."""
+
+    def activate_foreign(self, instance: str) -> None:
+        """Request ACTIVE of a component."""
 
 
 @runtime_checkable

@@ -1,24 +1,29 @@
-"""Data connections to components of other processes, rtgen's or OpenRTM's, found by their names."""
+"""Connections to components of other processes, rtgen's or OpenRTM's, found by their names."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 from omniORB import CORBA
 
-from rtgen.facts.openrtm_ports import KIND, RUNTIME, known_name
-from rtgen.runtime.corba.naming import Naming, is_alive
+from rtgen.facts.connector_properties import STRICTNESS
+from rtgen.facts.openrtm_ports import RUNTIME, known_name
+from rtgen.runtime.corba.naming import is_alive
+from rtgen.runtime.corba.rt_objects.foreign import Directory
 from rtgen.runtime.corba.rt_objects.wire import (
     RT_OBJECT,
     ConnectorProfile,
+    PortInterfacePolarity,
+    PortProfile,
     texts,
     values,
 )
 from rtgen.runtime.errors import PortTypeError, TransportError
 from rtgen.runtime.ports.data_ports import InPort, OutPort
 from rtgen.runtime.return_codes import RTC_OK
+from rtgen.runtime.services.ports import ServicePort
 from rtgen.runtime.services.transports import RemotePort
 
 if TYPE_CHECKING:
@@ -32,8 +37,132 @@ _DEFAULTS = {
 }
 
 
-class PeerConnection:
-    """A connection of a data port of this process and one of another, made by `establish`."""
+class _Peer:
+    """A connection of a port of this process and one of another, made by `establish`."""
+
+    kind = ""
+    """The type of the other port: `DataInPort`, `DataOutPort`, `CorbaPort`."""
+    suffix = ""
+    """What OpenRTM's name of the other port may have at its end; see `registered_names`."""
+
+    def __init__(
+        self,
+        name: str,
+        here: InPort[Any] | OutPort[Any] | ServicePort,
+        there: RemotePort,
+        properties: Mapping[str, str],
+        objects: RtObjects,
+    ) -> None:
+        self.name = name
+        self.here = here
+        self.there = there
+        self.properties = dict(properties)
+        self.connected = False
+        self._objects = objects
+        self._component: Any = None
+
+    def attach(self) -> None:
+        """Let `establish` make the connection."""
+        self.connected = True
+
+    def detach(self) -> None:
+        """Remove the connection at both ends."""
+        self.connected = False
+        self._component = None
+        port = self._objects.port(self.here)
+        if port is not None:
+            port.leave(self.name)
+
+    def establish(self, directory: Directory, deadline: float) -> None:
+        """Make the connection, once there is the other component.
+
+        Raises TransportError after an instant of `time.monotonic`, PortTypeError if the other
+        port is missing, has another type, or refuses.
+        """
+        while not self.attempt(directory):
+            if time.monotonic() > deadline:
+                where = directory.where(self.there.instance)
+                raise TransportError(f"{self.here} waits for {self.there}; {where}")
+            time.sleep(_LOOK_AGAIN)
+
+    def attempt(self, directory: Directory) -> bool:
+        """Make the connection; False if the other component is not there.
+
+        Nothing happens if the connection stands. Raises TransportError, PortTypeError.
+        """
+        port = self._objects.port(self.here)
+        component = None if port is None else directory.find(self.there.instance)
+        if port is None or component is None:
+            return False
+        try:
+            profile = self._objects.exported.call(
+                component, RT_OBJECT, "get_component_profile"
+            )
+        except CORBA.SystemException:
+            return False
+        other = self._found(profile)
+        if port.has_link(self.name, other):
+            self._component = component
+            return True
+        if self.is_made_there(texts(profile.properties)):
+            return False
+        asked = ConnectorProfile(
+            self.name,
+            self.name,
+            self.ends(port.reference, other),
+            values(self.requested()),
+        )
+        code, _ = port.connect(asked)
+        if code is not RTC_OK:
+            raise PortTypeError(f"{self.there} refuses {self.here}: {code.name}")
+        self._component = component
+        return True
+
+    def renew(self, directory: Directory) -> None:
+        """Make the connection again if the other component was started anew.
+
+        One that somebody has cut stays cut. Raises as `attempt` does.
+        """
+        if self.connected and not is_alive(self._component):
+            self.attempt(directory)
+
+    def _found(self, profile: Any) -> Any:
+        """The port of a component. Raises PortTypeError."""
+        wanted = known_name(self.there.port)
+        names = []
+        for port in profile.port_profiles:
+            if texts(port.properties).get("port.port_type") != self.kind:
+                continue
+            name = known_name(port.name)
+            names.append(name)
+            if name in (wanted, f"{wanted}{self.suffix}"):
+                self.check(port)
+                return port.port_ref
+        raise PortTypeError(
+            f"{self.there} is not a {self.kind}; {self.there.instance} has: "
+            f"{', '.join(names) or 'none'}"
+        )
+
+    def ends(self, here: Any, there: Any) -> list[Any]:
+        """The port services in the order of the connector."""
+        return [here, there]
+
+    def requested(self) -> dict[str, str]:
+        """The properties of the connector."""
+        return self.properties
+
+    def is_made_there(self, properties: Mapping[str, str]) -> bool:
+        """Whether a component with these properties makes the connection itself."""
+        return False
+
+    def check(self, found: PortProfile) -> None:
+        """Check the type of the other port. Raises PortTypeError."""
+
+
+class PeerConnection(_Peer):
+    """A connection of data ports."""
+
+    here: InPort[Any] | OutPort[Any]
 
     def __init__(
         self,
@@ -43,92 +172,83 @@ class PeerConnection:
         properties: Mapping[str, str],
         objects: RtObjects,
     ) -> None:
-        sends = isinstance(here, OutPort)
-        self.name = name
-        self.source: Any = here if sends else there
-        self.target: Any = there if sends else here
-        self.properties = dict(properties)
-        self.connected = False
-        self.here = here
-        self.there = there
-        self._sends = sends
-        self._objects = objects
+        super().__init__(name, here, there, properties, objects)
+        self._sends = isinstance(here, OutPort)
+        self.source: Any = here if self._sends else there
+        self.target: Any = there if self._sends else here
+        self.kind = "DataInPort" if self._sends else "DataOutPort"
+        self.suffix = "_out"
 
-    def attach(self) -> None:
-        """Let `establish` make the connection."""
-        self.connected = True
+    def ends(self, here: Any, there: Any) -> list[Any]:
+        """The OutPort first."""
+        return [here, there] if self._sends else [there, here]
 
-    def detach(self) -> None:
-        """Remove the connection at both ends."""
-        self.connected = False
-        port = self._objects.port(self.here)
-        if port is not None:
-            port.leave(self.name)
-
-    def establish(self, naming: Naming, deadline: float) -> None:
-        """Make the connection, once there is the other component.
-
-        Raises TransportError after an instant of `time.monotonic`, PortTypeError if the other
-        port is missing, has another type, or refuses.
-        """
-        while not self._try(naming):
-            if time.monotonic() > deadline:
-                raise TransportError(
-                    f"{self.here} waits for {self.there}; the naming service "
-                    f"{naming.address} has no {self.there.instance}.{KIND} that answers"
-                )
-            time.sleep(_LOOK_AGAIN)
-
-    def _try(self, naming: Naming) -> bool:
-        component = naming.component(self.there.instance, KIND)
-        port = self._objects.port(self.here)
-        if port is None or not is_alive(component):
-            return False
-        try:
-            profile, other = self._found(component)
-        except CORBA.SystemException:
-            return False
-        if port.has_link(self.name):
-            return True
-        if not self._sends and RUNTIME in texts(profile.properties):
-            return False
-        ends = [port.reference, other] if self._sends else [other, port.reference]
+    def requested(self) -> dict[str, str]:
+        """With the defaults, and the type."""
         descriptor: Any = self.here.type._descriptor_
         stated = _DEFAULTS | {"dataport.data_type": descriptor.repository_id}
-        asked = ConnectorProfile(
-            self.name, self.name, ends, values(stated | self.properties)
-        )
-        code, _ = port.connect(asked)
-        if code is not RTC_OK:
-            raise PortTypeError(f"{self.there} refuses {self.here}: {code.name}")
-        return True
+        return stated | self.properties
 
-    def _found(self, component: Any) -> tuple[Any, Any]:
-        """The profile of the component, and its port. Raises PortTypeError."""
-        call = self._objects.exported.call
-        profile = call(component, RT_OBJECT, "get_component_profile")
-        kind = "DataInPort" if self._sends else "DataOutPort"
-        wanted = known_name(self.there.port)
-        names = []
-        for port in profile.port_profiles:
-            properties = texts(port.properties)
-            if properties.get("port.port_type") != kind:
-                continue
-            name = known_name(port.name)
-            names.append(name)
-            if name in (wanted, f"{wanted}_out"):
-                self._check_type(properties.get("dataport.data_type", ""))
-                return profile, port.port_ref
-        raise PortTypeError(
-            f"{self.there} is not a {kind}; {self.there.instance} has: "
-            f"{', '.join(names) or 'none'}"
-        )
+    def is_made_there(self, properties: Mapping[str, str]) -> bool:
+        """The process of the OutPort makes it, if that is rtgen's."""
+        return not self._sends and RUNTIME in properties
 
-    def _check_type(self, found: str) -> None:
+    def check(self, found: PortProfile) -> None:
+        """Compare the data types."""
         descriptor: Any = self.here.type._descriptor_
         short = descriptor.name.rpartition("::")[2]
-        if found not in (descriptor.repository_id, short, ""):
+        type_ = texts(found.properties).get("dataport.data_type", "")
+        if type_ not in (descriptor.repository_id, short, ""):
             raise PortTypeError(
                 f"{self.here} and {self.there} have different types: "
-                f"{descriptor.repository_id} and {found}"
+                f"{descriptor.repository_id} and {type_}"
             )
+
+
+class ServicePeer(_Peer):
+    """A connection of service ports, of which the other one is foreign."""
+
+    here: ServicePort
+    kind = "CorbaPort"
+    suffix = "_service"
+
+    def __init__(
+        self,
+        name: str,
+        here: ServicePort,
+        there: RemotePort,
+        properties: Mapping[str, str],
+        objects: RtObjects,
+    ) -> None:
+        super().__init__(name, here, there, properties, objects)
+        self.source = here
+        self.target = there
+
+    def check(self, found: PortProfile) -> None:
+        """Compare the types of interfaces: each has a partner if strict, else one has."""
+        ways = (
+            (PortInterfacePolarity.PROVIDED, self.here.consumers, "provider"),
+            (PortInterfacePolarity.REQUIRED, self.here.providers, "consumer"),
+        )
+        partners = 0
+        lonely: list[str] = []
+        for polarity, ends, what in ways:
+            offered = [i.type_name for i in found.interfaces if i.polarity == polarity]
+            for end in ends:
+                name = end.interface._descriptor_.name
+                if any(offer in _names_of(name) for offer in offered):
+                    partners += 1
+                else:
+                    listed = ", ".join(offered) or "none"
+                    lonely.append(f"{what} of {name} for {end}; it has: {listed}")
+        missing = [each for each in lonely if each.startswith("provider")]
+        if missing and self.properties.get(STRICTNESS) == "strict":
+            raise PortTypeError(f"{self.there} has no {missing[0]}")
+        if not partners:
+            raise PortTypeError(f"{self.there} has no {lonely[0]}")
+
+
+def _names_of(type_name: str) -> Iterator[str]:
+    """The names under which an interface may be registered: with and without its scope."""
+    yield type_name
+    yield type_name.rpartition("::")[2]

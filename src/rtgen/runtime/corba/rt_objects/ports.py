@@ -213,6 +213,9 @@ class PortService:
         """See `RTC::PortService`: offer interfaces, let the next port do so, then take theirs."""
         system = self._ports.system
         identity = profile.connector_id
+        if identity in self._links and not self._is_same(identity, profile):
+            # The process of the other port was started anew.
+            self._forget(identity)
         if system is None or identity in self._links:
             return PRECONDITION_NOT_MET, profile
         name = self._named(system, profile)
@@ -264,19 +267,40 @@ class PortService:
             return self._notify_all(link.profile)
         return self._cut(connector_id)
 
-    def has_link(self, connector_id: str) -> bool:
-        """Whether there is a connection of an id to a port of another process."""
-        return connector_id in self._links
+    def has_link(self, connector_id: str, other: Any) -> bool:
+        """Whether there is a connection of an id to a port of another process.
+
+        One of that id to another port, whose process has ended, is removed.
+        """
+        link = self._links.get(connector_id)
+        if link is None:
+            return False
+        if any(port._is_equivalent(other) for port in link.profile.ports):
+            return True
+        self._forget(connector_id)
+        return False
 
     def leave(self, connector_id: str) -> None:
         """End a connection here, then at the other end; it need not be there."""
-        link = self._links.pop(connector_id, None)
-        if link is None:
-            return
-        self._end(link)
-        for port in link.profile.ports:
+        link = self._forget(connector_id)
+        for port in () if link is None else link.profile.ports:
             if self._ports.exported.local(port) is None:
                 self._notify(port, connector_id)
+
+    def _forget(self, connector_id: str) -> _Link | None:
+        """End a connection here alone."""
+        link = self._links.pop(connector_id, None)
+        if link is not None:
+            self._end(link)
+        return link
+
+    def _is_same(self, connector_id: str, profile: ConnectorProfile) -> bool:
+        """Whether a connection has the ports of a profile."""
+        known = self._links[connector_id].profile.ports
+        return len(known) == len(profile.ports) and all(
+            one is not None and one._is_equivalent(other)
+            for one, other in zip(known, profile.ports, strict=True)
+        )
 
     def disconnect_all(self) -> ReturnCode_t:
         """See `RTC::PortService`."""

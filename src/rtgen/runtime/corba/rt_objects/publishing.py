@@ -63,14 +63,18 @@ class RtObjects:
             finally:
                 made.close()
 
-    def port(self, end: InPort[Any] | OutPort[Any]) -> PortService | None:
-        """The port service of a data port; None if it is withdrawn."""
-        made = self._published.get(end.owner)
-        kind = InEnd if isinstance(end, InPort) else OutEnd
+    def port(self, end: InPort[Any] | OutPort[Any] | ServicePort) -> PortService | None:
+        """The port service of a port; None if it is withdrawn."""
+        kind: type[End]
+        if isinstance(end, ServicePort):
+            kind, owner, name = ServiceEnd, end.instance, end.port
+        else:
+            kind = InEnd if isinstance(end, InPort) else OutEnd
+            owner, name = end.owner, end.name
+        made = self._published.get(owner)
         ports = () if made is None else made.ports
         return next(
-            (p for p in ports if isinstance(p.end, kind) and p.end.port == end.name),
-            None,
+            (p for p in ports if isinstance(p.end, kind) and p.end.port == name), None
         )
 
     def at(self, connector: Connector) -> list[PortService]:

@@ -1,0 +1,94 @@
+"""Components of a system that rtgen does not run (`--foreign`, property `rtgen.foreign`)."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Sequence
+from contextlib import contextmanager
+
+from rtgen.cli.transports import TransportOptions
+from rtgen.diagnostics import InputError, ToolError
+from rtgen.facts.openrtm_ports import FOREIGN as PROPERTY
+from rtgen.model import System
+from rtgen.runtime.errors import TransportError
+from rtgen.runtime.services.transports import (
+    ForeignComponent,
+    ForeignTransport,
+    ProcessTransport,
+)
+from rtgen.systems import timeline
+from rtgen.systems.rules import FOREIGN
+
+
+def named(profile: System, listed: str | None) -> frozenset[str]:
+    """The instances of the system's property and of the option.
+
+    Raises InputError for an unknown instance.
+    """
+    stated = dict(profile.properties).get(PROPERTY, "")
+    place = profile.places.get(PROPERTY)
+    texts = [(name.strip(), place) for name in stated.split(",") if name.strip()]
+    texts += [(name.strip(), None) for name in (listed or "").split(",") if listed]
+    return frozenset(timeline.require_instance(n, profile, span) for n, span in texts)
+
+
+def require_reachable(
+    profile: System,
+    outside: Collection[str],
+    carrying: TransportOptions,
+    *,
+    simulated: bool,
+) -> None:
+    """Raise InputError unless the transport is CORBA in real time."""
+    if carrying.transport == "corba" and not simulated:
+        return
+    names = ", ".join(sorted(outside))
+    raise InputError(
+        [
+            FOREIGN.at(
+                profile.places.get(PROPERTY),
+                f"{names}: a foreign component is reached by CORBA and in real time alone",
+                hint="--clock real --transport corba",
+            )
+        ]
+    )
+
+
+def awaited(
+    profile: System, outside: Collection[str], here: Collection[str]
+) -> Sequence[ForeignComponent]:
+    """The foreign components with which this process is concerned.
+
+    Those that are connected with its own; a process that runs all others takes all of them.
+    """
+    joined = {
+        end.instance
+        for c in profile.connections
+        for end in (c.source, c.target)
+        if {c.source.instance, c.target.instance} & {*here}
+    }
+    others = {c.instance for c in profile.components} - {*outside}
+    concerned = {*outside} if others == {*here} else joined & {*outside}
+    return [
+        ForeignComponent(
+            c.instance,
+            c.path_uri,
+            {set_id: dict(values) for set_id, values in c.parameter_sets},
+            c.active_set,
+        )
+        for c in profile.components
+        if c.instance in concerned
+    ]
+
+
+@contextmanager
+def expected(
+    transport: ProcessTransport | None, components: Sequence[ForeignComponent]
+) -> Iterator[None]:
+    """Let the transport look for foreign components. Raises ToolError."""
+    if isinstance(transport, ForeignTransport):
+        try:
+            for component in components:
+                transport.expect(component)
+        except TransportError as error:
+            raise ToolError(str(error)) from error
+    yield

@@ -1,0 +1,209 @@
+"""Components that others run: looked up by their paths, configured, activated and watched.
+
+`INSTANCE.rtc` of another rtgen process is found here, too; it configures and activates itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from omniORB import CORBA
+from omniORB import any as anys
+
+from rtgen.facts.openrtm_ports import KIND
+from rtgen.runtime.corba.naming import Naming, is_alive
+from rtgen.runtime.corba.rt_objects.objects import Exported
+from rtgen.runtime.corba.rt_objects.wire import (
+    CONFIGURATION,
+    EXECUTION_CONTEXT,
+    RT_OBJECT,
+    ConfigurationSet,
+    NameValue,
+    SdoError,
+)
+from rtgen.runtime.errors import ConfigurationError, TransportError
+from rtgen.runtime.return_codes import (
+    ACTIVE_STATE,
+    ERROR_STATE,
+    PRECONDITION_NOT_MET,
+    RTC_OK,
+    LifeCycleState,
+)
+from rtgen.runtime.services.transports import ForeignComponent
+
+_ADDRESSES = ("corbaname:", "corbaloc:", "IOR:")
+_DEFAULT_SET = "default"
+
+Opened = Callable[[str], Naming]
+"""Makes a client of the naming service at `HOST[:PORT]`. Raises TransportError."""
+
+
+class Foreign:
+    """A component that rtgen does not run. Calls are bounded by the time-out of the ORB."""
+
+    def __init__(self, plan: ForeignComponent, exported: Exported) -> None:
+        self.plan = plan
+        self.reference: Any = None
+        """The component that was found last."""
+        self.wanted = False
+        """Whether it is to be ACTIVE."""
+        self._exported = exported
+
+    @property
+    def instance(self) -> str:
+        """The instance name."""
+        return self.plan.instance
+
+    def configure(self) -> None:
+        """Set the configuration of the system. Raises ConfigurationError, TransportError."""
+        if not self.plan.configuration:
+            return
+        try:
+            sets = self._call(self.reference, RT_OBJECT, "get_configuration")
+            for set_id, pairs in self.plan.configuration.items():
+                self._set(sets, set_id, pairs)
+            chosen = self.plan.active_set
+            self._call(sets, CONFIGURATION, "activate_configuration_set", chosen)
+        except SdoError as error:
+            raise ConfigurationError(
+                f"{self.instance} refuses its configuration: {error.description}"
+            ) from error
+        except CORBA.SystemException as error:
+            raise self._lost(error) from error
+
+    def _set(self, sets: Any, set_id: str, given: Mapping[str, str]) -> None:
+        known = self._call(sets, CONFIGURATION, "get_configuration_sets")
+        found = next((each for each in known if each.id == set_id), None)
+        default = next((each for each in known if each.id == _DEFAULT_SET), None)
+        parameters = (
+            {item.name for item in default.configuration_data} if default else ()
+        )
+        unknown = sorted(given.keys() - set(parameters))
+        if unknown:
+            raise ConfigurationError(
+                f"{self.instance} has no parameter {', '.join(unknown)}; "
+                f"it has: {', '.join(sorted(parameters)) or 'none'}"
+            )
+        data = (
+            {item.name: item.value for item in found.configuration_data}
+            if found
+            else {}
+        )
+        data |= {name: anys.to_any(text) for name, text in given.items()}
+        items = [NameValue(name, value) for name, value in data.items()]
+        made = ConfigurationSet(set_id, found.description if found else "", items)
+        change = "set_configuration_set_values" if found else "add_configuration_set"
+        self._call(sets, CONFIGURATION, change, made)
+
+    def activate(self) -> None:
+        """Request ACTIVE of its own context. Raises TransportError."""
+        self.wanted = True
+        try:
+            context = self._context()
+            state = self._state(context)
+            if state is ERROR_STATE:
+                self._call(
+                    context, EXECUTION_CONTEXT, "reset_component", self.reference
+                )
+            if state is not ACTIVE_STATE:
+                name = "activate_component"
+                code = self._call(context, EXECUTION_CONTEXT, name, self.reference)
+                if code not in (RTC_OK, PRECONDITION_NOT_MET):
+                    raise TransportError(
+                        f"{self.instance} refuses to become active: {code.name}"
+                    )
+        except CORBA.SystemException as error:
+            raise self._lost(error) from error
+
+    @property
+    def state(self) -> LifeCycleState | None:
+        """Its state in its own context; None if it does not answer."""
+        try:
+            return self._state(self._context())
+        except (CORBA.SystemException, TransportError):
+            return None
+
+    def _context(self) -> Any:
+        """Its first context. Raises TransportError."""
+        contexts = self._call(self.reference, RT_OBJECT, "get_owned_contexts")
+        if not contexts:
+            raise TransportError(f"{self.instance} has no execution context of its own")
+        return contexts[0]
+
+    def _state(self, context: Any) -> LifeCycleState:
+        name = "get_component_state"
+        state: LifeCycleState = self._call(
+            context, EXECUTION_CONTEXT, name, self.reference
+        )
+        return state
+
+    def _call(self, reference: Any, *what: Any) -> Any:
+        return self._exported.call(reference, *what)
+
+    def _lost(self, error: Any) -> TransportError:
+        return TransportError(f"{self.instance} does not answer: {error}")
+
+
+class Directory:
+    """Finds components of other processes. Methods raise TransportError."""
+
+    def __init__(self, naming: Naming, exported: Exported, opened: Opened) -> None:
+        self.naming = naming
+        self.foreign: dict[str, Foreign] = {}
+        self._exported = exported
+        self._opened = opened
+        self._services: dict[str, Naming] = {}
+
+    def expect(self, plan: ForeignComponent) -> None:
+        """Look for a component by the path of its plan from now on."""
+        self.foreign[plan.instance] = Foreign(plan, self._exported)
+
+    def find(self, instance: str) -> Any:
+        """A component that answers; None if there is none."""
+        foreign = self.foreign.get(instance)
+        if foreign is None:
+            found = self.naming.component(instance, KIND)
+            return found if is_alive(found) else None
+        if foreign.reference is None or not is_alive(foreign.reference):
+            foreign.reference = self._found(foreign.plan)
+        return foreign.reference
+
+    def where(self, instance: str) -> str:
+        """The places where a component is looked for, for messages."""
+        path = self.foreign[instance].plan.path if instance in self.foreign else ""
+        if path.startswith(_ADDRESSES):
+            return f"nothing answers at {path}"
+        also = f", nor is anything at {path}," if "/" in path else ""
+        service = f"the naming service {self.naming.address}"
+        return f"{service} has no {instance}.{KIND}{also} that answers"
+
+    def _found(self, plan: ForeignComponent) -> Any:
+        if plan.path.startswith(_ADDRESSES):
+            found = self._exported.reference(plan.path)
+            return found if is_alive(found) else None
+        address, *names = plan.path.split("/")
+        path = [_id_and_kind(name) for name in names]
+        candidates: list[Callable[[], Any]] = []
+        if path:
+            candidates.append(lambda: self.naming.at(path))
+        candidates.append(lambda: self.naming.component(plan.instance, KIND))
+        if path and address:
+            candidates.append(lambda: self._elsewhere(address, path))
+        return next((found for each in candidates if is_alive(found := each())), None)
+
+    def _elsewhere(self, address: str, path: list[tuple[str, str]]) -> Any:
+        """What the naming service of a path has; None if no service answers there."""
+        try:
+            if address not in self._services:
+                self._services[address] = self._opened(address)
+            return self._services[address].at(path)
+        except TransportError:
+            self._services.pop(address, None)
+            return None
+
+
+def _id_and_kind(name: str) -> tuple[str, str]:
+    """The id and kind of a name such as `rh3.host_cxt`."""
+    identity, dot, kind = name.rpartition(".")
+    return (identity, kind) if dot else (name, "")

@@ -1,0 +1,90 @@
+"""Looks after what other processes have: reports what is lost, and connects it again."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterable
+from functools import partial
+
+from rtgen.runtime.corba.naming import is_alive
+from rtgen.runtime.corba.rt_objects.foreign import Directory, Foreign
+from rtgen.runtime.corba.rt_objects.peers import PeerConnection, ServicePeer
+from rtgen.runtime.errors import RtcError
+from rtgen.runtime.failures import NOTE, log
+from rtgen.runtime.return_codes import ERROR_STATE
+
+_PERIOD = 0.25
+
+Peer = PeerConnection | ServicePeer
+
+
+class Keeper:
+    """A thread that looks at foreign components and connections until `close`.
+
+    A connection whose other process was started anew is made again; a foreign component is
+    configured, and activated if it was to be ACTIVE.
+    """
+
+    def __init__(
+        self, directory: Directory, peers: Callable[[], Iterable[Peer]]
+    ) -> None:
+        self._directory = directory
+        self._peers = peers
+        self._lost: set[str] = set()
+        self._failed: set[str] = set()
+        self._reported: dict[str, str] = {}
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._run, daemon=True)
+        self._thread.start()
+
+    def close(self) -> None:
+        """End the thread, after the calls that it has made."""
+        self._ended.set()
+        self._thread.join()
+
+    def _run(self) -> None:
+        while not self._ended.wait(_PERIOD):
+            for foreign in self._directory.foreign.values():
+                self._look(foreign)
+            for peer in self._peers():
+                if not self._ended.is_set():
+                    self._tried(peer.name, partial(peer.renew, self._directory))
+            for instance in sorted(self._lost):
+                foreign = self._directory.foreign[instance]
+                if is_alive(foreign.reference):
+                    self._tried(instance, partial(self._resume, foreign))
+
+    def _look(self, foreign: Foreign) -> None:
+        instance = foreign.instance
+        if not is_alive(foreign.reference):
+            if instance not in self._lost:
+                self._lost.add(instance)
+                log.warning(
+                    "%s is lost: its process does not answer; it is looked for again",
+                    instance,
+                )
+            self._tried(instance, partial(self._directory.find, instance))
+            return
+        failed = foreign.wanted and foreign.state is ERROR_STATE
+        if failed and instance not in self._failed:
+            log.warning("%s, which rtgen does not run, is in ERROR", instance)
+        (self._failed.add if failed else self._failed.discard)(instance)
+
+    def _resume(self, foreign: Foreign) -> None:
+        """Bring a component that is there again to its former state."""
+        foreign.configure()
+        if foreign.wanted:
+            foreign.activate()
+        self._lost.discard(foreign.instance)
+        log.log(NOTE, "%s is there again", foreign.instance)
+
+    def _tried(self, what: str, action: Callable[[], object]) -> None:
+        """Carry out an action; a failure is reported once."""
+        try:
+            action()
+        except RtcError as error:
+            if self._reported.get(what) != str(error):
+                self._reported[what] = str(error)
+                log.warning("%s", error)
+        else:
+            self._reported.pop(what, None)
