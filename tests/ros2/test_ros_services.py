@@ -29,9 +29,8 @@ from rtgen.runtime import RTC_OK, Component, SimulatedClock, System
 from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.ros2 import types
 from rtgen.runtime.ros2.managed import EVENT_INFO
-from rtgen.runtime.ros2.network import RosNode
+from rtgen.runtime.ros2.network import RosNode, RosService
 from rtgen.runtime.ros2.services import (
-    RosService,
     RosServices,
     ServiceJoint,
     messages_of,

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from rtgen.runtime.ros2.marshaling import Marshaling
     from rtgen.runtime.ros2.network import RosNetwork, RosNode
     from rtgen.runtime.ros2.ports import Joint
-    from rtgen.runtime.ros2.services import ServiceJoint
+    from rtgen.runtime.ros2.services import EventJoint, ServiceJoint
 
 _DOMAIN = "ROS_DOMAIN_ID"
 _LAST_DOMAIN = 232
@@ -134,7 +134,7 @@ def _joints(
     from rtgen.runtime.ros2.ports import Joint
 
     entries = [*settings.topics, *_connected(running)]
-    if not (entries or settings.services or nodes):
+    if not (entries or settings.services or settings.actions or nodes):
         hint = (
             '[ros2.topics] "INSTANCE.PORT" = "TOPIC" in rtgen.toml, or [ros2.services]'
         )
@@ -217,17 +217,22 @@ def _service_joints(
     running: runtime.System,
     node: RosNode,
     nodes: Mapping[str, str],
-) -> list[ServiceJoint]:
-    """The operations with their services. Raises InputError with all that cannot be services."""
+) -> list[ServiceJoint | EventJoint]:
+    """The operations with their services, those of actions, too.
+
+    Raises InputError with all that cannot be services.
+    """
+    from rtgen.runtime.ros2.actions import joints_of
     from rtgen.runtime.ros2.managed import EVENT_INFO
-    from rtgen.runtime.ros2.services import RosService, ServiceJoint, messages_of
+    from rtgen.runtime.ros2.network import RosService
+    from rtgen.runtime.ros2.services import ServiceJoint, messages_of
     from rtgen.runtime.services.servants import ServiceError
 
-    if not settings.services:
+    if not (settings.services or settings.actions):
         return []
     info = message_classes(EVENT_INFO)[EVENT_INFO]
     found: list[Diagnostic] = []
-    joints = []
+    joints: list[ServiceJoint | EventJoint] = []
     for entry in settings.services:
         try:
             port = _service_port(entry, running)
@@ -240,19 +245,32 @@ def _service_joints(
         name = node.qualified(entry.service)
         service = RosService(name, *messages, info, shown)
         joints.append(ServiceJoint(port, entry.operation, service))
+    for action in settings.actions:
+        shown = nodes.get(action.instance, "")
+        name = node.qualified(action.action)
+        try:
+            component = _component(action.instance, running)
+            joints += joints_of(component, action.port, name, info, shown)
+        except (LookupError, ServiceError) as error:
+            found.append(ROS_TOPIC.at(action.span, str(error.args[0])))
     if found:
         raise InputError(found)
     return joints
+
+
+def _component(instance: str, running: runtime.System) -> runtime.Component:
+    """The component of an entry. Raises LookupError."""
+    if instance not in running.instances:
+        known = ", ".join(running.instances)
+        raise LookupError(f"there is no component {instance!r}; known: {known}")
+    return running.component(instance)
 
 
 def _service_port(entry: ServiceEntry, running: runtime.System) -> Any:
     """The provider, or the consumer without a connection. Raises LookupError with the reason."""
     from rtgen.runtime.services.servants import operations_of
 
-    if entry.instance not in running.instances:
-        known = ", ".join(running.instances)
-        raise LookupError(f"there is no component {entry.instance!r}; known: {known}")
-    component = running.component(entry.instance)
+    component = _component(entry.instance, running)
     both: list[Any] = [*component.providers.values(), *component.consumers.values()]
     found = [port for port in both if port.port == entry.port]
     if not found:

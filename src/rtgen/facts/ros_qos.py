@@ -57,8 +57,10 @@ PROFILES: Final = {
     "rosout": Profile(1000, durability=Durability.TRANSIENT_LOCAL, lifespan=10 * 10**9),
     "static_tf": Profile(1, durability=Durability.TRANSIENT_LOCAL),
     "map": Profile(1, durability=Durability.TRANSIENT_LOCAL),
+    "action_status": Profile(1, durability=Durability.TRANSIENT_LOCAL),
 }
-"""`rmw_qos_profile_*`; `clock` is rclcpp's, `rosout` rcl's, `static_tf` tf2_ros's, `map` nav2's."""
+"""`rmw_qos_profile_*`; `clock` is rclcpp's, `rosout` rcl's, `static_tf` tf2_ros's, `map` nav2's,
+`action_status` rcl_action's."""
 
 GRAPH: Final = Profile(1, durability=Durability.TRANSIENT_LOCAL)
 """Of `ros_discovery_info` (writers)."""

@@ -6,6 +6,7 @@ import keyword
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -190,25 +191,18 @@ def _ros_topics(value: Any) -> str | None:
     return None
 
 
-def _ros_services(value: Any) -> str | None:
-    """Services by operation."""
+def _ros_names(dots: int, form: str, what: str, value: Any) -> str | None:
+    """Services by operation, or actions by port."""
     if not isinstance(value, dict):
-        return "must be a table of INSTANCE.PORT.OPERATION to services"
-    for operation, name in value.items():
-        if operation.count(".") != 2:
-            return _Problem(
-                f"holds {operation!r}, which is not INSTANCE.PORT.OPERATION",
-                operation,
-            )
+        return f"must be a table of {form} to {what}s"
+    for key, name in value.items():
+        if key.count(".") != dots:
+            return _Problem(f"holds {key!r}, which is not {form}", key)
         if not isinstance(name, str):
-            return _Problem(
-                f"holds {operation!r}, which must be 'NAME'",
-                operation,
-            )
+            return _Problem(f"holds {key!r}, which must be 'NAME'", key)
         if why := ros_names.violation(name):
             return _Problem(
-                f"gives {operation!r} the service {name!r}; a name of ROS 2 {why}",
-                operation,
+                f"gives {key!r} the {what} {name!r}; a name of ROS 2 {why}", key
             )
     return None
 
@@ -268,7 +262,8 @@ SCHEMA: dict[str, dict[str, Check] | Check] = {
         "interfaces": _flag,
         "managed_nodes": _flag,
         "topics": _ros_topics,
-        "services": _ros_services,
+        "services": partial(_ros_names, 2, "INSTANCE.PORT.OPERATION", "service"),
+        "actions": partial(_ros_names, 1, "INSTANCE.PORT", "action"),
     },
     "diff": {"use": _breaks, "allow": _allowances},
     "fmt": {"line-length": _number(20, 1000), "indent": _number(1, 16)},

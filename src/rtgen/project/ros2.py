@@ -39,6 +39,15 @@ class ServiceEntry(msgspec.Struct, frozen=True, kw_only=True):
     span: Span
 
 
+class ActionEntry(msgspec.Struct, frozen=True, kw_only=True):
+    """A service port (`INSTANCE.PORT`) with its action."""
+
+    instance: str
+    port: str
+    action: str
+    span: Span
+
+
 class Ros2Settings(msgspec.Struct, frozen=True, kw_only=True):
     """`[ros2]`. None: the name of the system, ROS_DOMAIN_ID, loopback, rmw_zenoh's configuration.
 
@@ -56,6 +65,7 @@ class Ros2Settings(msgspec.Struct, frozen=True, kw_only=True):
     managed_nodes: bool = True
     topics: tuple[TopicEntry, ...] = ()
     services: tuple[ServiceEntry, ...] = ()
+    actions: tuple[ActionEntry, ...] = ()
 
 
 def ros2_settings(settings: Settings) -> Ros2Settings:
@@ -64,7 +74,7 @@ def ros2_settings(settings: Settings) -> Ros2Settings:
     rest = {
         key: value
         for key, value in section.items()
-        if key not in ("topics", "services")
+        if key not in ("topics", "services", "actions")
     }
     if "namespace" in rest:
         rest["namespace"] = "/" + rest["namespace"].strip("/")
@@ -94,4 +104,16 @@ def ros2_settings(settings: Settings) -> Ros2Settings:
                 span=settings.span("ros2.services", key),
             )
         )
-    return Ros2Settings(**rest, topics=tuple(topics), services=tuple(services))
+    actions = []
+    for key, name in section.get("actions", {}).items():
+        instance, port = key.split(".")
+        span = settings.span("ros2.actions", key)
+        actions.append(
+            ActionEntry(instance=instance, port=port, action=name, span=span)
+        )
+    return Ros2Settings(
+        **rest,
+        topics=tuple(topics),
+        services=tuple(services),
+        actions=tuple(actions),
+    )

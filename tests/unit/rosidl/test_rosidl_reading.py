@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from rtgen.backends.ros_idl import idl_of
 from rtgen.frontends import FrontendResult
 from rtgen.frontends.kit.findings import MOST, Findings
 from rtgen.frontends.rosidl import load, rules
@@ -173,7 +174,24 @@ def test_an_action_has_what_carries_it(tmp_path: Path) -> None:
     paths = write(tmp_path, files)
     result = load(paths[2:], root=tmp_path)
     assert not result.diagnostics
-    assert [f.main for f in result.model.files] == [False, False, True]
+    assert [f.name for f in result.model.files if f.main] == [str(paths[2])]
+    carried = {f.key for f in result.model.files if f.key.startswith("rtgen/")}
+    assert carried == {
+        f"rtgen/rosidl/action_msgs/{name}"
+        for name in (
+            *("srv/CancelGoal.srv", "msg/GoalInfo.msg"),
+            *("msg/GoalStatus.msg", "msg/GoalStatusArray.msg"),
+        )
+    }
+    shown = idl_of(result.model, "lab/action/Go.idl")
+    for text in (
+        "lab::action::Go_SendGoal_Response send_goal(in lab::action::Go_SendGoal_Request",
+        "action_msgs::srv::CancelGoal_Response cancel_goal(in action_msgs::srv::Cancel",
+        "lab::action::Go_GetResult_Response get_result(in lab::action::Go_GetResult_Req",
+        "oneway void feedback(in lab::action::Go_FeedbackMessage",
+        "oneway void status(in action_msgs::msg::GoalStatusArray",
+    ):
+        assert text in shown
     found = {
         "::".join(d.name[2:]): {m.name: str(m.type) for m in d.members}
         for d in result.model.declarations

@@ -11,7 +11,7 @@ from rtgen import api
 from rtgen.frontends.rosidl import load
 from rtgen.layouts.ros_types import service_hash, type_hash
 from rtgen.lint import lint
-from rtgen.model import Component, Const, Model, Struct
+from rtgen.model import Component, Const, Interface, Model, Struct
 from rtgen.resources import ros_file, ros_interfaces
 
 PACKAGES = {
@@ -143,6 +143,18 @@ def test_included_by_idl(shipped: Model) -> None:
         assert type_hash(model, own) == type_hash(shipped, theirs)
 
 
+def signatures(interface: Interface) -> list[tuple[object, ...]]:
+    return [
+        (
+            o.name,
+            o.returns,
+            o.oneway,
+            [(p.direction, p.name, p.type) for p in o.parameters],
+        )
+        for o in interface.operations
+    ]
+
+
 def test_all_can_be_included(shipped: Model) -> None:
     names = [name.rpartition(".")[0] for name in ros_interfaces()]
     model = rtgen.compile("".join(f'#include "{name}.idl"\n' for name in names))
@@ -151,6 +163,9 @@ def test_all_can_be_included(shipped: Model) -> None:
         if isinstance(theirs, Struct):
             assert isinstance(own, Struct)
             assert type_hash(model, own) == type_hash(shipped, theirs)
+        elif isinstance(theirs, Interface):
+            assert isinstance(own, Interface)
+            assert signatures(own) == signatures(theirs)
         else:
             assert isinstance(theirs, Const)
             assert isinstance(own, Const)

@@ -63,7 +63,9 @@ class _Writer:
         for declaration in self._model.declarations:
             if isinstance(declaration, Struct):
                 self._has_message(declaration.name)
-            elif isinstance(declaration, Interface):
+            elif isinstance(declaration, Interface) and not is_interface(
+                declaration.name
+            ):
                 for operation in declaration.operations:
                     self._service(declaration, operation)
         return Emission(tuple(self._artifacts.values()), tuple(self._found))

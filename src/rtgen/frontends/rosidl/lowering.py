@@ -7,20 +7,27 @@ OMG IDL 4.2).
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Final
 
+from rtgen.diagnostics import Span
 from rtgen.facts.primitives import Primitive
+from rtgen.facts.ros import ACTION_SERVICES, ACTION_TOPICS, EVENTS_SUFFIX
 from rtgen.frontends.rosidl.interfaces import Message
 from rtgen.frontends.rosidl.syntax import PRIMITIVES, Field, FieldType
 from rtgen.frontends.rosidl.types import scoped
 from rtgen.model import (
+    VOID,
     Annotation,
     ArrayType,
     Const,
     Declaration,
+    Direction,
+    Interface,
     Member,
     NamedType,
+    Operation,
+    Parameter,
     PrimitiveType,
     ScopedName,
     SequenceType,
@@ -60,6 +67,58 @@ def declarations(message: Message, file: str) -> Iterator[Declaration]:
         doc=message.part.doc,
         members=members or (_filler(message),),
     )
+
+
+def action_interfaces(action: ScopedName, file: str, span: Span) -> Iterator[Interface]:
+    """The interfaces of an action, of its services and of its topics: `Go` and `Go_Events`."""
+    whole = "/".join(action)
+
+    def scoped_type(form: str, suffix: str = "") -> NamedType:
+        return NamedType(tuple(f"{form.format(whole)}{suffix}".split("/")))
+
+    def interface(name: ScopedName, operations: Iterable[Operation]) -> Interface:
+        return Interface(
+            name=name,
+            repository_id=_repository_id(name),
+            file=file,
+            span=span,
+            operations=tuple(operations),
+        )
+
+    def operation(name: str, given: Type, returns: Type, *, within: str) -> Operation:
+        return Operation(
+            span=span,
+            name=name,
+            returns=returns,
+            parameters=(
+                Parameter(
+                    span=span,
+                    direction=Direction.IN,
+                    name="request" if returns != VOID else "message",
+                    type=given,
+                ),
+            ),
+            oneway=returns == VOID,
+            repository_id=_repository_id((*action[:-1], within, name)),
+        )
+
+    stem = action[-1]
+    services = (
+        operation(
+            name,
+            scoped_type(form, "_Request"),
+            scoped_type(form, "_Response"),
+            within=stem,
+        )
+        for name, form in ACTION_SERVICES.items()
+    )
+    yield interface(action, services)
+    events = f"{stem}{EVENTS_SUFFIX}"
+    topics = (
+        operation(name, scoped_type(form), VOID, within=events)
+        for name, form in ACTION_TOPICS.items()
+    )
+    yield interface((*action[:-1], events), topics)
 
 
 def _repository_id(name: ScopedName) -> str:

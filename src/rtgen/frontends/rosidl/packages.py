@@ -66,8 +66,12 @@ def candidates(
 
 
 def file_of(name: ScopedName) -> str:
-    """The file of a message below a folder of packages: `std_msgs/msg/Header.msg`."""
-    return "/".join(name) + ".msg"
+    """The file of a message below a folder of packages: `std_msgs/msg/Header.msg`.
+
+    That of `std_srvs/srv/SetBool_Request` is `std_srvs/srv/SetBool.srv`.
+    """
+    package, kind, message = name
+    return f"{package}/{kind}/{message.partition('_')[0]}.{kind}"
 
 
 def shipped() -> dict[str, VirtualFile | Path]:

@@ -11,6 +11,7 @@ import msgspec
 
 from rtgen import stages
 from rtgen.diagnostics import Span, in_order
+from rtgen.facts.ros import ACTION_SERVICES, ACTION_TOPICS
 from rtgen.frontends import FrontendResult
 from rtgen.frontends.kit.findings import Findings
 from rtgen.frontends.kit.library import Library, absolute_path
@@ -18,7 +19,7 @@ from rtgen.frontends.kit.main_files import open_main
 from rtgen.frontends.kit.suggestions import nearest
 from rtgen.frontends.rosidl import rules
 from rtgen.frontends.rosidl.interfaces import PARTS, Message, messages_of
-from rtgen.frontends.rosidl.lowering import declarations
+from rtgen.frontends.rosidl.lowering import action_interfaces, declarations
 from rtgen.frontends.rosidl.packages import (
     candidates,
     dependencies,
@@ -124,6 +125,8 @@ class _Run:
             self._known[message.name] = False
             self._names[message.name] = file.name
         included = self._referenced(messages, file)
+        if kind == "action":
+            included |= self._carried(file, start)
         for message in messages:
             self._known[message.name] = True
         assert file.data is not None
@@ -139,6 +142,9 @@ class _Run:
         if not self._findings.errors:
             for message in messages:
                 self._declarations += declarations(message, file.name)
+            if kind == "action":
+                action = (package, kind, stem)
+                self._declarations += action_interfaces(action, file.name, start)
 
     def _text(self, file: InterfaceFile, start: Span) -> str | None:
         if file.data is None:
@@ -176,6 +182,19 @@ class _Run:
                     files[found] = None
             if message.name[1] != "msg":
                 own.add(message.name)
+        return files
+
+    def _carried(self, file: InterfaceFile, start: Span) -> dict[str, None]:
+        """Read what all actions share; returns the files, by displayed name."""
+        files: dict[str, None] = {}
+        for form in (*ACTION_SERVICES.values(), *ACTION_TOPICS.values()):
+            package, _, name = form.partition("/")
+            if name:
+                suffix = "_Request" if name.startswith("srv/") else ""
+                scoped_name = (package, *f"{name}{suffix}".split("/"))
+                found = self._message(scoped_name, FieldType(form, start), file)
+                if found is not None:
+                    files[found] = None
         return files
 
     def _report_spelling(self, type_: FieldType) -> None:

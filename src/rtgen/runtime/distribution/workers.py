@@ -12,10 +12,10 @@ _WAITING = 1024
 
 
 class Workers:
-    """Threads that carry out requests."""
+    """Threads that carry out requests; one thread keeps their order."""
 
-    def __init__(self) -> None:
-        self._pool = ThreadPoolExecutor(_THREADS, "rtgen call")
+    def __init__(self, threads: int = _THREADS) -> None:
+        self._pool = ThreadPoolExecutor(threads, "rtgen call")
         self._room = threading.BoundedSemaphore(_WAITING)
 
     def submit(self, work: Callable[[], None]) -> bool:

@@ -36,13 +36,15 @@ from rtgen.runtime.distribution.medium import MediumError
 from rtgen.runtime.ros2.dds_services import Client, Server
 from rtgen.runtime.ros2.graph import Gid, NodeEntitiesInfo, ParticipantEntitiesInfo
 from rtgen.runtime.ros2.network import (
+    Call,
     OnMessage,
+    OnRequest,
     Publish,
     Ros2Error,
     RosNode,
+    RosService,
     RosTopic,
 )
-from rtgen.runtime.ros2.services import Call, OnRequest, RosService
 from rtgen.runtime.ros2.types import ros_name
 
 _FOREVER = (1 << 63) - 1

@@ -26,6 +26,8 @@ from rtgen.runtime.services.servants import (
 _CDR = 4
 _LITTLE, _BIG = struct.Struct("<Qq"), struct.Struct(">Qq")
 _PAUSE = 0.005
+_LOOK = 0.5
+"""Seconds after which a call that waits looks whether its server is still there."""
 _PATIENCE = 2.0
 """Seconds that a server waits for the reader of a client that it does not know yet."""
 
@@ -104,7 +106,9 @@ class Client:
                     left = deadline - time.monotonic()
                     if left <= 0:
                         raise CallTimeout(f"no response of {self._name}")
-                    self._changed.wait(left)
+                    if not self._matched():
+                        raise CommunicationFailure(f"{self._name} is served no more")
+                    self._changed.wait(min(left, _LOOK))
                 response = self._waiting[number]
         finally:
             with self._changed:

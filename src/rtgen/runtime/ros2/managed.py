@@ -16,9 +16,15 @@ from rtgen.runtime.distribution.workers import Workers
 from rtgen.runtime.failures import log
 from rtgen.runtime.ros2 import life_cycle, parameters
 from rtgen.runtime.ros2.life_cycle import LifeCycle, Members
-from rtgen.runtime.ros2.network import Publish, Ros2Error, RosNetwork, RosTopic
+from rtgen.runtime.ros2.network import (
+    Publish,
+    Ros2Error,
+    RosNetwork,
+    RosService,
+    RosTopic,
+)
 from rtgen.runtime.ros2.parameters import Parameters
-from rtgen.runtime.ros2.services import RosService, Server
+from rtgen.runtime.ros2.services import Server
 from rtgen.runtime.ros2.types import made
 from rtgen.runtime.rtc.configuration import ACTIVE_SET
 from rtgen.runtime.system.records import StateRecord

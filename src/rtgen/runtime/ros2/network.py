@@ -9,8 +9,7 @@ from typing import Any, Protocol, TypeAlias
 
 from rtgen.facts import ros_names
 from rtgen.facts.ros_qos import Profile
-from rtgen.runtime.ros2.services import Call, OnRequest, RosService
-from rtgen.runtime.ros2.types import ros_name, type_hash
+from rtgen.runtime.ros2.types import ros_name, service_hash, type_hash
 
 
 class Ros2Error(Exception):
@@ -43,6 +42,36 @@ class RosTopic:
         return type_hash(self.type)
 
 
+@dataclass(frozen=True)
+class RosService:
+    """A service: its fully qualified name, and the generated classes of its two messages.
+
+    `event_info` is the class of service_msgs/msg/ServiceEventInfo, of which its hash is made.
+    `node` is the node that shows it, in the network's namespace; by default the network's own.
+    """
+
+    name: str
+    request: type[Any]
+    response: type[Any]
+    event_info: type[Any]
+    node: str = ""
+
+    @cached_property
+    def type_name(self) -> str:
+        """`std_srvs/srv/SetBool`."""
+        return str(ros_name(self.request)).removesuffix("_Request")
+
+    @cached_property
+    def type_hash(self) -> str:
+        """`RIHS01_...` of the service itself."""
+        return service_hash(self.request, self.response, self.event_info)
+
+    @cached_property
+    def hashes(self) -> tuple[str, str]:
+        """Those of request and response."""
+        return type_hash(self.request), type_hash(self.response)
+
+
 @dataclass(frozen=True, slots=True)
 class RosNode:
     """A node of a process, with its domain."""
@@ -61,6 +90,11 @@ class RosNode:
 
 OnMessage: TypeAlias = Callable[[bytes], None]
 """Takes a serialized message with its encapsulation header, in a thread of the network."""
+Reply: TypeAlias = Callable[[bytes], None]
+"""Sends a serialized response with its encapsulation header; from any thread, once."""
+OnRequest: TypeAlias = Callable[[bytes, Reply], None]
+Call: TypeAlias = Callable[[bytes, float], bytes]
+"""Sends a request and waits for its response, at most so many seconds. Raises ServiceError."""
 Publish: TypeAlias = Callable[[bytes], None]
 """Sends a serialized message with its encapsulation header; from one thread at a time."""
 

@@ -6,75 +6,64 @@ An operation is a service if it takes a request of ROS 2 and returns the respons
 
 from __future__ import annotations
 
+import threading
 from _thread import interrupt_main
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from functools import cached_property, partial
-from typing import Any, TypeAlias
+from functools import partial
+from typing import Any
 
+from rtgen.facts.ros_qos import Profile
 from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.distribution.medium import MediumError
 from rtgen.runtime.distribution.workers import Workers
 from rtgen.runtime.errors import RtcError
 from rtgen.runtime.failures import ends_run, log
 from rtgen.runtime.marshalling.descriptors import StructDescriptor, plain
-from rtgen.runtime.ros2.types import (
-    decoded,
-    request_of,
-    ros_name,
-    service_hash,
-    type_hash,
+from rtgen.runtime.ros2.network import (
+    Call,
+    Reply,
+    Ros2Error,
+    RosNetwork,
+    RosService,
+    RosTopic,
 )
+from rtgen.runtime.ros2.types import decoded, request_of
 from rtgen.runtime.services import calls
 from rtgen.runtime.services.ports import Consumer, Provider
-from rtgen.runtime.services.servants import MarshalError, ObjectNotExist, ServiceError
+from rtgen.runtime.services.servants import (
+    CommunicationFailure,
+    MarshalError,
+    ObjectNotExist,
+    ServiceError,
+)
 
 _HEAD = b"\x00\x01\x00\x00"
-
-Reply: TypeAlias = Callable[[bytes], None]
-"""Sends a serialized response with its encapsulation header; from any thread, once."""
-OnRequest: TypeAlias = Callable[[bytes, Reply], None]
-Call: TypeAlias = Callable[[bytes, float], bytes]
-"""Sends a request and waits for its response, at most so many seconds. Raises ServiceError."""
-
-
-@dataclass(frozen=True)
-class RosService:
-    """A service: its fully qualified name, and the generated classes of its two messages.
-
-    `event_info` is the class of service_msgs/msg/ServiceEventInfo, of which its hash is made.
-    `node` is the node that shows it, in the network's namespace; by default the network's own.
-    """
-
-    name: str
-    request: type[Any]
-    response: type[Any]
-    event_info: type[Any]
-    node: str = ""
-
-    @cached_property
-    def type_name(self) -> str:
-        """`std_srvs/srv/SetBool`."""
-        return str(ros_name(self.request)).removesuffix("_Request")
-
-    @cached_property
-    def type_hash(self) -> str:
-        """`RIHS01_...` of the service itself."""
-        return service_hash(self.request, self.response, self.event_info)
-
-    @cached_property
-    def hashes(self) -> tuple[str, str]:
-        """Those of request and response."""
-        return type_hash(self.request), type_hash(self.response)
+_LONG = 86_400.0
+"""Seconds that a call waits whose response may take long; a server that is lost ends it."""
 
 
 @dataclass(frozen=True, slots=True)
 class ServiceJoint:
-    """An operation of a provider or consumer with the service that it is."""
+    """An operation of a provider or consumer with the service that it is.
+
+    `waits`: the response may take as long as it likes.
+    """
 
     port: Provider[Any] | Consumer[Any]
     operation: str
     service: RosService
+    waits: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class EventJoint:
+    """A oneway operation with the topic that it is: a consumer publishes, a provider receives."""
+
+    port: Provider[Any] | Consumer[Any]
+    operation: str
+    topic: RosTopic
+    profile: Profile
 
 
 def messages_of(interface: type[Any], operation: str) -> tuple[type[Any], type[Any]]:
@@ -92,6 +81,15 @@ def messages_of(interface: type[Any], operation: str) -> tuple[type[Any], type[A
         raise ServiceError(f"{name} does not return {service}_Response")
     assert request is not None
     return request, response
+
+
+def message_of(interface: type[Any], operation: str) -> type[Any]:
+    """The message that an operation of an interface takes alone. Raises ServiceError."""
+    message = _only(calls.calls_of(interface)[operation].request)
+    if message is None:
+        name = interface._descriptor_.name
+        raise ServiceError(f"{name}::{operation} does not take a message alone")
+    return message
 
 
 def _only(body: type[Any] | None) -> type[Any] | None:
@@ -120,7 +118,7 @@ class Server:
     def take(self, octets: bytes, reply: Reply) -> None:
         """Answer soon."""
         if not self._workers.submit(partial(self._answer, octets, reply)):
-            log.warning("%s: too many calls wait", self._service.name)
+            log.warning("%s: a request is left out: too many wait", self._service.name)
 
     def _answer(self, octets: bytes, reply: Reply) -> None:
         name = self._service.name
@@ -137,69 +135,143 @@ class Server:
             log.exception("%s: a request cannot be answered", name)
 
 
+class _Receiver:
+    """Hands the messages of a topic to a provider, in their order."""
+
+    def __init__(self, joint: EventJoint, workers: Workers) -> None:
+        self._joint = joint
+        self._workers = workers
+
+    def take(self, octets: bytes) -> None:
+        """Hand on a message soon."""
+        if not self._workers.submit(partial(self._hand_on, octets)):
+            log.warning(
+                "%s: a message is left out: too many wait", self._joint.topic.name
+            )
+
+    def _hand_on(self, octets: bytes) -> None:
+        topic, provider = self._joint.topic, self._joint.port
+        assert isinstance(provider, Provider)
+        try:
+            message = decoded(topic.type, octets)
+            provider.carry_out(self._joint.operation, (message,))
+        except CdrError as error:
+            log.warning("%s: a message cannot be decoded: %s", topic.name, error)
+        except ServiceError as error:
+            log.debug("%s: a message is left out: %s", topic.name, error)
+        except BaseException as error:
+            if not ends_run(error):
+                log.exception("%s: a message cannot be handled", topic.name)
+                return
+            interrupt_main()
+
+
 def _carried_out(joint: ServiceJoint) -> Callable[[Any], Any]:
     provider = joint.port
     assert isinstance(provider, Provider)
     return lambda request: provider.carry_out(joint.operation, (request,))
 
 
+def _requested(joint: ServiceJoint, call: Call, timeout: float) -> Callable[[Any], Any]:
+    def carry(request: Any) -> Any:
+        octets = call(_HEAD + request.to_cdr(True), timeout)
+        try:
+            return decoded(joint.service.response, octets)
+        except CdrError as error:
+            raise MarshalError(
+                f"{joint.operation}: the response is wrong: {error}"
+            ) from error
+
+    return carry
+
+
+def _published(publish: Callable[[bytes], None]) -> Callable[[Any], None]:
+    lock = threading.Lock()
+
+    def carry(message: Any) -> None:
+        octets = _HEAD + message.to_cdr(True)
+        try:
+            with lock:
+                publish(octets)
+        except Ros2Error as error:
+            raise CommunicationFailure(str(error)) from error
+
+    return carry
+
+
 class _Carrier:
-    """Carries the calls of a consumer to services, each by its operation."""
+    """Carries the calls of a consumer, each by its operation."""
 
     reachable = True
 
-    def __init__(self, timeout: float) -> None:
-        self._timeout = timeout
-        self._calls: dict[str, tuple[Call, type[Any]]] = {}
-
-    def add(self, operation: str, call: Call, response: type[Any]) -> None:
-        """Carry the calls of an operation."""
-        self._calls[operation] = call, response
+    def __init__(self) -> None:
+        self.operations: dict[str, Callable[[Any], object]] = {}
 
     def call(self, operation: str, arguments: tuple[object, ...]) -> object:
         """See `Carrier`. Raises ServiceError, CdrError."""
-        if operation not in self._calls:
+        if operation not in self.operations:
             raise ObjectNotExist(f"{operation!r} is not a service of ROS 2")
-        call, response = self._calls[operation]
-        request: Any = arguments[0]
-        octets = call(_HEAD + request.to_cdr(True), self._timeout)
-        try:
-            return decoded(response, octets)
-        except CdrError as error:
-            raise MarshalError(
-                f"{operation}: the response is wrong: {error}"
-            ) from error
+        return self.operations[operation](arguments[0])
 
 
 class RosServices:
-    """The operations of a system that are services, until `close`; the network stays open."""
+    """The operations of a system that ROS 2 sees, until `close`; the network stays open."""
 
     def __init__(
-        self, network: Any, joints: Iterable[ServiceJoint], timeout: float = 10.0
+        self,
+        network: RosNetwork,
+        joints: Iterable[ServiceJoint | EventJoint],
+        timeout: float = 10.0,
     ) -> None:
-        """`network` is a RosNetwork. Raises Ros2Error."""
-        self._workers = Workers()
+        """Raises Ros2Error."""
+        self._network = network
+        self._timeout = timeout
+        self._short = Workers()
+        self._in_order = Workers(1)
+        self._workers = [self._short, self._in_order]
         self._consumers: dict[int, tuple[Consumer[Any], _Carrier]] = {}
         for joint in joints:
-            if isinstance(joint.port, Provider):
-                server = Server(joint.service, _carried_out(joint), self._workers)
-                network.serve(joint.service, server.take)
-                continue
-            carrier = self._carrier(joint.port, timeout)
-            call = network.client(joint.service)
-            carrier.add(joint.operation, call, joint.service.response)
+            if isinstance(joint, EventJoint):
+                self._join_event(joint)
+            else:
+                self._join_service(joint)
 
-    def _carrier(self, consumer: Consumer[Any], timeout: float) -> _Carrier:
+    def _join_service(self, joint: ServiceJoint) -> None:
+        if isinstance(joint.port, Provider):
+            workers = self._short
+            if joint.waits:
+                # Those that wait must not keep others from being answered.
+                workers = Workers()
+                self._workers.append(workers)
+            server = Server(joint.service, _carried_out(joint), workers)
+            self._network.serve(joint.service, server.take)
+            return
+        call = self._network.client(joint.service)
+        timeout = _LONG if joint.waits else self._timeout
+        carrier = self._carrier(joint.port)
+        carrier.operations[joint.operation] = _requested(joint, call, timeout)
+
+    def _join_event(self, joint: EventJoint) -> None:
+        if isinstance(joint.port, Provider):
+            receiver = _Receiver(joint, self._in_order)
+            self._network.subscribe(joint.topic, joint.profile, receiver.take)
+            return
+        publish = self._network.publisher(joint.topic, joint.profile)
+        carrier = self._carrier(joint.port)
+        carrier.operations[joint.operation] = _published(publish)
+
+    def _carrier(self, consumer: Consumer[Any]) -> _Carrier:
         known = self._consumers.get(id(consumer))
         if known is None:
-            known = consumer, _Carrier(timeout)
+            known = consumer, _Carrier()
             self._consumers[id(consumer)] = known
             consumer._provider = known[1]
         return known[1]
 
     def close(self) -> None:
         """Serve no more."""
-        self._workers.close()
+        for workers in self._workers:
+            workers.close()
         for consumer, carrier in self._consumers.values():
             if consumer._provider is carrier:
                 consumer._provider = None

@@ -18,13 +18,15 @@ from rtgen.facts.ros_qos import PROFILES, Durability, History, Profile, Reliabil
 from rtgen.facts.ros_zenoh import Attachment, Entity, Node
 from rtgen.runtime.failures import log
 from rtgen.runtime.ros2.network import (
+    Call,
     OnMessage,
+    OnRequest,
     Publish,
     Ros2Error,
     RosNode,
+    RosService,
     RosTopic,
 )
-from rtgen.runtime.ros2.services import Call, OnRequest, RosService
 from rtgen.runtime.services.servants import (
     CallTimeout,
     CommunicationFailure,
