@@ -167,6 +167,17 @@ SYSTEM = (
 )
 
 
+FOREIGN = SYSTEM.replace(
+    'rts:instanceName="Worker0">',
+    'rts:instanceName="Worker0" rts:pathUri="localhost/lab.host_cxt/Worker0.rtc">',
+    1,
+).replace(
+    "</rts:RtsProfile>",
+    '<rtsExt:Properties rtsExt:name="rtgen.foreign" rtsExt:value="Worker0"/>'
+    "</rts:RtsProfile>",
+)
+
+
 @pytest.fixture(scope="module")
 def workshop(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The folder of the project, generated and completed."""
@@ -175,6 +186,7 @@ def workshop(tmp_path_factory: pytest.TempPathFactory) -> Path:
         "rtgen.toml": PROJECT,
         "parts/workshop.idl": DEFINITIONS,
         "parts/line.xml": SYSTEM,
+        "parts/mixed.xml": FOREIGN,
         "parts/Sink.conf": "conf.default.prefix: it is\n",
         **{f"src/hands/{name}.py": text for name, text in BEHAVIOURS.items()},
     }
@@ -321,6 +333,39 @@ def test_a_system_runs(
     assert processes(folder) == []
     monkeypatch.chdir(workshop)
     assert run(["check", "--target", "openrtm", "-q"]) == 0
+
+
+def test_a_component_that_others_run(
+    workshop: Path,
+    rtm_environment: dict[str, str],
+    naming_service: str,
+    ended: Callable[[Path], None],
+) -> None:
+    folder = workshop / "generated/openrtm/mixed"
+    ended(folder)
+    assert not (folder / "Worker0.conf").exists()
+    options = ["--nameserver", naming_service, "--timeout"]
+    failed = script(folder / "start.sh", rtm_environment, *options, "1")
+    assert failed.returncode == 3
+    missing = "Worker0 (foreign, at localhost/lab.host_cxt/Worker0.rtc)"
+    assert missing in failed.stderr
+    module = folder.parent / "Worker"
+    subprocess.run(
+        ["sh", "./idlcompile.sh"], cwd=module, env=rtm_environment, check=True
+    )
+    settings = {
+        "corba.nameservers": naming_service,
+        "naming.formats": "lab.host_cxt/%n.rtc",
+    }
+    command = ["Worker.py", "--instance_name=Worker0", "-f", "rtc.conf"]
+    with middleware.launched(command, settings, rtm_environment, module):
+        started = script(folder / "start.sh", rtm_environment, *options, "60")
+        assert started.returncode == 0, started.stderr
+        assert "Worker0 ACTIVE" in started.stdout
+        assert not (folder / "run/Worker0.pid").exists()
+        stopped = script(folder / "stop.sh", rtm_environment)
+        assert "Worker0 goes on: others have started it" in stopped.stdout
+        assert "Source0 ended" in stopped.stdout
 
 
 def test_a_system_that_does_not_come_up_leaves_nothing(

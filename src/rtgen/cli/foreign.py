@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from rtgen.cli.transports import TransportOptions
 from rtgen.diagnostics import InputError, ToolError
 from rtgen.facts.openrtm_ports import FOREIGN as PROPERTY
+from rtgen.facts.openrtm_ports import foreign_instances
 from rtgen.model import System
 from rtgen.runtime.errors import TransportError
 from rtgen.runtime.services.transports import (
@@ -24,9 +25,8 @@ def named(profile: System, listed: str | None) -> frozenset[str]:
 
     Raises InputError for an unknown instance.
     """
-    stated = dict(profile.properties).get(PROPERTY, "")
     place = profile.places.get(PROPERTY)
-    texts = [(name.strip(), place) for name in stated.split(",") if name.strip()]
+    texts = [(name, place) for name in foreign_instances(profile.properties)]
     texts += [(name.strip(), None) for name in (listed or "").split(",") if listed]
     return frozenset(timeline.require_instance(n, profile, span) for n, span in texts)
 

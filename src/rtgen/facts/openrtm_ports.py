@@ -23,6 +23,12 @@ Key: TypeAlias = tuple[str, str]
 _SUFFIXES: Final = {IN: "", OUT: "_out", SERVICE: "_service"}
 
 
+def foreign_instances(properties: Iterable[tuple[str, str]]) -> list[str]:
+    """The instances that the properties of a system name as foreign, in their order."""
+    stated = dict(properties).get(FOREIGN, "")
+    return [name.strip() for name in stated.split(",") if name.strip()]
+
+
 def known_name(name: str) -> str:
     """The name that OpenRTM uses for a port registered as `name`."""
     return name.rpartition(".")[2]

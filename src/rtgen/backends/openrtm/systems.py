@@ -29,7 +29,7 @@ from rtgen.facts.connector_properties import (
     STRICTNESS,
     own_properties,
 )
-from rtgen.facts.openrtm_ports import SERVICE, known_name
+from rtgen.facts.openrtm_ports import SERVICE, foreign_instances, known_name
 from rtgen.model import (
     Activation,
     Connection,
@@ -147,6 +147,7 @@ class _Writer:
             instance: Known(plan.component, plan.unit.model)
             for instance, plan in self._plans.items()
         }
+        self._foreign = foreign_instances(system.properties)
         self._pairs: dict[int, list[Pair]] = {}
         self._connections = [
             self._connection(c) for c in system.connections if self._is_possible(c)
@@ -178,7 +179,9 @@ class _Writer:
         yield self._artifact("connect.py", self._connect_script())
         yield self._artifact("stop.sh", self._script("stop.sh.j2"))
         yield self._artifact(f"{self._name}.xml", self._profile())
-        for instance in self._instances.values():
+        for name, instance in self._instances.items():
+            if name in self._foreign:
+                continue
             yield self._artifact(
                 f"{instance.component.instance}.conf", self._conf(instance)
             )
@@ -331,7 +334,11 @@ class _Writer:
                 i.component,
                 id=i.plan.component.profile_id,
                 rate=i.rate,
-                path_uri=f"localhost/{name}.rtc",
+                path_uri=(
+                    i.component.path_uri
+                    if name in self._foreign
+                    else f"localhost/{name}.rtc"
+                ),
             )
             for name, i in self._instances.items()
         ]
@@ -360,7 +367,8 @@ class _Writer:
         )
 
     def _script(self, template: str) -> str:
-        order = [step.instance for step in self._system.activation]
+        started = [step.instance for step in self._system.activation]
+        order = [name for name in started if name not in self._foreign]
         return render(
             f"openrtm/{template}",
             header=self._header_comment(),
@@ -381,7 +389,9 @@ class _Writer:
     def _connect_script(self) -> str:
         steps = {step.instance: step for step in self._system.activation}
         instances = [
-            _instance_text(self._instances[name], step.wait_ms)
+            _instance_text(
+                self._instances[name], step.wait_ms, foreign=name in self._foreign
+            )
             for name, step in steps.items()
         ]
         connections = [_connection_text(c) for c in self._connections]
@@ -418,7 +428,7 @@ def _value(c: SystemComponent, plan: ComponentPlan, name: str) -> float | None:
     return value if isfinite(value) else None
 
 
-def _instance_text(instance: _Instance, wait_ms: int) -> str:
+def _instance_text(instance: _Instance, wait_ms: int, *, foreign: bool) -> str:
     c = instance.component
     parts = [string_literal(c.instance), f"rate={number_literal(instance.rate)}"]
     if c.configuration:
@@ -437,6 +447,10 @@ def _instance_text(instance: _Instance, wait_ms: int) -> str:
         parts.append(f"per_cycle={{{', '.join(pairs)}}}")
     if wait_ms:
         parts.append(f"wait={number_literal(wait_ms / 1000)}")
+    if foreign:
+        parts.append(
+            f"foreign={string_literal(c.path_uri or f'localhost/{c.instance}.rtc')}"
+        )
     return f"Instance({', '.join(parts)})"
 
 

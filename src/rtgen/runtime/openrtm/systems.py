@@ -18,10 +18,13 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
+from rtgen.runtime.openrtm.steps import StartError, Step, error_text
+
 OK, FAILED = 0, 3
 """Exit codes."""
 
 _STRICTNESS = "port.connection.strictness"
+_ADDRESSES = ("corbaname:", "corbaloc:", "IOR:")
 _PAUSE = 0.05
 _CALL_TIMEOUT = 10_000
 """Milliseconds, the unit of OpenRTM's managers."""
@@ -41,6 +44,8 @@ class Instance:
     active_set: str = "default"
     per_cycle: Mapping[str, float] = field(default_factory=dict)
     wait: float = 0.0
+    foreign: str = ""
+    """The `pathUri` of a component that others start and end; empty for one of the system's."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,10 +70,6 @@ class System:
     name: str
     instances: Sequence[Instance]
     connections: Sequence[Connection]
-
-
-class StartError(Exception):
-    """The reason why a system does not start."""
 
 
 def main(system: System, arguments: Sequence[str] | None = None) -> int:
@@ -166,7 +167,7 @@ class Client:
             naming = self._openrtm.CorbaNaming(self._orb, self._nameserver)
             naming.getRootContext()._non_existent()
         except Exception as error:  # CorbaNaming documents none; MemoryError is one.
-            message = f"no naming service at {self._nameserver}: {_error_text(error)}"
+            message = f"no naming service at {self._nameserver}: {error_text(error)}"
             raise StartError(message) from None
         return naming
 
@@ -193,16 +194,19 @@ class Client:
         """Deactivate and end the remaining components, in reverse order."""
         naming = self.naming()
         for instance in reversed(system.instances):
-            component = self._resolved(naming, instance.name)
+            component = self._resolved(naming, instance)
             if component is None:
                 continue
             try:
                 if self._state(component) == self._rtc.ACTIVE_STATE:
                     self._openrtm.deactivate(component)
+                if instance.foreign:
+                    yield f"{instance.name} goes on: others have started it"
+                    continue
                 component.exit()
             except self._corba.SystemException as error:
                 # A component that ends may not be able to answer any more.
-                yield f"{instance.name} does not answer: {_error_text(error)}"
+                yield f"{instance.name} does not answer: {error_text(error)}"
             else:
                 yield f"{instance.name} ended"
 
@@ -210,20 +214,23 @@ class Client:
 
     def _find(self, system: System) -> None:
         naming = self.naming()
-        missing = {instance.name for instance in system.instances}
+        missing = {instance.name: instance for instance in system.instances}
 
         def all_there() -> bool:
             for name in sorted(missing):
-                component = self._resolved(naming, name)
+                component = self._resolved(naming, missing[name])
                 if component is not None:
                     self._components[name] = component
-                    missing.remove(name)
+                    del missing[name]
                 else:
                     self._require_process(name)
             return not missing
 
         if not self._wait(all_there):
-            names = ", ".join(sorted(missing))
+            names = ", ".join(
+                f"{name} (foreign, at {each.foreign})" if each.foreign else name
+                for name, each in sorted(missing.items())
+            )
             raise StartError(f"not in the naming service {self._nameserver}: {names}")
 
     def _require_process(self, name: str) -> None:
@@ -250,10 +257,24 @@ class Client:
             (each.strip() for each in reversed(text.split("\n")) if each.strip()), ""
         )
 
-    def _resolved(self, naming: Any, name: str) -> Any:
-        """The living component bound to a name, else None."""
+    def _resolved(self, naming: Any, instance: Instance) -> Any:
+        """The living component of an instance, else None."""
+        name = f"{instance.name}.rtc"
+        if instance.foreign.startswith(_ADDRESSES):
+            address = instance.foreign
+            return self._living(lambda: self._orb.string_to_object(address))
+        service, _, path = instance.foreign.partition("/")
+        found = self._living(lambda: naming.resolve(path)) if path else None
+        found = found or self._living(lambda: naming.resolve(name))
+        if found is None and path:
+            text = f"corbaname::{service}#{path}"
+            found = self._living(lambda: self._orb.string_to_object(text))
+        return found
+
+    def _living(self, find: Callable[[], Any]) -> Any:
+        """What is found if it is a component whose process answers, else None."""
         try:
-            found = naming.resolve(f"{name}.rtc")
+            found = find()
             component = None if found is None else found._narrow(self._rtc.RTObject)
             alive = component is not None and not component._non_existent()
         except self._corba.Exception:  # not bound, or by a process that has ended
@@ -277,7 +298,7 @@ class Client:
     def _activate(self, name: str) -> str:
         component = self._components[name]
         inactive = self._rtc.INACTIVE_STATE
-        with _Step(f"{name} cannot be activated"):
+        with Step(f"{name} cannot be activated"):
             if self._state(component) == inactive:
                 code = self._openrtm.activate(component)
                 # RTC_ERROR: it takes longer than OpenRTM's half second. PRECONDITION_NOT_MET:
@@ -300,7 +321,7 @@ class Client:
 
         In OpenRTM a component is ACTIVE before `onActivated`, until the tick after its failure.
         """
-        with _Step("a component does not answer"):
+        with Step("a component does not answer"):
             contexts = map(self._context, self._components.values())
             rates = [context.get_rate() for context in contexts]
             ticks = [2.0 / rate for rate in rates if rate > 0]
@@ -318,7 +339,7 @@ class Client:
 
     def _configure(self, instance: Instance, scale: float) -> None:
         component = self._components[instance.name]
-        with _Step(f"{instance.name} cannot be configured"):
+        with Step(f"{instance.name} cannot be configured"):
             values = {s: dict(pairs) for s, pairs in instance.configuration.items()}
             for name, value in instance.per_cycle.items() if scale != 1.0 else ():
                 values.setdefault(instance.active_set, {})[name] = repr(value / scale)
@@ -352,7 +373,7 @@ class Client:
 
     def _connect(self, connection: Connection) -> list[str]:
         """Connect two ports; return the consumers that remain without a provider."""
-        with _Step(f"{connection.source} and {connection.target} cannot be joined"):
+        with Step(f"{connection.source} and {connection.target} cannot be joined"):
             ports = [self._port(end) for end in (connection.source, connection.target)]
             lonely = self._require_providers(connection, ports)
             if not self._joined(*ports):
@@ -463,23 +484,3 @@ class Client:
             for connector in one.get_connector_profiles()
             for port in connector.ports
         )
-
-
-class _Step:
-    """The step in progress: prefixes its text to CORBA exceptions and StartErrors."""
-
-    def __init__(self, text: str) -> None:
-        self._text = text
-
-    def __enter__(self) -> None:
-        return None
-
-    def __exit__(self, kind: type[BaseException] | None, error: Any, _: object) -> None:
-        if kind is not None and issubclass(kind, Exception):
-            raise StartError(f"{self._text}: {_error_text(error)}") from None
-
-
-def _error_text(error: BaseException) -> str:
-    if isinstance(error, StartError):
-        return str(error)
-    return f"{type(error).__name__}: {error}"
