@@ -52,7 +52,7 @@ test: $(VENV)/bin/python
 CHECKED = src tests benchmarks requirements editors hatch_build.py mkdocs_hooks.py ui/build.py
 
 lint: $(VENV)/test.stamp
-	$(BIN)/black --check --quiet $(CHECKED)
+	$(BIN)/python tests/python_form.py $(CHECKED)
 	$(BIN)/ruff check $(CHECKED)
 
 types: mypy-3.11 mypy-3.12 mypy-3.13 pyright
