@@ -1,7 +1,7 @@
 """Whether Python files are in black's form: `python tests/python_form.py FOLDER_OR_FILE...`
 
-Ruff's formatter is thirty times as fast as black, and differs from black in a few constructs: what it
-would leave is in the form, what it would change is judged by black.
+Ruff's formatter is thirty times as fast as black, and differs from black in a few constructs: what
+ruff would leave is in the form, what ruff would change is judged by black.
 """
 
 from __future__ import annotations

@@ -33,7 +33,7 @@ def _lines(
     return int(match[1]), int(match[2])
 
 
-@click.command(epilog="Example: rtgen fmt --check specs")
+@click.command(epilog="\b\nExample:\n  rtgen fmt --check specs")
 @click.argument("paths", nargs=-1, metavar="[PATH|-]...")
 @click.option("--check", is_flag=True, help="Print the files that are not in form.")
 @click.option("--diff", "as_diff", is_flag=True, help="Print a unified diff instead.")

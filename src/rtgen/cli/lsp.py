@@ -31,7 +31,7 @@ def lsp(console: Console, log_level: str) -> int:
     extra `lsp`: pip install "rtgen[lsp]".
 
     \b
-    Example, for Helix (languages.toml):
+    Settings of the editor Helix (languages.toml):
       [language-server.rtgen]
       command = "rtgen"
       args = ["lsp"]

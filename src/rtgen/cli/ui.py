@@ -15,7 +15,7 @@ import click
 
 from rtgen import runtime
 from rtgen.cli.assembly import add_component, assemble
-from rtgen.cli.common import OK, Console, with_console, write_out
+from rtgen.cli.common import OK, Console, WholeRange, with_console, write_out
 from rtgen.cli.factories import Factories, FactoryImportError
 from rtgen.cli.failures import FailureOptions, FailureReport
 from rtgen.diagnostics import InputError, ToolError, has_errors, in_order
@@ -151,7 +151,7 @@ class CommandProject:
 )
 @click.option(
     "--port",
-    type=click.IntRange(0, 65535),
+    type=WholeRange(0, 65535),
     default=0,
     help="The port on 127.0.0.1; by default any that is free.",
 )
