@@ -43,23 +43,28 @@ class Check(Generic[S]):
 
     def outcome(self, subject: S, *, actuate: bool) -> Outcome:
         """Run the check on a subject."""
-        about = (self.name, self.title, self.clause)
         if self.actuates and not actuate:
-            return Outcome(
-                *about, Verdict.SKIPPED, 0, ("it may move something: --actuate",)
-            )
-        tried, problems = 0, []
+            return self.skipped("it may move something: --actuate")
+        tried = 0
+        problems: list[str] = []
         try:
             for problem in self.run(subject):
                 tried += 1
                 problems += [] if problem is None else [problem]
         except SkipError as reason:
-            return Outcome(*about, Verdict.SKIPPED, 0, (str(reason),))
+            return self.skipped(str(reason))
         except subject.faults as fault:
             problems.append(subject.explained(fault))
         if not tried and not problems:
-            return Outcome(
-                *about, Verdict.SKIPPED, 0, ("the description has nothing of it",)
-            )
+            return self.skipped("the description has nothing of it")
         verdict = Verdict.FAILED if problems else Verdict.PASSED
-        return Outcome(*about, verdict, tried, tuple(problems))
+        return self._outcome(verdict, tried, problems)
+
+    def skipped(self, reason: str) -> Outcome:
+        """The outcome of a check that was not made."""
+        return self._outcome(Verdict.SKIPPED, 0, [reason])
+
+    def _outcome(self, verdict: Verdict, tried: int, problems: list[str]) -> Outcome:
+        return Outcome(
+            self.name, self.title, self.clause, verdict, tried, tuple(problems)
+        )

@@ -49,8 +49,9 @@ class Answer:
 class BoardUnderTest:
     """A board that serves a signature.
 
-    `address` is that of a TCP port, None where `serial` is a device; `answer` is the time in
-    seconds that the board has. Methods raise RpcError if the board does not answer as it must.
+    `address` is that of a TCP port, None where `serial` is a device. `answer` is the time in
+    seconds that the board has, `quiet` that after which it has nothing to add. Methods raise
+    RpcError if the board does not answer as it must.
     """
 
     faults: ClassVar[tuple[type[Exception], ...]] = (RpcError, ConnectError)
@@ -61,6 +62,7 @@ class BoardUnderTest:
     serial: str | None
     baud: int
     answer: float
+    quiet: float = 0.25
 
     def explained(self, fault: Exception) -> str:
         """See `Subject`."""
@@ -100,6 +102,8 @@ class BoardUnderTest:
     def raw(self, segments: Sequence[bytes], wanted: int = 0) -> Answer:
         """What the board answers to octets, up to `wanted` ones, or until it closes.
 
+        Without `wanted`, what it answers until it is quiet.
+
         Raises SkipError for a serial line, which has no connection that could be closed.
         """
         if self.address is None:
@@ -113,7 +117,10 @@ class BoardUnderTest:
                     line.sendall(segment)
                 end = monotonic() + self.answer
                 while not wanted or len(found) < wanted:
-                    line.settimeout(max(end - monotonic(), 0.001))
+                    left = end - monotonic()
+                    if found and not wanted:
+                        left = min(left, self.quiet)
+                    line.settimeout(max(left, 0.001))
                     part = line.recv(_PIECE)
                     if not part:
                         return Answer(found, closed=True)
@@ -125,6 +132,21 @@ class BoardUnderTest:
             except OSError:
                 return Answer(found, closed=True)
         return Answer(found, closed=False)
+
+    def silent(self, octets: bytes) -> Answer:
+        """What the board answers to octets while it should be quiet."""
+        if self.address is None:
+            raise SkipError("a serial line has no connection that could be closed")
+        with self._connected(self.address) as line:
+            line.sendall(octets)
+            line.settimeout(self.quiet)
+            try:
+                found = line.recv(_PIECE)
+            except TIME_OVER:
+                return Answer(b"", closed=False)
+            except OSError:
+                found = b""
+            return Answer(found, closed=not found)
 
     def leave(self, octets: bytes) -> None:
         """Send octets and close the connection. Raises ConnectError, and SkipError as `raw`."""

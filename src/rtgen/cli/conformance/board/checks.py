@@ -44,7 +44,7 @@ def _simplest(board: BoardUnderTest) -> Function:
 
 def _refused(board: BoardUnderTest, octets: bytes, what: str) -> str | None:
     """The problem of a request that should have been refused: no answer, connection closed."""
-    answer = board.raw([octets])
+    answer = board.raw([octets], wanted=1)
     return None if answer.closed and not answer.data else f"{what}: {answer}"
 
 
@@ -244,7 +244,7 @@ def oneway(board: BoardUnderTest) -> Problems:
             if board.address is None:
                 yield board.problem(function, given, "oneway")
             else:
-                answer = board.raw([_request(function, given)])
+                answer = board.silent(_request(function, given))
                 silent = not answer.data and not answer.closed
                 yield None if silent else f"{function.name}: {answer}"
 

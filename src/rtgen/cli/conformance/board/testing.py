@@ -61,5 +61,12 @@ def checked(
     """The report of all checks of a board. Raises ToolError if it cannot be reached."""
     if not board.is_there():
         raise ToolError(f"{subject}: no connection")
-    outcomes = tuple(check.outcome(board, actuate=actuate) for check in CHECKS)
+    outcomes = tuple(
+        (
+            check.outcome(board, actuate=actuate)
+            if board.is_there()
+            else check.skipped("the board accepts no connection any more")
+        )
+        for check in CHECKS
+    )
     return Report(subject, definition, outcomes)
