@@ -273,6 +273,26 @@ class RefusesItsOwnValue:
         return sdo_abort(cause, 0x08000000) if stored else out
 
 
+class OldValues:
+    """Answers reads of the application, after an RPDO, with what was there before."""
+
+    def __init__(self) -> None:
+        self.values: dict[bytes, list[Frame]] = {}
+        self.received = False
+
+    def __call__(self, cause: Frame, out: list[Frame]) -> list[Frame]:
+        self.received |= 0x200 <= cause.can_id < 0x580 and len(cause.data) > 3
+        if (
+            cause.can_id == 0x600 + ID
+            and cause.data[:1] == b"\x40"
+            and cause.data[2:3] >= b"\x20"
+        ):
+            if not self.received:
+                self.values[cause.data] = out
+            return self.values.get(cause.data, out)
+        return out
+
+
 def too_high_is_stored(cause: Frame, out: list[Frame]) -> list[Frame]:
     refused = [f for f in out if f.data[4:8] == (0x06090031).to_bytes(4, "little")]
     return acknowledged(cause) if refused else out
@@ -282,7 +302,7 @@ MUTANTS: dict[str, tuple[str, Alter]] = {
     "sdo.read": ("f_palette", refusing(0x40, 0x1018, 4)),
     "object.type": ("f_palette", answering(0x1001, 0, 0x4B, b"\0\0")),
     "object.limits": ("limited", answering(0x2F00, 0, 0x4B, b"\xff\x7f")),
-    "object.constants": ("f_palette", answering(0x1018, 2, 0x43, b"\x99\0\0\0")),
+    "object.constants": ("f_palette", answering(0x1000, 0, 0x43, b"\x99\0\0\0")),
     "pdo.parameters": ("f_palette", answering(0x1A00, 1, 0x43, b"\x08\0\x99\x60")),
     "sdo.read-only": ("f_palette", accepting(0x20, 0x1018, 1)),
     "sdo.write-only": ("limited", answering(0x2F01, 0, 0x4B, b"\0\0")),
@@ -330,6 +350,18 @@ MUTANTS: dict[str, tuple[str, Alter]] = {
     "pdo.synchronous": (
         "motor_core_unit",
         lambda cause, out: [f for f in out if not 0x180 <= f.can_id < 0x580],
+    ),
+    "pdo.reception": ("f_palette", OldValues()),
+    "pdo.length": (
+        "f_palette",
+        lambda cause, out: [
+            Frame(f.can_id, b"\0\0" + f.data[2:]) if f.can_id == 0x80 + ID else f
+            for f in out
+        ],
+    ),
+    "lss.address": (
+        "f_palette",
+        changed(0x7E4, lambda data: b"\x5e\x63" if data[:1] == b"\x5e" else data),
     ),
 }
 

@@ -6,7 +6,14 @@ from collections.abc import Iterator
 from typing import Final
 
 from rtgen.cli.can.node_index import DescribedObject
+from rtgen.cli.conformance.canopen.lss_checks import lss_address
 from rtgen.cli.conformance.canopen.node import NodeUnderTest, SilenceError
+from rtgen.cli.conformance.canopen.pdo_checks import (
+    parameters,
+    reception,
+    short_reception,
+    synchronous,
+)
 from rtgen.cli.conformance.check import Check, Problems, SkipError
 from rtgen.model.canopen import Access, NodeRelative, resolved
 from rtgen.runtime.canopen.description import ObjectNumber
@@ -15,8 +22,6 @@ from rtgen.runtime.canopen.wire import sdo
 from rtgen.runtime.canopen.wire.frames import (
     ERROR_CONTROL,
     MILLISECOND,
-    SYNC,
-    CobId,
     Frame,
 )
 from rtgen.runtime.canopen.wire.nmt import NmtCommand, NmtState
@@ -31,7 +36,6 @@ _PERIOD: Final = 100
 _BEATS: Final = 5
 _MOST_SILENT: Final = 5
 """Objects without an answer after which no further ones are read."""
-_MOST_SYNCHRONOUS: Final = 240
 _READ_ONLY: Final = (sdo.READ_ONLY, sdo.ACCESS_UNSUPPORTED)
 _WRITE_ONLY: Final = (sdo.WRITE_ONLY, sdo.ACCESS_UNSUPPORTED)
 _LENGTH: Final = (sdo.LENGTH_MISMATCH, sdo.LENGTH_TOO_HIGH, sdo.LENGTH_TOO_LOW)
@@ -218,25 +222,6 @@ def errors(node: NodeUnderTest) -> Problems:
         yield _refused("1003h:0 set to 1", code, sdo.VALUE_INVALID, *_TOO_HIGH)
 
 
-def pdo_parameters(node: NodeUnderTest) -> Problems:
-    """Identifiers, transmission types and mappings of PDOs are those of the description."""
-    for pdo in node.described.device.pdos:
-        for index in (pdo.communication, pdo.mapping):
-            for (at, sub), octets in node.values.items():
-                variable = node.described.device.find(at, sub)
-                if at != index or variable is None:
-                    continue
-                wanted = resolved(variable.default, node.id)
-                if isinstance(wanted, int):
-                    got = int.from_bytes(octets, "little")
-                    thing = node.described.objects[at, sub]
-                    yield (
-                        None
-                        if got == wanted
-                        else f"{thing} is {got:X}h, described is {wanted:X}h"
-                    )
-
-
 def boot_up(node: NodeUnderTest) -> Problems:
     """Reset communication leads to the boot-up message, and to PRE-OPERATIONAL."""
     node.command(NmtCommand.RESET_COMMUNICATION)
@@ -372,39 +357,6 @@ def same_value(node: NodeUnderTest) -> Problems:
             )
 
 
-def synchronous(node: NodeUnderTest) -> Problems:
-    """A TPDO of transmission type n is sent after every n-th SYNC, with its length."""
-    found = []
-    for pdo in node.described.device.pdos:
-        kind = int.from_bytes(node.values.get((pdo.communication, 2), b"\0"), "little")
-        cob_id = CobId(
-            int.from_bytes(node.values.get((pdo.communication, 1), b""), "little")
-        )
-        if (
-            pdo.direction == "tpdo"
-            and 1 <= kind <= _MOST_SYNCHRONOUS
-            and not cob_id.bit31
-        ):
-            found.append((pdo, kind, cob_id.can_id))
-    node.command(NmtCommand.START)
-    try:
-        for pdo, kind, can_id in found:
-            counted = 0
-            for _ in range(2 * kind):
-                node.line.send(Frame(SYNC))
-                frame = node.await_frame(can_id, 20 * MILLISECOND)
-                counted += frame is not None
-                if frame is not None and 8 * len(frame.data) != (pdo.bits + 7) // 8 * 8:
-                    yield f"tpdo{pdo.number}: {len(frame.data)} octets for {pdo.bits} bits"
-            yield (
-                None
-                if counted == 2
-                else f"tpdo{pdo.number}: {counted} after {2 * kind} SYNCs"
-            )
-    finally:
-        node.command(NmtCommand.ENTER_PRE_OPERATIONAL)
-
-
 def _writable_heartbeat(node: NodeUnderTest) -> bytes:
     """The octets of 1017h. Raises SkipError if the node does not have it writable."""
     thing = node.described.objects.get(HEARTBEAT)
@@ -432,7 +384,7 @@ CHECKS: Final = (
         "pdo.parameters",
         "PDO parameters as described",
         "CiA 301, 7.5.2.35 to 38",
-        pdo_parameters,
+        parameters,
     ),
     Check("sdo.read-only", "read-only objects refuse writes", _SDO, read_only),
     Check("sdo.write-only", "write-only objects refuse reads", _SDO, write_only),
@@ -484,6 +436,23 @@ CHECKS: Final = (
         "CiA 301, 7.5.2.37",
         synchronous,
         True,
+    ),
+    Check(
+        "pdo.reception",
+        "objects have what an RPDO carries",
+        "CiA 301, 7.2.2.2",
+        reception,
+        True,
+    ),
+    Check(
+        "pdo.length",
+        "an RPDO that is too short is reported and changes nothing",
+        "CiA 301, 7.2.7.1",
+        short_reception,
+        True,
+    ),
+    Check(
+        "lss.address", "selected by its LSS address alone", "CiA 305, 3.7", lss_address
     ),
 )
 """All checks, in the order of a test: the first one reads what others compare with."""

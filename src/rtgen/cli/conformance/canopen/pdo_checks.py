@@ -1,0 +1,151 @@
+"""The checks of PDOs (CiA 301, 7.2.2)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Final
+
+from rtgen.cli.can.node_index import DescribedObject
+from rtgen.cli.conformance.canopen.node import NodeUnderTest
+from rtgen.cli.conformance.check import Problems
+from rtgen.model.canopen import Pdo, PdoDirection, resolved
+from rtgen.runtime.canopen.wire.emergency import PDO_TOO_SHORT
+from rtgen.runtime.canopen.wire.frames import (
+    EMERGENCY,
+    MILLISECOND,
+    SYNC,
+    CobId,
+    Frame,
+)
+from rtgen.runtime.canopen.wire.nmt import NmtCommand
+
+_MOST_SYNCHRONOUS: Final = 240
+_EVENT_DRIVEN: Final = 254
+
+
+def parameters(node: NodeUnderTest) -> Problems:
+    """Identifiers, transmission types and mappings of PDOs are those of the description."""
+    for pdo in node.described.device.pdos:
+        for index in (pdo.communication, pdo.mapping):
+            for (at, sub), octets in node.values.items():
+                variable = node.described.device.find(at, sub)
+                if at != index or variable is None:
+                    continue
+                wanted = resolved(variable.default, node.id)
+                if isinstance(wanted, int):
+                    got = int.from_bytes(octets, "little")
+                    thing = node.described.objects[at, sub]
+                    yield (
+                        None
+                        if got == wanted
+                        else f"{thing} is {got:X}h, described is {wanted:X}h"
+                    )
+
+
+def synchronous(node: NodeUnderTest) -> Problems:
+    """A TPDO of transmission type n is sent after every n-th SYNC, with its length."""
+    found = []
+    for pdo in node.described.device.pdos:
+        kind = int.from_bytes(node.values.get((pdo.communication, 2), b"\0"), "little")
+        cob_id = CobId(
+            int.from_bytes(node.values.get((pdo.communication, 1), b""), "little")
+        )
+        if (
+            pdo.direction == "tpdo"
+            and 1 <= kind <= _MOST_SYNCHRONOUS
+            and not cob_id.bit31
+        ):
+            found.append((pdo, kind, cob_id.can_id))
+    node.command(NmtCommand.START)
+    try:
+        for pdo, kind, can_id in found:
+            counted = 0
+            for _ in range(2 * kind):
+                node.line.send(Frame(SYNC))
+                frame = node.await_frame(can_id, 20 * MILLISECOND)
+                counted += frame is not None
+                if frame is not None and 8 * len(frame.data) != (pdo.bits + 7) // 8 * 8:
+                    yield f"tpdo{pdo.number}: {len(frame.data)} octets for {pdo.bits} bits"
+            yield (
+                None
+                if counted == 2
+                else f"tpdo{pdo.number}: {counted} after {2 * kind} SYNCs"
+            )
+    finally:
+        node.command(NmtCommand.ENTER_PRE_OPERATIONAL)
+
+
+def _receptions(
+    node: NodeUnderTest,
+) -> Iterator[tuple[Pdo, int, list[DescribedObject]]]:
+    """The RPDOs that act at once, with identifiers and mapped objects, all of whole octets."""
+    for pdo in node.described.device.pdos:
+        kind = int.from_bytes(node.values.get((pdo.communication, 2), b"\0"), "little")
+        cob_id = CobId(
+            int.from_bytes(node.values.get((pdo.communication, 1), b""), "little")
+        )
+        mapped = [
+            node.described.objects.get((entry.index, entry.subindex))
+            for entry in pdo.entries
+        ]
+        known = [thing for thing in mapped if thing is not None]
+        if (
+            pdo.direction is PdoDirection.RPDO
+            and kind >= _EVENT_DRIVEN
+            and not cob_id.bit31
+            and known
+            and len(known) == len(mapped)
+            and all(
+                8 * len(node.values.get(t.number, b"")) == e.bits
+                for t, e in zip(known, pdo.entries, strict=True)
+            )
+        ):
+            yield pdo, cob_id.can_id, known
+
+
+def reception(node: NodeUnderTest) -> Problems:
+    """What an RPDO carries is in its objects then."""
+    receptions = list(_receptions(node))
+    node.command(NmtCommand.START)
+    try:
+        for pdo, can_id, mapped in receptions:
+            before = [node.upload(thing.number) for thing in mapped]
+            # The lowest bit of each value changes, and changes back.
+            other = [bytes((value[0] ^ 1,)) + value[1:] for value in before]
+            for values in (other, before):
+                node.line.send(Frame(can_id, b"".join(values)))
+                for thing, wanted in zip(mapped, values, strict=True):
+                    found = node.upload(thing.number)
+                    same = found == wanted
+                    yield (
+                        None
+                        if same
+                        else f"rpdo{pdo.number}: {thing} is {found.hex()}, sent was {wanted.hex()}"
+                    )
+    finally:
+        node.command(NmtCommand.ENTER_PRE_OPERATIONAL)
+
+
+def short_reception(node: NodeUnderTest) -> Problems:
+    """An RPDO that is too short changes nothing, and is reported by an emergency."""
+    receptions = list(_receptions(node))
+    node.command(NmtCommand.START)
+    try:
+        for pdo, can_id, mapped in receptions:
+            before = [node.upload(thing.number) for thing in mapped]
+            sent = b"".join(before)[:-1]
+            if not sent:
+                continue
+            node.line.send(Frame(can_id, bytes((sent[0] ^ 1,)) + sent[1:]))
+            frame = node.await_frame(EMERGENCY + node.id, node.bounds.answer)
+            code = None if frame is None else int.from_bytes(frame.data[:2], "little")
+            shown = "none" if code is None else f"{code:04X}h"
+            yield (
+                None
+                if code == PDO_TOO_SHORT
+                else f"rpdo{pdo.number}: the emergency is {shown}"
+            )
+            kept = [node.upload(thing.number) for thing in mapped] == before
+            yield None if kept else f"rpdo{pdo.number}: its objects have changed"
+    finally:
+        node.command(NmtCommand.ENTER_PRE_OPERATIONAL)
