@@ -40,7 +40,7 @@ _DESCRIPTIONS = (".eds", ".dcf")
 @click.option(
     "--node",
     "node_id",
-    type=click.IntRange(1, 127),
+    type=WholeRange(1, 127),
     metavar="NODE-ID",
     help="The node-id; default: that of a DCF.",
 )
