@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import struct
 import subprocess
 import sys
 import time
+from collections import deque
 from pathlib import Path
 
+from fault_table import bound
 from patience import PATIENCE
+
+from rtgen.runtime.timing.clocks import SECOND
 
 ROOT = Path(__file__).parents[2]
 ROBOT = "RefHardRh30,Odometry0"
@@ -19,6 +24,41 @@ TO_GOAL = [
     *("--set", f"PositionInput0.01_y={GOAL[1]}"),
     *("--set", "PositionInput0.01_th=0"),
 ]
+
+
+class Wheels:
+    """What the base was commanded and did, by the time stamps that the samples carry."""
+
+    _STAMP = struct.Struct("<4x2I")
+
+    def __init__(self) -> None:
+        self.commanded = 0
+        self._angles: deque[tuple[int, bytes]] = deque(maxlen=50_000)
+
+    def on_command(self, octets: bytes) -> None:
+        """A sample of the velocity came."""
+        self.commanded = self._stamp(octets)
+
+    def on_angles(self, octets: bytes) -> None:
+        """A sample of the wheels' angles came."""
+        self._angles.append((self._stamp(octets), octets[self._STAMP.size :]))
+
+    def _stamp(self, octets: bytes) -> int:
+        seconds, nanoseconds = self._STAMP.unpack_from(octets)
+        return int(seconds * SECOND + nanoseconds)
+
+    @property
+    def turn(self) -> bool:
+        """Whether they have turned."""
+        return len({angles for _, angles in self._angles.copy()}) > 10
+
+    def after_bound(self) -> list[bytes]:
+        """The angles behind the bound of the last command.
+
+        The first one may still have the turn of a tick that began before the bound.
+        """
+        end = self.commanded + bound("wheels")
+        return [angles for stamp, angles in self._angles.copy() if stamp > end][1:]
 
 
 class Run:

@@ -12,6 +12,7 @@ from distributed_system import Process, Servant, arrived, sample, wait_for
 from patience import PATIENCE
 
 from rtgen import runtime
+from rtgen.cli.run_view import losses
 from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.distribution.control import ControlError
 from rtgen.runtime.distribution.data import Arrivals, encoder
@@ -70,6 +71,20 @@ def test_full_buffers_are_those_of_the_receiving_end(
     wait_for(lambda: connector.lost == 3)
     kept = {"overwrite": [3.0, 4.0], "do_nothing": [0.0, 1.0]}[policy]
     assert pair[1].node("b").take() == kept
+
+
+def test_missed_deadlines_are_in_the_report_of_a_run(
+    pair: tuple[Process, Process],
+) -> None:
+    connector = connect(*pair, qos__deadline="0.01")
+    node = pair[1].node("b")
+    assert not list(losses(node, runtime.ACTIVE_STATE))
+    pair[0].node("a").out.write(sample(1))
+    arrived(node, [1])
+    wait_for(lambda: connector.missed_deadlines > 1)
+    [line] = losses(node, runtime.ACTIVE_STATE)
+    assert line.startswith("b.in: no sample of a.out within 0.01 s, ")
+    assert line.endswith(" times: dataport.qos.deadline")
 
 
 def test_a_pulled_connection_serves_late_readers(start: Start) -> None:

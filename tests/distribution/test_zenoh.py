@@ -8,7 +8,6 @@ import shutil
 import signal
 import struct
 import subprocess
-from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from pathlib import Path
@@ -22,7 +21,7 @@ from patience import PATIENCE
 pytest.importorskip("zenoh", reason="eclipse-zenoh is not installed")
 
 import zenoh
-from runs import CONSOLE, GOAL, ROBOT, ROOT, TO_GOAL, WAY, Run
+from runs import CONSOLE, GOAL, ROBOT, ROOT, TO_GOAL, WAY, Run, Wheels
 
 from rtgen.cli import run as rtgen
 from rtgen.runtime.distribution.medium import MediumError
@@ -356,13 +355,19 @@ def test_rh3_in_three_processes_behind_a_router_survives_the_loss_of_one(
 ) -> None:
     """The process that steers is killed while the wheels turn: they stop until it is back."""
     stack.enter_context(media.router(locator))
-    angles: deque[bytes] = deque(maxlen=50)
+    wheels = Wheels()
     watch = stack.enter_context(plain_session(locator))
-    watch.declare_subscriber(
-        "*/topic/RefHardRh30/out/OutWheelAngle/*",
-        # Behind header and time: the number of angles, and the angles.
-        lambda each: angles.append(each.payload.to_bytes()[12:]),
-    )
+    for key, heard in (
+        ("*/topic/RefHardRh30/out/OutWheelAngle/*", wheels.on_angles),
+        ("*/topic/PathFollower0/out/velocity/*", wheels.on_command),
+    ):
+
+        def on_sample(
+            each: zenoh.Sample, heard: Callable[[bytes], None] = heard
+        ) -> None:
+            heard(each.payload.to_bytes())
+
+        watch.declare_subscriber(key, on_sample)
     robot, way = start(ROBOT), start(WAY)
     console = start(CONSOLE, *TO_GOAL)
     for run, instance in (
@@ -371,12 +376,12 @@ def test_rh3_in_three_processes_behind_a_router_survives_the_loss_of_one(
         (console, "PositionInput0"),
     ):
         run.wait_for(f"{instance} ACTIVE")
-    wait_for(lambda: len(set(angles.copy())) > 10)
+    wait_for(lambda: wheels.turn)
     way.kill()
     robot.wait_for("PathFollower0 is lost")
     console.wait_for("Navigation0 is lost")
-    angles.clear()
-    wait_for(lambda: len(angles) == 50 and len(set(angles.copy())) == 1)
+    wait_for(lambda: len(wheels.after_bound()) >= 50)
+    assert len(set(wheels.after_bound())) == 1
     again = start(WAY)
     again.wait_for("PathFollower0 ACTIVE")
     console.wait_for("Navigation0 is there again")

@@ -195,6 +195,26 @@ def test_a_publisher_that_keeps_few_does_not_wait_for_a_slow_subscription(
     assert found == sorted(set(found))
 
 
+def test_missed_deadlines_are_counted_by_subscription(join: Join) -> None:
+    here, there = join(), join()
+    got = [Samples() for _ in range(3)]
+    short, *others = (
+        there.subscribe(TOPIC, Qos(deadline=deadline), samples.on_sample)
+        for deadline, samples in zip((0.01, 900, None), got, strict=True)
+    )
+    publisher = here.publisher(TOPIC, Qos(deadline=0.01))
+    wait_for(lambda: publisher.matched)
+    assert short.missed_deadlines == 0
+    Sender(publisher).reach(1, *got)
+    wait_for(lambda: short.missed_deadlines >= 5)
+    assert [other.missed_deadlines for other in others] == [0, 0]
+    short.close()
+    ended = short.missed_deadlines
+    assert ended >= 5
+    publisher.close()
+    assert short.missed_deadlines == ended
+
+
 def test_nothing_comes_after_close(join: Join) -> None:
     here, there = join(), join()
     got, still = Samples(), Samples()

@@ -42,12 +42,18 @@ def _tolerance(file: str, text: str | None) -> Tolerance | None:
 def losses(
     component: runtime.Component, state: runtime.LifeCycleState
 ) -> Iterator[str]:
-    """Lost samples of each InPort, with cause and remedy."""
+    """Lost samples of each InPort with cause and remedy, and missed deadlines."""
     for port in component.in_ports.values():
         for connector in port.connectors:
             if connector.lost:
                 why = _why_lost(component, state, connector)
                 yield f"{port}: {connector.lost} samples of {connector.source} lost: {why}"
+            if missed := connector.missed_deadlines:
+                within = connector.properties["dataport.qos.deadline"]
+                yield (
+                    f"{port}: no sample of {connector.source} within {within} s, "
+                    f"{missed} times: dataport.qos.deadline"
+                )
         if port.lost_when_cut:
             yield (
                 f"{port}: {port.lost_when_cut} samples lost on connections that were cut"

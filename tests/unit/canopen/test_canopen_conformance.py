@@ -302,7 +302,7 @@ MUTANTS: dict[str, tuple[str, Alter]] = {
     "sdo.read": ("f_palette", refusing(0x40, 0x1018, 4)),
     "object.type": ("f_palette", answering(0x1001, 0, 0x4B, b"\0\0")),
     "object.limits": ("limited", answering(0x2F00, 0, 0x4B, b"\xff\x7f")),
-    "object.constants": ("f_palette", answering(0x1018, 0, 0x4F, b"\x03")),
+    "object.constants": ("f_palette", answering(0x1000, 0, 0x43, b"\x99\0\0\0")),
     "pdo.parameters": ("f_palette", answering(0x1A00, 1, 0x43, b"\x08\0\x99\x60")),
     "sdo.read-only": ("f_palette", accepting(0x20, 0x1018, 1)),
     "sdo.write-only": ("limited", answering(0x2F01, 0, 0x4B, b"\0\0")),

@@ -393,6 +393,14 @@ def test_nobody_serves_a_port_that_is_connected_meanwhile(here: Here) -> None:
             here.adder.add(2, 3)
 
 
+def test_who_is_missing_is_named(here: Here, serving: Callable[[], Run]) -> None:
+    assert here.transport.missing == []
+    here.connect()
+    assert here.transport.missing == ["Counter0"]
+    serving()
+    wait_for(lambda: not here.transport.missing)
+
+
 def test_only_ports_that_are_there_reach_other_processes(here: Here) -> None:
     with pytest.raises(runtime.UnknownPortError):
         here.system.connect(("Caller0", "nothing"), ("Counter0", "adding"))
@@ -641,9 +649,10 @@ def test_a_process_waits_for_data_ports_of_others(
         text.replace("  <rts:ServicePortConnectors", connector)
     )
     options = [*REAL, "--nameserver", names, "--only"]
-    alone = [*options, "Counter0", "--wait", "0.1", "--until", "0.1"]
+    alone = [*options, "Counter0", "--wait", "1.3", "--until", "0.1"]
     assert rtgen(["run", "data.xml", *alone]) == 3
     errors = capfd.readouterr().err
+    assert "waiting for other processes: Caller0\n" in errors
     assert "Counter0.done waits for Caller0.done; the naming service" in errors
     assert "has no Caller0.rtc that answers" in errors
     assert (

@@ -88,6 +88,16 @@ class RemoteProvider:
             return True
 
     @property
+    def is_served(self) -> bool:
+        """Whether some process has the port, with whatever provider."""
+        try:
+            return self.find()
+        except PortTypeError:
+            return True
+        except TransportError:
+            return False
+
+    @property
     def exists(self) -> bool:
         """Whether the provider is ACTIVE."""
         try:

@@ -10,6 +10,8 @@ from functools import partial
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
+from omniORB import CORBA
+
 from rtgen.runtime.corba.connector import RemoteConnector, RemoteProvider
 from rtgen.runtime.corba.name_server import NameServer
 from rtgen.runtime.corba.naming import Naming
@@ -261,11 +263,18 @@ class CorbaTransport:
 
     @property
     def missing(self) -> list[str]:
-        """See `AwaitingTransport`: those that nobody has found yet."""
-        if self._directory is None:
+        """See `AwaitingTransport`: those that nobody answers for now."""
+        directory = self._directory
+        if directory is None:
             return []
-        foreign = self._directory.foreign
-        return sorted(name for name, each in foreign.items() if each.reference is None)
+        data = {peer.there.instance for peer in self._peers if peer.connected}
+        calls = {p.port.instance for p in self._wanted() if not p.is_served}
+        silent = {
+            each
+            for each in {*data, *directory.foreign}
+            if not _answers(directory, each)
+        }
+        return sorted(silent | calls)
 
     def _wanted(self) -> list[RemoteProvider]:
         return [p for c in self._connectors if c.connected for p in c.providers]
@@ -289,3 +298,10 @@ class CorbaTransport:
 
 def _exists(provider: Provider[Any]) -> bool:
     return provider.exists
+
+
+def _answers(directory: Directory, instance: str) -> bool:
+    try:
+        return directory.find(instance) is not None
+    except (CORBA.SystemException, TransportError):
+        return False

@@ -274,6 +274,12 @@ class ReceivingConnector(DataConnector[Any]):
         """See `DataConnector`."""
         return self.arrivals.missed + self.arrivals.invalid
 
+    @property
+    def missed_deadlines(self) -> int:
+        """See `DataConnector`."""
+        subscription = self.arrivals.subscription
+        return 0 if subscription is None else subscription.missed_deadlines
+
     def attach(self) -> None:
         """Makes the connection: from now on samples flow. Raises TransportError."""
         super().attach()

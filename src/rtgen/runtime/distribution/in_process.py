@@ -10,6 +10,7 @@ from concurrent.futures import TimeoutError as FutureTimeout
 from itertools import count
 from typing import Any
 
+from rtgen.runtime.distribution.deadlines import Deadline
 from rtgen.runtime.distribution.medium import (
     MediumError,
     NotServedError,
@@ -164,20 +165,34 @@ class InProcessSubscription(_Token):
     """See `medium.Subscription`."""
 
     lost = 0
-    missed_deadlines = 0
 
     def __init__(
         self, network: Network, topic: Topic, qos: Qos, on_sample: OnSample
     ) -> None:
-        super().__init__(network, lambda: network.subscriptions.remove(self))
+        super().__init__(network, self._stop)
         self.topic = topic
         self.qos = qos
-        self.on_sample = on_sample
+        self._on_sample = on_sample
+        self._deadline = Deadline(qos.deadline)
         with network.lock:
             network.subscriptions.append(self)
             for publisher in network.publishers if qos.durable else ():
                 for sample in publisher.kept if self.takes(publisher) else ():
-                    on_sample(sample)
+                    self.on_sample(sample)
+
+    @property
+    def missed_deadlines(self) -> int:
+        """See `medium.Subscription`."""
+        return self._deadline.missed
+
+    def on_sample(self, sample: Sample) -> None:
+        """A sample came."""
+        self._deadline.met()
+        self._on_sample(sample)
+
+    def _stop(self) -> None:
+        self._network.subscriptions.remove(self)
+        self._deadline.end()
 
     def takes(self, publisher: InProcessPublisher) -> bool:
         """Whether topic, type and QoS fit."""

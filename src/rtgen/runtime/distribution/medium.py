@@ -145,7 +145,7 @@ class Subscription(Protocol):
 
     @property
     def missed_deadlines(self) -> int:
-        """How often no sample came within `Qos.deadline`; 0 if the engine does not watch it."""
+        """How many periods of `Qos.deadline` passed without a sample, from the first one on."""
 
     def close(self) -> None:
         """Receive no more samples."""

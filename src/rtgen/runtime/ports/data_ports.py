@@ -386,6 +386,11 @@ class DataConnector(Generic[T]):
         return 0
 
     @property
+    def missed_deadlines(self) -> int:
+        """How often no sample came within `dataport.qos.deadline` from another process."""
+        return 0
+
+    @property
     def lost(self) -> int:
         """All samples that did not reach the reader."""
         here = self.overwritten + self.refused + self.dropped + self.cut

@@ -14,6 +14,7 @@ from typing import Any, TypeAlias
 import zenoh
 from zenoh import ext
 
+from rtgen.runtime.distribution.deadlines import Deadline
 from rtgen.runtime.distribution.medium import (
     MediumError,
     OnSample,
@@ -98,10 +99,9 @@ class ZenohPublisher:
 
 
 class ZenohSubscription:
-    """See `medium.Subscription`. Sequence numbers show what is lost; deadlines are not watched."""
+    """See `medium.Subscription`. Sequence numbers show what is lost."""
 
     lost = 0
-    missed_deadlines = 0
 
     def __init__(
         self,
@@ -112,6 +112,7 @@ class ZenohSubscription:
         on_sample: OnSample,
     ) -> None:
         self._on_sample = on_sample
+        self._deadline = Deadline(qos.deadline)
         self._acknowledging: Acknowledging | None = None
         if qos.depth is None:
             self._acknowledging = Acknowledging(
@@ -134,9 +135,15 @@ class ZenohSubscription:
             subscriber = session.declare_subscriber(key, self._received)
         self._declared = Declared(session, subscriber)
 
+    @property
+    def missed_deadlines(self) -> int:
+        """See `medium.Subscription`."""
+        return self._deadline.missed
+
     def _received(self, received: zenoh.Sample) -> None:
         if self._closed or received.kind != zenoh.SampleKind.PUT:
             return
+        self._deadline.met()
         source, sequence = _origin(received)
         self._on_sample(Sample(received.payload.to_bytes(), source, sequence))
         if self._acknowledging is not None and sequence is not None:
@@ -145,6 +152,7 @@ class ZenohSubscription:
     def close(self) -> None:
         """See `medium.Subscription`."""
         self._closed = True
+        self._deadline.end()
         self._declared.close()
         if self._acknowledging is not None:
             self._acknowledging.close()

@@ -1,0 +1,49 @@
+"""Deadlines of subscriptions, for engines that do not watch them."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+
+
+class Deadline:
+    """Counts the periods of `seconds` in which no sample came (DDS 1.4, 2.2.3.7).
+
+    The first period begins with the first sample, each other one with a sample or with the end of
+    the period before it. None is no deadline. `clock` gives seconds.
+    """
+
+    def __init__(
+        self, seconds: float | None, clock: Callable[[], float] = time.monotonic
+    ) -> None:
+        self._seconds = seconds
+        self._clock = clock
+        self._last: float | None = None
+        self._missed = 0
+        self._lock = threading.Lock()
+
+    def met(self) -> None:
+        """A sample came."""
+        if self._seconds is not None:
+            with self._lock:
+                now = self._clock()
+                self._missed += self._since(now)
+                self._last = now
+
+    def end(self) -> None:
+        """Nothing is awaited any more."""
+        with self._lock:
+            self._missed += self._since(self._clock())
+            self._last = None
+
+    @property
+    def missed(self) -> int:
+        """How many periods ended without a sample."""
+        with self._lock:
+            return self._missed + self._since(self._clock())
+
+    def _since(self, now: float) -> int:
+        if self._last is None or self._seconds is None:
+            return 0
+        return int((now - self._last) / self._seconds)
