@@ -98,6 +98,9 @@ def test_values_out_of_range_do_not_come_in() -> None:
     message.width = 1 << 20
     with pytest.raises(ValueError, match="are too many"):
         image.of_message(message)
+    message.width, message.step, message.encoding = 1, 1 << 20, "own"
+    with pytest.raises(CdrError):
+        image.of_message(message)
 
 
 @pytest.mark.parametrize(

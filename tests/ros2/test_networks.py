@@ -276,3 +276,36 @@ def test_garbage_is_counted(messages: dict[str, ModuleType], stack: ExitStack) -
 
     await_(refused)
     assert not in_.is_new()
+
+
+def test_a_reader_that_takes_nothing_does_not_stop_the_writer(
+    stack: ExitStack,
+) -> None:
+    """It is reliable, so that cyclonedds has no room after some messages: that is an error."""
+    from cyclonedds.idl import make_idl_struct
+    from cyclonedds.qos import Policy, Qos
+    from cyclonedds.sub import DataReader
+    from cyclonedds.topic import Topic
+
+    from rtgen.cli.ros2 import message_classes
+
+    network = dds_network()
+    stack.callback(network.close)
+    name = "std_msgs/msg/String"
+    topic = RosTopic("/robot/slow", message_classes(name)[name])
+    publish = network.publisher(topic, PROFILES["default"])
+    part = participant()
+    class_ = make_idl_struct("String_", "std_msgs::msg::dds_::String_", {"data": str})
+    full = Qos(
+        Policy.History.KeepAll, Policy.ResourceLimits(1, -1, -1), base=reliable()
+    )
+    reader = DataReader(part, Topic(part, "rt/robot/slow", class_), full)
+    await_(reader.get_matched_publications)
+    octets = b"\x00\x01\x00\x00" + topic.type("x" * 200_000).to_cdr(True)
+
+    def fill() -> None:
+        for _ in range(100):
+            publish(octets)
+
+    with pytest.raises(Ros2Error, match="no room for a sample"):
+        fill()

@@ -16,7 +16,7 @@ from decimal import Decimal
 from enum import Enum
 from functools import partial
 from importlib.util import find_spec
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from rtgen.facts.parameter_texts import text_of
 from rtgen.recording.errors import RecordingError
@@ -78,7 +78,7 @@ class LiveView:
         from foxglove.websocket import Capability
 
         self._system = system
-        self._waiting: queue.Queue[Callable[[], None]] = queue.Queue(_MOST_WAITING)
+        self._waiting: queue.Queue[_Request] = queue.Queue(_MOST_WAITING)
         self._closed = False
         listener: Any = _Listener(self)
         context = Context()
@@ -118,18 +118,22 @@ class LiveView:
             return
         self._closed = True
         self._end()
-        while self._next() is not None:
-            pass
+        while (request := self._next()) is not None:
+            request.reply.cancel()
         self._server.stop()
 
     # In the thread of the run.
 
     def _carry_out(self) -> None:
         self._server.broadcast_time(self.recorder.now)
-        while (action := self._next()) is not None:
-            action()
+        # No more at a time: clients that go on asking must not hold the run up.
+        for _ in range(_MOST_WAITING):
+            request = self._next()
+            if request is None:
+                return
+            request.carry_out()
 
-    def _next(self) -> Callable[[], None] | None:
+    def _next(self) -> _Request | None:
         try:
             return self._waiting.get_nowait()
         except queue.Empty:
@@ -224,36 +228,46 @@ class LiveView:
 
     def _called(self, service: LiveService, payload: bytes) -> bytes:
         """The reply of a service. Raises RefusedError."""
-        action = service.prepare(payload)
-        reply: Future[bytes] = Future()
-
-        def carry_out() -> None:
-            if not reply.set_running_or_notify_cancel():
-                return
-            try:
-                reply.set_result(action())
-            except (RtcError, RefusedError) as error:
-                reply.set_exception(RefusedError(str(error)))
-            except BaseException as error:
-                reply.set_exception(RefusedError(f"the call failed: {error!r}"))
-                raise
-
-        self._submit(carry_out)
+        reply = self._submit(service.prepare(payload))
         try:
-            return reply.result(_PATIENCE)
-        except (FutureTimeoutError, CancelledError):
+            found: bytes = reply.result(_PATIENCE)
+            return found
+        except CancelledError:
+            raise RefusedError("the run is over") from None
+        except FutureTimeoutError:
             reply.cancel()
             message = f"{service.name}: the run did not answer within {_PATIENCE:g} s"
             raise RefusedError(message) from None
 
-    def _submit(self, action: Callable[[], None]) -> None:
+    def _submit(self, action: Callable[[], Any]) -> Future[Any]:
         """Have an action carried out in the thread of the run. Raises RefusedError."""
         if self._closed:
             raise RefusedError("the run is over")
+        request = _Request(action, Future())
         try:
-            self._waiting.put_nowait(action)
+            self._waiting.put_nowait(request)
         except queue.Full:
             raise RefusedError("too many requests wait") from None
+        return request.reply
+
+
+class _Request(NamedTuple):
+    """An action for the thread of the run, with what becomes of it."""
+
+    action: Callable[[], Any]
+    reply: Future[Any]
+
+    def carry_out(self) -> None:
+        """Carry the action out, unless its client has given up."""
+        if not self.reply.set_running_or_notify_cancel():
+            return
+        try:
+            self.reply.set_result(self.action())
+        except (RtcError, RefusedError) as error:
+            self.reply.set_exception(RefusedError(str(error)))
+        except BaseException as error:
+            self.reply.set_exception(RefusedError(f"the call failed: {error!r}"))
+            raise
 
 
 class _Listener:

@@ -23,6 +23,7 @@ from refrobots.rtc import TimedLong
 from rtgen.cli import pace, run
 from rtgen.recording import live_view
 from rtgen.recording.errors import RecordingError
+from rtgen.recording.live_services import RefusedError, services_of
 from rtgen.recording.live_view import LiveView
 from rtgen.recording.mcap_reader import McapFile
 from rtgen.recording.mcap_writer import McapWriter
@@ -438,3 +439,59 @@ def test_a_pace_waits_for_the_clock(monkeypatch: pytest.MonkeyPatch) -> None:
     clock.wait(1000 * MS)
     clock.wait(2502_000 * MS)
     assert waits == [4.0, 3600.0, 1400.0]
+
+
+def test_requests_that_wait_are_refused_at_the_end(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """At once, not after the time that a call may take."""
+    monkeypatch.setattr(live_view, "_PATIENCE", 10_000.0)
+    with System(SimulatedClock()) as system:
+        system.add(Node("Node0"), 100.0)
+        view = LiveView(system, "test", port=0)
+        service = next(services_of(system))
+        found: list[str] = []
+
+        def call() -> None:
+            try:
+                view._called(service, b"{}")
+            except RefusedError as error:
+                found.append(str(error))
+
+        thread = threading.Thread(target=call)
+        thread.start()
+        deadline = time.monotonic() + PATIENCE
+        while view._waiting.empty() and time.monotonic() < deadline:
+            time.sleep(0.01)
+        view.close()
+        thread.join()
+        assert found == ["the run is over"]
+
+
+def test_requests_that_go_on_coming_do_not_hold_the_run_up() -> None:
+    """Each instant carries out a bounded number of them."""
+    with System(SimulatedClock()) as system:
+        system.add(Node("Node0"), 100.0)
+        view = LiveView(system, "test", port=0)
+        done: list[int] = []
+
+        def again() -> None:
+            done.append(len(done))
+            assert len(done) <= 100
+            view._submit(again)
+
+        view._submit(again)
+        view._carry_out()
+        assert len(done) == 100
+        view.close()
+
+
+def test_a_list_whose_items_have_commas_is_refused(
+    seen: tuple[System, LiveView],
+) -> None:
+    _, view = seen
+    from foxglove import Parameter
+
+    before = view.parameters(["Node0.limits"])[0].get_value()
+    [found] = view.set_parameters([Parameter("Node0.limits", value=["1,2", "3"])])
+    assert found.get_value() == before

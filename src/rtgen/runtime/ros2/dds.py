@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import os
 import threading
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 from cyclonedds import idl
 from cyclonedds.domain import DomainParticipant
@@ -48,10 +48,14 @@ from rtgen.runtime.ros2.network import (
 from rtgen.runtime.ros2.types import ros_name
 
 _FOREVER = (1 << 63) - 1
+_ROOM = 0.5
+"""Seconds that a message waits for readers that lag behind."""
 _ID_SIZE = 16
 _NOBODY: Mapping[str, str] = {}
 SERVICE = PROFILES["services_default"]
 _HEAD = b"\x00\x01\x00\x00"
+_OnSample: TypeAlias = Callable[[bytes, Any, int], None]
+"""Takes a sample, its reader, and the handle of its writer."""
 
 
 class _Topic(NamedTuple):
@@ -128,7 +132,7 @@ class DdsNetwork:
 
         def publish(octets: bytes) -> None:
             with _as_ros2(topic.name):
-                entities.write(writer, octets)
+                entities.write(writer, octets, _ROOM)
 
         return publish
 
@@ -137,7 +141,7 @@ class DdsNetwork:
     ) -> None:
         """See `RosNetwork`."""
         with _as_ros2(topic.name):
-            self._read(_data(topic), profile, on_message)
+            self._read(_data(topic), profile, _octets(on_message))
 
     def serve(self, service: RosService, on_request: OnRequest) -> None:
         """See `RosNetwork`."""
@@ -146,16 +150,14 @@ class DdsNetwork:
         with _as_ros2(service.name):
             writer = self._made_writer(replies, SERVICE, identity)
             server = Server(
-                service.name,
-                partial(entities.write, writer),
-                lambda: bool(writer.get_matched_subscriptions()),
+                service.name, partial(entities.write, writer, patience=_ROOM)
             )
-            self._read(
-                requests,
-                SERVICE,
-                lambda octets: server.take(octets, on_request),
-                identity,
-            )
+
+            def take(octets: bytes, reader: Any, handle: int) -> None:
+                reads = partial(_reads, reader, handle, writer)
+                server.take(octets, reads, on_request)
+
+            self._read(requests, SERVICE, take, identity)
 
     def client(self, service: RosService) -> Call:
         """See `RosNetwork`."""
@@ -166,13 +168,11 @@ class DdsNetwork:
             readers: list[Any] = []
             client = Client(
                 service.name,
-                partial(entities.write, writer),
-                lambda: bool(
-                    writer.get_matched_subscriptions()
-                    and readers[0].get_matched_publications()
-                ),
+                partial(entities.write, writer, patience=_ROOM),
+                lambda: _is_served(writer, readers[0]),
             )
-            readers.append(self._read(replies, SERVICE, client.take, identity))
+
+            readers.append(self._read(replies, SERVICE, _octets(client.take), identity))
         self._clients.append(client)
         return client.call
 
@@ -204,7 +204,7 @@ class DdsNetwork:
         self,
         topic: _Topic,
         profile: Profile,
-        on_message: OnMessage,
+        on_sample: _OnSample,
         identity: Mapping[str, str] = _NOBODY,
     ) -> Any:
         """A reader, whose messages are handed on. Raises MediumError."""
@@ -220,7 +220,7 @@ class DdsNetwork:
         def take() -> None:
             for octets, info in entities.taken(reader):
                 if info.valid_data:
-                    on_message(octets)
+                    on_sample(octets, reader, info.publication_handle)
 
         self._entries.append(self._dispatcher.add(condition, take))
         return reader
@@ -273,6 +273,32 @@ class DdsNetwork:
         return self._nodes.setdefault(topic.node or self._node.name, _Ends([], []))
 
 
+def _octets(on_message: OnMessage) -> _OnSample:
+    return lambda octets, reader, handle: on_message(octets)
+
+
+def _reads(reader: Any, handle: int, writer: Any) -> bool:
+    """Whether the client of a request reads replies; one without an identity, if anyone does."""
+    with entities.reported("the client of a request"):
+        known = writer.get_matched_subscriptions()
+        client = _client(reader.get_matched_publication_data(handle))
+        found = map(writer.get_matched_subscription_data, known)
+        return bool(known) if client is None else client in map(_client, found)
+
+
+def _client(endpoint: Any) -> str | None:
+    data = None if endpoint is None else endpoint.qos[Policy.Userdata]
+    pairs = {} if data is None else ros_names.parse_user_data(bytes(data.data))
+    return pairs.get("clientid")
+
+
+def _is_served(writer: Any, reader: Any) -> bool:
+    with entities.reported("the server of a client"):
+        return bool(
+            writer.get_matched_subscriptions() and reader.get_matched_publications()
+        )
+
+
 def _gid(entity: Any) -> Gid:
     return Gid(entity.guid.bytes)
 
@@ -295,7 +321,8 @@ def _qos(
     policies: list[Any] = [
         history,
         (
-            Policy.Reliability.Reliable(_FOREVER)
+            # A write of cyclonedds that waits holds Python's lock.
+            Policy.Reliability.Reliable(0)
             if reliable
             else Policy.Reliability.BestEffort
         ),

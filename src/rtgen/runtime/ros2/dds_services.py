@@ -50,25 +50,24 @@ def joined(request: RequestId, octets: bytes) -> bytes:
 
 
 class Server:
-    """The replies of a service; `matched`: a client reads them."""
+    """The replies of a service."""
 
-    def __init__(self, name: str, write: Write, matched: Matched) -> None:
+    def __init__(self, name: str, write: Write) -> None:
         self._name = name
         self._write = write
-        self._matched = matched
 
-    def take(self, octets: bytes, on_request: Any) -> None:
-        """Hand on a request with what replies to it."""
+    def take(self, octets: bytes, reads: Matched, on_request: Any) -> None:
+        """Hand on a request with what replies to it; `reads`: its client reads replies."""
         try:
             request, message = split(octets)
         except ValueError as error:
             log.warning("%s: %s", self._name, error)
             return
-        on_request(message, lambda response: self._reply(request, response))
+        on_request(message, lambda response: self._reply(request, reads, response))
 
-    def _reply(self, request: RequestId, response: bytes) -> None:
+    def _reply(self, request: RequestId, reads: Matched, response: bytes) -> None:
         deadline = time.monotonic() + _PATIENCE
-        while not self._matched() and time.monotonic() < deadline:
+        while not reads() and time.monotonic() < deadline:
             time.sleep(_PAUSE)
         self._write(joined(request, response))
 

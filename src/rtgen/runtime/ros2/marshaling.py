@@ -45,7 +45,7 @@ class Marshaling:
             raise ValueError(str(error)) from error
         if self.stamp is not None:
             self.stamp(made)
-            made.to_cdr(True)
+        made.to_cdr(True)  # Raises CdrError for values out of range.
         return made
 
 

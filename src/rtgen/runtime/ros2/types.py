@@ -166,7 +166,7 @@ def decoded(type_: type[Any], octets: bytes) -> Any:
     try:
         return deserialize(type_, octets)
     except CdrError:
-        if len(octets) % 4:
+        if len(octets) % 4 or not octets:
             raise
         for _ in range(_MOST_PADDING):
             if octets[-1]:
