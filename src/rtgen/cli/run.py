@@ -11,9 +11,18 @@ from pathlib import Path
 import click
 
 from rtgen import runtime
-from rtgen.cli import foreign, partition, transports
+from rtgen.cli import foreign, partition, supervision, transports
 from rtgen.cli.assembly import assemble
-from rtgen.cli.common import BAD_INPUT, NO, OK, Console, with_console, write_out
+from rtgen.cli.common import (
+    BAD_INPUT,
+    NO,
+    OK,
+    Console,
+    Refusal,
+    WholeRange,
+    with_console,
+    write_out,
+)
 from rtgen.cli.curves import Curves, divided, draw_curves, write_curves
 from rtgen.cli.factories import Factories
 from rtgen.cli.failures import FailureOptions, FailureReport, logged, with_failures
@@ -92,6 +101,26 @@ _LOOK_PERIOD = SECOND // 10
 @click.option(
     "--log", metavar="FILE", help="Write state changes and samples as JSON lines."
 )
+@click.option(
+    "--supervise",
+    type=click.Choice(["never", "on-failure"]),
+    help="A process for each component, which is started again, or not, when it dies.",
+)
+@click.option(
+    "--group",
+    "groups",
+    multiple=True,
+    metavar="INSTANCE,...",
+    help="Components that share a process (--supervise).",
+)
+@click.option(
+    "--restarts",
+    type=WholeRange(0, 1000000),
+    default=5,
+    show_default=True,
+    metavar="NUMBER",
+    help="How often in a row a process is started again (--supervise).",
+)
 @with_recording
 @with_ros2
 @with_live
@@ -108,6 +137,9 @@ def run(
     table: tuple[str, ...],
     picture: tuple[str, ...],
     log: str | None,
+    supervise: str | None,
+    groups: tuple[str, ...],
+    restarts: int,
     recording: RecordingOptions,
     ros2: str | None,
     live: LiveOptions,
@@ -147,6 +179,30 @@ def run(
     awaited: Sequence[ForeignComponent] = ()
     if outside:
         foreign.require_reachable(profile, outside, carrying, simulated=simulated)
+    if supervise is not None:
+        context = click.get_current_context()
+        supervision.check_options(context)
+        if simulated or carrying.transport == "direct":
+            raise Refusal(
+                "--supervise needs --clock real and --transport corba, dds or zenoh"
+            )
+        whole = profile
+        divided_into = supervision.divided(profile, groups, sorted(outside))
+        pairs = [
+            (each.instance, text) for each, text in zip(values, settings, strict=True)
+        ]
+        return supervision.supervise(
+            lambda words: supervision.commands(
+                *(system, whole, divided_into, condition, until, pairs),
+                [*supervision.handed_on(context), *words],
+            ),
+            supervision.Policy(supervise == "on-failure", restarts),
+            console,
+            transport=carrying.transport,
+            nameserver=carrying.nameserver,
+        )
+    if groups:
+        raise Refusal("--group needs --supervise")
     if carrying.only is not None or outside:
         here = partition.named(carrying.only, profile, outside)
         awaited = foreign.awaited(profile, outside, here)

@@ -98,7 +98,7 @@ _OPTIONS = (
 )
 _WAIT = 30.0
 _COMMON = frozenset({"only", "wait"})
-_TAKES: dict[str, frozenset[str]] = {
+TAKES: dict[str, frozenset[str]] = {
     "corba": _COMMON | {"foreign", "nameserver", "endpoint", "call_timeout"},
     **{engine: _COMMON | names for engine, names in engines.TAKES.items()},
 }
@@ -132,7 +132,7 @@ class TransportOptions(EngineOptions):
 
     def check(self, *, simulated: bool) -> None:
         """Raise Refusal for inconsistent options."""
-        self.check_taken(_TAKES)
+        self.check_taken(TAKES)
         named = [option_of(name) for name in self.given]
         if self.carries_data:
             named.append(f"--transport {self.transport}")
