@@ -29,7 +29,7 @@ endif
 endif
 endif
 
-.PHONY: demo gallery test check format lint types pyright imports drift pytest test-openrtm interpreters interpreter interpreted lowest lock licences wheels ui fuzz soak bench clean
+.PHONY: demo gallery test check format lint types pyright imports drift pytest test-openrtm interpreters interpreter interpreted lowest lock licences wheels ui fuzz mutants soak bench clean
 
 demo: $(VENV)/demo.stamp
 	$(BIN)/rtgen generate
@@ -132,6 +132,11 @@ ifdef DOOR
 else
 	$(BIN)/pytest -n 2 --dist worksteal -m random
 endif
+
+# Changes of layouts, codecs, life cycle and SDO machines that their tests shall notice (mutmut has to be
+# installed): `make mutants MODULE=sdo` runs one part, and goes on where the last run was stopped.
+mutants: $(VENV)/test.stamp
+	$(BIN)/python tests/mutants.py $(MODULE)
 
 # Ten million calls and frames, and 24 simulated hours: `make soak SHARE=0.01 PARTS="calls rh3"` does less.
 soak: SHARE ?= 1

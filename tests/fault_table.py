@@ -18,6 +18,8 @@ _HEAD = """# Faults
 
 What a user sees when something breaks, after how long at most, and what became of the data. Each
 row is tried by the tests that it names; most run in simulated time, where a bound is exact.
+Tests over DDS, Zenoh and CORBA wait for a state with patience: leases and time-outs are those that
+are configured.
 This page is made from `tests/faults.toml` by `python tests/fault_table.py`.
 """
 
