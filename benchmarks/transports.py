@@ -5,10 +5,11 @@
 Samples: the writer of one process, the reader of another, that counts what arrives. `write` is
 the writer's path alone, per sample: ours (encoding, and the engine's publisher) beside
 cyclonedds-python's `write` of its own class, and Zenoh's `put` of octets that `struct` has packed,
-which is the least that a program has to do. `arrives` are samples per second until the last one is
-there, `of` the share that arrived. Latency is half of a round trip by two topics, one sample at a
-time. Calls have no arguments (over CORBA: `corba.py`). Rounds of ours and of a peer alternate;
-figures are medians of rounds.
+which is the least that a program has to do; until it returned, and processor time of the writing
+thread, since a writer whose reader is slow waits for room in the queue of its link. `arrives` are
+samples per second until the last one is there, `of` the share that arrived. Latency is half of a
+round trip by two topics, one sample at a time. Calls have no arguments (over CORBA: `corba.py`).
+Rounds of ours and of a peer alternate; figures are medians of rounds.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent / "tests"))
@@ -273,19 +274,35 @@ def direct(size: int) -> float:
     return (time.perf_counter() - begun) / count
 
 
-def timed(action: Callable[[], object], count: int) -> float:
-    """Seconds of one of so many actions."""
-    begun = time.perf_counter()
+class Cost(NamedTuple):
+    """Seconds of one action: until it returned, and of the processor in its thread."""
+
+    wall: float
+    thread: float
+
+    def __str__(self) -> str:
+        return f"{_us(self.wall).strip()} ({_us(self.thread).strip()} of processor)"
+
+    def by(self, other: Cost) -> str:
+        """How many times that of another."""
+        wall, thread = self.wall / other.wall, self.thread / other.thread
+        return f"{wall:.2f} ({thread:.2f} of processor)"
+
+
+def timed(action: Callable[[], object], count: int) -> Cost:
+    """The cost of one of so many actions."""
+    begun, busy = time.perf_counter(), time.thread_time()
     for _ in range(count):
         action()
-    return (time.perf_counter() - begun) / count
+    busy, end = time.thread_time() - busy, time.perf_counter()
+    return Cost((end - begun) / count, busy / count)
 
 
 # The writers of TimedPose2D alone: what the goals are about.
 
 
-def dds_writers(rounds: int) -> tuple[float, float]:
-    """Seconds of a write: our path, and cyclonedds-python's own; each has a reader elsewhere."""
+def dds_writers(rounds: int) -> list[Cost]:
+    """Costs of a write: our path, and cyclonedds-python's own; each has a reader elsewhere."""
     from cyclonedds.domain import DomainParticipant
 
     from rtgen.runtime.dds.types import idl_class
@@ -303,16 +320,15 @@ def dds_writers(rounds: int) -> tuple[float, float]:
         await_match(lambda: publisher.matched)
         await_match(writer.get_matched_subscriptions)
         number = iter(range(1, 1 << 30))
-        ours, theirs = interleaved(
+        return interleaved(
             rounds,
             lambda: publisher.publish(encode(value), next(number)),
             lambda: writer.write(made),
         )
-    return ours, theirs
 
 
-def zenoh_writers(rounds: int) -> tuple[float, float, float]:
-    """Seconds of a write: our path; `put` of octets that `struct` packs; the same of ready ones."""
+def zenoh_writers(rounds: int) -> list[Cost]:
+    """Costs of a write: our path; `put` of octets that `struct` packs; the same of ready ones."""
     import zenoh
 
     value = value_of(0)
@@ -335,13 +351,12 @@ def zenoh_writers(rounds: int) -> tuple[float, float, float]:
 
         assert pack() == encode(value)
         octets, number = pack(), iter(range(1, 1 << 30))
-        ours, packed, ready = interleaved(
+        return interleaved(
             rounds,
             lambda: publisher.publish(encode(value), next(number)),
             lambda: bare.put(pack()),
             lambda: bare.put(octets),
         )
-    return ours, packed, ready
 
 
 def await_match(matched: Callable[[], object]) -> None:
@@ -350,32 +365,25 @@ def await_match(matched: Callable[[], object]) -> None:
         time.sleep(0.01)
 
 
-def interleaved(rounds: int, *actions: Callable[[], object]) -> list[float]:
-    """Seconds of each action, medians of turns; each turn begins when the last one's has left."""
-    found: list[list[float]] = [[] for _ in actions]
+def interleaved(rounds: int, *actions: Callable[[], object]) -> list[Cost]:
+    """The cost of each action, medians of turns; each turn begins when the last one's has left."""
+    found: list[list[Cost]] = [[] for _ in actions]
     for _ in range(5 * rounds):
-        for seconds, action in zip(found, actions, strict=True):
-            seconds.append(timed(action, 2000))
+        for costs, action in zip(found, actions, strict=True):
+            costs.append(timed(action, 2000))
             time.sleep(0.05)
-    return [statistics.median(each) for each in found]
+    return [Cost(*map(statistics.median, zip(*each, strict=True))) for each in found]
 
 
 def main() -> None:
     alone = sys.argv[1:2] == ["--writers"]
     rounds = int(dict(enumerate(sys.argv)).get(2 if alone else 1, 5))
     ours, theirs = dds_writers(rounds)
-    print(
-        f"write of TimedPose2D, dds: {_us(ours)}, cyclonedds-python {_us(theirs)}:",
-        end="",
-    )
-    print(f" {theirs / ours:.2f} times as fast")
+    print(f"write of TimedPose2D, dds: {ours}, cyclonedds-python {theirs}:")
+    print(f"  theirs takes {theirs.by(ours)} times as long")
     ours, packed, ready = zenoh_writers(rounds)
-    print(
-        f"write of TimedPose2D, zenoh: {_us(ours)}, zenoh-python with struct {_us(packed)},"
-    )
-    print(
-        f"  of ready octets {_us(ready)}: {ours / packed:.2f} and {ours / ready:.2f} times as long"
-    )
+    print(f"write of TimedPose2D, zenoh: {ours}, zenoh-python with struct {packed},")
+    print(f"  of ready octets {ready}: {ours.by(packed)} and {ours.by(ready)} times")
     if alone:
         return
     print("\nsize       engine        write  arrives/s   of     latency  99 %")
