@@ -1,12 +1,15 @@
 /** The selected component: its values, configuration and history. */
 
 import { useEffect, useMemo, useState } from "react";
-import { Plot } from "./Plot.tsx";
+import { Board } from "./Board.tsx";
+import { BusView } from "./Bus.tsx";
+import { Plot, curvesOf } from "./Plot.tsx";
 import type { Component, Parameter, SystemState } from "./protocol/Ui.ts";
+import { Services } from "./Services.tsx";
 import type { Line, Statistics } from "./store.ts";
 import { leaves, stateName, store } from "./store.ts";
 
-const TABS = ["Values", "Configuration", "Timeline"] as const;
+const TABS = ["Values", "Configuration", "Services", "Buses", "Boards", "Timeline"] as const;
 
 interface Selection {
   system: SystemState;
@@ -42,7 +45,7 @@ function Values({ system, component }: Selection) {
         <h3>{name}</h3>
         {track ? (
           <>
-            {track.numbers.size > 0 && <Plot channel={channel.id} unit={unit} />}
+            {track.numbers.size > 0 && <Plot source={String(channel.id)} read={() => curvesOf(store.tracks.get(channel.id))} unit={unit} label="Values over time" />}
             <table>
               <tbody>
                 {leaves(track.value).map(([path, value]) => (
@@ -238,10 +241,16 @@ export function Panel(props: {
       <div role="tabpanel" aria-label={tab}>
         {tab === "Timeline" ? (
           <Timeline lines={lines} />
+        ) : tab === "Buses" ? (
+          <BusView buses={system.buses} full={full} />
+        ) : tab === "Boards" ? (
+          <Board />
         ) : !component ? (
           <p>Select a component.</p>
         ) : tab === "Values" ? (
           <Values key={component.instance} system={system} component={component} full={full} />
+        ) : tab === "Services" ? (
+          <Services key={component.instance} component={component} full={full} />
         ) : (
           <Configuration key={component.instance} system={system} component={component} full={full} />
         )}

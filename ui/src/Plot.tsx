@@ -2,23 +2,39 @@
 
 import { useEffect, useRef } from "react";
 import uPlot from "uplot";
-import { store } from "./store.ts";
+import type { Track } from "./store.ts";
 
 const MOST_CURVES = 8;
 
-export function Plot({ channel, unit }: { channel: number; unit: string }) {
+export interface Curves {
+  names: string[];
+  data: uPlot.AlignedData;
+}
+
+/** The curves of a track of samples. */
+export function curvesOf(track: Track | undefined): Curves | undefined {
+  if (!track) return undefined;
+  const curves = [...track.numbers].filter(([name]) => !/^tm\b/.test(name)).slice(0, MOST_CURVES);
+  return { names: curves.map(([name]) => name), data: [track.times, ...curves.map(([, row]) => row)] };
+}
+
+/** `read` is called before each drawing; a plot with another `source` is a new one. */
+export function Plot({ source, read, unit, label }: { source: string; read: () => Curves | undefined; unit: string; label: string }) {
   const place = useRef<HTMLDivElement>(null);
+  const reading = useRef(read);
+  reading.current = read;
   useEffect(() => {
     let plot: uPlot | undefined;
     let names = "";
+    let drawn = "";
     let frame = 0;
     const draw = () => {
       frame = requestAnimationFrame(draw);
-      const track = store.tracks.get(channel);
-      if (!track || !place.current) return;
-      const curves = [...track.numbers].filter(([name]) => !/^tm\b/.test(name)).slice(0, MOST_CURVES);
-      const now = curves.map(([name]) => name).join();
-      const data = [track.times, ...curves.map(([, row]) => row)] as uPlot.AlignedData;
+      const curves = reading.current();
+      if (!curves || !place.current) return;
+      const { data } = curves;
+      const now = curves.names.join();
+      const stamp = `${data[0].length} ${data[0][0]} ${data[0].at(-1)}`;
       if (!plot || now !== names) {
         plot?.destroy();
         names = now;
@@ -31,20 +47,21 @@ export function Plot({ channel, unit }: { channel: number; unit: string }) {
             scales: { x: { time: false } },
             legend: { live: false },
             axes: [{ ...axis, label: "time [s]" }, unit ? { ...axis, label: unit } : axis],
-            series: [{ label: "t" }, ...curves.map(([name], i) => ({ label: name, stroke: `hsl(${(i * 137) % 360} 70% 50%)` }))],
+            series: [{ label: "t" }, ...curves.names.map((name, i) => ({ label: name, spanGaps: true, stroke: `hsl(${(i * 137) % 360} 70% 50%)` }))],
           },
           data,
           place.current,
         );
-      } else if (plot.data[0].length !== track.times.length || plot.data[0].at(-1) !== plot.scales["x"]?.max) {
+      } else if (stamp !== drawn) {
         plot.setData(data);
       }
+      drawn = stamp;
     };
     draw();
     return () => {
       cancelAnimationFrame(frame);
       plot?.destroy();
     };
-  }, [channel, unit]);
-  return <div className="plot" ref={place} role="img" aria-label="Values over time" />;
+  }, [source, unit]);
+  return <div className="plot" ref={place} role="img" aria-label={label} />;
 }

@@ -4,6 +4,7 @@ import { ClientMessage, ServerMessage } from "./protocol/Ui.ts";
 import type { Command, Component, Connection, Event, Result, SystemState } from "./protocol/Ui.ts";
 import { decode, deserialize, encode } from "./protocol/_cdr.ts";
 import { TypeTable } from "./protocol/table.ts";
+import { Traffic } from "./traffic.ts";
 
 export interface Line {
   time: number;
@@ -52,6 +53,7 @@ export class Store {
   page: Page = unavailable;
   readonly tracks = new Map<number, Track>();
   types = new TypeTable();
+  traffic = new Traffic();
   private server = "";
   private socket: WebSocket | undefined;
   private request = 0;
@@ -157,6 +159,7 @@ export class Store {
       case "whole":
         this.types.add(0, event.value.types);
         this.tracks.clear();
+        this.traffic = new Traffic();
         this.page = { ...this.page, system: event.value, notice: "" };
         if (this.watched.length) this.watch(this.watched);
         break;
@@ -240,8 +243,20 @@ export class Store {
       case "reason":
         this.page = { ...this.page, notice: event.value };
         break;
-      default:
-        break; // Frames and calls of boards are not shown.
+      case "traffic":
+        for (const frame of event.value) this.traffic.frame(frame);
+        break;
+      case "described_bus": {
+        const bus = event.value;
+        this.system((system) => ({ buses: replaced(system.buses, bus, (each) => each.name) }));
+        break;
+      }
+      case "carried":
+        this.traffic.load(event.value);
+        break;
+      case "call":
+        this.traffic.call(event.value);
+        break;
     }
   }
 

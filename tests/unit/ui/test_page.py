@@ -2,84 +2,16 @@
 
 from __future__ import annotations
 
-import asyncio
-import os
-import shutil
-import threading
-import time
-from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
-from patience import PATIENCE
-from ui_bench import GOAL, QUIET
+from ui_bench import until
 
-from rtgen.cli.ui import CommandProject
-from rtgen.runtime import SimulatedClock
-from rtgen.ui.server import PAGE
-from rtgen.ui.serving import Server
 from rtgen.ui.session import Session
 
 pytestmark = [pytest.mark.slow, pytest.mark.peer]
 ODOMETRY = "Odometry0"
 WHEELS = "RefHardRh30.OutWheelAngle"
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    playwright = pytest.importorskip("playwright.sync_api", reason="no playwright")
-    program = os.environ.get("RTGEN_CHROMIUM") or shutil.which("chromium")
-    if program is None:
-        pytest.skip("no chromium: install it, or name one in RTGEN_CHROMIUM")
-    if not (PAGE / "index.html").exists():
-        pytest.skip("the page is not built: `make ui`")
-    with playwright.sync_playwright() as driver:
-        found = driver.chromium.launch(executable_path=program, args=["--no-sandbox"])
-        yield found
-        found.close()
-
-
-@pytest.fixture
-def session() -> Session:
-    return Session(CommandProject(QUIET, [str(GOAL)]), str(GOAL), SimulatedClock)
-
-
-@pytest.fixture
-def server(session: Session) -> Iterator[Server]:
-    server = Server(session, "127.0.0.1", 0)
-    ready = threading.Event()
-    thread = threading.Thread(target=lambda: asyncio.run(server.run(ready.set)))
-    thread.start()
-    assert ready.wait(PATIENCE)
-    yield server
-    server.stop()
-    thread.join(PATIENCE)
-    assert not thread.is_alive()
-
-
-@pytest.fixture(params=[(1440, "light"), (820, "dark")], ids=["wide", "narrow"])
-def page(request: pytest.FixtureRequest, browser: Any, server: Server) -> Iterator[Any]:
-    width, scheme = request.param
-    size = {"width": width, "height": 900}
-    page = browser.new_page(viewport=size, color_scheme=scheme)
-    page.set_default_timeout(PATIENCE * 1000)
-    complaints: list[str] = []
-    page.on("pageerror", lambda error: complaints.append(str(error)))
-    page.on("console", lambda said: complaints.append(said.text))
-    page.goto(server.address(full=True))
-    page.get_by_role("button", name="Play").click()
-    page.get_by_label(f"{ODOMETRY}, Odometry, ACTIVE").wait_for()
-    yield page
-    page.close()
-    assert complaints == []
-
-
-def until(page: Any, condition: Callable[[], bool]) -> None:
-    """Waits for a condition behind the page, whose events are handled meanwhile."""
-    end = time.monotonic() + PATIENCE
-    while not condition():
-        assert time.monotonic() < end
-        page.wait_for_timeout(20)
 
 
 def state(session: Session, instance: str = ODOMETRY) -> str:

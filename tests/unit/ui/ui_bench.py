@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
+
+from patience import PATIENCE
 
 from rtgen import runtime
 from rtgen.cli.common import Console
@@ -92,3 +95,11 @@ def channels(state: ui.SystemState) -> Iterator[tuple[str, ui.Channel]]:
     """The channels by `INSTANCE.PORT`."""
     for channel in state.channels:
         yield f"{channel.port.instance}.{channel.port.port}", channel
+
+
+def until(page: Any, condition: Callable[[], bool]) -> None:
+    """Waits for a condition behind the page, whose events are handled meanwhile."""
+    end = time.monotonic() + PATIENCE
+    while not condition():
+        assert time.monotonic() < end
+        page.wait_for_timeout(20)

@@ -1,0 +1,88 @@
+"""A CAN bus on the page, in a real browser: what is sent there is seen in the nodes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from ui_bench import ROOT, until
+
+from rtgen.runtime.timing.traffic import BusFrame
+from rtgen.ui.session import Session
+
+pytestmark = [pytest.mark.slow, pytest.mark.peer]
+BUS = ROOT / "specs/canopen/fourx.toml"
+
+
+@pytest.fixture
+def shown() -> tuple[Path, dict[str, Path]]:
+    return ROOT / "specs/canopen/fourx.xml", {"": BUS}
+
+
+@pytest.fixture
+def bus(page: Any) -> Any:
+    """The page with the view of buses, whose nodes are operational."""
+    page.get_by_role("tab", name="Buses").click()
+    page.get_by_role("row", name="front_left operational").wait_for()
+    return page
+
+
+def test_frames_are_decoded_and_filtered(bus: Any) -> None:
+    frames = bus.get_by_role("table", name="Frames")
+    frames.get_by_text("heartbeat", exact=True).first.wait_for()
+    bus.get_by_label("Filter").fill("tpdo1 node2")
+    frames.get_by_text("heartbeat", exact=True).first.wait_for(state="detached")
+    frames.get_by_text("tpdo1", exact=True).first.wait_for()
+    bus.get_by_role("img", name="Load of").wait_for()
+    bus.get_by_text("computed").first.wait_for()
+
+
+def test_signals_are_plotted(bus: Any) -> None:
+    chooser = bus.get_by_role("region", name="Signals").locator("select")
+    chooser.select_option(index=1)
+    bus.get_by_role("img", name="Signals over time").wait_for()
+
+
+def test_nodes_are_stopped_and_started(bus: Any, session: Session) -> None:
+    def state() -> str:
+        [found] = [n for b in session.whole().buses for n in b.nodes if n.node_id == 1]
+        return found.nmt_state
+
+    control = bus.get_by_label("NMT command to front_left")
+    control.select_option("stop")
+    until(bus, lambda: state() == "stopped")
+    bus.get_by_role("row", name="front_left stopped").wait_for()
+
+
+def test_objects_are_read_and_written(bus: Any) -> None:
+    region = bus.get_by_role("region", name="Object dictionary")
+    region.get_by_label("Node").select_option("front_left")
+    region.get_by_label("Objects", exact=True).fill("6083")
+    field = region.get_by_label("New value of 6083h:0")
+    field.fill("1234")
+    field.press("Enter")
+    region.get_by_role("status", name="Value of 6083h:0").get_by_text("1234").wait_for()
+
+
+def test_frames_are_sent(bus: Any, session: Session) -> None:
+    seen: list[int] = []
+
+    def on_traffic(happening: object) -> None:
+        if isinstance(happening, BusFrame):
+            seen.append(happening.can_id)
+
+    session.system.clock.traffic.watch(on_traffic)
+    frame = bus.get_by_label("Frame", exact=True)
+    frame.fill("7a0#0102")
+    frame.press("Enter")
+    until(bus, lambda: seen.count(0x7A0) == 1)
+    frame.fill("7a1#")
+    bus.get_by_role("button", name="Send cyclically").click()
+    until(bus, lambda: seen.count(0x7A1) > 2)
+    bus.get_by_role("button", name="End 7a1#").click()
+    bus.get_by_role("button", name="End 7a1#").wait_for(state="detached")
+    bus.get_by_label("Sequence").fill("0 7a2#01\n0.2 7a3#02")
+    bus.get_by_role("button", name="Send the sequence").click()
+    until(bus, lambda: 0x7A3 in seen)
+    assert seen.index(0x7A2) < seen.index(0x7A3)

@@ -1,0 +1,53 @@
+"""Forms of operations, and calls to a board, in a real browser."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from ui_bench import ROOT
+
+pytestmark = [pytest.mark.slow, pytest.mark.peer]
+
+
+@pytest.fixture
+def shown() -> tuple[Path, None]:
+    return ROOT / "specs/tecs/rh3_board.xml", None
+
+
+@pytest.fixture
+def services(page: Any) -> Any:
+    """The page with the operations of the board's marshaller."""
+    chooser = page.get_by_label("Component", exact=True).locator("select")
+    chooser.select_option("MotorBoardMarshaller0")
+    page.get_by_role("tab", name="Services").click()
+    return page
+
+
+def test_a_function_is_called_and_its_octets_shown(services: Any) -> None:
+    services.get_by_role("button", name="Call identify of").click()
+    result = services.get_by_role("status", name="Result of identify")
+    result.get_by_text("RH3 motor board, simulated", exact=True).wait_for()
+    result.get_by_text("67 2a 00 01 5a 3c").wait_for()
+
+
+def test_arguments_are_checked_before_they_are_sent(services: Any) -> None:
+    form = services.get_by_role("form", name="setLimits")
+    fields = form.get_by_role("textbox")
+    assert fields.count() == 2
+    fields.nth(0).fill("fast")
+    fields.nth(0).press("Enter")
+    result = services.get_by_role("status", name="Result of setLimits")
+    result.get_by_text("is not a number").wait_for()
+    fields.nth(0).fill("10")
+    fields.nth(1).fill("50")
+    fields.nth(1).press("Enter")
+    result.get_by_text("40 24 00 00 00 00 00 00 40 49 00 00").wait_for()
+
+
+def test_round_trips_are_a_histogram(services: Any) -> None:
+    services.get_by_role("tab", name="Boards").focus()
+    services.keyboard.press("Enter")
+    services.get_by_role("img", name="Round trips of").wait_for()
+    assert services.get_by_role("table", name="Calls to the board").is_visible()

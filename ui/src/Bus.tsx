@@ -1,0 +1,194 @@
+/** CAN buses: load, nodes, frames in words, signals over time, emergencies. */
+
+import { useState } from "react";
+import uPlot from "uplot";
+import { Objects } from "./Objects.tsx";
+import type { Curves } from "./Plot.tsx";
+import { Plot } from "./Plot.tsx";
+import { Send } from "./Send.tsx";
+import type { Bus, Frame } from "./protocol/Ui.ts";
+import { store } from "./store.ts";
+import { hexadecimal } from "./traffic.ts";
+
+const SHOWN = 100;
+const COMMANDS = ["start", "stop", "pre-operational", "reset-node", "reset-communication"];
+
+const identifier = (frame: Frame): string => frame.can_id.toString(16).toUpperCase().padStart(frame.extended ? 8 : 3, "0");
+
+/** A frame in words: names, values and units. */
+export function words(frame: Frame): string {
+  const fields = frame.fields.map((each) => `${each.name} = ${each.text}${each.unit ? ` ${each.unit}` : ""}`);
+  return [frame.text, ...fields].filter(Boolean).join(", ");
+}
+
+function Nodes({ bus, full }: { bus: Bus; full: boolean }) {
+  const manage = (node_id: number, command: string) => store.order({ case: "managed", value: { bus: bus.name, node_id, command } });
+  const control = (node_id: number, name: string) => (
+    <select aria-label={`NMT command to ${name}`} disabled={!full} value="" onChange={(e) => void manage(node_id, e.target.value)}>
+      <option value="">NMT …</option>
+      {COMMANDS.map((each) => (
+        <option key={each}>{each}</option>
+      ))}
+    </select>
+  );
+  return (
+    <table aria-label="Nodes">
+      <thead>
+        <tr>
+          <th scope="col">id</th>
+          <th scope="col">node</th>
+          <th scope="col">NMT state</th>
+          <th scope="col">component</th>
+          <th scope="col">{control(0, "all nodes")}</th>
+        </tr>
+      </thead>
+      <tbody>
+        {bus.nodes.map((node) => (
+          <tr key={node.node_id}>
+            <td>{node.node_id}</td>
+            <td title={node.device}>{node.name}</td>
+            <td>{node.nmt_state || "unknown"}</td>
+            <td>{node.instance}</td>
+            <td>{control(node.node_id, node.name)}</td>
+          </tr>
+        ))}
+      </tbody>
+    </table>
+  );
+}
+
+function Load({ bus }: { bus: Bus }) {
+  const read = (): Curves | undefined => {
+    const loads = store.traffic.loads.get(bus.name);
+    if (!loads) return undefined;
+    const measured = loads.map((each) => each.load * 100);
+    const times = loads.map((each) => each.time);
+    if (bus.computed_load < 0) return { names: ["measured"], data: [times, measured] };
+    return { names: ["measured", "computed"], data: [times, measured, times.map(() => bus.computed_load * 100)] };
+  };
+  const last = store.traffic.loads.get(bus.name)?.at(-1);
+  return (
+    <>
+      <p>
+        {bus.bit_rate > 0 && `${bus.bit_rate / 1000} kbit/s, `}
+        {last ? `load ${(last.load * 100).toFixed(1)} %, ${last.frames} frames/s` : "load not measured yet"}
+        {bus.computed_load >= 0 && `, computed ${(bus.computed_load * 100).toFixed(1)} %`}
+      </p>
+      <Plot source={bus.name} read={read} unit="%" label={`Load of ${bus.name} over time`} />
+    </>
+  );
+}
+
+function Frames({ frames, caption }: { frames: readonly Frame[]; caption: string }) {
+  return (
+    <div className="rows">
+      <table aria-label={caption}>
+        <thead>
+          <tr>
+            <th scope="col">time [s]</th>
+            <th scope="col">id</th>
+            <th scope="col">node</th>
+            <th scope="col">kind</th>
+            <th scope="col">octets</th>
+            <th scope="col">meaning</th>
+          </tr>
+        </thead>
+        <tbody>
+          {frames.map((frame, i) => (
+            <tr key={i}>
+              <td>{frame.time.toFixed(4)}</td>
+              <td>{identifier(frame)}</td>
+              <td>{frame.node_id < 0 ? "" : frame.node_id}</td>
+              <td>{frame.kind}</td>
+              <td className="octets">{frame.remote ? "remote" : hexadecimal(frame.data)}</td>
+              <td>{words(frame)}</td>
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </div>
+  );
+}
+
+function Signals({ bus }: { bus: string }) {
+  const [chosen, choose] = useState<readonly string[]>([]);
+  const { signals } = store.traffic;
+  const names = [...signals.keys()].filter((each) => each.startsWith(`${bus} `));
+  const read = (): Curves | undefined => {
+    const shown = chosen.flatMap((name) => signals.get(name) ?? []);
+    if (!shown.length) return undefined;
+    return { names: chosen.map((name) => name.slice(bus.length + 1)), data: uPlot.join(shown.map((each) => [each.times, each.numbers])) };
+  };
+  const units = new Set(chosen.map((name) => signals.get(name)?.unit ?? ""));
+  return (
+    <section aria-label="Signals">
+      <h3>Signals</h3>
+      <label>
+        Plot
+        <select value="" onChange={(e) => e.target.value && choose([...chosen, e.target.value].slice(-8))}>
+          <option value="">signal …</option>
+          {names
+            .filter((each) => !chosen.includes(each))
+            .map((each) => (
+              <option key={each} value={each}>
+                {each.slice(bus.length + 1)}
+              </option>
+            ))}
+        </select>
+      </label>
+      {chosen.map((name) => (
+        <button key={name} type="button" aria-label={`Remove ${name}`} onClick={() => choose(chosen.filter((each) => each !== name))}>
+          {name.slice(bus.length + 1)} ×
+        </button>
+      ))}
+      {chosen.length > 0 && <Plot source={chosen.join()} read={read} unit={units.size === 1 ? [...units].join("") : ""} label="Signals over time" />}
+    </section>
+  );
+}
+
+export function BusView({ buses, full }: { buses: readonly Bus[]; full: boolean }) {
+  const [name, open] = useState("");
+  const [filter, setFilter] = useState("");
+  const [held, hold] = useState<readonly Frame[]>();
+  const bus = buses.find((each) => each.name === name) ?? buses[0];
+  if (!bus) return <p>No frame has been seen: components of this system use no CAN bus, or time has not passed yet.</p>;
+  const wanted = filter.toLowerCase().split(/\s+/).filter(Boolean);
+  const matches = (frame: Frame) => {
+    const text = `${identifier(frame)} ${frame.kind} node${frame.node_id} ${words(frame)}`.toLowerCase();
+    return frame.bus === bus.name && wanted.every((each) => text.includes(each));
+  };
+  const frames = (held ?? store.traffic.frames).filter(matches).slice(-SHOWN).reverse();
+  const emergencies = store.traffic.emergencies.filter((each) => each.bus === bus.name).reverse();
+  return (
+    <div className="bus">
+      <label>
+        Bus
+        <select value={bus.name} onChange={(e) => open(e.target.value)}>
+          {buses.map((each) => (
+            <option key={each.name}>{each.name}</option>
+          ))}
+        </select>
+      </label>
+      <Load bus={bus} />
+      <Nodes bus={bus} full={full} />
+      <Send key={`send ${bus.name}`} bus={bus.name} full={full} />
+      <Objects key={`objects ${bus.name}`} bus={bus} full={full} />
+      <Signals key={`signals ${bus.name}`} bus={bus.name} />
+      <section aria-label="Emergencies">
+        <h3>Emergencies</h3>
+        {emergencies.length ? <Frames frames={emergencies} caption="Emergencies" /> : <p>none</p>}
+      </section>
+      <section aria-label="Frames">
+        <h3>Frames</h3>
+        <label>
+          Filter
+          <input value={filter} placeholder="tpdo1 node1" onChange={(e) => setFilter(e.target.value)} />
+        </label>{" "}
+        <button type="button" aria-pressed={held !== undefined} onClick={() => hold(held ? undefined : [...store.traffic.frames])}>
+          Hold
+        </button>
+        <Frames frames={frames} caption="Frames" />
+      </section>
+    </div>
+  );
+}

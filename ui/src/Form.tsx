@@ -1,0 +1,126 @@
+/** Fields for a value of a type of the table. */
+
+import type { Chosen, Draft } from "./draft.ts";
+import { draft, range } from "./draft.ts";
+import type { TypeMember } from "./protocol/Ui.ts";
+import { store } from "./store.ts";
+
+interface Slot {
+  type: number;
+  value: Draft;
+  /** The path of the value, which screen readers say. */
+  label: string;
+  change: (value: Draft) => void;
+  unit?: string;
+  doc?: string;
+}
+
+export function Form(slot: Slot) {
+  const node = store.types.nodes[slot.type];
+  const { value, label, change, unit, doc } = slot;
+  const common = { "aria-label": label, ...(doc && { title: doc }) };
+  if (!node) return null;
+  switch (node.kind) {
+    case "TYPE_BOOLEAN":
+      return <input type="checkbox" {...common} checked={value === true} onChange={(e) => change(e.target.checked)} />;
+    case "TYPE_ENUM":
+      return (
+        <select {...common} value={String(value)} onChange={(e) => change(e.target.value)}>
+          {node.members.map((each) => (
+            <option key={each.name}>{each.name}</option>
+          ))}
+        </select>
+      );
+    case "TYPE_STRUCT": {
+      const parts = value as { [name: string]: Draft };
+      return (
+        <fieldset className="struct">
+          {node.members.map((member) => (
+            <Member key={member.name} member={member} value={parts[member.name] ?? null} label={label} change={(part) => change({ ...parts, [member.name]: part })} />
+          ))}
+        </fieldset>
+      );
+    }
+    case "TYPE_UNION": {
+      const chosen = value as Chosen;
+      const member = node.members.find((each) => each.name === chosen.branch);
+      return (
+        <div>
+          <select
+            aria-label={`${label}, branch`}
+            value={chosen.branch}
+            onChange={(e) => {
+              const next = node.members.find((each) => each.name === e.target.value);
+              if (next) change({ branch: next.name, value: draft(store.types, next.type) });
+            }}
+          >
+            {node.members.map((each) => (
+              <option key={each.name}>{each.name}</option>
+            ))}
+          </select>
+          {member && <Form type={member.type} value={chosen.value} label={`${label}.${member.name}`} unit={member.unit} doc={member.doc} change={(part) => change({ branch: member.name, value: part })} />}
+        </div>
+      );
+    }
+    case "TYPE_ARRAY":
+      return <Elements slot={slot} type={node.element} />;
+    case "TYPE_SEQUENCE":
+      return <Elements slot={slot} type={node.element} bound={node.bound} fresh={() => draft(store.types, node.element)} />;
+    case "TYPE_MAP":
+      return <Elements slot={slot} type={node.element} keys={node.key} bound={node.bound} fresh={() => [draft(store.types, node.key), draft(store.types, node.element)]} />;
+    default: {
+      const limits = range(node);
+      const hint = limits ? `${limits[0]} to ${limits[1]}` : undefined;
+      return (
+        <span className="scalar">
+          <input {...common} title={[doc, hint].filter(Boolean).join("\n")} type="text" inputMode={limits ? "numeric" : undefined} value={String(value)} onChange={(e) => change(e.target.value)} />
+          {unit}
+        </span>
+      );
+    }
+  }
+}
+
+function Member({ member, value, label, change }: { member: TypeMember; value: Draft; label: string; change: (value: Draft) => void }) {
+  const path = label ? `${label}.${member.name}` : member.name;
+  return (
+    <div className="member">
+      <span title={member.doc}>{member.name}</span>
+      {member.optional && (
+        <input type="checkbox" aria-label={`${path} is given`} checked={value !== null} onChange={(e) => change(e.target.checked ? draft(store.types, member.type) : null)} />
+      )}
+      {!(member.optional && value === null) && <Form type={member.type} value={value} label={path} unit={member.unit} doc={member.doc} change={change} />}
+    </div>
+  );
+}
+
+/** Elements of an array, or of a sequence or map, which have a bound and can be added. */
+function Elements({ slot, type, keys, bound = 0, fresh }: { slot: Slot; type: number; keys?: number; bound?: number; fresh?: () => Draft }) {
+  const { label, change, unit } = slot;
+  const parts = slot.value as Draft[];
+  const put = (i: number, part: Draft) => change(parts.map((each, at) => (at === i ? part : each)));
+  return (
+    <div className="elements">
+      {parts.map((part, i) => {
+        const name = `${label}[${i}]`;
+        const pair = part as [Draft, Draft];
+        return (
+          <div key={i} className="member">
+            {keys !== undefined && <Form type={keys} value={pair[0]} label={`${name}, key`} change={(key) => put(i, [key, pair[1]])} />}
+            <Form type={type} value={keys === undefined ? part : pair[1]} label={name} change={(next) => put(i, keys === undefined ? next : [pair[0], next])} {...(unit && { unit })} />
+            {fresh && (
+              <button type="button" aria-label={`Remove ${name}`} onClick={() => change(parts.filter((_, at) => at !== i))}>
+                −
+              </button>
+            )}
+          </div>
+        );
+      })}
+      {fresh && (
+        <button type="button" aria-label={`Add to ${label}`} disabled={bound > 0 && parts.length >= bound} onClick={() => change([...parts, fresh()])}>
+          +
+        </button>
+      )}
+    </div>
+  );
+}

@@ -1,0 +1,84 @@
+/** Frames sent once, cyclically, and as a sequence. */
+
+import { useEffect, useState } from "react";
+import { frameOf, stepsOf } from "./sequence.ts";
+import type { Step } from "./sequence.ts";
+import { store } from "./store.ts";
+
+const LOOK_AGAIN = 10;
+
+export function Send({ bus, full }: { bus: string; full: boolean }) {
+  const [text, setText] = useState("");
+  const [period, setPeriod] = useState("0.1");
+  const [lines, setLines] = useState("");
+  const [waiting, wait] = useState<{ begin: number; steps: Step[] }>();
+  const { cyclic } = store.traffic;
+  const send = async (text: string, period: number) => {
+    const frame = frameOf(text);
+    if (!frame) return store.notify("A frame is written id#octets in hexadecimal digits, as 181#0102; id#R asks for one.");
+    if (!(period >= 0)) return store.notify("The period is not a number of seconds.");
+    const key = `${bus} ${frame.can_id} ${frame.extended}`;
+    const result = await store.order({ case: "frame", value: { ...frame, bus, period } });
+    if (!result.done) return undefined;
+    if (period) cyclic.set(key, { bus, text: text.trim() });
+    else cyclic.delete(key);
+    return undefined;
+  };
+  const begin = () => {
+    const steps = stepsOf(lines);
+    if (typeof steps === "string") store.notify(steps);
+    else if (steps.length) wait({ begin: store.page.system?.time.now ?? 0, steps });
+  };
+  // The time of the run counts: a sequence stands still with it.
+  useEffect(() => {
+    if (!waiting) return undefined;
+    const rest = [...waiting.steps];
+    const timer = setInterval(() => {
+      const now = store.page.system?.time.now ?? 0;
+      while (rest[0] && waiting.begin + rest[0].time <= now) void store.order({ case: "frame", value: { ...rest.shift()!.frame, bus } });
+      if (!rest.length || now < waiting.begin) wait(undefined);
+    }, LOOK_AGAIN);
+    return () => clearInterval(timer);
+  }, [waiting, bus]);
+  return (
+    <section aria-label="Send frames">
+      <h3>Send</h3>
+      <form
+        className="buttons"
+        onSubmit={(e) => {
+          e.preventDefault();
+          void send(text, 0);
+        }}
+      >
+        <label>
+          Frame
+          <input size={18} placeholder="181#0102" value={text} disabled={!full} onChange={(e) => setText(e.target.value)} />
+        </label>
+        <button type="submit" disabled={!full}>
+          Send once
+        </button>
+        <label>
+          Period [s]
+          <input size={5} inputMode="decimal" value={period} disabled={!full} onChange={(e) => setPeriod(e.target.value)} />
+        </label>
+        <button type="button" disabled={!full} onClick={() => void send(text, Number(period) || NaN)}>
+          Send cyclically
+        </button>
+      </form>
+      {[...cyclic.values()]
+        .filter((each) => each.bus === bus)
+        .map((each) => (
+          <button key={each.text} type="button" disabled={!full} aria-label={`End ${each.text}`} onClick={() => void send(each.text, 0)}>
+            {each.text} ×
+          </button>
+        ))}
+      <label className="sequence">
+        Sequence
+        <textarea rows={3} placeholder={"0 181#0102\n0.5 181#0000"} value={lines} disabled={!full} onChange={(e) => setLines(e.target.value)} />
+      </label>
+      <button type="button" disabled={!full} onClick={() => (waiting ? wait(undefined) : begin())}>
+        {waiting ? "Stop the sequence" : "Send the sequence"}
+      </button>
+    </section>
+  );
+}

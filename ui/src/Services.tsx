@@ -1,0 +1,110 @@
+/** Operations of the interfaces that a component provides, called from forms. */
+
+import { useState } from "react";
+import { CallTable } from "./Board.tsx";
+import { Form } from "./Form.tsx";
+import type { Draft } from "./draft.ts";
+import { DraftError, draft, finish } from "./draft.ts";
+import type { BoardCall, Component, Operation, PortAddress } from "./protocol/Ui.ts";
+import { CdrError, deserialize, serialize } from "./protocol/_cdr.ts";
+import { leaves, store } from "./store.ts";
+
+interface Outcome {
+  error: string;
+  values: [string, unknown][];
+  calls: readonly BoardCall[];
+}
+
+/** The draft of a request, or why there cannot be one. */
+function begin(operation: Operation): { value: Draft; refused: string } {
+  if (operation.refused || operation.request < 0) return { value: {}, refused: operation.refused };
+  try {
+    return { value: draft(store.types, operation.request), refused: "" };
+  } catch (error) {
+    if (error instanceof DraftError) return { value: {}, refused: error.message };
+    throw error;
+  }
+}
+
+function OperationForm(props: { port: PortAddress; interfaceName: string; operation: Operation; full: boolean }) {
+  const { port, interfaceName, operation, full } = props;
+  const [first] = useState(() => begin(operation));
+  const [value, change] = useState(first.value);
+  const [outcome, show] = useState<Outcome>();
+  const name = `${port.instance}.${port.port} ${operation.name}`;
+  const call = async () => {
+    const failed = (error: string) => show({ error, values: [], calls: [] });
+    let octets = new Uint8Array();
+    try {
+      if (operation.request >= 0)
+        octets = serialize(store.types.codec(operation.request), finish(store.types, operation.request, value)) as Uint8Array<ArrayBuffer>;
+    } catch (error) {
+      if (error instanceof DraftError || error instanceof CdrError) return failed(error.message);
+      throw error;
+    }
+    const before = store.traffic.callCount;
+    const result = await store.ask({ case: "called", value: { port, interface_name: interfaceName, operation: operation.name, arguments: octets } });
+    if (!result.done) return failed([result.message, result.hint].filter(Boolean).join(": "));
+    const reply = operation.reply >= 0 ? deserialize(store.types.codec(operation.reply), result.reply) : {};
+    return show({ error: "", values: leaves(reply), calls: store.traffic.callsSince(before) });
+  };
+  return (
+    <form
+      className="operation"
+      aria-label={name}
+      onSubmit={(e) => {
+        e.preventDefault();
+        void call();
+      }}
+    >
+      <h3 title={operation.doc}>{operation.name}</h3>
+      {operation.doc && <p>{operation.doc}</p>}
+      {first.refused ? (
+        <p>{first.refused}</p>
+      ) : (
+        <>
+          {operation.request >= 0 && <Form type={operation.request} value={value} label="" change={change} />}
+          <button type="submit" disabled={!full} aria-label={`Call ${operation.name} of ${port.instance}.${port.port}`}>
+            Call
+          </button>
+        </>
+      )}
+      {outcome && (
+        <div role="status" aria-label={`Result of ${operation.name}`}>
+          {outcome.error ? (
+            <p className="reason">{outcome.error}</p>
+          ) : outcome.values.length ? (
+            <table>
+              <tbody>
+                {outcome.values.map(([path, each]) => (
+                  <tr key={path}>
+                    <th scope="row">{path}</th>
+                    <td>{String(each)}</td>
+                  </tr>
+                ))}
+              </tbody>
+            </table>
+          ) : (
+            <p>done</p>
+          )}
+          {outcome.calls.length > 0 && <CallTable calls={outcome.calls} />}
+        </div>
+      )}
+    </form>
+  );
+}
+
+export function Services({ component, full }: { component: Component; full: boolean }) {
+  const provided = component.ports.flatMap((port) => port.interfaces.filter((each) => each.provided).map((each) => ({ port, each })));
+  if (!provided.length) return <p>This component provides no service.</p>;
+  return provided.map(({ port, each }) => (
+    <section key={`${port.name} ${each.name}`} aria-label={`${port.name} ${each.type}`}>
+      <h2>
+        {port.name}: {each.type}
+      </h2>
+      {each.operations.map((operation) => (
+        <OperationForm key={operation.name} port={{ instance: component.instance, port: port.name }} interfaceName={each.name} operation={operation} full={full} />
+      ))}
+    </section>
+  ));
+}

@@ -1,0 +1,179 @@
+/** Values that are being typed in: texts until they are checked against their type. */
+
+import type { TypeMember, TypeNode } from "./protocol/Ui.ts";
+import type { TypeTable } from "./protocol/table.ts";
+
+/** Of a scalar a text or boolean; of an optional member that is missing null. */
+export type Draft = string | boolean | null | Draft[] | Chosen | { [name: string]: Draft };
+
+/** Of a union: the branch, and its value. */
+export interface Chosen {
+  branch: string;
+  value: Draft;
+}
+
+export class DraftError extends Error {
+  override name = "DraftError";
+}
+
+const INTEGERS: Partial<Record<TypeNode["kind"], readonly [bigint, bigint]>> = {
+  TYPE_OCTET: [0n, 255n],
+  TYPE_INT8: [-128n, 127n],
+  TYPE_SHORT: [-32768n, 32767n],
+  TYPE_USHORT: [0n, 65535n],
+  TYPE_LONG: [-2147483648n, 2147483647n],
+  TYPE_ULONG: [0n, 4294967295n],
+  TYPE_LONGLONG: [-(1n << 63n), (1n << 63n) - 1n],
+  TYPE_ULONGLONG: [0n, (1n << 64n) - 1n],
+};
+
+const MOST_ELEMENTS = 256;
+
+/** The least and greatest value of an integer type or bitmask; undefined for other types. */
+export function range(node: TypeNode): readonly [bigint, bigint] | undefined {
+  return node.kind === "TYPE_BITMASK" ? [0n, (1n << BigInt(node.bound)) - 1n] : INTEGERS[node.kind];
+}
+
+export function isNumber(node: TypeNode): boolean {
+  return node.kind === "TYPE_FLOAT" || node.kind === "TYPE_DOUBLE" || range(node) !== undefined;
+}
+
+function node(table: TypeTable, type: number): TypeNode {
+  const found = table.nodes[type];
+  if (!found) throw new DraftError(`there is no type ${type}`);
+  return found;
+}
+
+/** The value with which a form of a type begins. Throws DraftError for one that no form can hold. */
+export function draft(table: TypeTable, type: number): Draft {
+  const each = node(table, type);
+  switch (each.kind) {
+    case "TYPE_BOOLEAN":
+      return false;
+    case "TYPE_ENUM":
+      return each.members[0]?.name ?? "";
+    case "TYPE_CHAR":
+    case "TYPE_WCHAR":
+      return " ";
+    case "TYPE_STRING":
+    case "TYPE_WSTRING":
+      return "";
+    case "TYPE_SEQUENCE":
+    case "TYPE_MAP":
+      return [];
+    case "TYPE_ARRAY": {
+      const length = each.dimensions.reduce((product, one) => product * one, 1);
+      if (length > MOST_ELEMENTS) throw new DraftError(`an array of ${length} elements is too long for a form`);
+      return Array.from({ length }, () => draft(table, each.element));
+    }
+    case "TYPE_STRUCT":
+      return Object.fromEntries(each.members.map((one) => [one.name, one.optional ? null : draft(table, one.type)]));
+    case "TYPE_UNION": {
+      const first = each.members[0];
+      return { branch: first?.name ?? "", value: first ? draft(table, first.type) : null };
+    }
+    default:
+      return "0";
+  }
+}
+
+/** The value that a draft stands for. Throws DraftError, whose message begins with the path. */
+export function finish(table: TypeTable, type: number, value: Draft, path = ""): unknown {
+  const each = node(table, type);
+  const fail = (text: string): never => {
+    throw new DraftError(path ? `${path}: ${text}` : text);
+  };
+  const inner = (one: number, part: Draft, step: string) => finish(table, one, part, path ? `${path}${step}` : step.replace(/^\./, ""));
+  const limits = range(each);
+  if (limits) return integer(each, String(value).trim(), limits, fail);
+  switch (each.kind) {
+    case "TYPE_FLOAT":
+    case "TYPE_DOUBLE": {
+      const text = String(value).trim();
+      return text === "" || Number.isNaN(Number(text)) ? fail(`${JSON.stringify(text)} is not a number`) : Number(text);
+    }
+    case "TYPE_CHAR":
+    case "TYPE_WCHAR":
+      return String(value).length === 1 ? value : fail("one character is needed");
+    case "TYPE_STRING":
+    case "TYPE_WSTRING":
+      return each.bound && String(value).length > each.bound ? fail(`at most ${each.bound} characters`) : value;
+    case "TYPE_SEQUENCE": {
+      const parts = value as Draft[];
+      if (each.bound && parts.length > each.bound) fail(`at most ${each.bound} elements`);
+      const found = parts.map((part, i) => inner(each.element, part, `[${i}]`));
+      const kind = node(table, each.element).kind;
+      if (kind === "TYPE_OCTET") return Uint8Array.from(found as number[]);
+      return kind === "TYPE_CHAR" ? found.join("") : found;
+    }
+    case "TYPE_ARRAY": {
+      const found = (value as Draft[]).map((part, i) => inner(each.element, part, `[${i}]`));
+      return nested(found, each.dimensions, node(table, each.element).kind);
+    }
+    case "TYPE_MAP": {
+      const pairs = value as [Draft, Draft][];
+      return new Map(pairs.map(([k, v], i) => [inner(each.key, k, `[${i}].key`), inner(each.element, v, `[${i}].value`)]));
+    }
+    case "TYPE_STRUCT": {
+      const parts = value as { [name: string]: Draft };
+      return Object.fromEntries(
+        each.members.map((one) => {
+          const part = parts[one.name] ?? null;
+          return [one.name, one.optional && part === null ? null : inner(one.type, part, `.${one.name}`)];
+        }),
+      );
+    }
+    case "TYPE_UNION": {
+      const { branch, value: part } = value as Chosen;
+      const member = each.members.find((one) => one.name === branch);
+      if (!member) return fail(`there is no branch ${branch}`);
+      const made = { case: branch, value: inner(member.type, part, `.${branch}`) };
+      return member.labels.length ? made : { ...made, discriminator: otherLabel(table, each, fail) };
+    }
+    default:
+      return value;
+  }
+}
+
+function integer(each: TypeNode, text: string, [least, most]: readonly [bigint, bigint], fail: (text: string) => never): unknown {
+  if (!/^-?\d+$|^0x[\da-f]+$/i.test(text)) return fail(`${JSON.stringify(text)} is not a whole number`);
+  const number = BigInt(text);
+  if (number < least || number > most) return fail(`${number} is not between ${least} and ${most}`);
+  const wide = each.kind === "TYPE_LONGLONG" || each.kind === "TYPE_ULONGLONG" || (each.kind === "TYPE_BITMASK" && each.bound > 32);
+  return wide ? number : Number(number);
+}
+
+/** Elements in the dimensions of their array; the innermost of octets and chars are one value. */
+function nested(elements: unknown[], dimensions: readonly number[], kind: TypeNode["kind"]): unknown {
+  if (dimensions.length <= 1) {
+    if (kind === "TYPE_OCTET") return Uint8Array.from(elements as number[]);
+    return kind === "TYPE_CHAR" ? elements.join("") : elements;
+  }
+  const [first = 0, ...rest] = dimensions;
+  const size = elements.length / first;
+  return Array.from({ length: first }, (_, i) => nested(elements.slice(i * size, (i + 1) * size), rest, kind));
+}
+
+/** A discriminator that no label has, which selects the branch `default`. */
+function otherLabel(table: TypeTable, union: TypeNode, fail: (text: string) => never): unknown {
+  const taken = new Set(union.members.flatMap((one: TypeMember) => one.labels));
+  const element = node(table, union.element);
+  if (element.kind === "TYPE_ENUM") {
+    const free = element.members.find((one) => !taken.has(one.labels[0] ?? 0n));
+    return free?.name ?? fail("each label has a branch of its own");
+  }
+  let free = 0n;
+  while (taken.has(free)) free += 1n;
+  switch (element.kind) {
+    case "TYPE_BOOLEAN":
+      return free === 1n;
+    case "TYPE_CHAR":
+    case "TYPE_WCHAR":
+      return String.fromCharCode(Number(free));
+    case "TYPE_LONGLONG":
+    case "TYPE_ULONGLONG":
+      return free;
+    default:
+      return Number(free);
+  }
+}

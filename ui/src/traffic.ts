@@ -1,0 +1,77 @@
+/** What buses and boards have carried, the newest of it. */
+
+import type { BoardCall, BusLoad, Frame } from "./protocol/Ui.ts";
+
+const MOST_FRAMES = 1000;
+const MOST_SIGNALS = 512;
+const MOST_POINTS = 2000;
+const MOST_EMERGENCIES = 200;
+const MOST_LOADS = 600;
+const MOST_CALLS = 1000;
+
+export interface Signal {
+  unit: string;
+  times: number[];
+  numbers: number[];
+}
+
+export class Traffic {
+  readonly frames: Frame[] = [];
+  readonly emergencies: Frame[] = [];
+  /** By `BUS NODE KIND.NAME`. */
+  readonly signals = new Map<string, Signal>();
+  readonly loads = new Map<string, BusLoad[]>();
+  readonly calls: BoardCall[] = [];
+  /** Frames that this page sends cyclically, as it has them written, by bus and identifier. */
+  readonly cyclic = new Map<string, { bus: string; text: string }>();
+  /** Of all calls, those that are not kept, too. */
+  callCount = 0;
+
+  frame(frame: Frame): void {
+    append(this.frames, frame, MOST_FRAMES);
+    if (frame.kind === "emcy") append(this.emergencies, frame, MOST_EMERGENCIES);
+    for (const field of frame.fields) {
+      if (!field.numeric) continue;
+      const key = `${frame.bus} ${frame.node_id < 0 ? "" : frame.node_id} ${frame.kind}.${field.name}`;
+      let signal = this.signals.get(key);
+      if (!signal) {
+        if (this.signals.size >= MOST_SIGNALS) continue;
+        signal = { unit: field.unit, times: [], numbers: [] };
+        this.signals.set(key, signal);
+      }
+      append(signal.times, frame.time, MOST_POINTS);
+      append(signal.numbers, field.number, MOST_POINTS);
+    }
+  }
+
+  load(load: BusLoad): void {
+    const loads = this.loads.get(load.bus) ?? [];
+    this.loads.set(load.bus, loads);
+    append(loads, load, MOST_LOADS);
+  }
+
+  call(call: BoardCall): void {
+    this.callCount += 1;
+    append(this.calls, call, MOST_CALLS);
+  }
+
+  /** The calls after the first `count`, those of them that are kept. */
+  callsSince(count: number): BoardCall[] {
+    return count === this.callCount ? [] : this.calls.slice(count - this.callCount);
+  }
+}
+
+function append<T>(list: T[], item: T, most: number): void {
+  if (list.push(item) > most) list.shift();
+}
+
+export function hexadecimal(octets: Uint8Array): string {
+  return [...octets].map((each) => each.toString(16).padStart(2, "0")).join(" ");
+}
+
+/** Octets written as hexadecimal digits, in pairs; undefined for another text. */
+export function octetsOf(text: string): Uint8Array | undefined {
+  const digits = text.replace(/\s+/g, "");
+  if (!/^(?:[\da-f]{2})*$/i.test(digits)) return undefined;
+  return Uint8Array.from(digits.match(/../g) ?? [], (pair) => parseInt(pair, 16));
+}
