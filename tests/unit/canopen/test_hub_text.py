@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from contextlib import suppress
+from random import Random
 
 import can
 import pytest
@@ -278,3 +279,54 @@ def test_faults() -> None:
 def test_what_is_no_fault(text: str) -> None:
     with pytest.raises(ValueError, match=r"fault|probability|day"):
         fault_of(text)
+
+
+def spellings(text: bytes, chance: Random) -> bytes:
+    """A text with some octets changed, doubled or left out."""
+    octets = bytearray(text)
+    for _ in range(chance.choice((0, 0, 1, 1, 2, 3))):
+        at = chance.randrange(len(octets))
+        octets[at : at + chance.choice((0, 1, 1))] = bytes(
+            chance.choices(b"  <>0179aAfF.sx\n", k=chance.choice((0, 1, 1, 2)))
+        )
+    return bytes(octets)
+
+
+@given(FRAMES, st.integers(0, 10**15), st.randoms(use_true_random=False))
+def test_usual_spellings_are_read_as_any_others(
+    frame: Frame, micros: int, chance: Random
+) -> None:
+    digits = chance.choice(("%02X", "%X", "%x"))
+    octets = " ".join(digits % octet for octet in frame.data)
+    sent = f"< send {frame.can_id:X} {len(frame.data)} {octets} >".encode()
+    by_hand = spellings(chance.choice((sent, send_text(frame))), chance)
+    elements = Elements()
+    elements.feed(by_hand)
+    found = elements.take_sent()
+    if found is not None:
+        slowly = Elements()
+        slowly.feed(by_hand)
+        words = slowly.take()
+        assert words is not None
+        assert sent_frame(words) == found
+        assert slowly.waiting == elements.waiting
+    arrived = spellings(frame_text(frame, 1000 * micros), chance)
+    elements = Elements()
+    elements.feed(arrived)
+    received = elements.take_received()
+    if received is not None:
+        slowly = Elements()
+        slowly.feed(arrived)
+        words = slowly.take()
+        assert words is not None
+        assert received_frame(words) == received
+        assert slowly.waiting == elements.waiting
+
+
+@given(FRAMES)
+def test_the_usual_spelling_is_taken_at_once(frame: Frame) -> None:
+    elements = Elements()
+    elements.feed(send_text(frame) + frame_text(frame, 1_700_000_000_123_456_789))
+    assert elements.take_sent() == frame
+    assert elements.take_received() == (frame, 1700000000.123456)
+    assert elements.waiting == 0

@@ -21,6 +21,7 @@ from rtgen.runtime.canopen.bus.hub_text import (
     Malformed,
     error_text,
     frame_text,
+    is_channel,
     sent_frame,
     slcan_text,
 )
@@ -30,7 +31,6 @@ QUEUE: Final = 1024
 """Frames queued for a client or from a client, at most."""
 MAX_CLIENTS: Final = 500
 MAX_CHANNELS: Final = 64
-_LONGEST_NAME: Final = 32
 HOLD: Final = 0.05
 """Seconds for which the first frames are held back, so that the preceding answer arrives alone."""
 _HELD: Final = 16384
@@ -361,8 +361,12 @@ class SocketcandPort(Port, asyncio.Protocol):
 
     def read_on(self) -> None:
         assert self._transport is not None
-        room = self.bus is None or self.bus.has_room(self)
+        bus = self.bus
+        room = bus is None or bus.has_room(self)
         while room:
+            if bus is not None and (frame := self._elements.take_sent()) is not None:
+                room = bus.put(self, frame)
+                continue
             try:
                 words = self._elements.take()
                 if words is None:
@@ -370,10 +374,11 @@ class SocketcandPort(Port, asyncio.Protocol):
                         self._paused = False
                         self._transport.resume_reading()
                     return
-                if self.bus is None or not words.startswith("send "):
+                if bus is None or not words.startswith("send "):
                     self._obey(words)
+                    bus = self.bus
                 else:
-                    room = self.bus.put(self, sent_frame(words))
+                    room = bus.put(self, sent_frame(words))
             except Malformed as error:
                 self._refuse(error)
         self._paused = True
@@ -449,7 +454,7 @@ class Hub:
     def bus(self, channel: str) -> HubBus | None:
         """The bus of a channel name; None for an invalid name, or if there are too many buses."""
         bus = self.buses.get(channel)
-        if bus is None and _is_name(channel) and len(self.buses) < MAX_CHANNELS:
+        if bus is None and is_channel(channel) and len(self.buses) < MAX_CHANNELS:
             bus = self.buses[channel] = HubBus(channel, self.settings)
             bus.off = self._off
         return bus
@@ -488,12 +493,3 @@ class Hub:
         self.report_event("bus-off" if off else "the buses are back")
         for bus in self.buses.values():
             bus.turn(off)
-
-
-def _is_name(channel: str) -> bool:
-    return (
-        0 < len(channel) <= _LONGEST_NAME
-        and channel.isascii()
-        and channel.isprintable()
-        and " " not in channel
-    )

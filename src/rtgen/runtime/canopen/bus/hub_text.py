@@ -3,17 +3,29 @@
 from __future__ import annotations
 
 import re
+from binascii import hexlify
 from functools import lru_cache
 from typing import Final
 
-from rtgen.runtime.canopen.wire.frames import SECOND, Frame
+from rtgen.runtime.canopen.wire.frames import MAX_DATA, SECOND, Frame
 
 _LONGEST: Final = 256
 """Maximum length of an element of socketcand, or of a line of slcan, in octets."""
 
 _ELEMENT: Final = re.compile(rb"\s*<([\0-;=?-\x7f]{0,%d})>" % (_LONGEST - 2))
+_STANDARD, _EXTENDED = rb"[0-7]?[0-9A-F]{1,2}", rb"[01][0-9A-F]{7}"
+_SENT: Final = re.compile(
+    rb"\s*< send (%b|%b) ([0-8]) ([0-9A-Fa-f ]{0,%d})>"
+    % (_STANDARD, _EXTENDED, 3 * MAX_DATA)
+)
+_RECEIVED: Final = re.compile(
+    rb"\s*< frame (%b|%b) ([0-9]{1,10}\.[0-9]{6}) ((?:[0-9A-F]{2}){0,%d}) >"
+    % (_STANDARD, _EXTENDED, MAX_DATA)
+)
+"""The frames in their usual spelling, which are read without splitting them into words."""
 _IDENTIFIER: Final = re.compile(r"[0-9A-Fa-f]{1,3}|[01][0-9A-Fa-f]{7}")
 _LONG_IDENTIFIER: Final = 8
+_LONGEST_NAME: Final = 32
 _END_OF_TIME: Final = 1e11
 """Seconds; what is later is not a time stamp."""
 _DIGITS: Final = "0123456789ABCDEFabcdef"
@@ -43,7 +55,7 @@ class Elements:
 
     def feed(self, data: bytes) -> None:
         """Append received octets."""
-        self._text = self._text[self._taken :] + data
+        self._text = self._text[self._taken :] + data if self.waiting else data
         self._taken = 0
 
     def take(self) -> str | None:
@@ -59,6 +71,44 @@ class Elements:
             return None
         self._taken = match.end()
         return " ".join(match[1].decode("ascii").split())
+
+    def take_sent(self) -> Frame | None:
+        """Take the next element if it is `send` in its usual spelling; else None.
+
+        Then `take` and `sent_frame` read it.
+        """
+        match = _SENT.match(self._text, self._taken)
+        if match is None:
+            return None
+        identifier, length, octets = match.groups()
+        try:
+            data = bytes([_OCTETS[octet] for octet in octets.decode().split()])
+        except KeyError:
+            return None
+        if len(data) != int(length):
+            return None
+        self._taken = match.end()
+        return Frame(
+            int(identifier, 16), data, False, len(identifier) == _LONG_IDENTIFIER
+        )
+
+    def take_received(self) -> tuple[Frame, float] | None:
+        """Take the next element if it is `frame` in its usual spelling; else None.
+
+        Then `take` and `received_frame` read it.
+        """
+        match = _RECEIVED.match(self._text, self._taken)
+        if match is None:
+            return None
+        identifier, seconds, data = match.groups()
+        self._taken = match.end()
+        frame = Frame(
+            int(identifier, 16),
+            bytes.fromhex(data.decode()),
+            False,
+            len(identifier) == _LONG_IDENTIFIER,
+        )
+        return frame, float(seconds)
 
     def _drop_malformed(self) -> None:
         """Raise Malformed, unless the text is the beginning of an element."""
@@ -78,6 +128,16 @@ class Elements:
             return
         self._taken = min(part for part in (inner, end or limit) if part > 0)
         raise Malformed(_shown(text[start : self._taken]))
+
+
+def is_channel(name: str) -> bool:
+    """Whether a bus of a hub may have this name."""
+    return (
+        0 < len(name) <= _LONGEST_NAME
+        and name.isascii()
+        and name.isprintable()
+        and " " not in name
+    )
 
 
 def sent_frame(words: str) -> Frame:
@@ -108,9 +168,9 @@ def _identifier(digits: str) -> tuple[int, bool]:
 
 def send_text(frame: Frame) -> bytes:
     """Format `< send ID DLC B0 B1 ... >`."""
-    identifier = f"{frame.can_id:08X}" if frame.extended else f"{frame.can_id:03X}"
-    octets = frame.data.hex(" ").upper()
-    return f"< send {identifier} {len(frame.data)} {octets} >".encode()
+    data = frame.data
+    form = b"< send %08X %d %b >" if frame.extended else b"< send %03X %d %b >"
+    return form % (frame.can_id, len(data), hexlify(data, b" ").upper())
 
 
 def received_frame(words: str) -> tuple[Frame, float]:
@@ -149,9 +209,10 @@ def _seconds(digits: str) -> float:
 def frame_text(frame: Frame, time: int) -> bytes:
     """Format `< frame ID SECONDS.MICROS DATA >`; `time` in ns, UTC."""
     seconds, rest = divmod(time, SECOND)
-    identifier = f"{frame.can_id:08X}" if frame.extended else f"{frame.can_id:03X}"
-    data = frame.data.hex().upper()
-    return f"< frame {identifier} {seconds}.{rest // 1000:06} {data} >".encode()
+    form = (
+        b"< frame %08X %d.%06d %b >" if frame.extended else b"< frame %03X %d.%06d %b >"
+    )
+    return form % (frame.can_id, seconds, rest // 1000, hexlify(frame.data).upper())
 
 
 def error_text(kind: int, time: int) -> bytes:

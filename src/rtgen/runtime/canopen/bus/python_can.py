@@ -107,10 +107,14 @@ class OpenBus:
         address: BusAddress,
         on_queued: Callable[[Frame], None] | None = None,
     ) -> None:
+        # Not at each frame, which would take the time of an import.
+        import can
+
         self.bus = bus
         self.on_queued = on_queued
         self._address = address
         self._hub = _hub_client(bus) if address.hub else None
+        self._errors = (can.CanError, OSError, ValueError)
 
     def receive(self, timeout: float) -> can.Message | None:
         """The next message, None if none arrives within `timeout` s. Raises LinkError."""
@@ -140,8 +144,6 @@ class OpenBus:
             return [
                 self._event(message) for message in self.receive_some(timeout, most)
             ]
-        import can
-
         found: list[Event] = []
         try:
             received = self._hub.receive(timeout)
@@ -151,7 +153,7 @@ class OpenBus:
                 if len(found) >= most:
                     break
                 received = self._hub.receive(0)
-        except (can.CanError, OSError) as error:
+        except self._errors as error:
             if not found:
                 raise LinkError(f"{self._address}: {_reason(error)}") from error
         return found
@@ -163,14 +165,12 @@ class OpenBus:
 
     def send(self, frame: Frame) -> bool:
         """Send a frame; False if the interface's queue is full. Raises LinkError."""
-        import can
-
         try:
             if self._hub is not None:
                 self._hub.transmit(frame)
             else:
                 self.bus.send(message_of(frame), timeout=_PATIENCE)
-        except (can.CanError, OSError, ValueError) as error:
+        except self._errors as error:
             if _is_full(error):
                 return False
             raise LinkError(f"{self._address}: {_reason(error)}") from error

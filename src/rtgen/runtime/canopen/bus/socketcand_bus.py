@@ -127,6 +127,10 @@ class SocketcandBus(can.BusABC):
             raise can.CanOperationError("the other end has closed the connection")
         self._elements.feed(data)
         while True:
+            received = self._elements.take_received()
+            if received is not None:
+                self._received.append(received)
+                continue
             try:
                 words = self._elements.take()
                 if words is None:

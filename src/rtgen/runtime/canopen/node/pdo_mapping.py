@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Final, Literal, TypeAlias
@@ -101,6 +101,17 @@ class Mapping:
         # Fields of whole octets are joined and sliced instead of shifted.
         self._whole = all(map(_is_whole, self.fields))
 
+    @cached_property
+    def _places(self) -> list[tuple[ObjectNumber, slice]]:
+        """The octets of each object, if all fields are whole."""
+        found, offset = [], 0
+        for field in self.fields:
+            end = offset + field.bits // 8
+            if field.number is not None:
+                found.append((field.number, slice(offset, end)))
+            offset = end
+        return found
+
     @property
     def size(self) -> int:
         """Length of the PDO in octets."""
@@ -124,25 +135,19 @@ class Mapping:
             offset += field.bits
         return raw.to_bytes(self.size, "little")
 
-    def unpack(self, data: bytes) -> Iterator[tuple[ObjectNumber, bytes | None]]:
+    def unpack(self, data: bytes) -> Iterable[tuple[ObjectNumber, bytes | None]]:
         """Unpack at least `size` octets; the value is None if the object's type is too small."""
         if self._whole:
-            yield from self._cut(data)
-            return
+            return [(number, data[place]) for number, place in self._places]
+        return self._shifted(data)
+
+    def _shifted(self, data: bytes) -> Iterator[tuple[ObjectNumber, bytes | None]]:
         raw = int.from_bytes(data[: self.size], "little")
         for field in self.fields:
             if field.number is not None:
                 value = raw & (1 << field.bits) - 1
                 yield field.number, _octets(field, value)
             raw >>= field.bits
-
-    def _cut(self, data: bytes) -> Iterator[tuple[ObjectNumber, bytes]]:
-        offset = 0
-        for field in self.fields:
-            end = offset + field.bits // 8
-            if field.number is not None:
-                yield field.number, data[offset:end]
-            offset = end
 
 
 def _is_whole(field: MappedField) -> bool:

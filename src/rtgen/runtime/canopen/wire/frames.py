@@ -9,6 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Final
 
+import msgspec
+
 from rtgen.facts.canopen import EMERGENCY as EMERGENCY
 from rtgen.facts.canopen import ERROR_CONTROL as ERROR_CONTROL
 from rtgen.facts.canopen import EXTENDED, INVALID, NO_RTR, can_id_of
@@ -37,8 +39,7 @@ _RESTRICTED: Final = (
 )
 
 
-@dataclass(frozen=True, slots=True)
-class Frame:
+class Frame(msgspec.Struct, frozen=True, gc=False):
     """A CAN frame. Raises ValueError for an identifier or data that CAN cannot carry."""
 
     can_id: int
