@@ -29,7 +29,7 @@ export function CallTable({ calls }: { calls: readonly BoardCall[] }) {
                 → {hexadecimal(call.request)}
                 <br />← {hexadecimal(call.reply)}
               </td>
-              <td>
+              <td className="meaning">
                 {call.function} {listed(call.request_values)}
                 <br />
                 {call.error ? <span className="reason">{call.error}</span> : listed(call.reply_values) || printable(call.reply)}

@@ -17,8 +17,7 @@ const identifier = (frame: Frame): string => frame.can_id.toString(16).toUpperCa
 
 /** A frame in words: names, values and units. */
 export function words(frame: Frame): string {
-  const fields = frame.fields.map((each) => `${each.name} = ${each.text}${each.unit ? ` ${each.unit}` : ""}`);
-  return [frame.text, ...fields].filter(Boolean).join(", ");
+  return frame.text || frame.fields.map((each) => `${each.name} = ${each.text}`).join(", ");
 }
 
 function Nodes({ bus, full }: { bus: Bus; full: boolean }) {
@@ -101,7 +100,7 @@ function Frames({ frames, caption }: { frames: readonly Frame[]; caption: string
               <td>{frame.node_id < 0 ? "" : frame.node_id}</td>
               <td>{frame.kind}</td>
               <td className="octets">{frame.remote ? "remote" : hexadecimal(frame.data)}</td>
-              <td>{words(frame)}</td>
+              <td className="meaning">{words(frame)}</td>
             </tr>
           ))}
         </tbody>
