@@ -62,6 +62,11 @@ class Supervised:
         """Wait until it has said that."""
         self.wait_for(lambda: self.text.count(text) >= times)
 
+    def activates(self, name: str, times: int = 1) -> None:
+        """Wait until a component has become ACTIVE so often."""
+        state = re.compile(rf"{name} \| [0-9.]+ s: {name} ACTIVE")
+        self.wait_for(lambda: len(state.findall(self.text)) >= times)
+
     def end(self) -> int:
         """End it in order; its exit code."""
         self.process.send_signal(signal.SIGTERM)
@@ -110,14 +115,14 @@ def test_each_process_that_dies_is_started_again_and_the_run_goes_on(
     run = supervised("--supervise", "on-failure")
     for number, name in enumerate(("Counter0", "Caller0"), 1):
         for each in ("Counter0", "Caller0"):
-            run.says(f"{each} | 0.100 s: {each} ACTIVE")
+            run.activates(each)
         before = int((folder / f"{name}.pid").read_text())
         os.kill(before, signal.SIGKILL)
         run.says(f"{name}: process {before} on ")
         run.says("was ended by SIGKILL; it is started again in 0.5 s", number)
         run.says(f"condition: degraded, without {name}\n")
         run.says("condition: complete\n", number + 1)
-        run.says(f"{name} | 0.100 s: {name} ACTIVE", 2)
+        run.activates(name, 2)
         assert int((folder / f"{name}.pid").read_text()) != before
     assert run.end() == 0
     assert re.search(r"Caller0 \| Caller0 +ACTIVE", run.text)
@@ -128,7 +133,7 @@ def test_a_process_that_is_not_started_again(
     supervised: Callable[..., Supervised], folder: Path
 ) -> None:
     run = supervised("--supervise", "never")
-    run.says("Counter0 | 0.100 s: Counter0 ACTIVE")
+    run.activates("Counter0")
     os.kill(int((folder / "Counter0.pid").read_text()), signal.SIGKILL)
     run.says("was ended by SIGKILL; it is not started again (--supervise never)")
     run.says("condition: failed, without Counter0")
