@@ -14,10 +14,10 @@ from typing import Final, TypeAlias
 from rtgen.facts.ros_marshaling import parse as parse_marshaling
 
 PROFILE_ATTRIBUTES: Final[Mapping[str, str]] = {
-    "dataport.data_type": "dataType",
-    "dataport.interface_type": "interfaceType",
     "dataport.dataflow_type": "dataflowType",
+    "dataport.interface_type": "interfaceType",
     "dataport.subscription_type": "subscriptionType",
+    "dataport.data_type": "dataType",
 }
 """Properties that are attributes of a connector in an RtsProfile (RtsProfile 0.2)."""
 

@@ -194,7 +194,7 @@ def answering(index: int, sub: int, first: int, value: bytes) -> Alter:
     """Gives another expedited value where an object is read."""
     return lambda cause, out: (
         [Frame(0x580 + ID, bytes((first,)) + cause.data[1:4] + value.ljust(4, b"\0"))]
-        if at(cause, 0x40, index, sub)
+        if out and at(cause, 0x40, index, sub)
         else out
     )
 
