@@ -69,11 +69,10 @@ imports: $(VENV)/test.stamp
 drift: $(VENV)/test.stamp
 	$(BIN)/rtgen check
 
-# Each worker begins with a third of the files, so what tests of a file share is made once. For a third of
-# their time tests wait for other processes and for clocks, so there are more workers than processors.
+# Each worker begins with a half of the files, so what tests of a file share is made once.
 # Assertions that show their values take time to be compiled: only what fails has them.
 pytest: $(VENV)/test.stamp
-	$(BIN)/pytest -n 3 --dist worksteal --assert=plain $(SELECTED) || \
+	$(BIN)/pytest -n 2 --dist worksteal --assert=plain $(SELECTED) || \
 	    { $(BIN)/pytest -q --last-failed --last-failed-no-failures none; exit 1; }
 
 # The tests of OpenRTM on an installed OpenRTM-aist-Python: SITE is the folder that has its package

@@ -20,7 +20,7 @@ from rtgen.project import load
 COUNT = 8
 """Definition files of one project."""
 
-_TARGETS = ("embedded", "openrtm", "small")
+_TARGETS = ("embedded", "openrtm", "small", "typescript")
 _KINDS = tuple((language, target) for target in _TARGETS for language in MAKERS)
 _OTHERS = tuple((conversion, "") for conversion in CONVERSIONS)
 _PROJECT = """[sources]
@@ -29,6 +29,8 @@ paths = [%s]
 package = "fuzzed"
 skeletons = "src/fuzzednodes"
 target = "TARGET"
+[ros2]
+interfaces = true
 """
 
 Twins = Mapping[str, tuple[str, Content]]

@@ -215,6 +215,47 @@ region rPc {{ cell tUser User {{ cWorks = rBoard::Works.eWorks; }}; }};
     return files
 
 
+def ros(texts: Texts, count: int) -> Files:
+    """Interface files of ROS 2 with comments, constants and defaults, and components with them."""
+
+    def line() -> str:
+        text = texts.text(keep=False, one_line=True)
+        return "".join(c for c in text if c.isprintable())
+
+    def quoted() -> str:
+        # A hash begins a comment, even in a text; constants and defaults are of one line.
+        text = texts.text(keep=False, printable=True, one_line=True).replace("#", "")
+        return "'" + text.replace("\\", "\\\\").replace("'", "\\'") + "'"
+
+    files = {}
+    for n in range(count):
+        files[f"lab/msg/Load{n}.msg"] = f"""# {line()}
+string TEXT={quoted()}
+float64 mass  # {line()}
+# {line()}
+string<=400 word {quoted()}
+int32[<=3] codes
+"""
+        files[f"lab/srv/Weigh{n}.srv"] = f"""# {line()}
+string what {quoted()}
+---
+# {line()}
+lab/Load{n} load
+"""
+        files[f"lab/action/Lift{n}.action"] = f"""# {line()}
+float64 height
+---
+string why {quoted()}
+---
+# {line()}
+float64 now
+"""
+        files[f"lab/part{n}.idl"] = f"""#include "lab/msg/Load{n}.idl"
+component Part{n} {{ publishes lab::msg::Load{n} out_data; }};
+"""
+    return files
+
+
 def _eds(texts: Texts, n: int) -> str:
     def t() -> str:
         text = texts.text(keep=False, one_line=True)
@@ -435,6 +476,7 @@ MAKERS: Mapping[str, Maker] = {
     "yaml": profile_yaml,
     "cdl": cdl,
     "eds": eds,
+    "ros": ros,
     "project": project,
 }
 
@@ -444,6 +486,7 @@ DEFINITIONS: Mapping[str, int] = {
     "yaml": 8,
     "cdl": 8,
     "eds": 10,
+    "ros": 10,
     "project": 5,
     "system": 8,
     "python": 5,
@@ -452,6 +495,6 @@ DEFINITIONS: Mapping[str, int] = {
 """How many definitions of a file have hostile texts of their own.
 
 These are modules, types, members, constants, operations, components, ports and parameters;
-signatures, functions, celltypes, attributes and joins; devices, objects and sections; folders,
-macros and factories.
+signatures, functions, celltypes, attributes and joins; devices, objects and sections; messages,
+requests, replies, goals, results, feedback and their fields; folders, macros and factories.
 """

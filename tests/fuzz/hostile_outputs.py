@@ -174,9 +174,21 @@ def _eds(text: str, found: Content) -> None:
 
 
 def _idl(text: str, found: Content) -> None:
+    _tokens(_IDL_TOKEN, text, found)
+
+
+def _typescript(text: str, found: Content) -> None:
+    _tokens(_TYPESCRIPT_TOKEN, text, found)
+
+
+def _msg(text: str, found: Content) -> None:
+    _tokens(_MSG_TOKEN, text, found)
+
+
+def _tokens(pattern: re.Pattern[str], text: str, found: Content) -> None:
     """Tokens, without comments; strings apart."""
     shapes = []
-    for kind, token in _IDL_TOKEN.findall(text):
+    for kind, token in pattern.findall(text):
         if kind:
             continue
         if token[0] in "\"'":
@@ -194,6 +206,17 @@ _IDL_TOKEN = re.compile(
     re.DOTALL,
 )
 
+# A line comment ends at each line terminator of ECMA-262 (12.3); a template is code.
+_TYPESCRIPT_TOKEN = re.compile(
+    r"(//[^\n\r\u2028\u2029]*|/\*.*?\*/|\s+)"
+    r"|(\"(?:\\.|[^\"\\\n\r])*\"|'(?:\\.|[^'\\\n\r])*'|\w+|.)",
+    re.DOTALL,
+)
+
+_MSG_TOKEN = re.compile(
+    r"(#[^\n]*|\s+)|(\"(?:\\.|[^\"\\\n])*\"|'(?:\\.|[^'\\\n])*'|\w+|.)", re.DOTALL
+)
+
 _READERS: dict[str, Callable[[str, Content], None]] = {
     ".py": _python,
     ".xml": _xml,
@@ -206,6 +229,10 @@ _READERS: dict[str, Callable[[str, Content], None]] = {
     ".eds": _eds,
     ".dcf": _eds,
     ".idl": _idl,
+    ".ts": _typescript,
+    ".msg": _msg,
+    ".srv": _msg,
+    ".action": _msg,
     ".typed": lambda _text, _found: None,
     ".gitignore": lambda _text, _found: None,
 }

@@ -9,9 +9,9 @@ from seeds import budget, cases
 
 
 def test_hostile_definitions() -> None:
-    report = run(partial(HostileTarget, count=2), cases(15))
+    report = run(partial(HostileTarget, count=2), cases(28))
     assert not report.failures, report.failures[0].detail
-    assert report.labels["made"] >= budget(10)
+    assert report.labels["made"] >= budget(20)
 
 
 def test_hostile_names() -> None:

@@ -443,9 +443,9 @@ def test_a_provider_that_is_not_active(
     timeline = project / "timeline.toml"
     timeline.write_text(
         '[[at]]\nt = 0.4\ndeactivate = "Counter0"\n'
-        '[[at]]\nt = 0.7\nactivate = "Counter0"\n'
+        '[[at]]\nt = 1.6\nactivate = "Counter0"\n'
     )
-    caller = start("--only", "Caller0", "--until", "1.5", "--timeline", str(timeline))
+    caller = start("--only", "Caller0", "--until", "3", "--timeline", str(timeline))
     counter = start("--only", "Counter0", "--timeline", str(timeline))
     assert caller.code() == 0, caller.error_text()
     assert counter.end() == 0

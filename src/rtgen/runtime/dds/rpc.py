@@ -12,9 +12,10 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from concurrent.futures import Future
 from concurrent.futures import TimeoutError as FutureTimeout
+from contextlib import contextmanager
 from typing import Any
 
 from cyclonedds.core import DDSStatus, Policy
@@ -150,6 +151,10 @@ class DdsClient:
 
     def call(self, octets: bytes, timeout: float) -> bytes:
         """See `medium.Client`."""
+        with self._while_open():
+            return self._call(octets, timeout)
+
+    def _call(self, octets: bytes, timeout: float) -> bytes:
         future: Future[bytes] = Future()
         identity = identity_of(octets)
         deadline = time.monotonic() + timeout
@@ -171,8 +176,21 @@ class DdsClient:
 
     def send(self, octets: bytes, timeout: float) -> None:
         """See `medium.Client`."""
-        _, sent = self._directed(octets, timeout)
-        entities.write(self._writer, sent, timeout)
+        with self._while_open():
+            _, sent = self._directed(octets, timeout)
+            entities.write(self._writer, sent, timeout)
+
+    @contextmanager
+    def _while_open(self) -> Iterator[None]:
+        """What fails since `close` has deleted the entities is a PeerLostError."""
+        try:
+            with entities.reported(self._service):
+                yield
+        except MediumError as error:
+            if self._closed:
+                message = f"the client of {self._service} is closed"
+                raise PeerLostError(message) from error
+            raise
 
     def _directed(self, octets: bytes, timeout: float) -> tuple[int, bytes]:
         """A server, and the request for it. Raises NotServedError, PeerLostError.
@@ -196,8 +214,9 @@ class DdsClient:
         self._fail("the client is closed")
         for entry in self._entries:
             entry.close()
-        for entity in (self._condition, self._reader, self._writer):
-            entities.delete(entity)
+        with self._lock:
+            for entity in (self._condition, self._reader, self._writer):
+                entities.delete(entity)
 
     def _await_server(self, seconds: float) -> int:
         """The handle of a server's reader. Raises NotServedError, PeerLostError."""
@@ -218,10 +237,10 @@ class DdsClient:
 
     def _matched_changed(self) -> None:
         writer: Any = self._writer
-        writer.get_publication_matched_status()  # or the condition stays true
         with self._lock:
             if self._closed:
                 return
+            writer.get_publication_matched_status()  # or the condition stays true
             servers = set(self._writer.get_matched_subscriptions())
         self._fail(f"the server of {self._service} was lost", servers)
 
