@@ -1,8 +1,9 @@
-"""Processes that are killed at each step: the others notice, go on, and find the next one."""
+"""Processes that are killed or frozen: the others notice, go on, and find the next one."""
 
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
 import threading
@@ -47,6 +48,14 @@ class Peer:
         """Wait for a line."""
         assert self.process.stdout is not None
         assert any(found == f"{line}\n" for found in self.process.stdout), line
+
+    def freeze(self) -> None:
+        """Stop it as a debugger does; `thaw` lets it go on."""
+        self.process.send_signal(signal.SIGSTOP)
+        os.waitpid(self.process.pid, os.WUNTRACED)
+
+    def thaw(self) -> None:
+        self.process.send_signal(signal.SIGCONT)
 
     def kill(self) -> None:
         """End it without a farewell."""
@@ -112,6 +121,39 @@ def test_a_reader_that_is_killed_holds_nobody_up(
     wait_for(lambda: len(got) >= 500)
 
 
+def test_a_publisher_is_frozen_and_goes_on(
+    join: Join, start: Callable[..., Peer]
+) -> None:
+    medium = join()
+    got, seen = Samples(), Changes()
+    medium.subscribe(TOPIC, Qos(), got.on_sample)
+    medium.watch("peer", seen.on_change)
+    peer = start("publish", "announce")
+    wait_for(lambda: len(got) > 20 and seen == [("peer/1", True)])
+    peer.freeze()
+    wait_for(lambda: seen[-1] == ("peer/1", False))
+    before = len(got)
+    peer.thaw()
+    wait_for(lambda: seen[-1] == ("peer/1", True))
+    wait_for(lambda: len(got) > before + 20)
+    octets = [(sample.source, sample.octets) for sample in got]
+    assert len(set(octets)) == len(octets)
+
+
+def test_a_server_is_frozen_during_a_call_and_goes_on(
+    join: Join, start: Callable[..., Peer]
+) -> None:
+    client = OctetsClient(join(), "s/op")
+    peer = start("serve")
+    assert wait_for(partial(_attempt, client)) == b"request"
+    peer.freeze()
+    with pytest.raises((PeerLostError, ReplyTimeoutError)):
+        client.call(b"frozen", 1.0)
+    peer.thaw()
+    # The late reply answers no later call.
+    assert wait_for(partial(_again, client)) == b"request"
+
+
 def test_a_server_is_killed_before_during_and_after_a_call(
     join: Join, start: Callable[..., Peer]
 ) -> None:
@@ -141,6 +183,13 @@ def _attempt(client: OctetsClient) -> bytes | None:
     try:
         return client.call(b"request", 10)
     except NotServedError:
+        return None
+
+
+def _again(client: OctetsClient) -> bytes | None:
+    try:
+        return _attempt(client)
+    except (PeerLostError, ReplyTimeoutError):
         return None
 
 

@@ -33,17 +33,23 @@ _T = TypeVar("_T", bound=Token)
 
 LEASE = 2.0
 """Seconds without a sign of life after which a process counts as lost."""
+_ANNOUNCED = 5.0
+"""Seconds between announcements of a participant: one that stood still is found again after that.
+
+Cyclone's own 30 s is long for a process that was stopped for longer than its lease.
+"""
 
 _LOOPBACK = """<CycloneDDS><Domain><General><Interfaces>
 <NetworkInterface address="127.0.0.1" multicast="false"/></Interfaces>
 <AllowMulticast>false</AllowMulticast></General>
 <Discovery><ParticipantIndex>auto</ParticipantIndex>
 <MaxAutoParticipantIndex>99</MaxAutoParticipantIndex>
-<LeaseDuration>{lease}s</LeaseDuration>
+<LeaseDuration>{lease}s</LeaseDuration><SPDPInterval>{announced}s</SPDPInterval>
 <Peers><Peer address="127.0.0.1"/></Peers></Discovery></Domain></CycloneDDS>"""
 _INTERFACE = """<CycloneDDS><Domain><General><Interfaces>
 <NetworkInterface {kind}={name}/></Interfaces></General>
-<Discovery><LeaseDuration>{lease}s</LeaseDuration></Discovery></Domain></CycloneDDS>"""
+<Discovery><LeaseDuration>{lease}s</LeaseDuration>
+<SPDPInterval>{announced}s</SPDPInterval></Discovery></Domain></CycloneDDS>"""
 
 
 def configuration(interface: str | None, lease: float = LEASE) -> str:
@@ -52,9 +58,11 @@ def configuration(interface: str | None, lease: float = LEASE) -> str:
     None is loopback: unicast among at most 100 participants of this machine.
     """
     if interface is None:
-        return _LOOPBACK.format(lease=lease)
+        return _LOOPBACK.format(lease=lease, announced=_ANNOUNCED)
     kind = "address" if interface[:1].isdigit() or ":" in interface else "name"
-    return _INTERFACE.format(kind=kind, name=quoteattr(interface), lease=lease)
+    return _INTERFACE.format(
+        kind=kind, name=quoteattr(interface), lease=lease, announced=_ANNOUNCED
+    )
 
 
 class _Domains:
