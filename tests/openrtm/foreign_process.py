@@ -7,6 +7,7 @@
 from __future__ import annotations
 
 import sys
+import time
 from typing import Any
 
 import OpenRTM_aist
@@ -52,12 +53,17 @@ class PositionInput(OpenRTM_aist.DataFlowComponentBase):  # type: ignore[misc, n
     def onActivated(self, ec_id: int) -> Any:
         """Begin anew."""
         self.sent = False
+        self.begun = 0.0
         return RTC.RTC_OK
 
     def onExecute(self, ec_id: int) -> Any:
-        """Send the goal once, then wait for its end."""
+        """Send the goal once, then wait for its end; after 2 s whoever has activated it goes on."""
+        if self.begun and time.monotonic() > self.begun + 2.0:
+            self.begun = 0.0
+            print("going", flush=True)
         if not self.sent:
             self.sent = True
+            self.begun = time.monotonic()
             position = RTC.Point2D(self.x[0], self.y[0])
             self.goal.data = RTC.Pose2D(position, self.theta[0])
             self.out.write()

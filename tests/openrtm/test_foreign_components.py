@@ -128,7 +128,7 @@ def test_rh3_reaches_its_goal_with_a_foreign_operator_that_comes_late_and_is_kil
     ours.says("waiting for other processes: PositionInput0")
     formats = "lab.host_cxt/%n.rtc"
     operator = launch("operator", formats=formats)
-    operator.says("sent")
+    operator.says("going")
     operator.end(signal.SIGKILL)
     ours.says("warning[SYS0024]: PositionInput0 is lost: its process does not answer")
     again = launch("operator", formats=formats)
