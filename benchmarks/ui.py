@@ -1,11 +1,15 @@
 """What pages of `rtgen ui` cost a run: 60 components, 200 connections, 50 ports at 100 Hz.
 
     python benchmarks/ui.py [SECONDS]
+    python benchmarks/ui.py --browser CHROMIUM [SECONDS]
 
 A system in real time without a page, with one that reads, with one that reads nothing, and with one
 of each. `ticks` are those of all components beside those that were due; `overruns` and `lost` are
 counted by the runtime; `samples` are those that the reading page got beside those that were
 written, `less` those that it was told it did not get.
+
+With `--browser` the built page is open in that browser, headless and without a GPU: its frames per
+second, of the wiring alone, and with a map that watches all ports, whose samples it draws.
 """
 
 from __future__ import annotations
@@ -191,8 +195,70 @@ def measure(seconds: float, *, reads: bool, stalls: bool) -> dict[str, Any]:
     }
 
 
+_FRAMES = """async (seconds) => {
+    let frames = 0, longest = 0, before = performance.now();
+    const begun = before;
+    while (before < begun + seconds * 1000) {
+        const now = await new Promise(requestAnimationFrame);
+        longest = Math.max(longest, now - before);
+        before = now;
+        frames += 1;
+    }
+    return [frames / ((before - begun) / 1000), longest];
+}"""
+
+
+def browse(program: str, seconds: float) -> dict[str, dict[str, Any]]:
+    """The frames of the page in a browser, and what the run has lost meanwhile."""
+    from playwright.sync_api import sync_playwright
+
+    session = Session(Network(), "network", runtime.RealClock)
+    server = Server(session, "127.0.0.1", 0)
+    ready = threading.Event()
+    serving = threading.Thread(target=lambda: asyncio.run(server.run(ready.set)))
+    serving.start()
+    ready.wait()
+    rows = {}
+    with sync_playwright() as driver:
+        browser = driver.chromium.launch(executable_path=program, args=["--no-sandbox"])
+        page = browser.new_page(viewport={"width": 1440, "height": 900}, locale="en-US")
+        page.goto(server.address(full=True))
+        page.locator(".react-flow__node").nth(COMPONENTS - 1).wait_for()
+        session.runner.submit(session.runner.play)
+        for tab in ("Values", "Map"):
+            page.get_by_role("tab", name=tab).click()
+            page.wait_for_timeout(1000)
+            before = [session.system.statistics(n) for n in session.system.instances]
+            rate, longest = page.evaluate(_FRAMES, seconds)
+            after = [session.system.statistics(n) for n in session.system.instances]
+            pairs = [*zip(before, after, strict=True)]
+            rows[{"Values": "wiring"}.get(tab, "wiring, map of all ports")] = {
+                "frames/s": f"{rate:.1f}",
+                "longest": f"{longest:.0f} ms",
+                "ticks/s": f"{sum(b.ticks - a.ticks for a, b in pairs) / seconds:.0f}",
+                "overruns": sum(b.overruns - a.overruns for a, b in pairs),
+                "lost": sum(b.lost - a.lost for a, b in pairs),
+            }
+        browser.close()
+    server.stop()
+    serving.join()
+    return rows
+
+
+def show(rows: dict[str, dict[str, Any]]) -> None:
+    """Print a table of rows."""
+    width = max(map(len, rows)) + 2
+    names = list(next(iter(rows.values())))
+    print(f"{'':{width}}" + "".join(f"{name:>18}" for name in names))
+    for title, row in rows.items():
+        print(f"{title:{width}}" + "".join(f"{row[name]!s:>18}" for name in names))
+
+
 def main() -> int:
     """Print a row for each combination of pages."""
+    if sys.argv[1:2] == ["--browser"]:
+        show(browse(sys.argv[2], float(sys.argv[3]) if len(sys.argv) > 3 else 10.0))
+        return 0
     seconds = float(sys.argv[1]) if len(sys.argv) > 1 else 10.0
     rows = {
         "no page": measure(seconds, reads=False, stalls=False),
@@ -200,10 +266,7 @@ def main() -> int:
         "one that does not": measure(seconds, reads=False, stalls=True),
         "one of each": measure(seconds, reads=True, stalls=True),
     }
-    names = list(rows["no page"])
-    print(f"{'pages':18}" + "".join(f"{name:>18}" for name in names))
-    for title, row in rows.items():
-        print(f"{title:18}" + "".join(f"{row[name]!s:>18}" for name in names))
+    show(rows)
     return 0
 
 

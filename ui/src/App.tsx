@@ -2,6 +2,7 @@
 
 import { useState, useSyncExternalStore } from "react";
 import { Palette } from "./Palette.tsx";
+import type { Tab } from "./Panel.tsx";
 import { Panel } from "./Panel.tsx";
 import { TimeBar } from "./TimeBar.tsx";
 import { Wiring } from "./Wiring.tsx";
@@ -10,6 +11,7 @@ import { store } from "./store.ts";
 export function App() {
   const page = useSyncExternalStore(store.subscribe, store.snapshot);
   const [selected, select] = useState("");
+  const [tab, open] = useState<Tab>("Values");
   const { system } = page;
   const component = system?.components.find((each) => each.instance === selected);
   return (
@@ -22,6 +24,9 @@ export function App() {
           {page.link === "live" && !page.full && ", read only"}
         </span>
       </header>
+      <p className="announced" role="log" aria-label="Changes of the wiring">
+        {page.announced}
+      </p>
       {page.notice && (
         <p className="notice" role="alert">
           {page.notice}
@@ -33,7 +38,7 @@ export function App() {
       {system ? (
         <main>
           <Palette system={system} full={page.full} />
-          <Wiring system={system} full={page.full} statistics={page.statistics} select={select} />
+          <Wiring components={system.components} connections={system.connections} full={page.full} statistics={page.statistics} select={select} open={open} />
           <Panel
             system={system}
             component={component}
@@ -41,6 +46,8 @@ export function App() {
             lines={page.lines}
             full={page.full}
             select={select}
+            tab={tab}
+            open={open}
           />
         </main>
       ) : (

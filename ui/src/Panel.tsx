@@ -3,13 +3,18 @@
 import { useEffect, useMemo, useState } from "react";
 import { Board } from "./Board.tsx";
 import { BusView } from "./Bus.tsx";
+import { Connections } from "./Connections.tsx";
+import { Drive } from "./Drive.tsx";
+import { MapView } from "./MapView.tsx";
 import { Plot, curvesOf } from "./Plot.tsx";
 import type { Component, Parameter, SystemState } from "./protocol/Ui.ts";
 import { Services } from "./Services.tsx";
 import type { Line, Statistics } from "./store.ts";
 import { leaves, stateName, store } from "./store.ts";
 
-const TABS = ["Values", "Configuration", "Services", "Buses", "Boards", "Timeline"] as const;
+export const TABS = ["Values", "Connections", "Map", "Drive", "Configuration", "Services", "Buses", "Boards", "Timeline"] as const;
+
+export type Tab = (typeof TABS)[number];
 
 interface Selection {
   system: SystemState;
@@ -143,7 +148,7 @@ function Configuration({ component, full }: Selection) {
           Use this set
         </button>
       </div>
-      <table>
+      <table className="parameters">
         <tbody>
           {component.parameters.map((parameter) => (
             <tr key={`${name} ${parameter.name}`}>
@@ -194,9 +199,10 @@ export function Panel(props: {
   lines: readonly Line[];
   full: boolean;
   select: (instance: string) => void;
+  tab: Tab;
+  open: (tab: Tab) => void;
 }) {
-  const { system, component, statistics, lines, full, select } = props;
-  const [tab, open] = useState<(typeof TABS)[number]>("Values");
+  const { system, component, statistics, lines, full, select, tab, open } = props;
   return (
     <aside className="panel" aria-label="Component">
       <label>
@@ -241,6 +247,10 @@ export function Panel(props: {
       <div role="tabpanel" aria-label={tab}>
         {tab === "Timeline" ? (
           <Timeline lines={lines} />
+        ) : tab === "Map" ? (
+          <MapView system={system} />
+        ) : tab === "Drive" ? (
+          <Drive system={system} full={full} />
         ) : tab === "Buses" ? (
           <BusView buses={system.buses} full={full} />
         ) : tab === "Boards" ? (
@@ -249,6 +259,8 @@ export function Panel(props: {
           <p>Select a component.</p>
         ) : tab === "Values" ? (
           <Values key={component.instance} system={system} component={component} full={full} />
+        ) : tab === "Connections" ? (
+          <Connections key={component.instance} system={system} component={component} full={full} />
         ) : tab === "Services" ? (
           <Services key={component.instance} component={component} full={full} />
         ) : (

@@ -2,9 +2,10 @@
 
 import { Background, Controls, Handle, Position, ReactFlow, useNodesState } from "@xyflow/react";
 import type { Connection as Drawn, Edge, Node, NodeProps } from "@xyflow/react";
-import { useEffect, useRef, useState } from "react";
+import { memo, useEffect, useMemo, useRef, useState } from "react";
 import { WIDTH, layout, shown, stored } from "./layout.ts";
-import type { Component, Fit, Port, SystemState } from "./protocol/Ui.ts";
+import type { Tab } from "./Panel.tsx";
+import type { Component, Connection, Fit, Port } from "./protocol/Ui.ts";
 import type { Statistics } from "./store.ts";
 import { stateName, store } from "./store.ts";
 
@@ -78,24 +79,28 @@ interface Menu {
   y: number;
 }
 
-export function Wiring(props: {
-  system: SystemState;
+/** What the time of the run changes is no property of the wiring, so that it is drawn again for its own changes alone. */
+export const Wiring = memo(function Wiring(props: {
+  components: readonly Component[];
+  connections: readonly Connection[];
   full: boolean;
   statistics: ReadonlyMap<string, Statistics>;
   select: (instance: string) => void;
+  open: (tab: Tab) => void;
 }) {
-  const { system, full, statistics, select } = props;
+  const { components, connections, full, statistics, select, open } = props;
   const [nodes, setNodes, onNodesChange] = useNodesState<Box>([]);
   const [places, setPlaces] = useState<Map<string, { x: number; y: number }>>();
   const [picked, pick] = useState<ReadonlySet<string>>(new Set());
   const [fits, setFits] = useState<ReadonlyMap<string, string>>();
   const [menu, setMenu] = useState<Menu>();
+  const drags = useRef(0);
   const opened = useRef<HTMLButtonElement>(null);
-  const shape = system.components.map((each) => each.instance).join("\n");
+  const shape = components.map((each) => each.instance).join("\n");
 
   useEffect(() => {
     let current = true;
-    layout(system.components, system.connections).then(
+    layout(components, connections).then(
       (found) => current && setPlaces(found),
       (error: unknown) => store.notify(`The layout failed: ${String(error)}`),
     );
@@ -109,7 +114,7 @@ export function Wiring(props: {
     if (!places) return;
     setNodes((before) => {
       const known = new Map(before.map((node) => [node.id, node]));
-      return system.components.map((component) => {
+      return components.map((component) => {
         const old = known.get(component.instance);
         const place = component.placed ? shown(component.where) : (places.get(component.instance) ?? { x: 0, y: 0 });
         return {
@@ -122,25 +127,33 @@ export function Wiring(props: {
         };
       });
     });
-  }, [system.components, places, statistics, fits, setNodes]);
+  }, [components, places, statistics, fits, setNodes]);
 
   useEffect(() => {
     if (menu) opened.current?.focus();
   }, [menu]);
 
-  const edges: Edge[] = system.connections.map((each) => ({
-    id: each.name,
-    source: each.source.instance,
-    sourceHandle: each.source.port,
-    target: each.target.instance,
-    targetHandle: each.target.port,
-    selected: picked.has(each.name),
-    ariaLabel: `connection ${each.name} from ${each.source.instance}.${each.source.port} to ${each.target.instance}.${each.target.port}`,
-  }));
+  const edges = useMemo(
+    () =>
+      connections.map(
+        (each): Edge => ({
+          id: each.name,
+          source: each.source.instance,
+          sourceHandle: each.source.port,
+          target: each.target.instance,
+          targetHandle: each.target.port,
+          selected: picked.has(each.name),
+          ariaLabel: `connection ${each.name} from ${each.source.instance}.${each.source.port} to ${each.target.instance}.${each.target.port}`,
+        }),
+      ),
+    [connections, picked],
+  );
 
-  const ask = async (instance: string, port: string) => {
+  const begin = async (instance: string, port: string) => {
+    const drag = ++drags.current;
     const result = await store.ask({ case: "ends", value: { instance, port } });
-    if (result.done) setFits(new Map(result.fits.map((each: Fit) => [address(each.port.instance, each.port.port), each.refused])));
+    // An answer that comes after the end of its drag would judge the next one.
+    if (result.done && drag === drags.current) setFits(new Map(result.fits.map((each: Fit) => [address(each.port.instance, each.port.port), each.refused])));
   };
   const connect = (drawn: Drawn) =>
     store.order({
@@ -152,6 +165,7 @@ export function Wiring(props: {
         properties: [],
       },
     });
+  const place = ({ id, position }: Box) => store.order({ case: "place", value: { instance: id, where: stored(position) } });
   const act = (kind: "activated" | "deactivated" | "restored") => {
     if (menu) void store.order({ case: kind, value: [menu.instance] });
     setMenu(undefined);
@@ -161,6 +175,11 @@ export function Wiring(props: {
     <section
       className="wiring"
       aria-label="Wiring"
+      onKeyUp={(e) => {
+        // Arrow keys have moved the selected boxes on this page; drags are stored when they end.
+        if (full && e.key.startsWith("Arrow") && (e.target as HTMLElement).matches(".react-flow__node"))
+          for (const each of nodes) if (each.selected) void place(each);
+      }}
       onKeyDown={(e) => {
         if (e.key === "Escape") setMenu(undefined);
         const node = (e.target as HTMLElement).closest<HTMLElement>(".react-flow__node");
@@ -199,11 +218,12 @@ export function Wiring(props: {
             else for (const each of cut) await store.order({ case: "connection", value: each.id });
             return false;
           }}
-          onConnectStart={(_, from) => void ask(from.nodeId ?? "", from.handleId ?? "")}
+          onConnectStart={(_, from) => void begin(from.nodeId ?? "", from.handleId ?? "")}
           onConnectEnd={(_, state) => {
             const end = state.toHandle;
             const refused = end && fits?.get(address(end.nodeId, end.id ?? ""));
             if (refused) store.notify(refused);
+            drags.current++;
             setFits(undefined);
           }}
           isValidConnection={(drawn) => {
@@ -211,7 +231,7 @@ export function Wiring(props: {
             return !(refused(drawn.target, drawn.targetHandle) || refused(drawn.source, drawn.sourceHandle));
           }}
           onConnect={(drawn) => void connect(drawn)}
-          onNodeDragStop={(_, node) => void store.order({ case: "place", value: { instance: node.id, where: stored(node.position) } })}
+          onNodeDragStop={(_, node) => void place(node)}
           onSelectionChange={({ nodes: chosen }) => chosen[0] && select(chosen[0].id)}
           onNodeContextMenu={(e, node) => {
             e.preventDefault();
@@ -224,7 +244,19 @@ export function Wiring(props: {
         </ReactFlow>
       )}
       {menu && (
-        <div className="menu" role="menu" aria-label={menu.instance} style={{ left: menu.x, top: menu.y }}>
+        <div
+          className="menu"
+          role="menu"
+          aria-label={menu.instance}
+          style={{ left: menu.x, top: menu.y }}
+          onKeyDown={(e) => {
+            const items = [...e.currentTarget.children] as HTMLElement[];
+            const step = { ArrowDown: 1, ArrowUp: items.length - 1 }[e.key];
+            if (!step) return;
+            e.preventDefault();
+            items[(items.indexOf(e.target as HTMLElement) + step) % items.length]?.focus();
+          }}
+        >
           <button ref={opened} type="button" role="menuitem" onClick={() => act("activated")}>
             Activate
           </button>
@@ -234,8 +266,19 @@ export function Wiring(props: {
           <button type="button" role="menuitem" onClick={() => act("restored")}>
             Reset
           </button>
+          <button
+            type="button"
+            role="menuitem"
+            onClick={() => {
+              select(menu.instance);
+              open("Connections");
+              setMenu(undefined);
+            }}
+          >
+            Connections
+          </button>
         </div>
       )}
     </section>
   );
-}
+});

@@ -34,6 +34,8 @@ export interface Page {
   statistics: ReadonlyMap<string, Statistics>;
   lines: readonly Line[];
   notice: string;
+  /** The last change of the wiring in words, for screen readers. */
+  announced: string;
 }
 
 const MOST_LINES = 500;
@@ -47,6 +49,7 @@ const unavailable: Page = {
   statistics: new Map(),
   lines: [],
   notice: "",
+  announced: "",
 };
 
 export class Store {
@@ -146,6 +149,12 @@ export class Store {
     };
   }
 
+  private announce(what: string, connection: Connection | undefined): void {
+    if (!connection) return;
+    const { source, target } = connection;
+    this.page = { ...this.page, announced: `${source.instance}.${source.port} to ${target.instance}.${target.port}: ${what}` };
+  }
+
   private take(event: Event): void {
     switch (event.case) {
       case "greeting":
@@ -178,10 +187,12 @@ export class Store {
         break;
       case "connected": {
         const connection = event.value;
+        this.announce("connected", connection);
         this.system((system) => ({ connections: replaced(system.connections, connection, (c: Connection) => c.name) }));
         break;
       }
       case "cut":
+        this.announce("cut", this.page.system?.connections.find((each) => each.name === event.value));
         this.system((system) => ({
           connections: system.connections.filter((each) => each.name !== event.value),
         }));

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import threading
 from typing import Any
 
 import pytest
+from patience import PATIENCE
 from ui_bench import until
 
 from rtgen.ui.session import Session
@@ -34,6 +36,16 @@ def test_states_by_keyboard(page: Any, session: Session) -> None:
     page.keyboard.press("Tab")
     page.keyboard.press("Enter")
     until(page, lambda: state(session) == "STATE_INACTIVE")
+
+
+def test_a_box_is_moved_by_keyboard(page: Any, session: Session) -> None:
+    x, y = session.places[ODOMETRY]
+    page.get_by_label(f"{ODOMETRY}, Odometry, ACTIVE").focus()
+    page.keyboard.press("Enter")
+    page.locator(".box.selected").wait_for()
+    page.keyboard.press("Shift+ArrowRight")
+    until(page, lambda: session.places[ODOMETRY][0] > x)
+    assert session.places[ODOMETRY][1] == y
 
 
 def test_a_connection_is_cut_and_drawn(page: Any, session: Session) -> None:
@@ -69,6 +81,21 @@ def test_ports_that_do_not_fit_are_refused_with_the_reason(
     assert len(session.whole().connections) == before
 
 
+def test_an_answer_after_the_end_of_a_drag_marks_nothing(
+    page: Any, session: Session
+) -> None:
+    answer = threading.Event()
+    session.runner.submit(lambda: answer.wait(PATIENCE) and None)
+    page.get_by_label(f"out port {WHEELS}").hover()
+    page.mouse.down()
+    page.mouse.move(400, 500)
+    page.mouse.up()
+    answer.set()
+    page.get_by_role("button", name="Deactivate all", exact=True).click()
+    page.get_by_label(f"{ODOMETRY}, Odometry, INACTIVE").wait_for()
+    assert page.locator(".port.refused, .port.fits, .port.other").count() == 0
+
+
 def test_values_and_configuration(page: Any, session: Session) -> None:
     page.get_by_label("Component", exact=True).locator("select").select_option(
         "PathFollower0"
@@ -95,6 +122,7 @@ def test_values_and_configuration(page: Any, session: Session) -> None:
 def test_time(page: Any, session: Session) -> None:
     page.get_by_role("button", name="Pause").click()
     until(page, lambda: not session.time().playing)
+    page.get_by_role("button", name="Play").wait_for()
     before = session.now
     page.get_by_role("button", name="Step").focus()
     page.keyboard.press("Enter")

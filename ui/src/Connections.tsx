@@ -1,0 +1,111 @@
+/** Connections of a component's ports, made and cut without the graph. */
+
+import { useEffect, useState } from "react";
+import type { Component, Fit, PortAddress, SystemState } from "./protocol/Ui.ts";
+import { store } from "./store.ts";
+
+const named = ({ instance, port }: PortAddress): string => `${instance}.${port}`;
+const KINDS = { PORT_IN: "in", PORT_OUT: "out", PORT_SERVICE: "service" } as const;
+
+/** The first line of a reason; the rest, types side by side, when it is opened. */
+function Refusal({ name, reason }: { name: string; reason: string }) {
+  const [first, ...rest] = reason.split("\n");
+  const line = (
+    <>
+      <strong>{name}</strong> {first}
+    </>
+  );
+  if (!rest.length) return line;
+  return (
+    <details>
+      <summary>{line}</summary>
+      <pre>{rest.join("\n")}</pre>
+    </details>
+  );
+}
+
+export function Connections({ system, component, full }: { system: SystemState; component: Component; full: boolean }) {
+  const [chosen, choose] = useState("");
+  const [fits, setFits] = useState<readonly Fit[]>();
+  const port = component.ports.find((each) => each.name === chosen);
+  const here: PortAddress = { instance: component.instance, port: chosen };
+  const own = system.connections.filter(({ source, target }) => [named(source), named(target)].includes(named(here)));
+  // What fits depends on the ports that there are and on their connections.
+  const shape = [...system.components.map((each) => each.instance), ...system.connections.map((each) => each.name)].join("\n");
+
+  useEffect(() => {
+    let current = true;
+    setFits(undefined);
+    if (port)
+      void store.ask({ case: "ends", value: { instance: component.instance, port: port.name } }).then((result) => {
+        if (current) result.done ? setFits(result.fits) : store.notify(result.message);
+      });
+    return () => {
+      current = false;
+    };
+  }, [component.instance, port?.name, shape]);
+
+  const connect = (there: PortAddress) => {
+    const [source, target] = port?.kind === "PORT_IN" ? [there, here] : [here, there];
+    void store.order({ case: "wire", value: { source, target, name: "", properties: [] } });
+  };
+  const offered = fits?.filter((each) => !each.refused) ?? [];
+  const refused = fits?.filter((each) => each.refused) ?? [];
+  return (
+    <>
+      <label>
+        Port
+        <select aria-label="Chosen port" value={port?.name ?? ""} onChange={(e) => choose(e.target.value)}>
+          <option value="">none</option>
+          {component.ports.map((each) => (
+            <option key={each.name} value={each.name}>
+              {each.name} ({KINDS[each.kind]})
+            </option>
+          ))}
+        </select>
+      </label>
+      {!port && <p>Choose a port.</p>}
+      {port && (
+        <>
+          <h3>Connected</h3>
+          {!own.length && <p>Not connected.</p>}
+          <ul className="ends" aria-label={`Connections of ${named(here)}`}>
+            {own.map((each) => {
+              const there = named(each.source) === named(here) ? each.target : each.source;
+              return (
+                <li key={each.name}>
+                  {named(there)}
+                  <button type="button" disabled={!full} aria-label={`Cut ${named(here)} from ${named(there)}`} onClick={() => store.order({ case: "connection", value: each.name })}>
+                    Cut
+                  </button>
+                </li>
+              );
+            })}
+          </ul>
+          <h3>Fits</h3>
+          {fits && !offered.length && <p>No other port fits.</p>}
+          <ul className="ends" aria-label={`Ports that fit ${named(here)}`}>
+            {offered.map(({ port: there }) => (
+              <li key={named(there)}>
+                {named(there)}
+                <button type="button" disabled={!full} aria-label={`Connect ${named(here)} with ${named(there)}`} onClick={() => connect(there)}>
+                  Connect
+                </button>
+              </li>
+            ))}
+          </ul>
+          <details>
+            <summary>{refused.length} ports do not fit</summary>
+            <ul className="refusals" aria-label={`Ports that do not fit ${named(here)}`}>
+              {refused.map((each) => (
+                <li key={named(each.port)}>
+                  <Refusal name={named(each.port)} reason={each.refused} />
+                </li>
+              ))}
+            </ul>
+          </details>
+        </>
+      )}
+    </>
+  );
+}

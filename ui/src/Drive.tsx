@@ -1,0 +1,244 @@
+/** A joystick: travel commands by mouse, touch, keyboard and gamepad. */
+
+import { useEffect, useMemo, useRef, useState } from "react";
+import { MapView } from "./MapView.tsx";
+import type { PortAddress, SystemState } from "./protocol/Ui.ts";
+import { store } from "./store.ts";
+import type { Command, Velocity } from "./velocity.ts";
+import { REST, command } from "./velocity.ts";
+
+/** Between two commands while the stick is held [ms]. */
+const EVERY = 50;
+const DEAD = 0.12;
+const RADIUS = 55;
+
+interface Target {
+  address: PortAddress;
+  name: string;
+  command: Command;
+}
+
+/** The ports that take travel commands: InPorts first, then OutPorts, whose receivers all get them. */
+function targets(system: SystemState): Target[] {
+  const found = system.components.flatMap(({ instance, ports }) =>
+    ports.flatMap((port) => {
+      const made = port.kind === "PORT_SERVICE" || port.type_number < 0 ? undefined : command(store.types, port.type_number);
+      const name = `${instance}.${port.name}`;
+      return made ? [{ address: { instance, port: port.name }, name, command: made, sends: port.kind === "PORT_OUT" }] : [];
+    }),
+  );
+  return [...found.filter((each) => !each.sends), ...found.filter((each) => each.sends)];
+}
+
+/** Deflections within -1 to 1 by key. */
+const KEYS: Record<string, Partial<Velocity>> = {
+  ArrowUp: { forward: 1 },
+  KeyW: { forward: 1 },
+  ArrowDown: { forward: -1 },
+  KeyS: { forward: -1 },
+  ArrowLeft: { turn: 1 },
+  KeyA: { turn: 1 },
+  ArrowRight: { turn: -1 },
+  KeyD: { turn: -1 },
+  KeyQ: { left: 1 },
+  KeyE: { left: -1 },
+};
+
+const within = (value: number): number => Math.min(Math.max(value, -1), 1);
+const live = (value = 0): number => (Math.abs(value) < DEAD ? 0 : within(value));
+const isRest = ({ forward, left, turn }: Velocity): boolean => !forward && !left && !turn;
+
+/** The sum of deflections, each part within its range. */
+function sum(parts: readonly Partial<Velocity>[]): Velocity {
+  const of = (name: keyof Velocity) => within(parts.reduce((total, each) => total + (each[name] ?? 0), 0));
+  return { forward: of("forward"), left: of("left"), turn: of("turn") };
+}
+
+/** The left stick goes forward and turns, the right one sideways, as Gamepad API's standard layout has them. */
+function gamepad(): Velocity {
+  const pad = navigator.getGamepads().find((each) => each?.connected);
+  return pad ? { forward: -live(pad.axes[1]) || 0, turn: -live(pad.axes[0]) || 0, left: -live(pad.axes[2]) || 0 } : REST;
+}
+
+/** Sends commands while a deflection is held, and rest once when it is let go. */
+class Stick {
+  private moving = false;
+  private last = 0;
+  pointer: Partial<Velocity> = {};
+  readonly keys = new Set<string>();
+
+  constructor(
+    private readonly target: Target,
+    private readonly limits: () => { speed: number; rate: number },
+  ) {}
+
+  deflection(): Velocity {
+    return sum([this.pointer, gamepad(), ...[...this.keys].map((each) => KEYS[each] ?? {})]);
+  }
+
+  /** Called often; `now` in ms. */
+  tick(now: number): void {
+    const held = this.deflection();
+    if (isRest(held)) {
+      if (this.moving) this.send(REST);
+      this.moving = false;
+    } else if (!this.moving || now - this.last >= EVERY) {
+      this.last = now;
+      this.moving = true;
+      const { speed, rate } = this.limits();
+      this.send({ forward: held.forward * speed, left: held.left * speed, turn: held.turn * rate });
+    }
+  }
+
+  /** Lets go of everything; the robot is stopped at once if it was driven. */
+  stop(): void {
+    this.keys.clear();
+    this.pointer = {};
+    if (this.moving) this.send(REST);
+    this.moving = false;
+  }
+
+  private send(velocity: Velocity): void {
+    const { address, command: made } = this.target;
+    void store.ask({ case: "injected", value: { port: address, data: made.sample(velocity) as Uint8Array<ArrayBuffer> } }).then((result) => {
+      if (!result.done) store.notify(`${this.target.name}: ${result.message}`);
+    });
+  }
+}
+
+function Pad({ target, speed, rate }: { target: Target; speed: number; rate: number }) {
+  const limits = useRef({ speed, rate });
+  limits.current = { speed, rate };
+  const [held, show] = useState(REST);
+  const stick = useMemo(() => new Stick(target, () => limits.current), [target]);
+
+  useEffect(() => {
+    const stop = () => stick.stop();
+    const onHide = () => document.hidden && stop();
+    // A timer, not a frame: it goes on, slower, where nothing is painted.
+    const timer = setInterval(() => {
+      if (!document.hidden && document.hasFocus()) stick.tick(performance.now());
+      else stick.stop();
+      const now = stick.deflection();
+      show((before) => (before.forward === now.forward && before.left === now.left && before.turn === now.turn ? before : now));
+    }, EVERY / 2);
+    window.addEventListener("blur", stop);
+    window.addEventListener("pagehide", stop);
+    document.addEventListener("visibilitychange", onHide);
+    return () => {
+      clearInterval(timer);
+      window.removeEventListener("blur", stop);
+      window.removeEventListener("pagehide", stop);
+      document.removeEventListener("visibilitychange", onHide);
+      stop();
+    };
+  }, [stick]);
+
+  const pointed = (e: React.PointerEvent<HTMLElement>) => {
+    const box = e.currentTarget.getBoundingClientRect();
+    const across = within((e.clientX - box.x - box.width / 2) / RADIUS);
+    const forward = within(-(e.clientY - box.y - box.height / 2) / RADIUS);
+    const sideways = e.shiftKey && target.command.sideways;
+    stick.pointer = { forward: live(forward), [sideways ? "left" : "turn"]: -live(across) || 0 };
+  };
+  const release = () => {
+    stick.pointer = {};
+    stick.tick(performance.now());
+  };
+  return (
+    <>
+      <div
+        className="stick"
+        role="application"
+        tabIndex={0}
+        aria-label={`Joystick of ${target.name}`}
+        aria-describedby="stick-help"
+        onPointerDown={(e) => {
+          e.currentTarget.setPointerCapture(e.pointerId);
+          pointed(e);
+        }}
+        onPointerMove={(e) => e.currentTarget.hasPointerCapture(e.pointerId) && pointed(e)}
+        onPointerUp={release}
+        onPointerCancel={release}
+        onLostPointerCapture={release}
+        onKeyDown={(e) => {
+          if (e.code === "Space" || e.code === "Escape") {
+            e.preventDefault();
+            stick.stop();
+          }
+          if (!(e.code in KEYS) || e.ctrlKey || e.altKey || e.metaKey) return;
+          e.preventDefault();
+          stick.keys.add(e.code);
+        }}
+        onKeyUp={(e) => {
+          stick.keys.delete(e.code);
+          stick.tick(performance.now());
+        }}
+        onBlur={() => stick.stop()}
+      >
+        <span className="knob" style={{ transform: `translate(${-(held.turn || held.left) * RADIUS}px, ${-held.forward * RADIUS}px)` }} />
+      </div>
+      <output aria-label="Command">
+        {(held.forward * speed).toFixed(2)} m/s forward
+        {target.command.sideways && `, ${(held.left * speed).toFixed(2)} m/s left`}, {(held.turn * rate).toFixed(2)} rad/s
+      </output>
+    </>
+  );
+}
+
+function Limit({ label, value, set }: { label: string; value: number; set: (value: number) => void }) {
+  return (
+    <label>
+      {label}
+      <input
+        type="number"
+        min={0}
+        max={10}
+        step={0.05}
+        value={value}
+        onChange={(e) => Number.isFinite(e.target.valueAsNumber) && set(Math.min(Math.max(e.target.valueAsNumber, 0), 10))}
+      />
+    </label>
+  );
+}
+
+export function Drive({ system, full }: { system: SystemState; full: boolean }) {
+  const [name, choose] = useState("");
+  const [speed, setSpeed] = useState(0.3);
+  const [rate, setRate] = useState(0.5);
+  // Descriptions of components change with their states; the ports that can be driven do not.
+  const shape = system.components.map((each) => each.instance).join("\n");
+  const known = useMemo(() => targets(system), [shape]);
+  const target = known.find((each) => each.name === name);
+  return (
+    <>
+      <label>
+        Port
+        <select aria-label="Driven port" value={target?.name ?? ""} disabled={!full} onChange={(e) => choose(e.target.value)}>
+          <option value="">none</option>
+          {known.map((each) => (
+            <option key={each.name}>{each.name}</option>
+          ))}
+        </select>
+      </label>
+      <div className="buttons">
+        <Limit label="m/s" value={speed} set={setSpeed} />
+        <Limit label="rad/s" value={rate} set={setRate} />
+      </div>
+      {!full ? (
+        <p>This page may only look.</p>
+      ) : target ? (
+        <Pad key={target.name} target={target} speed={speed} rate={rate} />
+      ) : (
+        <p>{known.length ? "Choose the port that gets the commands." : "No port takes travel commands."}</p>
+      )}
+      <p>
+        <small id="stick-help">
+          Pull the stick, or focus it and hold arrow keys or W A S D, Q E (Shift and the mouse) sideways; Space stops. A gamepad drives while
+          this view is open.
+        </small>
+      </p>
+      <MapView system={system} />
+    </>
+  );
+}
