@@ -7,8 +7,10 @@ the writer's path alone, per sample: ours (encoding, and the engine's publisher)
 cyclonedds-python's `write` of its own class, and Zenoh's `put` of octets that `struct` has packed,
 which is the least that a program has to do; until it returned, and processor time of the writing
 thread, since a writer whose reader is slow waits for room in the queue of its link. `arrives` are
-samples per second until the last one is there, `of` the share that arrived. Latency is half of a
-round trip by two topics, one sample at a time. Calls have no arguments (over CORBA: `corba.py`).
+samples per second until the last one is there, `of` the share that arrived; `alone` are the same
+samples by cyclonedds-python's class and its `write`, and by `put` of ready octets, between the same
+processes, with readers that keep all. Latency is half of a round trip by two topics, one sample at
+a time. Calls have no arguments (over CORBA: `corba.py`).
 Rounds of ours and of a peer alternate; figures are medians of rounds.
 """
 
@@ -29,6 +31,14 @@ HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent / "tests"))
 sys.path.insert(0, str(HERE.parent / "generated"))
 
+from bare_engines import (  # noqa: E402
+    LAST,
+    LAST_NUMBER,
+    await_match,
+    bare_ends,
+    bare_reader,
+    bare_writer,
+)
 from media import DOMAIN, engine, medium_at  # noqa: E402
 
 from refrobots import rtc  # noqa: E402
@@ -71,23 +81,30 @@ def count_of(size: int) -> int:
 
 def serve(medium: Medium) -> None:
     """Counts samples, and says so when the last is there; sends pings back; answers calls."""
-    kept = []
+    kept: list[Any] = []
     encode = encoder(rtc.TimedLong)
-    for size in SIZES:
-        counted = [0, 0]
-        done = medium.publisher(Topic(f"done/{size}", rtc.TimedLong), Qos(depth=None))
 
-        def on_sample(
-            sample: Any, counted: Any = counted, done: Any = done, size: int = size
-        ) -> None:
+    def counter(name: str) -> Callable[[bool], None]:
+        """What counts the samples of a round, and sends the count after the last."""
+        done = medium.publisher(Topic(name, rtc.TimedLong), Qos(depth=None))
+        kept.append(done)
+        counted = [0, 0]
+
+        def on_sample(last: bool) -> None:
             counted[0] += 1
-            # The number of the round's last sample is in the time stamp's nanoseconds.
-            if sample.octets[8:12] == b"\xff\xff\xff\x7f":
+            if last:
                 counted[1] += 1
-                done.publish(
-                    encode(rtc.TimedLong(rtc.Time(0, 0), counted[0])), counted[1]
-                )
+                octets = encode(rtc.TimedLong(rtc.Time(0, 0), counted[0]))
+                done.publish(octets, counted[1])
                 counted[0] = 0
+
+        return on_sample
+
+    for size in SIZES:
+        count = counter(f"done/{size}")
+
+        def on_sample(sample: Any, count: Any = count) -> None:
+            count(sample.octets[8:12] == LAST)
 
         medium.subscribe(topic_of("data", size), Qos(depth=None), on_sample)
         back = medium.publisher(topic_of("pong", size), Qos(depth=None))
@@ -98,53 +115,18 @@ def serve(medium: Medium) -> None:
             back.publish(sample.octets, number[0])
 
         medium.subscribe(topic_of("ping", size), Qos(depth=None), on_ping)
-        kept += [done, back]
+        count = counter(f"done-alone/{size}")
+        kept += [
+            back,
+            bare_reader(medium, f"alone_{size}", type(value_of(size)), count),
+        ]
     medium.subscribe(topic_of("alone", 0), Qos(depth=8), lambda _: None)
-    kept.append(_bare_reader(medium))
+    kept.append(bare_reader(medium, "pose", rtc.TimedPose2D, lambda _: None, depth=8))
     serve_octets(medium, "empty", lambda octets, reply: reply(octets))
     print("ready", flush=True)
     sys.stdin.read()
     # Zenoh can wait for Python's threads for ever if its session is open at exit.
     medium.close()
-
-
-def _bare_reader(medium: Any) -> Any:
-    """What reads the samples of the library alone, as `rtgen.runtime` takes those of ours."""
-    if hasattr(medium, "_session"):
-        return medium._session.declare_subscriber(
-            "plain", lambda sample: sample.payload.to_bytes()
-        )
-    from cyclonedds.domain import DomainParticipant
-    from cyclonedds.util import duration
-
-    participant = DomainParticipant(DOMAIN)
-    reader = _bare_ends(participant)[1]
-
-    def read() -> None:
-        for _ in reader.take_iter(timeout=duration(days=1)):
-            pass
-
-    threading.Thread(target=read, daemon=True).start()
-    return participant
-
-
-def _bare_ends(participant: Any) -> tuple[Any, Any]:
-    """Writer and reader of cyclonedds-python's class for TimedPose2D."""
-    from cyclonedds.core import Policy
-    from cyclonedds.core import Qos as TheirQos
-    from cyclonedds.pub import DataWriter
-    from cyclonedds.sub import DataReader
-    from cyclonedds.topic import Topic as TheirTopic
-
-    from rtgen.runtime.dds.types import idl_class
-
-    qos = TheirQos(Policy.Reliability.Reliable(0), Policy.History.KeepLast(8))
-    theirs = idl_class(rtc.TimedPose2D)
-    topic = TheirTopic(participant, "pose", theirs, qos=qos)
-    return (
-        DataWriter(participant, topic, qos=qos),
-        DataReader(participant, topic, qos=qos),
-    )
 
 
 # Measurements, each a median of what one process sees.
@@ -192,7 +174,7 @@ class Pair:
         for number in range(sent + 1, sent + count):
             publisher.publish(encode(value), number)
         written = time.perf_counter() - begun
-        value.tm.nsec = 0x7FFFFFFF
+        value.tm.nsec = LAST_NUMBER
         publisher.publish(encode(value), sent + count)
         self.sent[size] = sent + count
         if not event.wait(60):
@@ -202,6 +184,43 @@ class Pair:
             count / (time.perf_counter() - begun),
             numbers[-1],
         )
+
+    def alone(self, size: int, rounds: int) -> tuple[float, float, float]:
+        """Medians of what `flood` gives, by the library alone."""
+        event = threading.Event()
+        numbers: list[int] = []
+
+        def on_done(sample: Any) -> None:
+            numbers.append(int.from_bytes(sample.octets[12:16], "little"))
+            event.set()
+
+        done = self.medium.subscribe(
+            Topic(f"done-alone/{size}", rtc.TimedLong), Qos(depth=None), on_done
+        )
+        value, count = value_of(size), count_of(size)
+        with bare_writer(self.medium, f"alone_{size}", type(value)) as (made, write):
+            time.sleep(0.3)
+            sample = made(value)
+            value.tm.nsec = LAST_NUMBER
+            last = made(value)
+            found = []
+            for _ in range(rounds):
+                event.clear()
+                begun = time.perf_counter()
+                for _ in range(count - 1):
+                    write(sample)
+                written = time.perf_counter() - begun
+                write(last)
+                got = event.wait(60)
+                seconds = time.perf_counter() - begun
+                found.append(
+                    (written / count, count / seconds, numbers[-1])
+                    if got
+                    else (written / count, 0.0, 0)
+                )
+        done.close()
+        write_, rate, arrived = map(statistics.median, zip(*found, strict=True))
+        return write_, rate, arrived
 
     def latency(self, size: int) -> list[float]:
         """Halves of round trips in seconds, sorted."""
@@ -298,9 +317,6 @@ def timed(action: Callable[[], object], count: int) -> Cost:
     return Cost((end - begun) / count, busy / count)
 
 
-# The writers of TimedPose2D alone: what the goals are about.
-
-
 def dds_writers(rounds: int) -> list[Cost]:
     """Costs of a write: our path, and cyclonedds-python's own; each has a reader elsewhere."""
     from cyclonedds.domain import DomainParticipant
@@ -315,7 +331,9 @@ def dds_writers(rounds: int) -> list[Cost]:
         stack.enter_context(other(str(network.address)))
         publisher = medium.publisher(topic_of("alone", 0), Qos(depth=8))
         made = idl_class(type(value)).deserialize(encode(value))
-        writer, own = _bare_ends(DomainParticipant(DOMAIN))
+        writer, own = bare_ends(
+            DomainParticipant(DOMAIN), "pose", rtc.TimedPose2D, depth=8
+        )
         del own
         await_match(lambda: publisher.matched)
         await_match(writer.get_matched_subscriptions)
@@ -339,7 +357,7 @@ def zenoh_writers(rounds: int) -> list[Cost]:
         stack.enter_context(other(str(network.address)))
         publisher = medium.publisher(topic_of("alone", 0), Qos(depth=8))
         bare = medium._session.declare_publisher(
-            "plain", congestion_control=zenoh.CongestionControl.DROP
+            "pose", congestion_control=zenoh.CongestionControl.DROP
         )
         await_match(lambda: publisher.matched)
         await_match(lambda: bare.matching_status.matching)
@@ -357,12 +375,6 @@ def zenoh_writers(rounds: int) -> list[Cost]:
             lambda: bare.put(pack()),
             lambda: bare.put(octets),
         )
-
-
-def await_match(matched: Callable[[], object]) -> None:
-    """Wait until the reader is known."""
-    while not matched():
-        time.sleep(0.01)
 
 
 def interleaved(rounds: int, *actions: Callable[[], object]) -> list[Cost]:
@@ -409,6 +421,12 @@ def main() -> None:
                     f"{size or 'TimedPose2D':<10} {kind:12} {_us(write)} {rate:10,.0f} "
                     f"{got / count_of(size):5.2f}  {_us(statistics.median(trips))} "
                     f"{_us(trips[len(trips) * 99 // 100])}",
+                    flush=True,
+                )
+                write, rate, got = pair.alone(size, rounds)
+                print(
+                    f"{size or 'TimedPose2D':<10} {'  alone':12} {_us(write)} {rate:10,.0f} "
+                    f"{got / count_of(size):5.2f}",
                     flush=True,
                 )
             found = pair.calls()
