@@ -21,20 +21,52 @@ def forwarded(reference: ObjectReference) -> Iterator[ObjectReference]:
     host = profile[8 : 7 + length].decode()
     place = 8 + length + length % 2
     (port,) = struct.unpack_from(f"{order}H", profile, place)
-    with socket.create_server((host, 0)) as server:
-        threading.Thread(target=_accept, args=(server, host, port), daemon=True).start()
-        near = struct.pack(f"{order}H", server.getsockname()[1])
-        moved = profile[:place] + near + profile[place + 2 :]
+    near = socket.create_server((host, 0))
+    forwarder = _Forwarder(near, (host, port))
+    try:
+        number = struct.pack(f"{order}H", near.getsockname()[1])
+        moved = profile[:place] + number + profile[place + 2 :]
         yield ObjectReference(reference.type_id, ((tag, moved), *others))
+    finally:
+        forwarder.close()
 
 
-def _accept(server: socket.socket, host: str, port: int) -> None:
-    with suppress(OSError):
-        while True:
-            near, _ = server.accept()
-            far = socket.create_connection((host, port))
-            for one, other in ((near, far), (far, near)):
-                threading.Thread(target=_copy, args=(one, other), daemon=True).start()
+class _Forwarder:
+    """Hands over what connections bring, in threads of its own.
+
+    A socket is closed when no thread uses it any more: its number may be another's at once.
+    """
+
+    def __init__(self, server: socket.socket, address: tuple[str, int]) -> None:
+        self._server = server
+        self._address = address
+        self._ends: list[socket.socket] = []
+        self._threads: list[threading.Thread] = []
+        self._acceptor = threading.Thread(target=self._accept, daemon=True)
+        self._acceptor.start()
+
+    def close(self) -> None:
+        """End all connections, and wait for the threads."""
+        _shut(self._server)
+        self._acceptor.join()
+        for end in self._ends:
+            _shut(end)
+        for thread in self._threads:
+            thread.join()
+        for end in (self._server, *self._ends):
+            end.close()
+
+    def _accept(self) -> None:
+        with suppress(OSError):
+            while True:
+                near, _ = self._server.accept()
+                self._ends.append(near)
+                far = socket.create_connection(self._address)
+                self._ends.append(far)
+                for pair in ((near, far), (far, near)):
+                    thread = threading.Thread(target=_copy, args=pair, daemon=True)
+                    self._threads.append(thread)
+                    thread.start()
 
 
 def _copy(source: socket.socket, target: socket.socket) -> None:
@@ -42,6 +74,9 @@ def _copy(source: socket.socket, target: socket.socket) -> None:
         while data := source.recv(65536):
             target.sendall(data)
     for end in (source, target):
-        with suppress(OSError):
-            end.shutdown(socket.SHUT_RDWR)
-        end.close()
+        _shut(end)
+
+
+def _shut(end: socket.socket) -> None:
+    with suppress(OSError):
+        end.shutdown(socket.SHUT_RDWR)

@@ -6,71 +6,45 @@ import os
 import re
 import shutil
 import signal
-import subprocess
-import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from patience import PATIENCE
+from logged_process import LoggedProcess
 
 pytest.importorskip("omniORB", reason="omniORBpy is not installed")
 
-import time
-
+from refrobots import checkpoints
 from rtgen.cli import run as rtgen
 from rtgen.cli.common import Refusal
 from rtgen.cli.supervision import divided
 from rtgen.diagnostics import InputError, Span
 from rtgen.model import System, SystemComponent
+from rtgen.runtime import CheckpointFolder
 
+GOAL = Path(__file__).parents[3] / "specs" / "navigation" / "rh3_goal.xml"
+WITH_STATE = ["OmniTo2WD0", "Odometry0", "RefHardRh30"]
+"""Those that keep what nobody sends again."""
+OTHERS = ["PathFollower0", "Navigation0", "PositionInput0"]
 PLACE = Span("s.xml", 1, 1, 1, 2)
 
 
-class Supervised:
-    """A supervised run of the caller and the counter, in a process of its own."""
+class Supervised(LoggedProcess):
+    """A supervised run, in a process of its own."""
 
-    def __init__(self, folder: Path, *arguments: str) -> None:
-        self._output = folder / f"out-{len(list(folder.iterdir()))}.txt"
-        command = [sys.executable, "-m", "rtgen", "run", "calc.xml", "--clock", "real"]
+    def __init__(
+        self, folder: Path, *arguments: str, system: str = "calc.xml", path: str = ""
+    ) -> None:
+        command = ["-m", "rtgen", "run", system, "--clock", "real"]
         command += ["--transport", "corba", *arguments]
-        paths = [str(folder), str(folder / "generated")]
-        environment = {**os.environ, "PYTHONPATH": os.pathsep.join(paths)}
-        with self._output.open("w") as output:
-            self.process = subprocess.Popen(
-                command,
-                cwd=folder,
-                env=environment,
-                stdout=output,
-                stderr=subprocess.STDOUT,
-            )
-
-    @property
-    def text(self) -> str:
-        """What it has printed."""
-        return self._output.read_text()
-
-    def wait_for(self, condition: Callable[[], object]) -> None:
-        """Wait for what is to happen while it runs."""
-        deadline = time.monotonic() + PATIENCE
-        while not condition():
-            assert self.process.poll() is None, self.text
-            assert time.monotonic() < deadline, self.text
-            time.sleep(0.02)
-
-    def says(self, text: str, times: int = 1) -> None:
-        """Wait until it has said that."""
-        self.wait_for(lambda: self.text.count(text) >= times)
+        paths = path or os.pathsep.join([str(folder), str(folder / "generated")])
+        log = folder / f"out-{len(list(folder.iterdir()))}.txt"
+        super().__init__(command, folder, {**os.environ, "PYTHONPATH": paths}, log)
 
     def activates(self, name: str, times: int = 1) -> None:
         """Wait until a component has become ACTIVE so often."""
         state = re.compile(rf"{name} \| [0-9.]+ s: {name} ACTIVE")
         self.wait_for(lambda: len(state.findall(self.text)) >= times)
-
-    def end(self) -> int:
-        """End it in order; its exit code."""
-        self.process.send_signal(signal.SIGTERM)
-        return self.process.wait(PATIENCE)
 
 
 @pytest.fixture(scope="module")
@@ -104,7 +78,7 @@ def supervised(folder: Path) -> Iterator[Callable[..., Supervised]]:
 
     yield started
     for each in runs:
-        if each.process.poll() is None:
+        if each.runs:
             each.end()
 
 
@@ -146,8 +120,54 @@ def test_a_group_has_one_process_and_the_run_ends_with_its_time(
 ) -> None:
     group = ["--group", "Caller0,Counter0"]
     run = supervised("--supervise", "on-failure", *group, "--until", "0.2")
-    assert run.process.wait(PATIENCE) == 0
+    assert run.code() == 0
     assert "Counter0,Caller0 | elapsed [s]  0.2" in run.text
+
+
+WRITING_DOWN = """
+import os, sys
+if "--only" in sys.argv:
+    name = sys.argv[sys.argv.index("--only") + 1]
+    with open(os.path.join(os.path.dirname(__file__), name + ".pid"), "w") as file:
+        file.write(str(os.getpid()))
+"""
+
+
+@pytest.mark.once
+@pytest.mark.longest
+def test_rh3_reaches_its_goal_though_each_component_is_killed_once(
+    tmp_path: Path,
+) -> None:
+    (tmp_path / "sitecustomize.py").write_text(WRITING_DOWN)
+    kept = tmp_path / "kept"
+    arguments = ["--supervise", "on-failure", "--checkpoints", str(kept)]
+    for name, value in (("01_x", "1.2"), ("01_y", "0.6"), ("01_th", "0")):
+        arguments += ["--set", f"PositionInput0.{name}={value}"]
+    run = Supervised(tmp_path, *arguments, system=str(GOAL), path=str(tmp_path))
+
+    def base() -> checkpoints.Base:
+        found = CheckpointFolder(kept).file("RefHardRh30").read()
+        return checkpoints.Base.from_cdr(found[1]) if found else checkpoints.Base()
+
+    try:
+        for name in (*WITH_STATE, *OTHERS):
+            run.activates(name)
+        for names in (*([name] for name in WITH_STATE), OTHERS):
+            # On the way: the wheels have turned since the last one was killed.
+            before = base().angles
+            run.wait_for(lambda before=before: base().angles != before)
+            for name in names:
+                os.kill(int((tmp_path / f"{name}.pid").read_text()), signal.SIGKILL)
+            for name in names:
+                run.activates(name, 2)
+        assert run.code() == 0
+    finally:
+        if run.runs:
+            run.end()
+    assert run.text.count("was ended by SIGKILL; it is started again") == 6
+    position = base().pose.position
+    assert abs(position.x - 1.2) < 0.05
+    assert abs(position.y - 0.6) < 0.05
 
 
 def system(*names: str) -> System:

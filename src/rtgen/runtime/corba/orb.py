@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import threading
 import time
 from typing import Any
 
@@ -67,3 +68,20 @@ class Orb:
         # In this thread: another one might still be running when the interpreter ends.
         if self._owned and not self.busy:
             self.orb.destroy()
+            _await_workers(deadline)
+
+
+def _await_workers(deadline: float) -> None:
+    """Wait for the threads of a destroyed ORB, which end on their own.
+
+    Each takes the interpreter's lock once more to free its state. One that asks for it while the
+    interpreter ends is unwound through destructors of omniORB, which aborts the process.
+    """
+
+    def remain() -> bool:
+        return any(isinstance(t, omniORB.WorkerThread) for t in threading.enumerate())
+
+    while remain() and time.monotonic() < deadline:
+        time.sleep(_LOOK_AGAIN)
+    # The last one leaves the list before it gives the lock back.
+    time.sleep(_LOOK_AGAIN)

@@ -1,0 +1,93 @@
+"""What tests of runs over omniORB share: a project, a naming service, processes.
+
+Modules of omniORB are imported when they are needed: the tests are skipped without it.
+"""
+
+from __future__ import annotations
+
+import importlib
+import shutil
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+from rtgen.cli import run as rtgen
+
+if TYPE_CHECKING:
+    from corba_runs import Here, Run
+
+
+@pytest.fixture(scope="session")
+def generated_project(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A project with a component that calls and one that is called."""
+    folder = tmp_path_factory.mktemp("corba") / "project"
+    shutil.copytree(Path(__file__).with_name("corba_system"), folder)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        assert rtgen(["generate", "-q"]) == 0
+    return folder
+
+
+@pytest.fixture(scope="module")
+def project(generated_project: Path) -> Iterator[Path]:
+    """The project, in which the tests of a module work."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(generated_project)
+        added = [str(generated_project), str(generated_project / "generated")]
+        patch.setattr(sys, "path", [*added, *sys.path])
+        importlib.invalidate_caches()
+        yield generated_project
+
+
+@pytest.fixture(scope="module")
+def names() -> Iterator[str]:
+    """The address of a naming service."""
+    from rtgen.runtime.corba.name_server import NameServer
+
+    with NameServer() as server:
+        yield server.address
+
+
+@pytest.fixture
+def start(project: Path, names: str) -> Iterator[Callable[..., Run]]:
+    """Starts processes, which end with the test."""
+    from corba_runs import Run
+
+    runs: list[Run] = []
+
+    def started(*arguments: str, **more: Path) -> Run:
+        runs.append(Run(project, "--nameserver", names, *arguments, **more))
+        return runs[-1]
+
+    yield started
+    for run in runs:
+        run.kill()
+
+
+@pytest.fixture
+def serving(start: Callable[..., Run]) -> Callable[[], Run]:
+    """Starts a process with Counter0, and waits until it is ACTIVE."""
+
+    def started() -> Run:
+        run = start("--only", "Counter0")
+        run.wait_for("Counter0 ACTIVE")
+        return run
+
+    return started
+
+
+@pytest.fixture
+def stack() -> Iterator[ExitStack]:
+    with ExitStack() as stack:
+        yield stack
+
+
+@pytest.fixture
+def here(project: Path, names: str, stack: ExitStack) -> Here:
+    from corba_runs import Here
+
+    return Here(stack, names)
