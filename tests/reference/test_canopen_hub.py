@@ -187,7 +187,9 @@ def test_a_record_of_pdo_linking_is_whole_and_replays(
         assert "recording" in recorder.stderr.readline()
         file = str(CANOPEN / "pdo_linking.xml")
         command = ["run", file, "--clock", "real", "--until", "4", *options(settings)]
-        assert run(command) == 0
+        with started(*command) as running:
+            output = running.communicate(timeout=60)
+            assert running.returncode == 0, output
         ended(recorder)
     flags = ["--json", "--bus", str(BUS)]
     capfd.readouterr()

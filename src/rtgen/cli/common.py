@@ -15,6 +15,7 @@ import click
 
 from rtgen import stages
 from rtgen.diagnostics import Diagnostic, InputError, ToolError
+from rtgen.diagnostics.printable import printable
 from rtgen.project import (
     AVAILABLE_TARGETS,
     KCODES,
@@ -128,11 +129,14 @@ class Console:
 def write_out(text: str | bytes) -> None:
     """Write text to standard output in UTF-8, regardless of the locale, or octets unchanged.
 
-    A closed pipe does not change the exit code.
+    On a terminal, control characters are shown as U+FFFD. A closed pipe does not change the exit
+    code.
     """
     try:
         sys.stdout.flush()
         if isinstance(text, str):
+            if sys.stdout.isatty():
+                text = printable(text, "\n\t")
             text = text.encode("utf-8", "backslashreplace")
         sys.stdout.buffer.write(text)
         sys.stdout.buffer.flush()
@@ -268,6 +272,11 @@ def _without_garbage_collection(function: Callable[P, int]) -> Callable[P, int]:
             return function(*args, **kwargs)
         finally:
             if enabled:
+                # What was made counts as old, else the next object that is made would start
+                # a collection that goes through all of it. What a host has frozen stays so.
+                if not gc.get_freeze_count():
+                    gc.freeze()
+                    gc.unfreeze()
                 gc.enable()
 
     return wrapped

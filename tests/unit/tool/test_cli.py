@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import json
 import os
 import subprocess
@@ -55,6 +56,15 @@ def test_version_and_help(capfd: pytest.CaptureFixture[str]) -> None:
     for command in words:
         assert run([*command, "--help"]) == 0
         assert "--diagnostics" in capfd.readouterr().out
+
+
+def test_what_a_host_has_frozen_stays_out_of_garbage_collections(
+    pipeline: Pipeline,
+) -> None:
+    gc.freeze()
+    assert run(GENERATE) == 0
+    assert gc.get_freeze_count() > 0
+    assert gc.isenabled()
 
 
 @pytest.mark.parametrize(
