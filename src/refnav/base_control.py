@@ -34,6 +34,15 @@ class TravelSwitch(RefHard):
         """Let the stopped base travel."""
         self.stopped = self._by_hand = False
 
+    @property
+    def by_hand(self) -> bool:
+        """Whether the base is stopped by this switch itself."""
+        return self._by_hand
+
+    def restore(self, *, stopped: bool, by_hand: bool) -> None:
+        """Set the state that the switch of a process before had."""
+        self.stopped, self._by_hand = stopped, by_hand
+
     def release(self) -> None:
         """Let the base travel, unless it was stopped by hand."""
         self.stopped = self._by_hand

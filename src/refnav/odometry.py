@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from typing import Any, Generic, Protocol, TypeVar
 
 from refnav.geometry import Pose, advance, wrap
-from refnav.messages import pose_message
+from refnav.messages import pose_message, pose_of
 from refnav.newest import Newest, all_in_time
-from refrobots import iis, rtc
+from refrobots import checkpoints, iis, rtc
 from refrobots.components.odometry import OdometryBase, OdometryConfiguration
 from rtgen.runtime import RTC_OK, Component, InPort, OutPort, ReturnCode_t
 
@@ -30,7 +30,8 @@ class DeadReckoning:
         self._left_radius, self._right_radius = radii
         self._axle = axle
         self._left, self._right = wheels
-        self._angles: tuple[float, float] | None = None
+        self.angles: tuple[float, float] | None = None
+        """Of the left and the right wheel, at the pose [rad]; None before the first ones."""
 
     def update(self, angles: Sequence[float]) -> Pose:
         """The pose after the wheels have turned to new absolute angles [rad].
@@ -38,13 +39,13 @@ class DeadReckoning:
         The first angles only set the origin. Raises IndexError if a wheel is missing.
         """
         left, right = angles[self._left], angles[self._right]
-        if self._angles is not None:
-            left_way = (left - self._angles[0]) * self._left_radius
-            right_way = (right - self._angles[1]) * self._right_radius
+        if self.angles is not None:
+            left_way = (left - self.angles[0]) * self._left_radius
+            right_way = (right - self.angles[1]) * self._right_radius
             way = 0.5 * (left_way + right_way)
             turn = (right_way - left_way) / self._axle
             self.pose = Pose(*advance(*self.pose, way, turn))
-        self._angles = (left, right)
+        self.angles = (left, right)
         return self.pose
 
 
@@ -63,7 +64,10 @@ P = TypeVar("P", bound=OdometryParameters)
 
 
 class Odometer(Component, Generic[P]):
-    """Estimates the pose from the newest wheel angles, which are absolute."""
+    """Estimates the pose from the newest wheel angles, which are absolute.
+
+    It goes on where a process that has died had come to, if the system keeps checkpoints.
+    """
 
     config: P
     CurrentWheelAngle: InPort[rtc.TimedDoubleSeq]
@@ -78,6 +82,7 @@ class Odometer(Component, Generic[P]):
         self._wheels = Newest[rtc.TimedDoubleSeq](
             self.CurrentWheelAngle, lambda: config.WheelAngleTimeout
         )
+        self._kept = self.add_checkpoint(checkpoints.Reckoning)
         return RTC_OK
 
     def on_activated(self, ec_id: int) -> ReturnCode_t:
@@ -90,6 +95,9 @@ class Odometer(Component, Generic[P]):
             config.lengthOfAxle,
             (config.leftWheelID, config.rightWheelID),
         )
+        if (kept := self._kept.restored()) is not None:
+            self._reckoning.pose = pose_of(kept.pose)
+            self._reckoning.angles = kept.left, kept.right
         self._stamp = (-1, 0)
         return RTC_OK
 
@@ -110,10 +118,17 @@ class Odometer(Component, Generic[P]):
             return self.fail(
                 f"CurrentWheelAngle: {len(sample.data)} angles, a wheel is missing"
             )
+        self._keep()
         if self._is_localized:
             found = iis.TimedPose2D(sample.tm, [], pose_message(pose), [])
             self.OdometryPosition.write(found)
         return RTC_OK
+
+    def _keep(self) -> None:
+        angles = self._reckoning.angles
+        if self._kept.is_kept and self._is_localized and angles is not None:
+            pose = pose_message(self._reckoning.pose)
+            self._kept.save(checkpoints.Reckoning(pose, *angles))
 
     @property
     def _inputs(self) -> tuple[Newest[Any], ...]:

@@ -13,7 +13,7 @@ from typing import Generic, Protocol, TypeVar
 from refnav.geometry import Pose
 from refnav.messages import pose_message, pose_of
 from refnav.newest import Newest, complaints
-from refrobots import iis, rtc
+from refrobots import checkpoints, iis, rtc
 from rtgen.runtime import RTC_OK, Component, InPort, OutPort, ReturnCode_t
 
 
@@ -35,7 +35,8 @@ class UnreachableError(Exception):
 class Planner(Component, Generic[P]):
     """Plans for each goal, and for each path once its last waypoint has come.
 
-    A goal is kept until its FINISH, also while the component is INACTIVE.
+    A goal is kept until its FINISH, also while the component is INACTIVE, and by a checkpoint while
+    its process is started again.
     """
 
     config: P
@@ -62,6 +63,7 @@ class Planner(Component, Generic[P]):
             self.status_in, lambda: config.StatusTimeout
         )
         self._wanted: list[Pose] = []
+        self._kept = self.add_checkpoint(checkpoints.Goals)
         return RTC_OK
 
     def on_activated(self, ec_id: int) -> ReturnCode_t:
@@ -71,6 +73,9 @@ class Planner(Component, Generic[P]):
         self._collected: list[Pose] = []
         self._silence = ""
         self._sent = self._under_way = False
+        if (kept := self._kept.restored()) is not None:
+            self._wanted = [*map(pose_of, kept.wanted)]
+            self._collected = [*map(pose_of, kept.collected)]
         return RTC_OK
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
@@ -84,9 +89,11 @@ class Planner(Component, Generic[P]):
         while self.goal.is_new() and (goal := self.goal.read()) is not None:
             if not self._collect(goal):
                 return self.fail(f"goal: id {list(goal.id)} has no place in a path")
+            self._keep()
         if finish is not None and self._sent and self._has_arrived:
-            self._wanted = []
             self.status_out.write(finish)
+            self._wanted = []
+            self._keep()
         if not self._wanted:
             self.report("")
             return RTC_OK
@@ -118,6 +125,7 @@ class Planner(Component, Generic[P]):
             path = self._plan(here, self._wanted)
         except UnreachableError as error:
             self._wanted = []
+            self._keep()
             return self.fail(str(error))
         self.stamp(path)
         self.min_path.write(path)
@@ -152,6 +160,9 @@ class Planner(Component, Generic[P]):
             case _:
                 return False
         return True
+
+    def _keep(self) -> None:
+        self._kept.save(checkpoints.Goals(poses(self._wanted), poses(self._collected)))
 
     def _want(self, points: list[Pose]) -> None:
         self._wanted = points

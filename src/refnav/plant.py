@@ -58,6 +58,11 @@ class Plant:
         self._space = 0.0
         self.halt()
 
+    def restore(self, pose: Pose, angles: Sequence[float]) -> None:
+        """Set the base down at rest, as its wheels have turned."""
+        self.place(pose)
+        self.angles = list(angles)
+
     def start(self, pose: Pose) -> None:
         """Set the base down, unless it was before: then it stays where it is."""
         if not self._placed:

@@ -18,9 +18,9 @@ from refnav.base_control import (
     true_wheels,
 )
 from refnav.map_text import MapError
-from refnav.messages import pose_message
+from refnav.messages import pose_message, pose_of
 from refnav.plant import Plant, counted
-from refrobots import RefHard, iis, rtc
+from refrobots import RefHard, checkpoints, iis, rtc
 from rtgen.runtime import (
     RTC_OK,
     Component,
@@ -48,6 +48,9 @@ P = TypeVar("P", bound=BaseSettings)
 class SimulatedRefHard(Component, Generic[P]):
     """The simulated base.
 
+    As hardware outlives its driver, it stays where it is, stopped by whom it is, and its encoders
+    count on when the component's process is started again, if the system keeps checkpoints.
+
     Its observables are `truth`, the true pose (x, y, theta) [m, rad], and `wheels`, the speeds of
     the left and the right wheel [rad/s].
     """
@@ -63,10 +66,11 @@ class SimulatedRefHard(Component, Generic[P]):
         """Put the base on the floor and offer its services."""
         self._base = Plant(true_wheels(self.config))
         self._angles = rtc.TimedDoubleSeq(data=[0.0, 0.0])
-        switch = TravelSwitch()
+        self._switch = switch = TravelSwitch()
         self.InventGUIRefHard.set_servant(switch)
         self.BumpRefHard.set_servant(switch.bumper)
         self._control = BaseControl(self.InTargetVelocity, self.config, switch)
+        self._kept = self.add_checkpoint(checkpoints.Base)
         self.observables["truth"] = lambda: self._base.pose
         self.observables["wheels"] = lambda: tuple(self._base.speeds)
         return RTC_OK
@@ -79,9 +83,14 @@ class SimulatedRefHard(Component, Generic[P]):
             furnish(self._base, config, self.folder)
         except MapError as error:
             return self.fail(f"PlantRoom: {error}")
+        kept = self._kept.restored()
+        if kept is not None:
+            self._base.restore(pose_of(kept.pose), kept.angles)
         self._base.start(start_of(config))
         self._now = self.now()
         self._control.start(self._now)
+        if kept is not None:
+            self._switch.restore(stopped=kept.stopped, by_hand=kept.by_hand)
         return self.on_rate_changed(ec_id)
 
     def on_rate_changed(self, ec_id: int) -> ReturnCode_t:
@@ -116,6 +125,8 @@ class SimulatedRefHard(Component, Generic[P]):
         wanted = self._control.wheel_speeds(now)
         base.drive(wanted, config.Velocity_limit, config.Acceleration_limit * dt)
         count = tau / (config.EncoderCount * config.GearRatio)
+        if self._kept.is_kept:
+            self._keep()
         left, right = base.angles
         angles = self._angles
         angles.data[0] = counted(left, count) * config.EncoderConstant_L
@@ -127,3 +138,11 @@ class SimulatedRefHard(Component, Generic[P]):
             self.stamp(pose)
             self.PlantPose.write(pose)
         return RTC_OK
+
+    def _keep(self) -> None:
+        base, switch = self._base, self._switch
+        self._kept.save(
+            checkpoints.Base(
+                pose_message(base.pose), base.angles, switch.stopped, switch.by_hand
+            )
+        )

@@ -27,7 +27,10 @@ _BEHAVIOURS = """
     pose_history position_input rays recent ref_hard_rh3 room simulated_ref_hard
     """
 RH3_FILES = (
-    *("specs/idl/RefHardRh3Pro.idl", "specs/idl/intellirobot.idl"),
+    *(
+        f"specs/idl/{name}.idl"
+        for name in ("RefHardRh3Pro", "checkpoints", "intellirobot")
+    ),
     *(f"specs/navigation/{name}.idl" for name in (*_NAVIGATION, "RefHardRh3")),
     *("specs/navigation/ref_hard.inc", "specs/navigation/rh3_path.txt"),
     *("specs/navigation/rh3_goal.xml", "specs/navigation/rh3_path.xml"),

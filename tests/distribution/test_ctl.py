@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import threading
 from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import media
 import pytest
@@ -76,6 +77,38 @@ def test_components_are_listed_and_shown(node: Process, ctl: Ctl) -> None:
     )
     assert shown["out_ports"] == {"out": "RTC::TimedDouble"}
     assert shown["sets"] == {"default": {"gain": "1.0"}}
+
+
+SYSTEM = """<rts:RtsProfile rts:id="RTSystem:lab:conformance:1" rts:version="0.2" rts:abstract="a"
+  rts:creationDate="1970-01-01T00:00:00" rts:updateDate="1970-01-01T00:00:00"
+  xmlns:rts="http://www.openrtp.org/namespaces/rts">{}</rts:RtsProfile>"""
+COMPONENT = """<rts:Components rts:id="RTC:lab:c:Node:1" rts:instanceName="{}" rts:pathUri="x"
+  rts:compositeType="None" rts:isRequired="true"/>"""
+
+
+def test_the_condition_of_the_system_is_stated(
+    node: Process, ctl: Ctl, tmp_path: Path
+) -> None:
+    file = tmp_path / "system.xml"
+    wanted = ("--system", str(file), "--wait", "20")
+
+    def condition(*instances: str) -> str:
+        file.write_text(SYSTEM.format("".join(map(COMPONENT.format, instances))))
+        [line] = [
+            line
+            for line in ctl("list", *wanted)[2].splitlines()
+            if line.startswith("condition: ")
+        ]
+        return line.removeprefix("condition: ")
+
+    assert condition("b") == "complete"
+    assert condition("a", "b", "c") == "degraded, without a, c"
+    node.node("b").fails = True
+    assert ctl("activate", "b", "--wait", "20")[0] in (0, 1)
+    wait_for(lambda: node.system.state("b") is runtime.LifeCycleState.ERROR_STATE)
+    assert condition("b") == "degraded, b in ERROR"
+    assert condition("b", "c") == "degraded, without c, b in ERROR"
+    assert "condition" not in ctl("list", "--wait", "20")[2]
 
 
 def test_components_are_steered(node: Process, ctl: Ctl) -> None:

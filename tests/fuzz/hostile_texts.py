@@ -10,7 +10,7 @@ from random import Random
 
 MARK = "PWNED"
 
-_ALL = (
+ALL = (
     "PWNED",
     '"); PWNED(); x = ("',
     "'); PWNED(); x = ('",
@@ -119,12 +119,12 @@ class Texts:
         it refuses and `conf` what configuration files cannot hold, but for every tenth project.
         """
         self.count += 1
-        drawn = self._chance.choice(_ALL)
+        drawn = self._chance.choice(ALL)
         if not self._hostile:
             return f"twin{self.count}"
         text = drawn.replace(MARK, f"{MARK}{self.count}", 1)
         if self._chance.random() < 0.2:
-            text += self._chance.choice(_ALL)
+            text += self._chance.choice(ALL)
         if printable and not self._odd:
             text = "".join(c for c in text if c.isprintable()).strip()
         if conf and not self._odd:

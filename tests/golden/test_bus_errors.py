@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from rtgen.diagnostics import Severity
 from rtgen.diagnostics.report import report
 from rtgen.frontends.bus import load
 from rtgen.frontends.bus.rules import RULES
@@ -45,6 +46,7 @@ def test_findings(
         expected.write_text(found, encoding="utf-8")
     assert found == expected.read_text(encoding="utf-8")
     assert set(CODE.findall(found)) == {name.partition("_")[0]}
+    assert all(d.hint for d in result.diagnostics if d.severity is Severity.ERROR)
 
 
 def test_every_rule_has_a_case() -> None:

@@ -78,6 +78,7 @@ def test_findings(
     for plain in json.loads(report(diagnostics, {}, "json")):
         assert plain["file"] is not None
         assert plain["line"] >= 1
+        assert plain["hint"] or plain["severity"] != "error"
 
 
 def test_every_rule_has_a_case() -> None:

@@ -17,6 +17,7 @@ from typing import Any
 import pytest
 from condensed import shortened
 
+from rtgen.diagnostics import Severity
 from rtgen.diagnostics.explain import rules
 from rtgen.diagnostics.report import report
 from rtgen.frontends import FrontendResult
@@ -81,6 +82,7 @@ def test_findings(
     assert found == expected.read_text(encoding="utf-8")
     assert name.partition("_")[0] in CODE.findall(found)
     assert all(d.span is not None for d in result.diagnostics)
+    assert all(d.hint for d in result.diagnostics if d.severity is Severity.ERROR)
 
 
 def test_base_has_no_findings(tmp_path: Path) -> None:

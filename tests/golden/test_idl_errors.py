@@ -18,6 +18,7 @@ from typing import Any
 import pytest
 from msgspec.structs import replace
 
+from rtgen.diagnostics import Severity
 from rtgen.diagnostics.explain import rules
 from rtgen.diagnostics.report import report
 from rtgen.frontends import FrontendResult
@@ -75,6 +76,7 @@ def test_findings(
     if update_golden:
         expected.write_text(found, encoding="utf-8")
     assert found == expected.read_text(encoding="utf-8")
+    assert all(d.hint for d in result.diagnostics if d.severity is Severity.ERROR)
     if name.startswith("IDL"):
         assert name.partition("_")[0] in CODE.findall(found)
 

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from rtgen.diagnostics import Severity
 from rtgen.diagnostics.report import report
 from rtgen.frontends.rosidl import load
 from rtgen.frontends.rosidl.rules import RULES, TOO_MANY
@@ -34,6 +35,7 @@ def test_findings(
         expected.write_text(printed, encoding="utf-8")
     assert printed == expected.read_text(encoding="utf-8")
     assert set(CODE.findall(printed)) == {name.partition("_")[0]}
+    assert all(d.hint for d in result.diagnostics if d.severity is Severity.ERROR)
     assert not result.model.declarations
 
 

@@ -1,16 +1,17 @@
-"""Systems with a component that rtgen does not run: one of OpenRTM, in a process of its own."""
+"""Systems with a component that rtgen does not run: one of OpenRTM or C++, in its own process."""
 
 from __future__ import annotations
 
 import os
 import signal
-import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+import cpp_build
 import middleware
 import pytest
+from logged_process import LoggedProcess
 from openrtm_lab import until
 from patience import PATIENCE
 
@@ -19,48 +20,15 @@ from rtgen.cli import run as rtgen
 ROOT = Path(__file__).resolve().parents[2]
 GOAL = ROOT / "specs" / "navigation" / "rh3_goal.xml"
 CALC = ROOT / "tests" / "unit" / "corba" / "corba_system"
+STRUCTS = ("BasicDataType", "ExtendedDataTypes", "intellirobot")
+INTERFACES = ("SDOPackage", "RTC", "OpenRTM")
+CPP_TYPES = {
+    "operator": "IDL:IIS/TimedPose2D:1.0",
+    "mistaken": "IDL:RTC/TimedLong:1.0",
+}
 NEAR = {'"01_x" rts:data="3.4"': '"01_x" rts:data="0.2"'}
 NEAR |= {'"01_y" rts:data="7.7"': '"01_y" rts:data="0"'}
 NEAR |= {'"01_th" rts:data="-1.57"': '"01_th" rts:data="0"'}
-
-
-class Process:
-    """A process whose output goes to a file."""
-
-    def __init__(
-        self, command: list[str], folder: Path, environment: dict[str, str], log: Path
-    ) -> None:
-        self._log = log
-        with log.open("w") as output:
-            self.process = subprocess.Popen(
-                [sys.executable, *command],
-                cwd=folder,
-                env=environment,
-                stdout=output,
-                stderr=subprocess.STDOUT,
-            )
-
-    @property
-    def text(self) -> str:
-        """What it has printed."""
-        return self._log.read_text()
-
-    def says(self, text: str, times: int = 1) -> None:
-        """Wait until it has said that so many times."""
-        until(
-            lambda: self.text.count(text) >= times or self.process.poll() is not None,
-            PATIENCE,
-        )
-        assert self.text.count(text) >= times, self.text
-
-    def end(self, number: int = signal.SIGTERM) -> int:
-        """End it; its exit code."""
-        self.process.send_signal(number)
-        return self.code()
-
-    def code(self) -> int:
-        """Its exit code, once it has ended."""
-        return self.process.wait(PATIENCE)
 
 
 @pytest.fixture(scope="module")
@@ -75,29 +43,62 @@ def stubs(
     return middleware.environment([folder, *rtm_folders])
 
 
+@pytest.fixture(scope="module")
+def cpp_program(tmp_path_factory: pytest.TempPathFactory) -> str:
+    """The operator in C++."""
+    folder = tmp_path_factory.mktemp("cpp")
+    idl = [middleware.DATA_TYPES / f"{name}.idl" for name in STRUCTS]
+    idl += [middleware.STUB / "idl" / f"{name}.idl" for name in INTERFACES]
+    return cpp_build.program(folder, idl, Path(__file__).parent / "cpp")
+
+
+@pytest.fixture
+def author(request: pytest.FixtureRequest) -> str:
+    """Whose the foreign component is; OpenRTM's unless a test has `by_each_author`."""
+    return str(getattr(request, "param", "openrtm"))
+
+
+by_each_author = pytest.mark.parametrize(
+    "author",
+    ["openrtm", pytest.param("c++", marks=[*cpp_build.needed, pytest.mark.once])],
+    indirect=True,
+)
+
+
 @pytest.fixture
 def launch(
-    tmp_path: Path, naming_service: str, stubs: dict[str, str]
-) -> Iterator[Callable[..., Process]]:
+    request: pytest.FixtureRequest,
+    tmp_path: Path,
+    naming_service: str,
+    stubs: dict[str, str],
+    author: str,
+) -> Iterator[Callable[..., LoggedProcess]]:
     """Starts processes: foreign ones by their kind, and `rtgen run`."""
-    made: list[Process] = []
+    made: list[LoggedProcess] = []
 
     def launched(
         *what: str, formats: str = "%n.rtc", folder: Path = ROOT, path: str = ""
-    ) -> Process:
+    ) -> LoggedProcess:
         log = tmp_path / f"{len(made)}.txt"
+        program = sys.executable
         if what[0] == "run":
             command = ["-m", "rtgen", *what, "--clock", "real", "--transport", "corba"]
             environment = {**os.environ, "PYTHONPATH": path}
+        elif author == "c++":
+            program = request.getfixturevalue("cpp_program")
+            place = formats.replace("%n", "PositionInput0")
+            command = [f"corbaname::{naming_service}#{place}", CPP_TYPES[what[0]]]
+            command += ["-ORBendPoint", "giop:tcp:127.0.0.1:"]
+            environment = {**os.environ}
         else:
             script = str(Path(__file__).with_name("foreign_process.py"))
             command, environment = [script, what[0], naming_service, formats], stubs
-        made.append(Process(command, folder, environment, log))
+        made.append(LoggedProcess(command, folder, environment, log, program))
         return made[-1]
 
     yield launched
     for each in made:
-        if each.process.poll() is None:
+        if each.runs:
             each.end(signal.SIGKILL)
 
 
@@ -118,9 +119,13 @@ def near_goal(folder: Path, path: str = "", marked: bool = True) -> str:
     return str(system)
 
 
+@by_each_author
 @pytest.mark.once
 def test_rh3_reaches_its_goal_with_a_foreign_operator_that_comes_late_and_is_killed(
-    launch: Callable[..., Process], naming_service: str, tmp_path: Path, openrtm: str
+    launch: Callable[..., LoggedProcess],
+    naming_service: str,
+    tmp_path: Path,
+    openrtm: str,
 ) -> None:
     # By its path, below another naming service than that of the run.
     system = near_goal(tmp_path, f"{naming_service}/lab.host_cxt/PositionInput0.rtc")
@@ -142,8 +147,12 @@ def test_rh3_reaches_its_goal_with_a_foreign_operator_that_comes_late_and_is_kil
     assert abs(theta) < 0.1
 
 
+@by_each_author
 def test_a_foreign_component_that_is_absent(
-    launch: Callable[..., Process], naming_service: str, tmp_path: Path, openrtm: str
+    launch: Callable[..., LoggedProcess],
+    naming_service: str,
+    tmp_path: Path,
+    openrtm: str,
 ) -> None:
     system = near_goal(tmp_path, marked=False)
     options = ["--foreign", "PositionInput0", "--nameserver", naming_service]
@@ -156,8 +165,12 @@ def test_a_foreign_component_that_is_absent(
     )
 
 
+@by_each_author
 def test_a_foreign_component_of_another_type(
-    launch: Callable[..., Process], naming_service: str, tmp_path: Path, openrtm: str
+    launch: Callable[..., LoggedProcess],
+    naming_service: str,
+    tmp_path: Path,
+    openrtm: str,
 ) -> None:
     mistaken = launch("mistaken")
     mistaken.says("ready")
@@ -169,8 +182,12 @@ def test_a_foreign_component_of_another_type(
     )
 
 
+@by_each_author
 def test_a_foreign_component_without_a_parameter(
-    launch: Callable[..., Process], naming_service: str, tmp_path: Path, openrtm: str
+    launch: Callable[..., LoggedProcess],
+    naming_service: str,
+    tmp_path: Path,
+    openrtm: str,
 ) -> None:
     system = Path(near_goal(tmp_path))
     system.write_text(system.read_text().replace('"01_x"', '"09_x"'))
@@ -185,7 +202,7 @@ def test_a_foreign_component_without_a_parameter(
 
 
 def test_a_foreign_component_provides_a_service(
-    launch: Callable[..., Process],
+    launch: Callable[..., LoggedProcess],
     naming_service: str,
     tmp_path: Path,
     openrtm: str,

@@ -15,6 +15,7 @@ from rtgen.project import load
 from rtgen.runtime import (
     ERROR_STATE,
     SECOND,
+    CheckpointFolder,
     Record,
     SampleRecord,
     SimulatedClock,
@@ -44,10 +45,15 @@ def goal(x: float, y: float, theta: float) -> list[str]:
     return [f"PositionInput0.{name}={value}" for name, value in values.items()]
 
 
-def build(system: model.System, settings: Iterable[str] = ()) -> System:
+def build(
+    system: model.System,
+    settings: Iterable[str] = (),
+    kept: CheckpointFolder | None = None,
+) -> System:
     """The system in simulated time, its components INACTIVE."""
     values = [assignment(text, system) for text in settings]
-    return assemble(system, Factories(load()), SimulatedClock(), values, [])
+    factories = Factories(load())
+    return assemble(system, factories, SimulatedClock(), values, [], checkpoints=kept)
 
 
 def at_end(system: System) -> bool:

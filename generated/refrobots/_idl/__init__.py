@@ -6,6 +6,7 @@
 #   specs/idl/InterfaceDataTypes.idl
 #   specs/idl/RefHardRh3Pro.idl
 #   specs/idl/TimedVelocity.idl
+#   specs/idl/checkpoints.idl
 #   specs/idl/intellirobot.idl
 #   specs/idl/obstacles.idl
 #   specs/idl/ucode.idl

@@ -63,6 +63,7 @@ def assemble(
     patience: float = 0.0,
     report: FailureReport | None = None,
     prepare: Callable[[runtime.System], None] | None = None,
+    checkpoints: runtime.CheckpointFolder | None = None,
 ) -> runtime.System:
     """Assemble the system: all components INACTIVE, their start scheduled on its timeline.
 
@@ -82,7 +83,7 @@ def assemble(
     ]
     _raise_if_any(findings)
     report = report or FailureReport(Console("text", False, False), FailureOptions())
-    system = runtime.System(clock, transport)
+    system = runtime.System(clock, transport, checkpoints)
     system.on_failure = report
     try:
         _add_all(system, profile, factories, settings, report)
@@ -271,7 +272,7 @@ def _add(
                 yield NO_COMPONENT.at(c.span, str(error))
             else:
                 report.cannot_make(c.instance, "on_initialize", error.__cause__, c.span)
-        except runtime.TransportError as error:
+        except (runtime.TransportError, runtime.CheckpointError) as error:
             raise ToolError(str(error)) from error
         except runtime.RtcError as error:
             yield NO_COMPONENT.at(c.span, str(error))

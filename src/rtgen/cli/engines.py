@@ -39,10 +39,12 @@ def _locators(
 
 def _partition(_: click.Context, __: click.Parameter, value: str | None) -> str | None:
     """Validate the name of a partition. Raises click.BadParameter."""
+    if value is None:
+        return None
     from rtgen.runtime.distribution.medium import MediumError, check_name
 
     try:
-        return None if value is None else check_name(value)
+        return check_name(value)
     except MediumError as error:
         raise click.BadParameter(f"{error}.") from error
 

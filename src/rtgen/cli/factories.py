@@ -17,6 +17,8 @@ from rtgen.runtime.failures import ends_run
 from rtgen.runtime.system.watchdog import calling
 
 GROUP = "rtgen.components"
+FOREIGN = "rtgen.foreign"
+"""The group of component types whose profiles name another language."""
 
 Factory = Callable[[str], Component]
 
@@ -29,11 +31,19 @@ class Factories:
     """
 
     def __init__(self, project: Project) -> None:
+        listed = project.output / project.package / "components" / "entry_points.txt"
+        installed = {e.name: e.value for e in metadata.entry_points(group=GROUP)}
         self._targets: dict[str, str] = {
-            **{e.name: e.value for e in metadata.entry_points(group=GROUP)},
-            **_generated(project),
+            **installed,
+            **_listed(listed, GROUP),
             **dict(project.components),
         }
+        self.foreign: dict[str, str] = {
+            name: language
+            for name, language in _listed(listed, FOREIGN).items()
+            if name not in dict(project.components) and name not in installed
+        }
+        """The languages of the types that others run, by their profiles."""
         for folder in reversed(project.import_folders):
             if folder.is_dir() and str(folder) not in sys.path:
                 sys.path.insert(0, str(folder))
@@ -97,17 +107,12 @@ class _EntryPoints(configparser.ConfigParser):
         return optionstr
 
 
-def _generated(project: Project) -> Mapping[str, str]:
-    """The factories in the generated entry_points.txt of the project."""
-    return _listed(project.output / project.package / "components" / "entry_points.txt")
-
-
-def _listed(file: Path) -> Mapping[str, str]:
-    """The factories listed in a file; none if the file is missing."""
+def _listed(file: Path, group: str) -> Mapping[str, str]:
+    """The entries of a group in a generated file; none if the file is missing."""
     parser = _EntryPoints(delimiters=("=",), interpolation=None)
     try:
         parser.read_string(file.read_text(encoding="utf-8"))
-        return dict(parser[GROUP])
+        return dict(parser[group])
     except (FileNotFoundError, KeyError):
         return {}
     except (OSError, UnicodeDecodeError, configparser.Error) as error:

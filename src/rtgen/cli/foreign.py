@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 
 from rtgen.cli.transports import TransportOptions
@@ -20,14 +20,17 @@ from rtgen.systems import timeline
 from rtgen.systems.rules import FOREIGN
 
 
-def named(profile: System, listed: str | None) -> frozenset[str]:
-    """The instances of the system's property and of the option.
+def named(
+    profile: System, listed: str | None, languages: Mapping[str, str]
+) -> frozenset[str]:
+    """The instances of the system's property, of the option, and of types in other languages.
 
     Raises InputError for an unknown instance.
     """
     place = profile.places.get(PROPERTY)
     texts = [(name, place) for name in foreign_instances(profile.properties)]
     texts += [(name.strip(), None) for name in (listed or "").split(",") if listed]
+    texts += [(c.instance, c.span) for c in profile.components if c.type in languages]
     return frozenset(timeline.require_instance(n, profile, span) for n, span in texts)
 
 
@@ -35,6 +38,7 @@ def require_reachable(
     profile: System,
     outside: Collection[str],
     carrying: TransportOptions,
+    languages: Mapping[str, str],
     *,
     simulated: bool,
 ) -> None:
@@ -42,12 +46,19 @@ def require_reachable(
     if carrying.transport == "corba" and not simulated:
         return
     names = ", ".join(sorted(outside))
+    hint = "--clock real --transport corba"
+    types = {c.type for c in profile.components if c.instance in outside}
+    for name in sorted(types & languages.keys()):
+        hint += (
+            f"; the profile of {name} says {languages[name]}: if it is implemented here, "
+            "name its factory in [components] of rtgen.toml"
+        )
     raise InputError(
         [
             FOREIGN.at(
                 profile.places.get(PROPERTY),
                 f"{names}: a foreign component is reached by CORBA and in real time alone",
-                hint="--clock real --transport corba",
+                hint=hint,
             )
         ]
     )

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Sequence
-from contextlib import AbstractContextManager, ExitStack
+import warnings
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO, TypeAlias
 
 from rtgen.diagnostics import ToolError
+from rtgen.diagnostics.printable import printable
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -108,11 +110,26 @@ def draw(
         save_picture(figure, Path(path))
 
 
-def reproducible() -> AbstractContextManager[None]:
-    """Settings of matplotlib that make its output deterministic."""
+@contextmanager
+def reproducible() -> Iterator[None]:
+    """Settings of matplotlib that make its output deterministic, and names no formulas.
+
+    The font lacks some scripts; a box stands for a character that it lacks.
+    """
     from matplotlib import rc_context
 
-    return rc_context({"svg.hashsalt": "rtgen", "font.family": "DejaVu Sans"})
+    with (
+        rc_context(
+            {
+                "svg.hashsalt": "rtgen",
+                "font.family": "DejaVu Sans",
+                "text.parse_math": False,
+            }
+        ),
+        warnings.catch_warnings(),
+    ):
+        warnings.filterwarnings("ignore", r"Glyph \d+ .* missing from")
+        yield
 
 
 _STROKES = (("-", 4.5, 0.45), ("-", 1.4, 1.0), ("--", 1.8, 1.0), (":", 2.4, 1.0))
@@ -177,6 +194,10 @@ def draw_trajectories(
 
 def save_picture(figure: Figure, path: Path) -> None:
     """Write a picture without a date, in the format of the suffix. Raises ToolError."""
+    from matplotlib.text import Text
+
+    for text in figure.findobj(Text):
+        text.set_text(printable(text.get_text(), "\n"))
     kind = path.suffix.lower()[1:]
     undated: dict[str, Any] = {"pdf": {"CreationDate": None}, "svg": {"Date": None}}
     try:

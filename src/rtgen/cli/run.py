@@ -102,6 +102,11 @@ _LOOK_PERIOD = SECOND // 10
     "--log", metavar="FILE", help="Write state changes and samples as JSON lines."
 )
 @click.option(
+    "--checkpoints",
+    metavar="FOLDER",
+    help="Keep the declared state of components there, and start from what is there.",
+)
+@click.option(
     "--supervise",
     type=click.Choice(["never", "on-failure"]),
     help="A process for each component, which is started again, or not, when it dies.",
@@ -137,6 +142,7 @@ def run(
     table: tuple[str, ...],
     picture: tuple[str, ...],
     log: str | None,
+    checkpoints: str | None,
     supervise: str | None,
     groups: tuple[str, ...],
     restarts: int,
@@ -175,10 +181,15 @@ def run(
     steps, wanted = plan.steps, plan.measures
     condition = _condition(until, profile)
     values = [timeline.assignment(text, profile) for text in settings]
-    outside = foreign.named(profile, carrying.foreign)
+    project = load_around(path)
+    factories = Factories(project)
+    languages = factories.foreign
+    outside = foreign.named(profile, carrying.foreign, languages)
     awaited: Sequence[ForeignComponent] = ()
     if outside:
-        foreign.require_reachable(profile, outside, carrying, simulated=simulated)
+        foreign.require_reachable(
+            profile, outside, carrying, languages, simulated=simulated
+        )
     if supervise is not None:
         context = click.get_current_context()
         supervision.check_options(context)
@@ -200,6 +211,7 @@ def run(
             console,
             transport=carrying.transport,
             nameserver=carrying.nameserver,
+            checkpoints=checkpoints,
         )
     if groups:
         raise Refusal("--group needs --supervise")
@@ -222,8 +234,6 @@ def run(
         raise InputError(
             [CONDITION.at(None, "a run in simulated time needs an end", hint=hint)]
         )
-    project = load_around(path)
-    factories = Factories(project)
     watch = runtime.SimulatedClock() if simulated else runtime.RealClock()
     report = FailureReport(console, shown_failures, simulated=simulated)
     with (
@@ -244,6 +254,7 @@ def run(
             transport,
             carrying.patience,
             report,
+            checkpoints=_kept(checkpoints),
         ) as running,
     ):
         report.end_run = running.end_run
@@ -303,6 +314,14 @@ def run(
         write_out(summary(outcome))
     kept = all(result.kept for result in measured) and not outcome.missed
     return OK if met and kept and not report.raised else NO
+
+
+def _kept(folder: str | None) -> runtime.CheckpointFolder | None:
+    """The folder of checkpoints. Raises ToolError."""
+    try:
+        return None if folder is None else runtime.CheckpointFolder(Path(folder))
+    except runtime.CheckpointError as error:
+        raise ToolError(str(error)) from error
 
 
 def _result(profile: System, ending: str) -> str:

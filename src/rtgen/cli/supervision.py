@@ -12,6 +12,7 @@ from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from itertools import chain
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 import click
@@ -43,7 +44,9 @@ _OWN = frozenset(
 )
 """Options of `rtgen run` that go with `--supervise`, and are not handed on as they are."""
 _TAKEN = (
-    _OWN | {"timeline_file", "verbose", "transport"} | {*chain(*TAKES.values())}
+    _OWN
+    | {"timeline_file", "verbose", "transport", "checkpoints"}
+    | {*chain(*TAKES.values())}
 ) - {"only"}
 """All options that go with it."""
 
@@ -305,10 +308,12 @@ def supervise(
     *,
     transport: str,
     nameserver: str | None,
+    checkpoints: str | None,
 ) -> int:
-    """Run a system; `workers` gives its processes for the options of the naming service.
+    """Run a system; `workers` gives its processes for further options.
 
-    Without `nameserver` CORBA's naming service is one of our own. Raises ToolError.
+    Without `nameserver` CORBA's naming service is one of our own, and without `checkpoints` they
+    are kept as long as the run. Raises ToolError.
     """
     with ExitStack() as closing:
         words: list[str] = []
@@ -317,6 +322,9 @@ def supervise(
                 nameserver = closing.enter_context(_name_server()).address
             words = ["--nameserver", nameserver]
             console.say(f"naming service: {nameserver}")
+        if checkpoints is None:
+            folder = closing.enter_context(TemporaryDirectory(prefix="rtgen-"))
+            words += ["--checkpoints", folder]
         return Supervisor(workers(words), policy, console).run()
 
 

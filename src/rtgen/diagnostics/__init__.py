@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from enum import StrEnum
+from functools import cache
 from pathlib import Path
 
 import msgspec
 
 _PAGES = Path(__file__).parent / "pages"
+_HINTS = Path(__file__).with_name("hints.toml")
 
 
 class Severity(StrEnum):
@@ -101,7 +103,12 @@ class Rule(msgspec.Struct, frozen=True):
         related: Iterable[Related] = (),
         hint: str | None = None,
     ) -> Diagnostic:
-        """A finding of this rule; texts beyond LONGEST_TEXT lose their middle."""
+        """A finding of this rule; texts beyond LONGEST_TEXT lose their middle.
+
+        A finding without a `hint` has that of its rule in `hints.toml`, if there is one.
+        """
+        if hint is None:
+            hint = _hints().get(self.code)
         return Diagnostic(
             self.code,
             self.severity,
@@ -110,6 +117,13 @@ class Rule(msgspec.Struct, frozen=True):
             tuple(Related(each.span, _shortened(each.label)) for each in related),
             None if hint is None else _shortened(hint),
         )
+
+
+@cache
+def _hints() -> dict[str, str]:
+    import tomllib
+
+    return tomllib.loads(_HINTS.read_text(encoding="utf-8"))
 
 
 def _shortened(text: str) -> str:

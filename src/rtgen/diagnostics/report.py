@@ -13,6 +13,7 @@ from unicodedata import category, east_asian_width
 from urllib.parse import quote
 
 from rtgen.diagnostics import Diagnostic, Fix, Rule, Severity, Span, in_order
+from rtgen.diagnostics.printable import printable
 from rtgen.facts.version import __version__
 
 FORMS = ("text", "json", "sarif", "github")
@@ -132,22 +133,20 @@ class _Texts:
 def _text(d: Diagnostic, texts: _Texts, colour: bool) -> str:
     paint = _painter(colour)
     head = f"{paint(f'{d.severity.value}[{d.code}]', _COLOURS[d.severity])}: "
-    lines = [_prefix(d.span) + head + paint(_printable(d.message), "1")]
+    lines = [_prefix(d.span) + head + paint(_shown(d.message), "1")]
     if d.span is not None:
         lines += _excerpt(d.span, texts, paint, _COLOURS[d.severity])
     for related in d.related:
         note = paint("note", _COLOURS[Severity.NOTE])
-        lines.append(f"{_prefix(related.span)}{note}: {_printable(related.label)}")
+        lines.append(f"{_prefix(related.span)}{note}: {_shown(related.label)}")
         lines += _excerpt(related.span, texts, paint, _COLOURS[Severity.NOTE])
     if d.hint:
-        lines.append(f"  {paint('hint', '1;32')}: {_printable(d.hint)}")
+        lines.append(f"  {paint('hint', '1;32')}: {_shown(d.hint)}")
     return "\n".join(lines) + "\n"
 
 
 def _prefix(span: Span | None) -> str:
-    return (
-        "" if span is None else f"{_printable(span.file)}:{span.line}:{span.column}: "
-    )
+    return "" if span is None else f"{_shown(span.file)}:{span.line}:{span.column}: "
 
 
 def _painter(colour: bool) -> _Paint:
@@ -191,20 +190,17 @@ def _drawn(text: str, column: int) -> tuple[str, int]:
         elif category(character) in ("Mn", "Me"):
             width = 0
         else:
-            character = _printable(character)
+            character = (
+                character if character.isprintable() else "\N{REPLACEMENT CHARACTER}"
+            )
             width = 2 if east_asian_width(character) in "WF" else 1
         drawn.append(character)
         column += width
     return "".join(drawn), column
 
 
-def _printable(text: str) -> str:
-    """The text without characters that steer a terminal."""
-    if text.isprintable():
-        return text
-    return "".join(
-        c if c.isprintable() or c == "\n" else "\N{REPLACEMENT CHARACTER}" for c in text
-    )
+def _shown(text: str) -> str:
+    return printable(text, "\n")
 
 
 def _github(d: Diagnostic) -> str:

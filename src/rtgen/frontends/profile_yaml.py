@@ -12,7 +12,6 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from rtgen import xml_text
 from rtgen.diagnostics import InputError, Rule, Severity, Span
 from rtgen.frontends.kit import located_yaml
 from rtgen.frontends.kit.located_xml import Element
@@ -301,7 +300,9 @@ def _split(form: _Form, key: str, span: Span, inside: str) -> tuple[str, str]:
 
 def _text(text: str, name: str, node: Node) -> str:
     """A text that XML can represent. Raises YamlError."""
-    if xml_text.NOT_IN_XML.search(text):
+    from rtgen.xml_text import NOT_IN_XML
+
+    if NOT_IN_XML.search(text):
         raise YamlError(f"`{name}` has a character that XML cannot hold", node.span)
     return text
 
@@ -324,7 +325,9 @@ def _date_text(parts: Mapping[str, Node], node: Node) -> str:
 
 def to_xml(text: str, file: str) -> str:
     """Convert a profile in YAML to XML. Raises InputError with one located diagnostic."""
+    from rtgen.xml_text import document
+
     root = parse(text, file)
     [form] = [f for f in _FORMS if root.name == (f.namespaces[f.base], f.root)]
     prefixes = {uri: prefix for prefix, uri in form.namespaces.items()} | {XSI: "xsi"}
-    return xml_text.document(root, prefixes)
+    return document(root, prefixes)

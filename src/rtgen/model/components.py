@@ -69,7 +69,7 @@ class Component(Declaration, frozen=True, kw_only=True):
     class of its generated base if that is not the runtime's `Component`, and `factory` constructs
     instances if that is not a skeleton for the user to complete; both are written `module:name`,
     where a module with a leading dot is below the generated package. `other_file` contains the
-    IDL definition that a profile of the component replaces.
+    IDL definition that a profile of the component replaces. `language` is that of its profile.
     """
 
     ports: tuple[Port, ...] = ()
@@ -88,9 +88,15 @@ class Component(Declaration, frozen=True, kw_only=True):
     execution: str = "PeriodicExecutionContext"
     created: str = NO_DATE
     updated: str = NO_DATE
+    language: str = "Python"
     runtime_base: str = ""
     factory: str = ""
     other_file: str = ""
+
+    @property
+    def is_foreign(self) -> bool:
+        """Whether its profile names another language than Python, so that others run it."""
+        return not self.language.lower().startswith("python")
 
     @property
     def profile_id(self) -> str:

@@ -110,3 +110,4 @@ class RtcProfile(msgspec.Struct, frozen=True, kw_only=True):
     service_ports: tuple[ProfileServicePort, ...]
     facts: Mapping[str, Any] = msgspec.field(default_factory=dict)
     implements: bool = False
+    language: str = "Python"

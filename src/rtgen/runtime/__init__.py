@@ -4,6 +4,7 @@ from rtgen.facts.connector_properties import EmptyPolicy, FullPolicy
 from rtgen.runtime.errors import (
     BlockedError,
     CallbackError,
+    CheckpointError,
     ConfFileError,
     ConfigurationError,
     ConnectError,
@@ -58,6 +59,7 @@ from rtgen.runtime.return_codes import (
     PortStatus,
     ReturnCode_t,
 )
+from rtgen.runtime.rtc.checkpoints import Checkpoint, CheckpointFolder
 from rtgen.runtime.rtc.component import Component
 from rtgen.runtime.rtc.conf_file import ConfFile
 from rtgen.runtime.rtc.configuration import (
@@ -125,6 +127,9 @@ __all__ = [
     "BufferSettings",
     "CallTimeout",
     "CallbackError",
+    "Checkpoint",
+    "CheckpointError",
+    "CheckpointFolder",
     "Clock",
     "CommunicationFailure",
     "Component",

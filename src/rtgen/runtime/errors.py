@@ -48,6 +48,10 @@ class BlockedError(RtcError):
         super().__init__(f"{callback} has not returned ({shown(file)}, line {line})")
 
 
+class CheckpointError(RtcError):
+    """The state of a component cannot be kept."""
+
+
 class DuplicateInstanceError(RtcError):
     """A system has a component of that instance name already."""
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 COMPONENT_NAMES = frozenset(
     {
+        "add_checkpoint",
         "add_configuration",
         "add_consumer",
         "add_in_port",

@@ -57,17 +57,22 @@ def test_examples_of_explain(code: str) -> None:
     assert code in {d.code for d in found}
 
 
+OF_CELLS = (
+    "check the spelling and the name space, or declare a prototype: cell tType Name;"
+)
+
+
 @pytest.mark.parametrize(
     ("target", "message", "hint"),
     [
-        ("Q", "Q is not known: a join leads to a cell", None),
+        ("Q", "Q is not known: a join leads to a cell", OF_CELLS),
         ("Inne", "Inne is not known: a join leads to a cell", "did you mean Inner?"),
-        ("n", "n is not a cell of tC: a join leads to a cell", None),
-        ("Worker", "Worker is not known: a join leads to a cell", None),
+        ("n", "n is not a cell of tC: a join leads to a cell", OF_CELLS),
+        ("Worker", "Worker is not known: a join leads to a cell", OF_CELLS),
     ],
 )
 def test_a_join_inside_a_composite_leads_to_a_cell_of_it(
-    target: str, message: str, hint: str | None
+    target: str, message: str, hint: str
 ) -> None:
     text = (
         "[active] composite tC { attr { int32_t n = 1; }; entry sWork eW;"

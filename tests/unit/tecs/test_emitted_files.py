@@ -279,3 +279,16 @@ def test_the_plug_in_of_a_file_knows_the_joins_of_main_files_that_it_imports(
     assert "'Client0.cServer' => 8931" in plugin
     assert "'sPart' => '" in plugin
     assert "Caller" not in made["robots/tecs/part/RTCPlugin.rb"]
+
+
+@pytest.mark.parametrize("name", ["lazy_names", "TYPE_CHECKING"])
+def test_a_signature_is_called_as_what_its_package_imports(
+    name: str, tmp_path: Path
+) -> None:
+    text = joined(SERVER.replace("sServer", name), name)
+    emission, _ = emit(tmp_path, {"server.cdl": text})
+    write(tmp_path, emission.artifacts)
+    program = f"from robots.tecs.server import {name}; print({name}._descriptor_.name)"
+    command = [sys.executable, "-c", program]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+    assert done.stdout.strip().endswith(name), done.stderr

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -42,6 +43,11 @@ def test_codes_titles_and_stories_are_whole() -> None:
 def test_every_page_belongs_to_a_rule() -> None:
     pages = {file.stem for file in (SOURCES / "diagnostics" / "pages").iterdir()}
     assert pages == {code for code, rule in rules().items() if rule.text is None}
+
+
+def test_every_hint_belongs_to_a_rule() -> None:
+    hints = tomllib.loads((SOURCES / "diagnostics/hints.toml").read_text("utf-8"))
+    assert hints.keys() <= rules().keys()
 
 
 def test_a_rule_of_a_plug_in_brings_its_text() -> None:

@@ -159,7 +159,7 @@ def test_all_mistakes_are_reported_at_once() -> None:
     assert [d.code for d in found] == ["PRJ0002", "PRJ0003", "PRJ0002"]
     assert [d.hint for d in found] == [
         "did you mean 'package'?",
-        None,
+        "`rtgen explain PRJ0003` and docs/project.md show values of each kind",
         "did you mean 'lint'?",
     ]
 

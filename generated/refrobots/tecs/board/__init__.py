@@ -37,3 +37,4 @@ __getattr__ = lazy_names(
         ),
     },
 )
+del TYPE_CHECKING, lazy_names

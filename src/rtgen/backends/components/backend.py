@@ -15,6 +15,7 @@ from rtgen.backends.components.locations import (
 )
 from rtgen.backends.components.skeleton import skeleton_module
 from rtgen.backends.kit.python_text import header_comment
+from rtgen.backends.kit.quoting.properties import language_entry
 from rtgen.backends.kit.rendering import render
 from rtgen.diagnostics import Diagnostic, has_errors
 from rtgen.model import Component, Model
@@ -79,6 +80,7 @@ def _entry_points(packages: Sequence[Part]) -> Iterator[Artifact]:
     Of two types of one name, that of the first part is listed.
     """
     entries: dict[str, str] = {}
+    foreign: dict[str, str] = {}
     origin: dict[str, None] = {}
     for part in packages:
         components = components_of(part.model)
@@ -86,12 +88,15 @@ def _entry_points(packages: Sequence[Part]) -> Iterator[Artifact]:
         for component in components:
             target = ":".join(factory(component, part.options))
             entries.setdefault(component.name[-1], target)
+            if component.is_foreign:
+                foreign[component.name[-1]] = language_entry(component.language)
     options = packages[0].options
     if entries:
         text = render(
             "components/entry_points.txt.j2",
             header=header_comment(options.version, origin),
             entries=sorted(entries.items()),
+            foreign=sorted(foreign.items()),
         )
         path = f"{components_folder(options)}/entry_points.txt"
         yield Artifact(path, text, tuple(origin))

@@ -250,6 +250,11 @@ class ComponentPlan:
         return source_of(self.unit.model, self.component)
 
     @property
+    def is_foreign(self) -> bool:
+        """Whether its profile names another language, and the project has no factory for it."""
+        return self.component.is_foreign and self.name not in self.unit.factories
+
+    @property
     def behaviour(self) -> tuple[str, str]:
         """Module and name of the factory of the behaviour."""
         options = self.unit.options

@@ -147,7 +147,9 @@ class _Writer:
             instance: Known(plan.component, plan.unit.model)
             for instance, plan in self._plans.items()
         }
-        self._foreign = foreign_instances(system.properties)
+        self._foreign = foreign_instances(system.properties) + [
+            instance for instance, plan in self._plans.items() if plan.is_foreign
+        ]
         self._pairs: dict[int, list[Pair]] = {}
         self._connections = [
             self._connection(c) for c in system.connections if self._is_possible(c)

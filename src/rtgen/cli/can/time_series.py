@@ -8,7 +8,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from rtgen.cli.common import Refusal
-from rtgen.cli.recording import PICTURES, save_picture
+from rtgen.cli.recording import PICTURES, reproducible, save_picture
 from rtgen.diagnostics import ToolError
 
 _WIDTH, _HEIGHT = 9.0, 2.6
@@ -70,11 +70,10 @@ def write_csv(path: Path, found: Sequence[Series]) -> None:
 
 def draw(path: Path, found: Sequence[Series]) -> None:
     """Draw one diagram for each unit, above a common time axis. Raises ToolError."""
-    from matplotlib import rc_context
     from matplotlib.figure import Figure
 
     units = list(dict.fromkeys(series.unit for series in found))
-    with rc_context({"svg.hashsalt": "rtgen", "font.family": "DejaVu Sans"}):
+    with reproducible():
         figure = Figure((_WIDTH, 1.0 + _HEIGHT * len(units)), layout="constrained")
         rows = figure.subplots(len(units), sharex=True, squeeze=False)
         for unit, (axes,) in zip(units, rows, strict=True):

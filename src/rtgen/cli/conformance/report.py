@@ -10,6 +10,8 @@ from enum import StrEnum
 from typing import Final
 from xml.etree import ElementTree
 
+from rtgen.diagnostics.printable import printable
+
 
 class Verdict(StrEnum):
     """The outcome of a check."""
@@ -61,8 +63,8 @@ def as_text(report: Report) -> str:
     for o in report.outcomes:
         tried = f" ({o.tried})" if o.tried else ""
         lines.append(f"{o.verdict.value:7}  {o.check:{width}}  {o.title}{tried}")
-        lines += (f"         {'':{width}}  - {problem}" for problem in o.problems)
-    return "\n".join([*lines, f"{report.subject}: {report.summary}", ""])
+        lines += (f"         {'':{width}}  - {printable(p)}" for p in o.problems)
+    return "\n".join([*lines, f"{printable(report.subject)}: {report.summary}", ""])
 
 
 def as_json_text(report: Report) -> str:
@@ -75,19 +77,19 @@ def as_junit(report: Report) -> str:
     counts = Counter(o.verdict for o in report.outcomes)
     suite = ElementTree.Element(
         "testsuite",
-        name=_printable(report.subject),
+        name=printable(report.subject),
         tests=str(len(report.outcomes)),
         failures=str(counts[Verdict.FAILED]),
         skipped=str(counts[Verdict.SKIPPED]),
     )
     for o in report.outcomes:
         case = ElementTree.SubElement(
-            suite, "testcase", classname=_printable(report.definition), name=o.check
+            suite, "testcase", classname=printable(report.definition), name=o.check
         )
         if o.verdict is not Verdict.PASSED:
             tag = "failure" if o.verdict is Verdict.FAILED else "skipped"
             inner = ElementTree.SubElement(case, tag, message=o.title)
-            inner.text = "\n".join(map(_printable, o.problems))
+            inner.text = "\n".join(map(printable, o.problems))
     ElementTree.indent(suite)
     return f"{ElementTree.tostring(suite, 'unicode', xml_declaration=True)}\n"
 
@@ -97,23 +99,22 @@ def as_html(report: Report) -> str:
     rows = "".join(
         f'<tr class="{o.verdict.value}"><td>{o.verdict.value}</td>'
         f"<td><code>{html.escape(o.check)}</code></td><td>{html.escape(o.title)}"
-        f"{''.join(f'<div>{html.escape(p)}</div>' for p in o.problems)}</td>"
+        f"{''.join(f'<div>{_escaped(p)}</div>' for p in o.problems)}</td>"
         f"<td>{o.tried or ''}</td><td>{html.escape(o.clause)}</td></tr>\n"
         for o in report.outcomes
     )
-    title = html.escape(f"{report.subject}: {report.summary}")
+    title = _escaped(f"{report.subject}: {report.summary}")
     return (
         '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
         f"<title>{title}</title>\n<style>{_STYLE}</style></head>\n<body><h1>{title}</h1>\n"
-        f"<p>{html.escape(report.definition)}</p>\n<table><thead><tr><th>verdict</th><th>check</th>"
+        f"<p>{_escaped(report.definition)}</p>\n<table><thead><tr><th>verdict</th><th>check</th>"
         f"<th>what</th><th>tried</th><th>by</th></tr></thead>\n<tbody>\n{rows}</tbody></table>\n"
         "</body></html>\n"
     )
 
 
-def _printable(text: str) -> str:
-    """The text without characters that XML cannot have."""
-    return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)
+def _escaped(text: str) -> str:
+    return html.escape(printable(text))
 
 
 _STYLE: Final = (

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -23,6 +23,7 @@ from rtgen.cli.ctl.common import (
     Refused,
     asker,
     joined,
+    profile_of,
     settled,
     with_system,
 )
@@ -49,8 +50,12 @@ _set_option = click.option(
 @with_system
 @with_console
 def list_(console: Console, options: CtlOptions, as_json: bool) -> int:
-    """List the components of all processes with their states."""
-    with joined(console, options) as peers:
+    """List the components of all processes with their states.
+
+    With --system its condition, too: which of its components no process has, or are in ERROR.
+    """
+    profile = profile_of(console, options)
+    with joined(console, options, profile) as peers:
         states = [(name, peers.asker(name).state()) for name in settled(peers, options)]
     if as_json:
         _print([_state(name, state) for name, state in states])
@@ -64,7 +69,20 @@ def list_(console: Console, options: CtlOptions, as_json: bool) -> int:
             for name, state in states
         ]
         write_out("".join(f"{line}\n" for line in table(_HEADER, rows, (0, 1))))
+    if profile is not None:
+        wanted = [c.instance for c in profile.components]
+        console.say(f"condition: {_condition(wanted, dict(states))}")
     return OK if states else NO
+
+
+def _condition(wanted: Sequence[str], states: Mapping[str, State]) -> str:
+    """The condition of a system, in the words of `rtgen run --supervise`."""
+    lost = ", ".join(name for name in wanted if name not in states)
+    failed = ", ".join(
+        name for name in wanted if name in states and _name(states[name]) == "ERROR"
+    )
+    parts = [f"without {lost}"] * bool(lost) + [f"{failed} in ERROR"] * bool(failed)
+    return ", ".join(["degraded", *parts]) if parts else "complete"
 
 
 @click.command("show")

@@ -20,6 +20,7 @@ from rtgen.cli.signals import terminable
 from rtgen.diagnostics import ToolError, has_errors
 
 if TYPE_CHECKING:
+    from rtgen.model import System
     from rtgen.runtime.distribution.control import Asker
     from rtgen.runtime.distribution.peers import Peers
 
@@ -82,17 +83,27 @@ def with_system(command: Callable[..., int]) -> Callable[..., int]:
 
 
 @contextmanager
-def joined(console: Console, options: CtlOptions) -> Iterator[Peers]:
+def joined(
+    console: Console, options: CtlOptions, profile: System | None = None
+) -> Iterator[Peers]:
     """The components of the system. Raises ToolError, Refused, ReportedError.
 
-    Ctrl-C and SIGTERM raise KeyboardInterrupt.
+    `profile` is what `profile_of` gives, if that was called. Ctrl-C and SIGTERM raise
+    KeyboardInterrupt.
     """
     from rtgen.runtime.distribution.control import ControlError, RefusedError
 
     options.check_taken(
         {name: names | {"system", "wait"} for name, names in engines.TAKES.items()}
     )
-    partition = options.partition or _name(console, options.system)
+    partition = options.partition
+    if not partition:
+        named = profile or profile_of(console, options)
+        if named is None:
+            raise click.UsageError(
+                "which system? Give --system FILE or --partition NAME."
+            )
+        partition = named.name
     with terminable(), options.open(partition) as transport:
         transport.peers.listeners.clear()
         try:
@@ -103,18 +114,21 @@ def joined(console: Console, options: CtlOptions) -> Iterator[Peers]:
             raise ToolError(str(error)) from error
 
 
-def _name(console: Console, system: str | None) -> str:
-    """The name of a system, which is the partition that its processes use."""
-    if system is None:
-        raise click.UsageError("which system? Give --system FILE or --partition NAME.")
+def profile_of(console: Console, options: CtlOptions) -> System | None:
+    """The system of `--system`, whose name is the partition that its processes use.
+
+    Raises ReportedError.
+    """
+    if options.system is None:
+        return None
     from rtgen.systems.reading import read_file
 
-    path = Path(system)
+    path = Path(options.system)
     profile, found, sources = read_file(path / "system.xml" if path.is_dir() else path)
     console.findings(found, sources)
     if profile is None or has_errors(found):
         raise ReportedError(BAD_INPUT)
-    return profile.name
+    return profile
 
 
 def asker(peers: Peers, instance: str, options: CtlOptions) -> Asker:

@@ -39,6 +39,7 @@ class Modules:
         self.sources: list[Source] = []
         self._folders = [*_folders(first.parent), *include]
         self._read: dict[Path, Module | None] = {}
+        self._listed: dict[Path, frozenset[str]] = {}
 
     def imported(self, path: tuple[str, ...], of: Path, level: int) -> Module | None:
         """The imported module, None if it is not in the repository."""
@@ -53,6 +54,9 @@ class Modules:
         return next((each for each in found if each is not None), None)
 
     def _in(self, folder: Path, path: tuple[str, ...]) -> Module | None:
+        first = path[0]
+        if self._entries(folder).isdisjoint((first, f"{first}.py")):
+            return None
         place = folder.joinpath(*path)
         for file in (place.with_name(f"{place.name}.py"), place / "__init__.py"):
             if file in self._read:
@@ -61,6 +65,15 @@ class Modules:
                 self._read[file] = self._module(file)
                 return self._read[file]
         return None
+
+    def _entries(self, folder: Path) -> frozenset[str]:
+        """The names in a folder, listed once: most modules are in few of the folders."""
+        if folder not in self._listed:
+            try:
+                self._listed[folder] = frozenset(each.name for each in folder.iterdir())
+            except OSError:
+                self._listed[folder] = frozenset()
+        return self._listed[folder]
 
     def _module(self, file: Path) -> Module | None:
         source = read_source(file)

@@ -78,6 +78,7 @@ class Reader:
             execution=self._wanted(info, "executionType", "PeriodicExecutionContext"),
             rate=self._rate(info),
             max_instances=self._max_instances(info),
+            language=self._language(root),
             created=self._date(info, "creationDate"),
             updated=self._date(info, "updateDate"),
             parameters=tuple(self._parameters(root)),
@@ -182,6 +183,11 @@ class Reader:
         message = f"the rate {text!r} is not a frequency above 0 Hz; 1000 is taken"
         self._findings.add(rules.BAD_NUMBER, info.place("executionRate"), message)
         return None
+
+    def _language(self, root: Element) -> str:
+        language = root.first(RTC, "Language")
+        stated = "" if language is None else self._get(language, "kind").strip()
+        return stated or "Python"
 
     def _max_instances(self, info: Element) -> int:
         text = self._get(info, "maxInstances").strip()

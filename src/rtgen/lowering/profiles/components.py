@@ -112,6 +112,7 @@ class Lowering:
             execution=profile.execution,
             created=profile.created,
             updated=profile.updated,
+            language=profile.language,
             other_file="" if other is None else other.file,
         )
         made = self._definitions.component(made, profile)

@@ -12,7 +12,6 @@ from typing import Any
 
 from rtgen.runtime.marshalling.descriptors import StructDescriptor
 from rtgen.runtime.marshalling.errors import FAILURES, Buffer, CdrError, Fault
-from rtgen.runtime.marshalling.fault_search import fault_in_body
 from rtgen.runtime.marshalling.formats import CLASSIC, Format, UnsupportedError
 from rtgen.runtime.marshalling.functions import FUNCTIONS
 from rtgen.runtime.marshalling.references import References
@@ -50,6 +49,8 @@ def decoded_again(
 
     Raises CdrError with the place of the fault.
     """
+    from rtgen.runtime.marshalling.fault_search import fault_in_body
+
     descriptor = type_._descriptor_
     name = str(descriptor.name).rpartition("::")[2]
     try:

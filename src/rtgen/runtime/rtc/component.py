@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol, TypeVar, cast
 
-from rtgen.runtime.errors import DuplicatePortError
+from rtgen.runtime.errors import CheckpointError, DuplicatePortError
 from rtgen.runtime.failures import Failure, described, ends_run, log, log_failure
 from rtgen.runtime.marshalling.descriptors import DataType
 from rtgen.runtime.ports.data_ports import InPort, OutPort
@@ -21,6 +21,7 @@ from rtgen.runtime.return_codes import (
     ReturnCode_t,
 )
 from rtgen.runtime.rtc.callbacks import succeeds
+from rtgen.runtime.rtc.checkpoints import Checkpoint
 from rtgen.runtime.rtc.configuration import ConfigurationSets
 from rtgen.runtime.rtc.context_operations import ExecutionContextOperations
 from rtgen.runtime.rtc.life_cycle import TRANSITIONS, Request
@@ -81,6 +82,7 @@ class Component:
         self.configuration_sets = ConfigurationSets(
             self.instance_name, self._at_end_of_cycle
         )
+        self._checkpoint: Checkpoint[Any] | None = None
         self._clock: Clock = SimulatedClock()
         self._alive = False
         self._failing = ""
@@ -134,6 +136,16 @@ class Component:
         """Bind the fields of `values`, which hold the defaults, to the profile's parameters."""
         self.configuration_sets.bind(values, self.profile.configuration)
         return values
+
+    def add_checkpoint(self, type_: type[T]) -> Checkpoint[T]:
+        """Declare the state that outlives the process (docs/supervision.md), of a generated type.
+
+        For the constructor or `on_initialize`. Raises CheckpointError for a second one.
+        """
+        if self._checkpoint is not None:
+            raise CheckpointError(f"{self.instance_name} has a checkpoint already")
+        self._checkpoint = Checkpoint(type_, self.instance_name)
+        return self._checkpoint
 
     def _add(self, ports: dict[Any, P], key: object, port: P) -> P:
         if key in ports:

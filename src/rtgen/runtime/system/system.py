@@ -9,6 +9,7 @@ from types import TracebackType
 from typing import Any
 
 from rtgen.runtime.errors import (
+    CheckpointError,
     ConnectError,
     DuplicateConnectionError,
     DuplicateInstanceError,
@@ -28,6 +29,7 @@ from rtgen.runtime.return_codes import (
     LifeCycleState,
     ReturnCode_t,
 )
+from rtgen.runtime.rtc.checkpoints import CheckpointFolder
 from rtgen.runtime.rtc.component import Component
 from rtgen.runtime.rtc.configuration import DEFAULT_SET
 from rtgen.runtime.rtc.execution_context import ExecutionContext
@@ -65,7 +67,8 @@ class System:
     tick. Usable as a context manager, which closes it.
 
     With a transport service calls go over that, and service ports of other processes can be
-    connected.
+    connected. With `checkpoints` the declared state of components is kept there, and they start
+    from what is there.
 
     A failure of a component's code is reported to `on_failure`, by default to the logger
     `rtgen.runtime` with its traceback, and never raised by `run`, except what ends the run: see
@@ -73,10 +76,14 @@ class System:
     """
 
     def __init__(
-        self, clock: Clock | None = None, transport: Transport | None = None
+        self,
+        clock: Clock | None = None,
+        transport: Transport | None = None,
+        checkpoints: CheckpointFolder | None = None,
     ) -> None:
         self.clock: Clock = clock or SimulatedClock()
         self._transport = transport
+        self._checkpoints = checkpoints
         self._scheduler = _scheduler(self.clock)
         self._participants: dict[str, Participant] = {}
         self._connectors: dict[str, Connector] = {}
@@ -110,8 +117,8 @@ class System:
         """Initializes a component and gives it a running context of its own.
 
         The rate is `rate_hz`, else that of its `.conf` file, else that of its profile. Raises
-        DuplicateInstanceError, RateError, or InitializationError if `on_initialize` failed; its
-        cause is the exception, which is not reported otherwise.
+        DuplicateInstanceError, RateError, CheckpointError, or InitializationError if
+        `on_initialize` failed; its cause is the exception, which is not reported otherwise.
         """
         name = component.instance_name
         if name in self._participants:
@@ -130,6 +137,12 @@ class System:
             if cause is not None and ends_run(cause):
                 raise cause
             raise InitializationError(f"{name} cannot be initialized: {why}") from cause
+        if self._checkpoints is not None and component._checkpoint is not None:
+            try:
+                component._checkpoint.open(self._checkpoints.file(name))
+            except CheckpointError:
+                component.finalize()
+                raise
         component._report = self._failed
         component._end_run = self.end_run  # type: ignore[method-assign]
         context.add_component(component)
@@ -161,6 +174,8 @@ class System:
         try:
             component.exit()
         finally:
+            if component._checkpoint is not None:
+                component._checkpoint.close()
             for connector in list(self._connectors.values()):
                 # One that a transport has made for another one ends with it.
                 known = connector.name in self._connectors

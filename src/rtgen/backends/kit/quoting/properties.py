@@ -16,6 +16,7 @@ _KEY = re.compile(r"(?:[^\s\\:=#!](?:[^\\:=]*[^\s\\:=])?)?")
 _OTHER_LINE_ENDS_AND_CONTROL = re.compile(
     r"[\x00-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff\ufeff]"
 )
+_LANGUAGE = re.compile(r"[A-Za-z0-9][A-Za-z0-9+#.]{0,15}")
 _ENTRY = re.compile(r"[A-Za-z_][A-Za-z0-9_.]*(:[A-Za-z_][A-Za-z0-9_.]*)?")
 
 
@@ -86,3 +87,8 @@ def quote_entry(value: object) -> str:
     if not _ENTRY.fullmatch(text):
         raise UnquotableError(text, "an entry point")
     return Entries(text)
+
+
+def language_entry(language: str) -> Entries:
+    """The name of a programming language as the value of an entry, if it can be one."""
+    return Entries(language if _LANGUAGE.fullmatch(language) else "another language")

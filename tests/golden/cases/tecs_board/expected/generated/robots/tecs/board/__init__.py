@@ -11,3 +11,4 @@ if TYPE_CHECKING:
 
 __all__ = ["WHEELS"]
 __getattr__ = lazy_names(__name__, {"._idl.motor": ("WHEELS",)})
+del TYPE_CHECKING, lazy_names

@@ -14,3 +14,4 @@ __getattr__ = lazy_names(
     __name__,
     {"._idl.server": ("Server", "ServerSkeleton", "ServerStub")},
 )
+del TYPE_CHECKING, lazy_names

@@ -1,0 +1,73 @@
+"""Each component of RH3 dies on the way without a callback, and begins anew with its checkpoint."""
+
+from __future__ import annotations
+
+from math import hypot
+from pathlib import Path
+
+import pytest
+from pipeline import at_end, build, goal, profile, truth
+
+from rtgen.cli.assembly import add_component
+from rtgen.cli.common import Console
+from rtgen.cli.factories import Factories
+from rtgen.cli.failures import FailureOptions, FailureReport
+from rtgen.facts.connector_properties import own_properties
+from rtgen.project import load
+from rtgen.runtime import SECOND, CheckpointFolder, System
+
+TARGET = (1.0, 0.5, 0.5)
+COMPONENTS = [component.instance for component in profile().components]
+
+
+def dies(system: System, instance: str) -> None:
+    """The component is gone with its connections, and nothing was called of it."""
+    system.context(instance).stop()
+    component = system.component(instance)
+    component.exit = lambda: None  # type: ignore[assignment, method-assign, return-value]
+    system.remove(instance)
+
+
+def comes_again(system: System, instance: str) -> None:
+    """As `rtgen run --only` in a process of its own starts the component."""
+    whole = profile()
+    [described] = [c for c in whole.components if c.instance == instance]
+    report = FailureReport(Console("text", False, False), FailureOptions())
+    folder = Path(whole.file).absolute().parent
+    add_component(system, described, Factories(load()), folder, report)
+    for link in whole.connections:
+        if instance in (link.source.instance, link.target.instance):
+            ends = [
+                (end.instance, end.port.removeprefix(f"{end.instance}."))
+                for end in (link.source, link.target)
+            ]
+            system.connect(ends[0], ends[1], own_properties(link.properties), link.name)
+    for text in goal(*TARGET):
+        name, _, value = text.partition("=")
+        if name.startswith(instance):
+            system.configure(instance, name.partition(".")[2], value)
+    system.activate(instance)
+
+
+@pytest.mark.parametrize("seconds", [2, 4])
+@pytest.mark.parametrize("instance", COMPONENTS)
+def test_the_goal_is_reached(instance: str, seconds: int, tmp_path: Path) -> None:
+    kept = CheckpointFolder(tmp_path)
+    with build(profile(), goal(*TARGET), kept) as system:
+        system.run(seconds * SECOND)
+        assert hypot(*truth(system)[:2]) < 1.0
+        dies(system, instance)
+        system.run(system.time + 2 * SECOND)
+        comes_again(system, instance)
+        assert system.run(60 * SECOND, at_end)
+        x, y, theta = truth(system)
+        assert hypot(x - TARGET[0], y - TARGET[1]) < 0.05
+        assert abs(theta - TARGET[2]) < 0.1
+
+
+def test_without_checkpoints_the_goal_is_not_reached() -> None:
+    with build(profile(), goal(*TARGET)) as system:
+        system.run(4 * SECOND)
+        dies(system, "OmniTo2WD0")
+        comes_again(system, "OmniTo2WD0")
+        assert not system.run(60 * SECOND, at_end)
