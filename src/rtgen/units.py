@@ -185,10 +185,20 @@ def _checked(unit: Unit) -> Unit:
 
 @lru_cache(1024)
 def _symbol(symbol: str) -> Unit:
+    from pint import PintError
+
     name = SYMBOLS.get(symbol, symbol)
-    registry = _registry()
-    if name == symbol and name not in registry:
+    # `name in registry` would read an expression: NAN is a number there, and _ an attribute.
+    if name == symbol and not _registry().parse_unit_name(name):
         raise UnitError(f"the unit `{symbol}` is not known")
+    try:
+        return _known(name)
+    except PintError:  # pint has no mdB, for one
+        raise UnitError(f"the unit `{symbol}` takes no prefix") from None
+
+
+def _known(name: str) -> Unit:
+    registry = _registry()
     offset, one, two = (_in_root_units(value, name) for value in (0.0, 1.0, 2.0))
     if abs(two - 2 * one + offset) > _CLOSE * abs(two):
         return Unit(((name, 1.0),), 1.0)  # a logarithm: dB
