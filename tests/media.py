@@ -1,4 +1,4 @@
-"""The engines that join processes, each as a network of media for tests."""
+"""What joins processes, for tests: engines as networks of media, and transports of systems."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ import pytest
 
 from rtgen.runtime.distribution.in_process import Network
 from rtgen.runtime.distribution.medium import Medium
+from rtgen.runtime.distribution.transport import DistributedTransport
 
 SYSTEM = "conformance"
 DOMAIN = 90
@@ -125,6 +126,65 @@ def engine(name: str) -> Iterator[Engine]:
 
 
 ENGINES = ("in-process", "dds", "zenoh", "zenoh-router")
+
+
+class Transports(Protocol):
+    """Opens transports of one system, each that of a process."""
+
+    def open(self, timeout: float) -> Any:
+        """A transport, which is closed by its owner; `timeout` [s] of its calls."""
+
+    @property
+    def address(self) -> str | None:
+        """What `transport_at` needs in another process; None if there can be no other."""
+
+
+class _Distributed:
+    """The transport above an engine."""
+
+    def __init__(self, engine: Engine) -> None:
+        self._engine = engine
+        self.address = engine.address
+
+    def open(self, timeout: float) -> Any:
+        return DistributedTransport(self._engine.medium(), timeout=timeout)
+
+
+class _Corba:
+    """Transports that share a naming service."""
+
+    def __init__(self, name_server: str) -> None:
+        self.address = json.dumps({"corba": name_server})
+
+    def open(self, timeout: float) -> Any:
+        return transport_at(self.address, timeout)
+
+
+def transport_at(address: str, timeout: float) -> Any:
+    """The transport of another process of the same system."""
+    [(kind, place)] = json.loads(address).items()
+    if kind != "corba":
+        return DistributedTransport(medium_at(address), timeout=timeout)
+    from rtgen.runtime.corba.transport import CorbaTransport
+
+    return CorbaTransport(name_server=place, timeout=timeout)
+
+
+@contextmanager
+def transports(name: str) -> Iterator[Transports]:
+    """The transports of a system of its own."""
+    if name != "corba":
+        with engine(name) as network:
+            yield _Distributed(network)
+        return
+    pytest.importorskip("omniORB", reason="omniORBpy is not installed")
+    from rtgen.runtime.corba.name_server import NameServer
+
+    with NameServer() as server:
+        yield _Corba(server.address)
+
+
+TRANSPORTS = (*ENGINES, "corba")
 
 
 def free_port() -> int:

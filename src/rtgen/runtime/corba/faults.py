@@ -60,3 +60,8 @@ def is_unsent(error: Any) -> bool:
 def is_lost(error: Any) -> bool:
     """Whether a system exception means that the object or its process is gone."""
     return isinstance(error, _LOST)
+
+
+def is_silent(error: Any) -> bool:
+    """Whether the object or its process is gone, or did not answer in time."""
+    return isinstance(error, (*_LOST, CORBA.TIMEOUT))

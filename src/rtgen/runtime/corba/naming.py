@@ -12,6 +12,7 @@ from typing import Any, TypeVar
 import CosNaming
 from omniORB import CORBA
 
+from rtgen.runtime.corba.faults import is_silent
 from rtgen.runtime.errors import (
     NoNamingServiceError,
     ServedElsewhereError,
@@ -190,13 +191,13 @@ def _resolved(context: Any, id_: str, kind: str = "") -> Any:
 
 
 def is_alive(reference: Any) -> bool:
-    """Whether the process of an object answers."""
+    """Whether the process of an object answers in time."""
     if reference is None:
         return False
     try:
         reference._non_existent()
-    except (CORBA.OBJECT_NOT_EXIST, CORBA.TRANSIENT, CORBA.COMM_FAILURE):
-        return False
+    except CORBA.SystemException as error:
+        return not is_silent(error)
     return True
 
 

@@ -14,6 +14,8 @@ from rtgen.runtime.errors import TransportError
 
 _LOOK_AGAIN = 0.005
 LOOPBACK = "127.0.0.1"
+LONGEST_MESSAGE = 64 << 20
+"""Octets of a message in either direction; longer ones are refused."""
 _numbers = itertools.count()
 
 
@@ -33,6 +35,7 @@ class Orb:
             "-ORBendPoint": f"giop:tcp:{host}:",
             "-ORBclientCallTimeOutPeriod": milliseconds,
             "-ORBclientConnectTimeOutPeriod": milliseconds,
+            "-ORBgiopMaxMsgSize": str(LONGEST_MESSAGE),
             "-ORBverifyObjectExistsAndType": "0",
             "-ORBtraceLevel": "0",
         }

@@ -1,4 +1,21 @@
-"""Interface of transports of service calls, within a process and between processes."""
+"""Interface of transports of service calls, within a process and between processes.
+
+What components rely on is the same over every transport, and tested over each
+(`tests/transports/test_whole_transports.py`, `test_lost_processes.py`):
+
+- the samples of a connection arrive in the order in which they were written, each at most once;
+  buffers and full policies are those of the receiving end, and `InPort.lost` counts what did not
+  reach the reader; a reader that comes late finds what waits for it at a pulled connection;
+- samples and arguments of 10 MB are carried; what cannot be decoded is no sample;
+- calls are carried out at most once, oneway ones too, and return, raise what their operation
+  declares, or raise a ServiceError within the time-out of the transport;
+- when another process is killed, or stands still for longer than the time-out, calls and writes
+  end in time; when it is there again calls and connections go on by themselves.
+
+Topics, histories, deadlines and presence are notions of messaging engines, whose own contract is
+`rtgen.runtime.distribution.medium`. CORBA has none of them: a connection has two ports, a write is
+a call of the other one, and a loss is noticed by the next call.
+"""
 
 from __future__ import annotations
 

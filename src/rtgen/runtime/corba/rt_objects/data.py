@@ -9,7 +9,7 @@ from omniORB import CORBA
 
 from rtgen.facts.connector_properties import EMBEDDED_DATA, Dataflow
 from rtgen.runtime.cdr import CdrError
-from rtgen.runtime.corba.faults import is_lost
+from rtgen.runtime.corba.faults import is_silent
 from rtgen.runtime.corba.rt_objects.objects import Exported
 from rtgen.runtime.corba.rt_objects.wire import IN_PORT_CDR, OUT_PORT_CDR
 from rtgen.runtime.errors import ConnectorPropertyError, PortTypeError
@@ -28,7 +28,7 @@ _SENDERS = ("dataport.subscription_type", "dataport.io_mode", "dataport.publishe
 """Prefixes of properties that concern the sending end alone."""
 
 Lost = Callable[[], None]
-"""Called once, when the other end of a connection cannot be reached any more."""
+"""Called once, when the other end of a connection does not answer any more."""
 
 
 def settings_of(properties: Mapping[str, str], type_: type[DataType]) -> dict[str, str]:
@@ -136,7 +136,7 @@ class _Put(RingBuffer[Any]):
                 self._reference, IN_PORT_CDR, "put", octets
             )
         except CORBA.SystemException as error:
-            if not is_lost(error):
+            if not is_silent(error):
                 log.warning("a sample is not taken: %s", error)
                 return PortStatus.PORT_ERROR
             self.closed = True
@@ -160,6 +160,7 @@ class Receiver:
             value = connector.target.type.from_cdr(octets, self._little)
         except CdrError as error:
             log.warning("%s: a sample cannot be decoded: %s", connector.target, error)
+            connector.refused += 1
             return PortStatus.PORT_ERROR
         status = connector.give(value)
         return status if status <= PortStatus.UNKNOWN_ERROR else PortStatus.PORT_ERROR
@@ -263,7 +264,7 @@ class Pulled(DataConnector[Any]):
             status, octets = self._objects.call(self._reference, OUT_PORT_CDR, "get")
         except CORBA.SystemException as error:
             # OpenRTM-aist-Python cannot marshal what it has while there is no sample.
-            if not is_lost(error):
+            if not is_silent(error):
                 return
             self._reference = None
             log.warning("%s: the connection is lost: %s", self.target, error)

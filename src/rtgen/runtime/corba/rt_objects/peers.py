@@ -104,7 +104,10 @@ class _Peer:
         if port.has_link(self.name, other):
             self._component = component
             return True
-        if self.is_made_there(texts(profile.properties)):
+        silent = port.has_lost(self.name) and self._is_known(component)
+        if silent:
+            port.end_there(self.name, other)
+        elif self.is_made_there(texts(profile.properties)):
             return False
         asked = ConnectorProfile(
             self.name,
@@ -119,12 +122,20 @@ class _Peer:
         return True
 
     def renew(self, directory: Directory) -> None:
-        """Make the connection again if the other component was started anew.
+        """Make the connection again if the other component was started anew, or stood still.
 
         One that somebody has cut stays cut. Raises as `attempt` does.
         """
-        if self.connected and not is_alive(self._component):
+        if not self.connected:
+            return
+        port = self._objects.port(self.here)
+        is_lost = port is not None and port.has_lost(self.name)
+        if is_lost or not is_alive(self._component):
             self.attempt(directory)
+
+    def _is_known(self, component: Any) -> bool:
+        """Whether a component is that of the last connection, not one started anew."""
+        return self._component is not None and self._component._is_equivalent(component)
 
     def _found(self, profile: Any) -> Any:
         """The port of a component. Raises PortTypeError."""

@@ -99,6 +99,8 @@ class PortService:
         self.owner: Any = None
         self._ports = ports
         self._links: dict[str, _Link] = {}
+        self._lost_ids: set[str] = set()
+        """Connections that ended here because the other end did not answer."""
         self._connecting = threading.Lock()
         self.reference: Any = ports.exported.serve(PORT_SERVICE, self)
 
@@ -237,6 +239,7 @@ class PortService:
             code = refused[0]
         if code is RTC_OK:
             self._links[identity] = _Link(profile, connector, offer.withdraw)
+            self._lost_ids.discard(identity)
         else:
             offer.withdraw()
         return code, profile
@@ -280,8 +283,17 @@ class PortService:
         self._forget(connector_id)
         return False
 
+    def has_lost(self, connector_id: str) -> bool:
+        """Whether a connection has ended here because the other end did not answer."""
+        return connector_id in self._lost_ids and connector_id not in self._links
+
+    def end_there(self, connector_id: str, other: Any) -> None:
+        """Let another port end a connection of which it does not know that it is lost."""
+        self._notify(other, connector_id)
+
     def leave(self, connector_id: str) -> None:
         """End a connection here, then at the other end; it need not be there."""
+        self._lost_ids.discard(connector_id)
         link = self._forget(connector_id)
         for port in () if link is None else link.profile.ports:
             if self._ports.exported.local(port) is None:
@@ -367,12 +379,13 @@ class PortService:
         link.withdraw()
 
     def _lost(self, connector_id: str) -> Callable[[], None]:
-        """A function that ends a connection whose other end is gone, in a thread of its own.
+        """A function that ends a connection whose other end is silent, in a thread of its own.
 
         The thread that notices sends or publishes samples, which ending a connection waits for.
         """
 
         def end() -> None:
+            self._lost_ids.add(connector_id)
             threading.Thread(
                 target=self.notify_disconnect, args=(connector_id,), daemon=True
             ).start()

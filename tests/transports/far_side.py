@@ -1,0 +1,206 @@
+"""A system of one component on either side of a transport.
+
+    python far_side.py ADDRESS
+
+is the far side in a process of its own: it prints one line when its component is ACTIVE and its
+connections stand, and ends when its input does. What it does is asked for by its provider.
+"""
+
+from __future__ import annotations
+
+import struct
+import sys
+import threading
+import time
+from collections.abc import Callable
+from contextlib import ExitStack
+from types import TracebackType
+from typing import Any
+
+from media import transport_at
+from patience import PATIENCE
+
+from refrobots._idl.basic_data_type import Time, TimedOctetSeq
+from refrobots.tecs.board import MotorBoard
+from rtgen import runtime
+from rtgen.runtime.opaque_rpc.interface import OpaqueRpc, OpaqueRpcFailed
+
+NEAR, FAR = "near", "far"
+TIMEOUT = 10.0
+"""Seconds of a call that is expected to return."""
+DATA: dict[tuple[str, str], dict[str, str]] = {
+    ("many", "many"): {"buffer.length": "1000"},
+    ("few", "oldest"): {"buffer.length": "2", "buffer.write.full_policy": "do_nothing"},
+    ("few", "newest"): {"buffer.length": "2", "buffer.write.full_policy": "overwrite"},
+    ("pulled", "pulled"): {"dataflow_type": "pull"},
+}
+"""Connections of an OutPort and an InPort, which there are in both directions."""
+OUT_PORTS = sorted({source for source, _ in DATA})
+
+
+def sample(number: int, octets: bytes = b"") -> TimedOctetSeq:
+    """A sample with a number and octets."""
+    return TimedOctetSeq(Time(number, 0), octets)
+
+
+def wait_for(condition: Callable[[], object]) -> Any:
+    """What a condition gives, once it is true."""
+    deadline = time.monotonic() + PATIENCE
+    while not (found := condition()):
+        assert time.monotonic() < deadline
+        time.sleep(0.005)
+    return found
+
+
+class Asked(OpaqueRpc):
+    """Does what the first word of a request says."""
+
+    def __init__(self, end: End) -> None:
+        self._end = end
+        self._carried_out = 0
+        self._let_go = threading.Event()
+
+    def begin(self, request: bytes, first: int) -> bytes:
+        name, _, rest = request.partition(b" ")
+        reply: bytes = getattr(self, f"_{name.decode()}")(rest, first)
+        return reply
+
+    def _echo(self, octets: bytes, times: int) -> bytes:
+        return octets * times
+
+    def _refuse(self, reason: bytes, code: int) -> bytes:
+        raise OpaqueRpcFailed(code, reason.decode())
+
+    def _fail(self, reason: bytes, code: int) -> bytes:
+        raise KeyError(reason)
+
+    def _take(self, port: bytes, _: int) -> bytes:
+        """The numbers of the samples that have come, and how many octets each has."""
+        pairs = [(s.tm.sec, len(s.data)) for s in self._end.take(port.decode())]
+        return b"".join(struct.pack("<II", *pair) for pair in pairs)
+
+    def _lost(self, port: bytes, _: int) -> bytes:
+        return b"%d" % self._end.in_ports[port.decode()].lost
+
+    def _write(self, port: bytes, number: int) -> bytes:
+        status = self._end.out_ports[port.decode()].write(sample(number))
+        return status.name.encode()
+
+    def _counted(self, what: bytes, _: int) -> bytes:
+        return b"%d" % (self._carried_out if what == b"holds" else self._end.stops)
+
+    def _release(self, _: bytes, __: int) -> bytes:
+        self._let_go.set()
+        return b""
+
+    def more(self, count: int) -> bytes:
+        """Holds the call until it is released."""
+        self._carried_out += 1
+        self._let_go.wait(PATIENCE)
+        return bytes(count)
+
+    def end(self) -> None:
+        """Not used."""
+
+    def reset(self) -> None:
+        """Not used."""
+
+
+class Board(MotorBoard):
+    """Counts the oneway operation."""
+
+    def __init__(self, end: End) -> None:
+        self._end = end
+
+    def stop(self) -> None:
+        self._end.stops += 1
+
+    def _unused(self, *_: object) -> Any:
+        raise NotImplementedError
+
+    identify = drive = release = _unused
+    setLimits = getState = _unused  # noqa: N815 - as the interface has it
+
+
+class End(runtime.Component):
+    """Ports of each kind; what it does comes from outside."""
+
+    profile = runtime.ComponentProfile("End", rate=100.0)
+
+    def __init__(self, instance: str) -> None:
+        super().__init__(instance)
+        self.stops = 0
+        for name in OUT_PORTS:
+            self.add_out_port(name, TimedOctetSeq)
+        for _, name in DATA:
+            self.add_in_port(name, TimedOctetSeq)
+        self._asked = self.add_provider("given", "rpc", OpaqueRpc)
+        self._board = self.add_provider("given", "board", MotorBoard)
+        self.rpc = self.add_consumer("taken", "rpc", OpaqueRpc)
+        self.board = self.add_consumer("taken", "board", MotorBoard)
+
+    def on_initialize(self) -> runtime.ReturnCode_t:
+        self._asked.set_servant(Asked(self))
+        self._board.set_servant(Board(self))
+        return runtime.RTC_OK
+
+    def take(self, port: str) -> list[TimedOctetSeq]:
+        """The samples that have come since the last time."""
+        in_port: Any = self.in_ports[port]
+        found = []
+        while in_port.is_new():
+            found.append(in_port.read())
+        return found
+
+
+class Side:
+    """A system with one component, over a transport that it owns."""
+
+    def __init__(self, transport: Any, instance: str) -> None:
+        self._stack = ExitStack()
+        self.transport = self._stack.enter_context(transport)
+        self.system = self._stack.enter_context(
+            runtime.System(runtime.RealClock(), transport)
+        )
+        self.end = End(instance)
+        self.system.add(self.end)
+
+    def __enter__(self) -> Side:
+        return self
+
+    def __exit__(
+        self,
+        exc_type: type[BaseException] | None,
+        exc_val: BaseException | None,
+        exc_tb: TracebackType | None,
+    ) -> None:
+        self._stack.close()
+
+    def connect_data(self) -> None:
+        """The connections of data ports, in both directions."""
+        for one, other in ((NEAR, FAR), (FAR, NEAR)):
+            for (source, target), properties in DATA.items():
+                stated = {f"dataport.{key}": text for key, text in properties.items()}
+                self.system.connect((one, source), (other, target), stated)
+
+    def activate(self) -> None:
+        """Makes the component ACTIVE."""
+        name, active = self.end.instance_name, runtime.LifeCycleState.ACTIVE_STATE
+        self.system.activate(name)
+        self.system.run(round(PATIENCE * 1e9), lambda s: s.state(name) is active)
+        assert self.system.state(name) is active
+
+
+def far_side(transport: Any) -> Side:
+    """The far side, before its connections stand."""
+    side = Side(transport, FAR)
+    side.connect_data()
+    side.activate()
+    return side
+
+
+if __name__ == "__main__":
+    with far_side(transport_at(sys.argv[1], TIMEOUT)) as own:
+        own.transport.await_others(PATIENCE)
+        print("ready", flush=True)
+        sys.stdin.read()

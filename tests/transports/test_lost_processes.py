@@ -1,0 +1,133 @@
+"""Systems whose other process dies or stands still, over transports: calls end, and all goes on."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack
+from pathlib import Path
+
+import media
+import pytest
+from both_sides import FarProcess, Pair, near_side
+from far_side import wait_for
+from patience import PATIENCE
+
+from rtgen import runtime
+
+pytestmark = pytest.mark.slow
+
+
+class Mortal:
+    """Both sides, of which the far one is killed or frozen, and perhaps started again."""
+
+    def __init__(self, network: media.Transports, folder: Path, pair: Pair) -> None:
+        self.pair = pair
+        self._network = network
+        self._folder = folder
+        self._written = 0
+        self._taken: list[int] = []
+        self._asked = 0
+        self._came: dict[str, list[int]] = {"many": []}
+        self.far = self._started()
+
+    def begin(self) -> None:
+        """Wait until both sides are connected."""
+        self.pair.near.transport.await_others(PATIENCE)
+        self.far.ready()
+
+    def _started(self) -> FarProcess:
+        address = self._network.address
+        assert address is not None
+        return FarProcess(address, self._folder / f"{time.monotonic_ns()}.txt")
+
+    def start_again(self) -> None:
+        """Another process in place of the last one."""
+        self.far = self._started()
+        self.far.ready()
+
+    def lose(self) -> None:
+        """Calls and writes go on while the far side does not answer, and end in time."""
+        for _ in range(3):
+            with pytest.raises(runtime.ServiceError):
+                self.pair.ask("echo x", 1)
+            self.write()
+            self._read()
+
+    def write(self) -> None:
+        """Write the next number; whatever the status is, nothing is raised."""
+        self._written += 1
+        self.pair.write("many", self._written)
+
+    def flows(self) -> None:
+        """Wait until calls and samples go in both directions again; none comes twice."""
+        wait_for(self.pair.answers)
+        self._taken += [number for number, _ in self.pair.taken("many")]
+        wait_for(self._reaches)
+        wait_for(self._is_reached)
+        assert self._taken == sorted(set(self._taken))
+        for came in self._came.values():
+            assert came == sorted(set(came)), came
+
+    def _reaches(self) -> bool:
+        before = self._written
+        self.write()
+        new = [number for number, _ in self.pair.taken("many")]
+        self._taken += new
+        return any(number > before for number in new)
+
+    def _is_reached(self) -> bool:
+        self._asked += 1
+        for port in self._came:
+            self.pair.ask(f"write {port}", self._asked)
+        return self._read()
+
+    def _read(self) -> bool:
+        """Take what has come; whether there was something of each connection."""
+        new = {p: [s.tm.sec for s in self.pair.end.take(p)] for p in self._came}
+        for port, numbers in new.items():
+            self._came[port] += numbers
+        return all(new.values())
+
+
+@pytest.fixture(params=["dds", "zenoh", "corba"])
+def mortal(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Mortal]:
+    with (
+        media.transports(request.param) as network,
+        near_side(network, 1.0) as pair,
+        ExitStack() as stack,
+    ):
+        made = Mortal(network, tmp_path, pair)
+        stack.callback(lambda: made.far.kill())
+        made.begin()
+        yield made
+
+
+def test_a_process_is_killed_during_a_call_and_started_again(mortal: Mortal) -> None:
+    mortal.flows()
+    raised: list[BaseException] = []
+
+    def call() -> None:
+        try:
+            mortal.pair.rpc.more(1)
+        except runtime.ServiceError as error:
+            raised.append(error)
+
+    caller = threading.Thread(target=call)
+    caller.start()
+    wait_for(lambda: mortal.pair.ask("counted holds") == b"1")
+    mortal.far.kill()
+    caller.join()
+    assert isinstance(raised[0], runtime.CommunicationFailure)
+    mortal.lose()
+    mortal.start_again()
+    mortal.flows()
+
+
+def test_a_process_stands_still_and_goes_on(mortal: Mortal) -> None:
+    mortal.flows()
+    mortal.far.freeze()
+    mortal.lose()
+    mortal.far.thaw()
+    mortal.flows()
