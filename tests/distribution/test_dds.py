@@ -125,17 +125,30 @@ def test_a_type_that_dds_does_not_have_is_refused(
 def test_samples_are_numbered_without_change_of_meaning() -> None:
     payload = encoder(rtc.TimedLong)(rtc.TimedLong(data=5))
     numbers = Numbers()
-    assert numbers.sequence("other", payload) is None
+    assert numbers.sequence("other", payload, 1) is None
     sent = [1, 2, 5, 16383, 16384, 16385, 40000]
     marked = [numbered(payload, number) for number in sent]
-    assert [numbers.sequence("one", each) for each in marked[:6]] == sent[:6]
-    assert numbers.sequence("one", marked[5]) == DOUBLE
+    found = [numbers.sequence("one", m, stamp) for stamp, m in enumerate(marked[:6])]
+    assert found == sent[:6]
+    assert numbers.sequence("one", marked[5], 5) == DOUBLE
     assert [plain(each) for each in marked] == [payload] * len(marked)
     # More than a cycle cannot be counted.
-    assert numbers.sequence("one", marked[6]) == 40000 - 16383
+    assert numbers.sequence("one", marked[6], 6) == 40000 - 16383
     for each in marked:
         assert xcdr.deserialize(rtc.TimedLong, each).data == 5
         assert idl_class(rtc.TimedLong).deserialize(each).data == 5
+
+
+def test_what_a_writer_sends_again_is_known_by_its_time() -> None:
+    payload = encoder(rtc.TimedLong)(rtc.TimedLong(data=5))
+    numbers = Numbers()
+    sent = [(number, numbered(payload, number)) for number in (3, 4, 5)]
+    assert [numbers.sequence("one", m, at) for at, m in sent] == [3, 4, 5]
+    assert {numbers.sequence("one", m, at) for at, m in sent} == {DOUBLE}
+    # Also with a clock that was set back: a number that goes on is a new sample.
+    assert numbers.sequence("one", numbered(payload, 6), 1) == 6
+    # More than half a cycle was lost.
+    assert numbers.sequence("one", numbered(payload, 16000), 9) == 16000
 
 
 @pytest.mark.peer

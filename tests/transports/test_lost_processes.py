@@ -27,9 +27,9 @@ class Mortal:
         self._network = network
         self._folder = folder
         self._written = 0
-        self._taken: list[int] = []
+        self._taken: dict[str, list[int]] = {"many": [], "pulled": []}
         self._asked = 0
-        self._came: dict[str, list[int]] = {"many": []}
+        self._came: dict[str, list[int]] = {"many": [], "pulled": []}
         self.far = self._started()
 
     def begin(self) -> None:
@@ -43,7 +43,9 @@ class Mortal:
         return FarProcess(address, self._folder / f"{time.monotonic_ns()}.txt")
 
     def start_again(self) -> None:
-        """Another process in place of the last one."""
+        """Another process in place of the last one; it may read what waits at the near side."""
+        for numbers in self._taken.values():
+            numbers.clear()
         self.far = self._started()
         self.far.ready()
 
@@ -58,24 +60,27 @@ class Mortal:
     def write(self) -> None:
         """Write the next number; whatever the status is, nothing is raised."""
         self._written += 1
-        self.pair.write("many", self._written)
+        for port in self._taken:
+            self.pair.write(port, self._written)
 
     def flows(self) -> None:
         """Wait until calls and samples go in both directions again; none comes twice."""
         wait_for(self.pair.answers)
-        self._taken += [number for number, _ in self.pair.taken("many")]
+        self._take()
         wait_for(self._reaches)
         wait_for(self._is_reached)
-        assert self._taken == sorted(set(self._taken))
-        for came in self._came.values():
-            assert came == sorted(set(came)), came
+        for numbers in (*self._taken.values(), *self._came.values()):
+            assert numbers == sorted(set(numbers))
 
     def _reaches(self) -> bool:
         before = self._written
         self.write()
-        new = [number for number, _ in self.pair.taken("many")]
-        self._taken += new
-        return any(number > before for number in new)
+        self._take()
+        return all(max(each, default=0) > before for each in self._taken.values())
+
+    def _take(self) -> None:
+        for port, numbers in self._taken.items():
+            numbers += [number for number, _ in self.pair.taken(port)]
 
     def _is_reached(self) -> bool:
         self._asked += 1
@@ -95,8 +100,8 @@ class Mortal:
 def mortal(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Mortal]:
     with (
         media.transports(request.param) as network,
-        near_side(network, 1.0) as pair,
         ExitStack() as stack,
+        near_side(network, 1.0) as pair,
     ):
         made = Mortal(network, tmp_path, pair)
         stack.callback(lambda: made.far.kill())

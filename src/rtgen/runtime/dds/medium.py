@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Sequence
+from collections import OrderedDict
+from collections.abc import Callable, Hashable, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 from xml.sax.saxutils import quoteattr
@@ -13,7 +14,7 @@ from cyclonedds.domain import Domain, DomainParticipant
 from rtgen.runtime.dds import entities
 from rtgen.runtime.dds.dispatcher import Dispatcher
 from rtgen.runtime.dds.entities import Entities
-from rtgen.runtime.dds.numbers import DOUBLE, Numbers, numbered, plain
+from rtgen.runtime.dds.numbers import DOUBLE, WRITERS, Numbers, numbered, plain
 from rtgen.runtime.dds.presence import Presences
 from rtgen.runtime.dds.rpc import DdsClient, DdsService
 from rtgen.runtime.distribution.medium import (
@@ -253,6 +254,7 @@ class DdsSubscription:
         self._closed = False
         self._missed = 0
         self._numbers = Numbers()
+        self._writers: OrderedDict[int, Hashable] = OrderedDict()
         self._reader = made.reader(check_name(topic.name), topic.type, qos)
         self._condition = entities.condition(self._reader)
         self._entry = dispatcher.add(self._condition, self._take)
@@ -283,8 +285,20 @@ class DdsSubscription:
     def _take(self) -> None:
         for octets, info in entities.taken(self._reader):
             if info.valid_data:
-                source = info.publication_handle
-                sequence = self._numbers.sequence(source, octets)
+                handle = info.publication_handle
+                source = self._writers.get(handle) or self._writer(handle)
+                stamp = info.source_timestamp
+                sequence = self._numbers.sequence(source, octets, stamp)
                 if sequence != DOUBLE:
                     sent = octets if sequence is None else plain(octets)
                     self._on_sample(Sample(sent, source, sequence))
+
+    def _writer(self, handle: int) -> Hashable:
+        """The identity of a writer, which gets a new handle when it is found again."""
+        reader: Any = self._reader
+        endpoint = reader.get_matched_publication_data(handle)
+        found: Hashable = handle if endpoint is None else endpoint.key.bytes
+        self._writers[handle] = found
+        if len(self._writers) > WRITERS:
+            self._writers.popitem(last=False)
+        return found

@@ -13,7 +13,7 @@ from collections.abc import Hashable
 
 _CYCLE = (1 << 14) - 1
 DOUBLE = -1
-_SOURCES = 256
+WRITERS = 256
 """Writers of one topic whose numbers are remembered."""
 
 
@@ -33,14 +33,16 @@ class Numbers:
     """Counts the numbers of each writer on beyond their 14 bits."""
 
     def __init__(self) -> None:
-        self._last: OrderedDict[Hashable, int] = OrderedDict()
+        self._last: OrderedDict[Hashable, tuple[int, int]] = OrderedDict()
+        """By writer: the number and the time stamp of the last sample."""
 
-    def sequence(self, source: Hashable, octets: bytes) -> int | None:
+    def sequence(self, source: Hashable, octets: bytes, stamp: int) -> int | None:
         """The sequence number of a payload; None if it has none, DOUBLE if it came before.
 
         A writer's samples come in order, so each is less than a cycle after the one before. A
         write that found no room with one reader of its process, and was repeated, comes twice to
-        the others.
+        the others; a durable writer that was out of reach sends its last samples again, with the
+        time stamps [ns] of their writes.
         """
         number = int.from_bytes(octets[2:4], "big") >> 2
         if not number:
@@ -49,11 +51,11 @@ class Numbers:
         if last is None:
             sequence = number
         else:
-            step = (number - last) % _CYCLE
-            if not step:
+            step = (number - last[0]) % _CYCLE
+            if not step or (stamp <= last[1] and step > _CYCLE // 2):
                 return DOUBLE
-            sequence = last + step
-        self._last[source] = sequence
-        if len(self._last) > _SOURCES:
+            sequence = last[0] + step
+        self._last[source] = sequence, stamp
+        if len(self._last) > WRITERS:
             self._last.popitem(last=False)
         return sequence
