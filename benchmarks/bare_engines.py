@@ -1,4 +1,4 @@
-"""DDS and Zenoh by their Python libraries alone, for the benchmark `transports.py`."""
+"""CORBA, DDS and Zenoh by their Python libraries alone, for the benchmark `transports.py`."""
 
 from __future__ import annotations
 
@@ -28,6 +28,8 @@ def bare_reader(
 
     `taken` hears of each sample whether it is the last of its round.
     """
+    if hasattr(medium, "bare_reader"):
+        return medium.bare_reader(name, lambda v: taken(v.tm.nsec == LAST_NUMBER))
     if hasattr(medium, "_session"):
         return medium._session.declare_subscriber(
             name, lambda sample: taken(sample.payload.to_bytes()[8:12] == LAST)
@@ -75,6 +77,9 @@ def bare_writer(
 ) -> Iterator[tuple[Callable[[Any], Any], Callable[[Any], object]]]:
     """What makes a sample of the library alone out of ours, and what writes it."""
     encode = encoder(type_)
+    if hasattr(medium, "bare_writer"):
+        yield medium.bare_writer(name, type_)
+        return
     if hasattr(medium, "_session"):
         import zenoh
 

@@ -1,4 +1,4 @@
-"""Samples and calls over dds and zenoh, between two processes, beside the libraries alone.
+"""Samples and calls over CORBA, DDS and Zenoh, between two processes, beside the libraries alone.
 
     python benchmarks/transports.py [ROUNDS | --writers [ROUNDS]]
 
@@ -8,14 +8,16 @@ cyclonedds-python's `write` of its own class, and Zenoh's `put` of octets that `
 which is the least that a program has to do; until it returned, and processor time of the writing
 thread, since a writer whose reader is slow waits for room in the queue of its link. `arrives` are
 samples per second until the last one is there, `of` the share that arrived; `alone` are the same
-samples by cyclonedds-python's class and its `write`, and by `put` of ready octets, between the same
-processes, with readers that keep all. Latency is half of a round trip by two topics, one sample at
-a time. Calls have no arguments (over CORBA: `corba.py`).
+samples by cyclonedds-python's class and its `write`, by omniORBpy's class and a call of omniidl's
+stub, and by `put` of ready octets, between the same processes, with readers that keep all. Over
+CORBA a write is a call, which the reader answers (`corba_ends.py`). Latency is half of a round trip
+by two topics, one sample at a time. Calls have no arguments (over CORBA: `corba.py`).
 Rounds of ours and of a peer alternate; figures are medians of rounds.
 """
 
 from __future__ import annotations
 
+import json
 import statistics
 import struct
 import subprocess
@@ -23,7 +25,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, closing, contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -39,11 +41,12 @@ from bare_engines import (  # noqa: E402
     bare_reader,
     bare_writer,
 )
-from media import DOMAIN, engine, medium_at  # noqa: E402
+from corba_ends import CorbaEnds  # noqa: E402
+from media import DOMAIN, engine, medium_at, transports  # noqa: E402
 
 from refrobots import rtc  # noqa: E402
 from rtgen.runtime.distribution.data import encoder  # noqa: E402
-from rtgen.runtime.distribution.medium import Medium, Qos, Topic  # noqa: E402
+from rtgen.runtime.distribution.medium import Qos, Topic  # noqa: E402
 from rtgen.runtime.distribution.rpc_header import (  # noqa: E402
     OctetsClient,
     serve_octets,
@@ -79,7 +82,7 @@ def count_of(size: int) -> int:
 # The other process.
 
 
-def serve(medium: Medium) -> None:
+def serve(medium: Any) -> None:
     """Counts samples, and says so when the last is there; sends pings back; answers calls."""
     kept: list[Any] = []
     encode = encoder(rtc.TimedLong)
@@ -120,9 +123,12 @@ def serve(medium: Medium) -> None:
             back,
             bare_reader(medium, f"alone_{size}", type(value_of(size)), count),
         ]
-    medium.subscribe(topic_of("alone", 0), Qos(depth=8), lambda _: None)
-    kept.append(bare_reader(medium, "pose", rtc.TimedPose2D, lambda _: None, depth=8))
-    serve_octets(medium, "empty", lambda octets, reply: reply(octets))
+    if not isinstance(medium, CorbaEnds):
+        medium.subscribe(topic_of("alone", 0), Qos(depth=8), lambda _: None)
+        kept.append(
+            bare_reader(medium, "pose", rtc.TimedPose2D, lambda _: None, depth=8)
+        )
+        serve_octets(medium, "empty", lambda octets, reply: reply(octets))
     print("ready", flush=True)
     sys.stdin.read()
     # Zenoh can wait for Python's threads for ever if its session is open at exit.
@@ -135,7 +141,7 @@ def serve(medium: Medium) -> None:
 class Pair:
     """The measurements of one engine with its other process."""
 
-    def __init__(self, medium: Medium) -> None:
+    def __init__(self, medium: Any) -> None:
         self.medium = medium
         self.sent: dict[int, int] = {}
         self.ports: dict[int, tuple[Any, Any]] = {}
@@ -279,6 +285,23 @@ def other(address: str) -> Iterator[None]:
             process.communicate()
 
 
+@contextmanager
+def joined(kind: str) -> Iterator[tuple[Any, str]]:
+    """The medium of this process, and the address for the other."""
+    if kind != "corba":
+        with engine(kind) as network, closing(network.medium()) as medium:
+            yield medium, str(network.address)
+        return
+    with transports(kind) as corba, closing(ends_at(str(corba.address))) as ends:
+        yield ends, str(corba.address)
+
+
+def ends_at(address: str) -> Any:
+    """What joins a process with the other one."""
+    place = json.loads(address).get("corba")
+    return medium_at(address) if place is None else CorbaEnds(place)
+
+
 def direct(size: int) -> float:
     """Seconds of a write and a read within a process."""
     value = value_of(size)
@@ -404,11 +427,10 @@ def main() -> None:
         print(
             f"{name:10} direct       {_us(statistics.median(direct(size) for _ in range(rounds)))}"
         )
-    for kind in ("dds", "zenoh", "zenoh-router"):
-        with engine(kind) as network, ExitStack() as stack:
-            medium = network.medium()
-            stack.callback(medium.close)
-            stack.enter_context(other(str(network.address)))
+    for kind in ("corba", "dds", "zenoh", "zenoh-router"):
+        with ExitStack() as stack:
+            medium, address = stack.enter_context(joined(kind))
+            stack.enter_context(other(address))
             pair = Pair(medium)
             for size in SIZES:
                 pair.prepare(size)
@@ -429,6 +451,8 @@ def main() -> None:
                     f"{got / count_of(size):5.2f}",
                     flush=True,
                 )
+            if kind == "corba":
+                continue
             found = pair.calls()
             print(
                 f"call       {kind:12} {_us(statistics.median(found))}, "
@@ -442,6 +466,6 @@ def _us(seconds: float) -> str:
 
 if __name__ == "__main__":
     if sys.argv[1:2] == ["--serve"]:
-        serve(medium_at(sys.argv[2]))
+        serve(ends_at(sys.argv[2]))
     else:
         main()
