@@ -12,6 +12,7 @@ from typing import Any, TypeVar
 
 from rtgen.runtime.marshalling.compiler import compiled
 from rtgen.runtime.marshalling.descriptors import DataType
+from rtgen.runtime.marshalling.envelopes import identifier
 from rtgen.runtime.marshalling.errors import Buffer, CdrError
 from rtgen.runtime.marshalling.formats import Format
 
@@ -43,22 +44,11 @@ class Representation(IntEnum):
         return bool(self & 1)
 
 
-_KINDS = {
-    (1, "final"): Representation.CDR_BE,
-    (1, "appendable"): Representation.CDR_BE,
-    (1, "mutable"): Representation.PL_CDR_BE,
-    (2, "final"): Representation.CDR2_BE,
-    (2, "appendable"): Representation.D_CDR2_BE,
-    (2, "mutable"): Representation.PL_CDR2_BE,
-}
-
-
 def representation_of(
     type_: type[DataType], version: int = 2, little_endian: bool = True
 ) -> Representation:
     """The representation of values of the type in a version of XCDR and a byte order."""
-    extensibility = getattr(type_._descriptor_, "extensibility", "final")
-    return Representation(_KINDS[version, extensibility] | bool(little_endian))
+    return Representation(identifier(type_._descriptor_, version, little_endian))
 
 
 def serialize(value: DataType, representation: Representation) -> bytes:
@@ -68,9 +58,10 @@ def serialize(value: DataType, representation: Representation) -> bytes:
     """
     type_ = type(value)
     _check_kind(type_, representation)
-    body = encode(type_, value, representation.version, representation.little_endian)
-    padding = -len(body) % 4
-    return bytes((0, representation, 0, padding)) + body + bytes(padding)
+    version = Format(representation.version)
+    function = compiled("to_payload", type_._descriptor_, version)
+    payload: bytes = function(value, representation.little_endian)
+    return payload
 
 
 def deserialize(type_: type[_T], payload: Buffer) -> _T:

@@ -15,7 +15,8 @@ from rtgen.backends import Options
 from rtgen.backends.types import BACKEND
 from rtgen.cli import run
 from rtgen.frontends.idl import load
-from rtgen.runtime.cdr import CdrError
+from rtgen.runtime import idl
+from rtgen.runtime.cdr import Aggregated, CdrError, field
 from rtgen.runtime.marshalling.compiler import compiled
 from rtgen.runtime.marshalling.fault_search import fault_in_body
 from rtgen.runtime.marshalling.formats import Format
@@ -24,8 +25,40 @@ from rtgen.runtime.xcdr import (
     decode,
     deserialize,
     encode,
+    representation_of,
     serialize,
 )
+
+
+class Counted(Aggregated):
+    """Two counts, and octets to pad."""
+
+    _descriptor_ = idl.struct(
+        "Counted", name=idl.STRING, numbers=idl.sequence(idl.DOUBLE), last=idl.OCTET
+    )
+
+    name: str = ""
+    numbers: list[float] = field(default_factory=list)
+    last: int = 0
+
+
+class Empty(Aggregated):
+    """Nothing."""
+
+    _descriptor_ = idl.struct("Empty")
+
+
+def test_payloads_of_any_length_are_padded() -> None:
+    for number in range(9):
+        value = Counted("x" * number, [0.5] * (number % 3), 7)
+        for version in (1, 2):
+            for little_endian in (True, False):
+                enveloped(value, version, little_endian)
+    assert serialize(Empty(), Representation.CDR_LE) == b"\0\1\0\0"
+    with pytest.raises(CdrError, match=r"Counted\.last: "):
+        serialize(Counted("", [], 256), Representation.CDR_LE)
+    with pytest.raises(CdrError, match=r"Counted\.numbers"):
+        serialize(Counted("", ["a"]), Representation.CDR_BE)  # type: ignore[list-item]
 
 
 @pytest.fixture(scope="module")
@@ -41,6 +74,18 @@ def both(value: Any, version: int, text: str) -> None:
     assert encode(type_, value, version, True).hex(" ", -4) == wanted.hex(" ", -4)
     assert decode(type_, wanted, version, True) == value
     assert decode(type_, encode(type_, value, version, False), version, False) == value
+    for little_endian in (True, False):
+        enveloped(value, version, little_endian)
+
+
+def enveloped(value: Any, version: int, little_endian: bool) -> None:
+    """The payload of the value is header, octets and padding."""
+    type_ = type(value)
+    form = representation_of(type_, version, little_endian)
+    octets = encode(type_, value, version, little_endian)
+    padding = -len(octets) % 4
+    wanted = bytes((0, form, 0, padding)) + octets + bytes(padding)
+    assert serialize(value, form).hex(" ", -4) == wanted.hex(" ", -4)
 
 
 ONE = "000000000000f03f"

@@ -42,17 +42,8 @@ _SOURCES = 256
 
 def encoder(type_: type[Any]) -> Callable[[Any], bytes]:
     """A function that serializes samples of a type. It raises CdrError."""
-    form = representation(type_)
-    encode = compiled("to_cdr", type_._descriptor_, Format(form.version))
-    heads = [bytes((0, form, 0, padding)) for padding in range(4)]
-    tails = [bytes(padding) for padding in range(4)]
-
-    def serialize(value: Any) -> bytes:
-        body: bytes = encode(value, True)
-        padding = -len(body) % 4
-        return heads[padding] + body + tails[padding]
-
-    return serialize
+    version = Format(representation(type_).version)
+    return compiled("to_payload", type_._descriptor_, version)
 
 
 class OutTopic:

@@ -44,7 +44,7 @@ from rtgen.runtime.marshalling.nodes import (
 )
 from rtgen.runtime.marshalling.octets import exact, flat, write_reference
 from rtgen.runtime.marshalling.references import References
-from rtgen.runtime.marshalling.shapes import Layouts
+from rtgen.runtime.marshalling.shapes import Framed, Layouts
 from rtgen.runtime.marshalling.text import Body, Locals
 
 
@@ -60,11 +60,16 @@ class Encoder:
         self._keys: dict[Path, str] = {}
         self.body = Body(references.namespace)
 
-    def whole(self, run: Run, base: str) -> list[str]:
-        """The body for a value packed by one `struct` call."""
+    def whole(self, run: Run, base: str, number: int | None = None) -> list[str]:
+        """The body for a value packed by one `struct` call.
+
+        With the number of its representation (big-endian) it is the value's payload.
+        """
         self._bound = {(): base}
         arguments, counts = self._arguments(run, ())
         layout = self._layouts.of(run, whole=True)
+        if number is not None:
+            layout = Framed(run, number)
         self.body.choose("pack", "pack_all", layout, "pack")
         shape = f"[{', '.join(counts)}]" if counts else ""
         return [*self.body.lines, f"return pack{shape}({', '.join(arguments)})"]

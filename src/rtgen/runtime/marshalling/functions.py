@@ -15,6 +15,7 @@ from rtgen.runtime.marshalling.descriptors import (
     UnionDescriptor,
 )
 from rtgen.runtime.marshalling.encoder import Encoder
+from rtgen.runtime.marshalling.envelopes import framed, identifier
 from rtgen.runtime.marshalling.errors import FAILURES
 from rtgen.runtime.marshalling.faults import decoding_error, encoding_error
 from rtgen.runtime.marshalling.formats import Format
@@ -48,11 +49,43 @@ def _encode(descriptor: Any, refer: References) -> Function:
     members = StructDescriptor | ExceptionDescriptor | UnionDescriptor
     name = "self" if isinstance(descriptor, members) else "value"
     lines = _encoding(descriptor, refer, name)
+    head = f"def to_cdr({name}, little_endian=True):"
+    return head, _raising(refer, descriptor, lines, name)
+
+
+def _envelop(descriptor: Any, refer: References) -> Function:
+    """The payload of a value: its body behind the encapsulation header, padded."""
+    head = "def to_payload(value, little_endian=True):"
+    number = identifier(descriptor, refer.format.version, False)
+    run = _only_run(descriptor, refer)
+    if run is not None:
+        lines = Encoder(refer).whole(run, "value", number)
+        return head, _raising(refer, descriptor, lines, "value")
+    encode = refer.compiled("to_cdr", descriptor)
+    frame = refer.function(framed)
+    return head, [
+        f"return {frame}({number} | little_endian, {encode}(value, little_endian))"
+    ]
+
+
+def _only_run(descriptor: Any, refer: References) -> Run | None:
+    """The run that is all of a value, if it is one."""
+    if isinstance(descriptor, UnionDescriptor) or is_dynamic(descriptor):
+        return None
+    match steps_of(_node(descriptor, refer), ORIGIN):
+        case (Run() as run,):
+            return run
+    return None
+
+
+def _raising(
+    refer: References, descriptor: Any, lines: list[str], name: str
+) -> list[str]:
+    """The lines, with CdrError for a value that cannot be packed."""
     failure = (
         f"{refer.function(encoding_error)}({refer.descriptor(descriptor)}, {name}, "
     )
-    head = f"def to_cdr({name}, little_endian=True):"
-    return head, _guarded(refer, lines, f"raise {failure}failure) from failure")
+    return _guarded(refer, lines, f"raise {failure}failure) from failure")
 
 
 def _decode(descriptor: Any, refer: References) -> Function:
@@ -224,6 +257,7 @@ def _snapshot(descriptor: Any, refer: References) -> Function:
 
 FUNCTIONS: dict[str, Callable[[Any, References], Function]] = {
     "to_cdr": _encode,
+    "to_payload": _envelop,
     "from_cdr": _decode,
     "from_evolved": _decode_evolved,
     "write": _write,

@@ -18,6 +18,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from struct import Struct
 from typing import Any, TypeAlias, TypeVar
 
+from rtgen.runtime.marshalling.envelopes import framing
 from rtgen.runtime.marshalling.errors import Buffer
 from rtgen.runtime.marshalling.layout import (
     Run,
@@ -144,6 +145,26 @@ class PhasedLayout:
         )
 
 
+class Framed:
+    """The layout of a whole value with its encapsulation header; `pack_*` is that of `Layout`.
+
+    Without counts it is the packer itself. `number` is the identifier in big-endian order.
+    """
+
+    __slots__ = ("pack_big", "pack_little")
+
+    def __init__(self, run: Run, number: int) -> None:
+        self.pack_little = _framed("<", run, number | 1)
+        self.pack_big = _framed(">", run, number)
+
+
+def _framed(order: str, run: Run, number: int) -> Any:
+    texts = [section.text for section in run.sections]
+    if all(section.settled for section in run.sections):
+        return framing(order, "".join(text[1:] for text in texts), number)
+    return _FramedShapes(order, number, *texts)
+
+
 def _readers(order: str, sections: Iterable[str]) -> tuple[Any, ...]:
     """The readers of the sections that `struct` reads."""
     return tuple(_reader(order, s) for s in sections if s[0] != "!")
@@ -185,6 +206,17 @@ class _Table(dict[Any, _V], ABC):
 class _Shapes(_Table[Callable[..., bytes]]):
     def _made(self, key: Any) -> Callable[..., bytes]:
         return self._struct(0, key if isinstance(key, tuple) else (key,), False).pack
+
+
+class _FramedShapes(_Table[Callable[..., bytes]]):
+    def __init__(self, order: str, number: int, *sections: str) -> None:
+        super().__init__(order, *sections)
+        self._number = number
+
+    def _made(self, key: Any) -> Callable[..., bytes]:
+        counts = iter(key if isinstance(key, tuple) else (key,))
+        arranged = _arranged(self._sections, 0, counts, False)
+        return framing(self._order, arranged, self._number)
 
 
 class _PhasedShapes(_Table[Callable[..., bytes]]):

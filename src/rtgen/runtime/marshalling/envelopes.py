@@ -1,0 +1,38 @@
+"""Encapsulation headers of payloads (DDSI-RTPS 2.5, 10.2; DDS-XTypes 1.3, table 60)."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Callable
+from functools import partial
+from typing import Any, Final
+
+HEADER: Final = 4
+"""Octets of the header."""
+_BIG_ENDIAN = {
+    (1, "final"): 0x00,
+    (1, "appendable"): 0x00,
+    (1, "mutable"): 0x02,
+    (2, "final"): 0x06,
+    (2, "appendable"): 0x08,
+    (2, "mutable"): 0x0A,
+}
+
+
+def identifier(descriptor: Any, version: int, little_endian: bool) -> int:
+    """The number of the representation of a type in a version of XCDR and a byte order."""
+    extensibility = getattr(descriptor, "extensibility", "final")
+    return _BIG_ENDIAN[version, extensibility] | little_endian
+
+
+def framed(number: int, body: bytes) -> bytes:
+    """The payload of a body: header, body, and padding to a multiple of 4 octets."""
+    padding = -len(body) % 4
+    return b"%b%b%b" % (bytes((0, number, 0, padding)), body, bytes(padding))
+
+
+def framing(order: str, format_: str, number: int) -> Callable[..., bytes]:
+    """A function that packs a body, given as a `struct` format, into its payload."""
+    padding = -struct.calcsize(order + format_) % 4
+    packer = struct.Struct(f"{order}{HEADER}s{format_}{padding}x")
+    return partial(packer.pack, bytes((0, number, 0, padding)))
