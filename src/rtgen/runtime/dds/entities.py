@@ -146,7 +146,9 @@ def taken(reader: DataReader[Any]) -> Iterator[tuple[bytes, Any]]:
             return
 
 
-def write(writer: DataWriter[Any], octets: bytes, patience: float = 0.0) -> None:
+def write(
+    writer: DataWriter[Any], octets: bytes | bytearray, patience: float = 0.0
+) -> None:
     """Write a serialized sample; wait for room for so many seconds at most.
 
     cyclonedds does not release Python's lock while it writes, so it must not wait itself.

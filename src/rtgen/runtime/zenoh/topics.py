@@ -27,7 +27,6 @@ from rtgen.runtime.zenoh.flow import Acknowledging, Window
 from rtgen.runtime.zenoh.keys import Keys
 from rtgen.runtime.zenoh.session import plain
 
-_NUMBER = struct.Struct("<Q")
 _ATTACHMENT = struct.Struct("<16sQ")
 _MOST_KEPT = 4096
 """Samples kept for late joiners by a topic that keeps all."""
@@ -79,7 +78,8 @@ class ZenohPublisher:
         if self._window is not None:
             self._window.wait(sequence, self._name)
         try:
-            self._put(octets, attachment=self._identity + _NUMBER.pack(sequence))
+            attachment = _ATTACHMENT.pack(self._identity, sequence)
+            self._put(octets, attachment=attachment)
         except zenoh.ZError as error:
             raise MediumError(f"{self._name}: {plain(error)}") from error
 
