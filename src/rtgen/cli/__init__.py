@@ -30,7 +30,7 @@ COMMANDS = {
     "adopt": "Make a definition of a component of OpenRTM-aist-Python.",
     "rpc": "Call functions of TECS devices, or look at the bytes of such calls.",
     "can": "Look at CAN buses, take part in them, or make one.",
-    "conformance": "Test a real device against its definition.",
+    "conformance": "Test a real device or a running component against its definition.",
     "lsp": "Serve editors: the language server.",
     "explain": "Tell what a diagnostic means.",
 }

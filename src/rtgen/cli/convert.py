@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from rtgen.cli.chosen_component import chosen
 from rtgen.cli.common import BAD_INPUT, OK, Console, with_console, write_out
 from rtgen.diagnostics import InputError, has_errors, in_order
 from rtgen.frontends.profile_yaml import YAML_SUFFIXES
@@ -116,7 +117,7 @@ def _component(
     project = with_arguments(load(), paths=(file,), include=include)
     read = compiler.read(project, lowered=True)
     found = list(read.diagnostics)
-    component = None if has_errors(found) else _chosen(read.model, file, name)
+    component = None if has_errors(found) else chosen(read.model, file, name)
     if component is not None and form != "idl":
         found = in_order([*found, *check_component(read.model, component)])
     console.findings(found, read.sources)
@@ -127,29 +128,6 @@ def _component(
         return OK
     write_out(_profile(Path(file), form, read.model, component, project))
     return OK
-
-
-def _chosen(model: Model, file: str, name: str | None) -> Component:
-    """The component that is meant. Raises InputError."""
-    from rtgen.project.rules import WHICH_COMPONENT
-
-    files = {source.name for source in model.files if source.main}
-    if is_component_profile(Path(file)):
-        files = {Path(file).as_posix()}
-    known = [d for d in model.declarations if isinstance(d, Component)]
-    known = [d for d in known if d.file in files]
-    wanted = [d for d in known if name in (None, d.name[-1], d.scoped)]
-    if len(wanted) == 1:
-        return wanted[0]
-    names = ", ".join(d.scoped for d in known)
-    if not known:
-        message, hint = f"{file} defines no component", None
-    elif name is None:
-        message, hint = f"{file} defines {len(known)} components", "--component NAME"
-    else:
-        message, hint = f"{file} defines no component {name}", None
-    hint = f"{hint + ': ' if hint else 'it has '}{names}" if known else None
-    raise InputError([WHICH_COMPONENT.at(None, message, hint=hint)])
 
 
 def _profile(

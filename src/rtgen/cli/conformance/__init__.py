@@ -1,4 +1,4 @@
-"""The command `rtgen conformance`: tests a real device or board against its definition."""
+"""The command `rtgen conformance`: tests what is there against its definition."""
 
 from __future__ import annotations
 
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from rtgen.cli.conformance.report import Report
 
 _DESCRIPTIONS = (".eds", ".dcf")
+_COMPONENTS = (".idl", ".xml", ".yaml", ".yml")
 
 
 @click.command("conformance")
@@ -34,8 +35,9 @@ _DESCRIPTIONS = (".eds", ".dcf")
 @click.option(
     "--connect",
     metavar="WAY:WHERE",
-    help="tcp:HOST:PORT or serial:DEVICE of a board; or a bus in one word, such as "
-    "socketcan:can0, for --interface and --channel.",
+    help="tcp:HOST:PORT or serial:DEVICE of a board; HOST[:PORT]/NAME.rtc, corbaname: or the "
+    "like of a component; or a bus in one word, such as socketcan:can0, for --interface and "
+    "--channel.",
 )
 @click.option(
     "--node",
@@ -48,7 +50,7 @@ _DESCRIPTIONS = (".eds", ".dcf")
     "--actuate",
     is_flag=True,
     help="Make the checks that may move something, too: OPERATIONAL, writes to the application, "
-    "calls of functions.",
+    "calls of functions, activation and configuration of components.",
 )
 @click.option(
     "--signature",
@@ -61,6 +63,18 @@ _DESCRIPTIONS = (".eds", ".dcf")
     multiple=True,
     metavar="NAME",
     help="Call this function of the board only; may be repeated.",
+)
+@click.option(
+    "--component",
+    metavar="NAME",
+    help="The component, where FILE defines several.",
+)
+@click.option(
+    "-I",
+    "include",
+    multiple=True,
+    metavar="DIR",
+    help="Look for the types of a component's ports there.",
 )
 @click.option(
     "--baud",
@@ -88,7 +102,7 @@ _DESCRIPTIONS = (".eds", ".dcf")
     default=1.0,
     show_default=True,
     metavar="S",
-    help="Seconds within which the node or board must answer.",
+    help="Seconds within which the node, board or component must answer.",
 )
 @click.option(
     "--boot",
@@ -111,6 +125,8 @@ def conformance(
     actuate: bool,
     signature: str | None,
     functions: tuple[str, ...],
+    component: str | None,
+    include: tuple[str, ...],
     baud: int,
     as_json: bool,
     junit: Path | None,
@@ -118,11 +134,13 @@ def conformance(
     timeout: float,
     boot: float,
 ) -> int:
-    """Test a CANopen node against its EDS or DCF, or a TECS board against its CDL.
+    """Test a CANopen node against its EDS or DCF, a TECS board against its CDL, or a running RT
+    component against its IDL or RTC.xml.
 
     A node is read, asked for what it must refuse, and its communication is reset; it ends in
-    PRE-OPERATIONAL with the values that it had. A board gets requests that it must refuse. Nothing
-    moves, and no function is called, unless --actuate permits it. Exit code 1: a check has failed.
+    PRE-OPERATIONAL with the values that it had. A board gets requests that it must refuse, a
+    component is asked what it is. Nothing moves, no function is called, and nothing is activated
+    or configured unless --actuate permits it. Exit code 1: a check has failed.
     """
     from rtgen.cli.conformance.report import as_html, as_json_text, as_junit, as_text
 
@@ -138,8 +156,12 @@ def conformance(
         report = testing.tested(
             file, connect, signature, functions, peer, baud=baud, actuate=actuate
         )
+    elif suffix in _COMPONENTS:
+        report = _component(file, component, include, connect, timeout, actuate)
     else:
-        raise Refusal(f"{file} is not an EDS, a DCF or a CDL file")
+        raise Refusal(
+            f"{file} is not an EDS, a DCF, a CDL file or the definition of a component"
+        )
     write_out(as_json_text(report) if as_json else as_text(report))
     for path, form in ((junit, as_junit), (html, as_html)):
         if path is not None:
@@ -165,6 +187,26 @@ def _node(
             raise click.BadParameter(message, param_hint="--connect")
         access = replace(access, interface=interface, channel=channel)
     return tested(file, node_id, access, timeout=timeout, boot=boot, actuate=actuate)
+
+
+def _component(
+    file: Path,
+    name: str | None,
+    include: tuple[str, ...],
+    connect: str | None,
+    timeout: float,
+    actuate: bool,
+) -> Report:
+    if connect is None:
+        raise click.MissingParameter(param_hint="--connect", param_type="option")
+    try:
+        from rtgen.cli.conformance.rtc.testing import tested
+    except ImportError as error:
+        raise ToolError(
+            "a test of a component needs omniORBpy, which is not installed",
+            hint="pip install 'rtgen[corba]'",
+        ) from error
+    return tested(file, connect, name, include, timeout=timeout, actuate=actuate)
 
 
 def _write(path: Path, text: str) -> None:

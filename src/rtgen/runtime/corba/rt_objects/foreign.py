@@ -207,3 +207,17 @@ def _id_and_kind(name: str) -> tuple[str, str]:
     """The id and kind of a name such as `rh3.host_cxt`."""
     identity, dot, kind = name.rpartition(".")
     return (identity, kind) if dot else (name, "")
+
+
+def is_place(path: str) -> bool:
+    """Whether a text names a component by itself: an address of CORBA, or `HOST[:PORT]/...`."""
+    host, _, names = path.partition("/")
+    return path.startswith(_ADDRESSES) or bool(host and names)
+
+
+def located(path: str, exported: Exported, opened: Opened) -> Any:
+    """What is at a place; None if there is nothing. Raises TransportError."""
+    if path.startswith(_ADDRESSES):
+        return exported.reference(path)
+    address, *names = path.split("/")
+    return opened(address).at([_id_and_kind(name) for name in names])

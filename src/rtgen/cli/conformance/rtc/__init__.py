@@ -1,0 +1,1 @@
+"""Tests of a running RT component against its definition."""

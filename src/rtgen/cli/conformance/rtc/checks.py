@@ -1,0 +1,585 @@
+"""The checks of a running component: a function each, in the order in which they run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, Final
+
+from rtgen.cli.conformance.check import Check, Problems, SkipError
+from rtgen.cli.conformance.rtc.component import RtcUnderTest
+from rtgen.cli.conformance.rtc.expected import ExpectedParameter, ExpectedPort
+from rtgen.facts.openrtm_ports import known_name
+from rtgen.runtime.corba.rt_objects.wire import (
+    DATA_FLOW_COMPONENT,
+    PORT_SERVICE,
+    PortInterfacePolarity,
+    SdoError,
+    texts,
+)
+from rtgen.runtime.return_codes import (
+    ACTIVE_STATE,
+    BAD_PARAMETER,
+    CREATED_STATE,
+    ERROR_STATE,
+    INACTIVE_STATE,
+    PRECONDITION_NOT_MET,
+    RTC_OK,
+    ExecutionKind,
+    ReturnCode_t,
+)
+
+_RTC: Final = "OMG RTC 1.1, "
+_SDO: Final = "OMG SDO 1.1, "
+_UNKNOWN: Final = "rtgen-conformance-unknown"
+"""A name that no set, parameter or connector has."""
+
+_Row = tuple[str, ReturnCode_t]
+"""An operation of an execution context, and what it has to return."""
+_FIRST: Final[tuple[_Row, ...]] = (
+    ("deactivate_component", PRECONDITION_NOT_MET),
+    ("reset_component", PRECONDITION_NOT_MET),
+)
+_WHILE_ACTIVE: Final[tuple[_Row, ...]] = (
+    ("activate_component", PRECONDITION_NOT_MET),
+    ("reset_component", PRECONDITION_NOT_MET),
+)
+_IN_ERROR: Final[tuple[_Row, ...]] = (
+    ("activate_component", PRECONDITION_NOT_MET),
+    ("deactivate_component", PRECONDITION_NOT_MET),
+)
+
+
+def _unequal(what: str, found: object, wanted: object) -> str | None:
+    return None if found == wanted else f"{what} is {found!r}, not {wanted!r}"
+
+
+# Profile
+
+
+def profile(rtc: RtcUnderTest) -> Problems:
+    """Type name, category, vendor, version and description are those of the definition."""
+    for name, wanted in rtc.expected.texts.items():
+        found = getattr(rtc.profile, name)
+        yield _unequal(name.replace("_", " "), found, wanted)
+
+
+def properties(rtc: RtcUnderTest) -> Problems:
+    """The properties of the profile are those of the definition, where the component has them."""
+    found = texts(rtc.profile.properties)
+    for name, wanted in rtc.expected.properties.items():
+        if name in found:
+            yield _unequal(name, found[name], wanted)
+
+
+def identity(rtc: RtcUnderTest) -> Problems:
+    """The component is alive, and its SDO id is its instance name."""
+    yield None if rtc.call("is_alive", None) else "is_alive says that it is not"
+    wanted = rtc.profile.instance_name
+    yield _unequal("the SDO id", rtc.call("get_sdo_id"), wanted)
+
+
+# Ports
+
+
+def _found(rtc: RtcUnderTest) -> dict[str, Any]:
+    """The profiles of ports by their names."""
+    return {known_name(port.name): port for port in rtc.profile.port_profiles}
+
+
+def _common(rtc: RtcUnderTest) -> Iterator[tuple[str, ExpectedPort, Any]]:
+    """The ports that are both in the definition and there; `ports.names` reports others."""
+    found = _found(rtc)
+    for name, expected in rtc.expected.ports.items():
+        if name in found:
+            yield name, expected, found[name]
+
+
+def port_names(rtc: RtcUnderTest) -> Problems:
+    """The ports are those of the definition."""
+    found, wanted = _found(rtc), rtc.expected.ports
+    for name in wanted:
+        yield None if name in found else f"there is no port {name}"
+    for name in found:
+        if name not in wanted:
+            yield f"the definition has no port {name}"
+
+
+def directions(rtc: RtcUnderTest) -> Problems:
+    """Ports are inputs, outputs and service ports as declared."""
+    for name, expected, port in _common(rtc):
+        type_ = texts(port.properties).get("port.port_type")
+        yield _unequal(f"{name}: port.port_type", type_, expected.port_type)
+
+
+def data_types(rtc: RtcUnderTest) -> Problems:
+    """Data ports have the types that are declared."""
+    for name, expected, port in _common(rtc):
+        if expected.data_types:
+            type_ = texts(port.properties).get("dataport.data_type", "")
+            known = type_ in expected.data_types
+            wanted = expected.data_types[0]
+            yield None if known else f"{name}: its type is {type_!r}, not {wanted!r}"
+
+
+def interfaces(rtc: RtcUnderTest) -> Problems:
+    """Service ports have the interfaces that are declared: name, type and polarity."""
+    for name, expected, port in _common(rtc):
+        if expected.interfaces is None:
+            continue
+        found = {
+            (i.instance_name, i.polarity == PortInterfacePolarity.PROVIDED): i.type_name
+            for i in port.interfaces
+        }
+        for key, types in expected.interfaces.items():
+            what = f"{name}: {'provided' if key[1] else 'required'} {key[0]}"
+            if key not in found:
+                yield f"{what} is missing"
+            else:
+                known = found[key] in types
+                yield None if known else f"{what} has type {found[key]}, not {types[0]}"
+        for instance, _ in found.keys() - expected.interfaces.keys():
+            yield f"{name}: the definition has no such {instance}"
+
+
+def port_references(rtc: RtcUnderTest) -> Problems:
+    """`get_ports` has the ports of the profile, and each says the same of itself."""
+    references = rtc.call("get_ports")
+    yield _unequal("the number of ports", len(references), len(_found(rtc)))
+    for name, port in _found(rtc).items():
+        listed = any(port.port_ref._is_equivalent(each) for each in references)
+        yield None if listed else f"{name} is not among get_ports"
+        own = rtc.exported.call(port.port_ref, PORT_SERVICE, "get_port_profile")
+        yield _unequal("the port's own name", own.name, port.name)
+        owned = own.owner is not None and own.owner._is_equivalent(rtc.reference)
+        yield None if owned else f"{name}: the owner is another one"
+
+
+def unknown_connectors(rtc: RtcUnderTest) -> Problems:
+    """Ports refuse to end a connection that they do not have."""
+    for name, port in _found(rtc).items():
+        call = rtc.exported.call
+        code = call(port.port_ref, PORT_SERVICE, "disconnect", _UNKNOWN)
+        wanted = f"{name}: disconnect of an unknown id returned {code.name}"
+        yield None if code is BAD_PARAMETER else f"{wanted}, not BAD_PARAMETER"
+
+
+# Configuration
+
+
+def parameter_names(rtc: RtcUnderTest) -> Problems:
+    """The set `default` has the parameters of the definition."""
+    found, wanted = rtc.sets().get("default", {}), rtc.expected.parameters
+    for name in wanted:
+        yield None if name in found else f"there is no parameter {name}"
+    for name in found:
+        if name not in wanted:
+            yield f"the definition has no parameter {name}"
+
+
+def parameter_values(rtc: RtcUnderTest) -> Problems:
+    """Values of all sets are of their types and within their limits."""
+    for set_id, values in rtc.sets().items():
+        for name, text in values.items():
+            if name in rtc.expected.parameters:
+                problem = rtc.expected.parameters[name].problem(text)
+                yield None if problem is None else f"set {set_id}: {problem}"
+
+
+def active_set(rtc: RtcUnderTest) -> Problems:
+    """The active set is one of the sets."""
+    active = rtc.active_set()
+    known = active in rtc.sets()
+    yield None if known else f"the active set {active!r} is none of the sets"
+
+
+def _refused(rtc: RtcUnderTest, what: str, operation: str, name: str) -> str | None:
+    try:
+        answer = rtc.configure(operation, name)
+    except SdoError:
+        return None
+    return None if answer is False else f"{what} was not refused"
+
+
+def unknown_names(rtc: RtcUnderTest) -> Problems:
+    """Questions for unknown sets and parameters are refused."""
+    yield _refused(rtc, "an unknown set", "get_configuration_set", _UNKNOWN)
+    operation = "get_configuration_parameter_value"
+    yield _refused(rtc, "an unknown parameter", operation, _UNKNOWN)
+
+
+def _parameters(rtc: RtcUnderTest) -> Iterator[tuple[str, ExpectedParameter, str]]:
+    """The parameters that are both in the definition and there, with their values."""
+    values = rtc.sets().get("default", {})
+    for name, parameter in rtc.expected.parameters.items():
+        if name in values and parameter.problem(values[name]) is None:
+            yield name, parameter, values[name]
+
+
+def set_values(rtc: RtcUnderTest) -> Problems:
+    """Parameters take other values, and their former ones again."""
+    for name, parameter, text in _parameters(rtc):
+        other = next(parameter.others(text), None)
+        if other is None:
+            continue
+        for given in (other, text):
+            if not rtc.set_value("default", name, given):
+                yield f"{name} = {given} was refused"
+                continue
+            now = rtc.sets()["default"].get(name, "")
+            problem = parameter.problem(now)
+            if problem is None and parameter.value(now) != parameter.value(given):
+                problem = f"it is {now}"
+            yield None if problem is None else f"{name} = {given}: {problem}"
+
+
+def _wrong_value(rtc: RtcUnderTest, name: str, text: str, before: str) -> str | None:
+    """The problem of a value that must be refused; one that was taken is set back."""
+    try:
+        taken = rtc.set_value("default", name, text)
+    except SdoError:
+        taken = False
+    now = rtc.sets()["default"].get(name)
+    if now != before:
+        rtc.set_value("default", name, before)
+    if taken or now != before:
+        return f"{name} = {text!r} was not refused"
+    return None
+
+
+def values_beyond(rtc: RtcUnderTest) -> Problems:
+    """Values beyond limits and constraints are refused, and the former ones stay."""
+    for name, parameter, before in _parameters(rtc):
+        text = parameter.beyond()
+        if text is not None:
+            yield _wrong_value(rtc, name, text, before)
+
+
+def values_of_no_type(rtc: RtcUnderTest) -> Problems:
+    """Texts that are no values of the type are refused, and the former values stay."""
+    for name, parameter, before in _parameters(rtc):
+        text = parameter.of_no_type()
+        if text is not None:
+            yield _wrong_value(rtc, name, text, before)
+
+
+def activated_sets(rtc: RtcUnderTest) -> Problems:
+    """Each set becomes the active one; an unknown one is refused."""
+    before = rtc.active_set()
+    for set_id in (*rtc.sets(), before):
+        if not rtc.configure("activate_configuration_set", set_id):
+            yield f"set {set_id} was refused"
+            continue
+        yield _unequal("the active set", rtc.active_set(), set_id)
+    operation = "activate_configuration_set"
+    yield _refused(rtc, "an unknown set", operation, _UNKNOWN)
+    yield _unequal("the active set after that", rtc.active_set(), before)
+
+
+# Contexts and life cycle
+
+
+def context_kinds(rtc: RtcUnderTest) -> Problems:
+    """It owns a context, of the kind that is declared, whose profile says the same."""
+    if not rtc.contexts:
+        yield "it owns no execution context"
+    for number, context in enumerate(rtc.contexts):
+        kind = rtc.ask(context, "get_kind")
+        if number == 0 and rtc.expected.is_periodic:
+            yield _unequal("the kind", kind.name, ExecutionKind.PERIODIC.name)
+        if kind is ExecutionKind.PERIODIC:
+            rate = rtc.ask(context, "get_rate")
+            yield None if rate > 0 else f"the rate is {rate} Hz"
+
+
+def context_profiles(rtc: RtcUnderTest) -> Problems:
+    """The profile of a context has its kind, its rate and its owner."""
+    for context in rtc.contexts:
+        found = rtc.ask(context, "get_profile")
+        yield _unequal("its kind", found.kind, rtc.ask(context, "get_kind"))
+        yield _unequal("its rate", found.rate, rtc.ask(context, "get_rate"))
+        owned = found.owner is not None and found.owner._is_equivalent(rtc.reference)
+        yield None if owned else "its owner is another one"
+
+
+def context_handles(rtc: RtcUnderTest) -> Problems:
+    """A context has a handle, by which the component finds it."""
+    for context in (*rtc.contexts, *rtc.call("get_participating_contexts")):
+        handle = rtc.call("get_context_handle", context)
+        found = rtc.call("get_context", handle)
+        same = found is not None and found._is_equivalent(context)
+        yield None if same else f"get_context({handle}) is another one"
+        alive = rtc.call("is_alive", context)
+        yield None if alive else f"it is not alive in context {handle}"
+
+
+def states(rtc: RtcUnderTest) -> Problems:
+    """The component has a state in each of its contexts."""
+    for context in (*rtc.contexts, *rtc.call("get_participating_contexts")):
+        state = rtc.ask(context, "get_component_state", rtc.reference)
+        yield "its state is CREATED" if state is CREATED_STATE else None
+
+
+def _rows(rtc: RtcUnderTest, rows: tuple[_Row, ...]) -> Problems:
+    """Calls with what they have to return; none of them may change the state."""
+    context, before = rtc.context, rtc.state()
+    for operation, wanted in rows:
+        code = rtc.ask(context, operation, rtc.reference)
+        same = code is wanted
+        told = f"{before.name}: {operation} returned {code.name}, not {wanted.name}"
+        yield None if same else told
+    yield _unequal("the state after refused calls", rtc.state().name, before.name)
+
+
+def _change(rtc: RtcUnderTest, context: Any, operation: str, state: Any) -> str | None:
+    """The problem of a request that leads to a state."""
+    code = rtc.ask(context, operation, rtc.reference)
+    if code is not RTC_OK:
+        return f"{operation} returned {code.name}, not RTC_OK"
+    if not rtc.becomes(state):
+        return f"{operation} leads to {rtc.state().name}, not to {state.name}"
+    return None
+
+
+def activation(rtc: RtcUnderTest) -> Problems:
+    """Activation leads to ACTIVE, deactivation to INACTIVE."""
+    context = rtc.inactive()
+    yield _change(rtc, context, "activate_component", ACTIVE_STATE)
+    yield _change(rtc, context, "deactivate_component", INACTIVE_STATE)
+
+
+def refused_inactive(rtc: RtcUnderTest) -> Problems:
+    """An INACTIVE component is neither deactivated nor reset."""
+    rtc.inactive()
+    yield from _rows(rtc, _FIRST)
+
+
+def refused_active(rtc: RtcUnderTest) -> Problems:
+    """An ACTIVE component is neither activated again nor reset."""
+    context = rtc.inactive()
+    rtc.ask(context, "activate_component", rtc.reference)
+    if not rtc.becomes(ACTIVE_STATE):
+        raise SkipError("it does not become ACTIVE")
+    yield from _rows(rtc, _WHILE_ACTIVE)
+    rtc.inactive()
+
+
+def refused_in_error(rtc: RtcUnderTest) -> Problems:
+    """A component in ERROR is neither activated nor deactivated."""
+    if rtc.state() is not ERROR_STATE:
+        raise SkipError("it is not in ERROR, to which nobody outside can bring it")
+    yield from _rows(rtc, _IN_ERROR)
+
+
+def initialization(rtc: RtcUnderTest) -> Problems:
+    """It is neither initialized again, nor finalized while it participates in a context."""
+    rtc.inactive()
+    for operation in ("initialize", "finalize"):
+        code = rtc.call(operation)
+        yield _unequal(operation, code.name, PRECONDITION_NOT_MET.name)
+    yield None if rtc.call("is_alive", None) else "it is not alive any more"
+
+
+class _Stranger:
+    """A component that participates in none of the contexts: it has no operation."""
+
+
+def strangers(rtc: RtcUnderTest) -> Problems:
+    """A context refuses requests for a component that does not participate in it."""
+    stranger = rtc.exported.serve(DATA_FLOW_COMPONENT, _Stranger())
+    try:
+        for operation in (
+            *("activate_component", "deactivate_component"),
+            *("reset_component", "remove_component"),
+        ):
+            code = rtc.ask(rtc.context, operation, stranger)
+            yield _unequal(operation, code.name, BAD_PARAMETER.name)
+    finally:
+        rtc.exported.withdraw(stranger)
+
+
+def running(rtc: RtcUnderTest) -> Problems:
+    """A context stops and starts, each only once."""
+    context = rtc.inactive()
+    for operation, wanted, runs in (
+        ("start", PRECONDITION_NOT_MET, True),
+        ("stop", RTC_OK, False),
+        ("stop", PRECONDITION_NOT_MET, False),
+        ("start", RTC_OK, True),
+    ):
+        code = rtc.ask(context, operation)
+        yield _unequal(operation, code.name, wanted.name)
+        yield _unequal("is_running", bool(rtc.ask(context, "is_running")), runs)
+
+
+def rates(rtc: RtcUnderTest) -> Problems:
+    """A periodic context takes another rate, and refuses one that is not above 0."""
+    context = rtc.inactive()
+    if rtc.ask(context, "get_kind") is not ExecutionKind.PERIODIC:
+        raise SkipError("its execution context is not of PERIODIC kind")
+    before = rtc.ask(context, "get_rate")
+    for rate, wanted, after in (
+        (before / 2, RTC_OK, before / 2),
+        (0.0, BAD_PARAMETER, before / 2),
+        (-1.0, BAD_PARAMETER, before / 2),
+        (before, RTC_OK, before),
+    ):
+        code = rtc.ask(context, "set_rate", rate)
+        yield _unequal(f"set_rate({rate})", code.name, wanted.name)
+        yield _unequal("the rate", rtc.ask(context, "get_rate"), after)
+
+
+def left(rtc: RtcUnderTest) -> Problems:
+    """Values, active set, rate and state are those that were found."""
+    yield from rtc.restore()
+
+
+_PROFILE: Final = f"{_RTC}5.4.2.2 (RTObject, ComponentProfile)"
+_PORTS: Final = f"{_RTC}5.4.2.3 (PortService, PortProfile)"
+_CONTEXTS: Final = f"{_RTC}5.2.2.5 (ExecutionContextOperations)"
+_LIFE: Final = f"{_RTC}5.2.2.4 (LifeCycleState)"
+_SETS: Final = f"{_SDO}Configuration"
+
+CHECKS: Final = (
+    Check("profile", "the profile is that of the definition", _PROFILE, profile),
+    Check(
+        "profile.properties",
+        "activity and number of instances are as described",
+        "docs/openrtm.md",
+        properties,
+    ),
+    Check("profile.identity", "it is alive, and has one name", _PROFILE, identity),
+    Check("ports.names", "the ports are those of the definition", _PORTS, port_names),
+    Check("ports.directions", "ports have their directions", _PORTS, directions),
+    Check("ports.types", "data ports have their types", _PORTS, data_types),
+    Check(
+        "ports.interfaces",
+        "service ports have their interfaces",
+        _PORTS,
+        interfaces,
+    ),
+    Check(
+        "ports.references",
+        "each port is listed, and tells of itself",
+        _PORTS,
+        port_references,
+    ),
+    Check(
+        "ports.unknown",
+        "an unknown connector is not disconnected",
+        _PORTS,
+        unknown_connectors,
+    ),
+    Check(
+        "configuration.names",
+        "the parameters are those of the definition",
+        _SETS,
+        parameter_names,
+    ),
+    Check(
+        "configuration.values",
+        "values are of their types and within their limits",
+        _SETS,
+        parameter_values,
+    ),
+    Check("configuration.active", "the active set is there", _SETS, active_set),
+    Check(
+        "configuration.unknown",
+        "unknown sets and parameters are refused",
+        _SETS,
+        unknown_names,
+    ),
+    Check("contexts.kind", "it owns a context of its kind", _CONTEXTS, context_kinds),
+    Check(
+        "contexts.profile",
+        "contexts tell kind, rate and owner",
+        _CONTEXTS,
+        context_profiles,
+    ),
+    Check("contexts.handles", "contexts have handles", _CONTEXTS, context_handles),
+    Check("contexts.state", "it has a state in each context", _LIFE, states),
+    Check(
+        "life-cycle.error",
+        "in ERROR it is neither activated nor deactivated",
+        _LIFE,
+        refused_in_error,
+        actuates=True,
+    ),
+    Check(
+        "life-cycle.inactive",
+        "while INACTIVE it is neither deactivated nor reset",
+        _LIFE,
+        refused_inactive,
+        actuates=True,
+    ),
+    Check(
+        "life-cycle.activation",
+        "it becomes ACTIVE, and INACTIVE again",
+        _LIFE,
+        activation,
+        actuates=True,
+    ),
+    Check(
+        "life-cycle.active",
+        "while ACTIVE it is neither activated nor reset",
+        _LIFE,
+        refused_active,
+        actuates=True,
+    ),
+    Check(
+        "life-cycle.initialization",
+        "it is neither initialized again nor finalized",
+        _LIFE,
+        initialization,
+        actuates=True,
+    ),
+    Check(
+        "contexts.strangers",
+        "requests for other components are refused",
+        _CONTEXTS,
+        strangers,
+        actuates=True,
+    ),
+    Check(
+        "contexts.running",
+        "its context starts and stops",
+        _CONTEXTS,
+        running,
+        actuates=True,
+    ),
+    Check(
+        "contexts.rate",
+        "its context takes rates above 0 alone",
+        _CONTEXTS,
+        rates,
+        actuates=True,
+    ),
+    Check(
+        "configuration.set",
+        "parameters take other values",
+        _SETS,
+        set_values,
+        actuates=True,
+    ),
+    Check(
+        "configuration.limits",
+        "values beyond their limits are refused",
+        _SETS,
+        values_beyond,
+        actuates=True,
+    ),
+    Check(
+        "configuration.types",
+        "values of other types are refused",
+        _SETS,
+        values_of_no_type,
+        actuates=True,
+    ),
+    Check(
+        "configuration.sets",
+        "each set becomes the active one",
+        _SETS,
+        activated_sets,
+        actuates=True,
+    ),
+    Check("left", "it is as it was found", "docs/conformance.md", left, actuates=True),
+)

@@ -1,0 +1,232 @@
+"""The component under test: its objects, and how it was found."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from time import monotonic, sleep
+from typing import Any, ClassVar
+
+from omniORB import CORBA
+from omniORB import any as anys
+
+from rtgen.cli.conformance.check import SkipError
+from rtgen.cli.conformance.rtc.expected import Expected
+from rtgen.runtime.corba.rt_objects.objects import Exported
+from rtgen.runtime.corba.rt_objects.wire import (
+    CONFIGURATION,
+    EXECUTION_CONTEXT,
+    RT_OBJECT,
+    ConfigurationSet,
+    NameValue,
+    SdoError,
+    texts,
+)
+from rtgen.runtime.return_codes import (
+    ACTIVE_STATE,
+    ERROR_STATE,
+    INACTIVE_STATE,
+    LifeCycleState,
+)
+
+_LOOK_AGAIN = 0.01
+
+
+@dataclass(frozen=True, slots=True)
+class Condition:
+    """What checks may change: state, whether the context runs, its rate, active set, sets."""
+
+    state: LifeCycleState
+    running: bool
+    rate: float
+    active: str
+    sets: Mapping[str, Mapping[str, str]]
+
+
+class RtcUnderTest:
+    """A running component. Methods raise omniORB's exceptions.
+
+    `timeout` is the time in seconds within which it has to reach a state.
+    """
+
+    faults: ClassVar[tuple[type[Exception], ...]] = (CORBA.SystemException, SdoError)
+
+    def __init__(
+        self, expected: Expected, reference: Any, exported: Exported, timeout: float
+    ) -> None:
+        self.expected = expected
+        self.reference = reference
+        self.exported = exported
+        self._timeout = timeout
+        self.profile = self.call("get_component_profile")
+        self.before: Condition | None = None
+        """The condition to which `restore` goes back, once `keep` has looked."""
+
+    def explained(self, fault: Exception) -> str:
+        """See `Subject`."""
+        if isinstance(fault, SdoError):
+            return f"{type(fault).__name__}: {fault.description}"
+        return f"a call has failed: {fault!r}"
+
+    # Calls
+
+    def call(self, operation: str, *arguments: Any) -> Any:
+        """Call the component."""
+        return self.exported.call(self.reference, RT_OBJECT, operation, *arguments)
+
+    def ask(self, context: Any, operation: str, *arguments: Any) -> Any:
+        """Call an execution context."""
+        return self.exported.call(context, EXECUTION_CONTEXT, operation, *arguments)
+
+    def configure(self, operation: str, *arguments: Any) -> Any:
+        """Call the configuration."""
+        found = self.call("get_configuration")
+        return self.exported.call(found, CONFIGURATION, operation, *arguments)
+
+    @property
+    def contexts(self) -> list[Any]:
+        """Its own contexts."""
+        found: list[Any] = self.call("get_owned_contexts")
+        return found
+
+    @property
+    def context(self) -> Any:
+        """Its own first context. Raises SkipError."""
+        for context in self.contexts:
+            return context
+        raise SkipError("it owns no execution context")
+
+    # Configuration
+
+    def sets(self) -> dict[str, dict[str, str]]:
+        """The values of the configuration sets, but for those that inform tools."""
+        found = self.configure("get_configuration_sets")
+        return {
+            each.id: texts(each.configuration_data)
+            for each in found
+            if not each.id.startswith("__")
+        }
+
+    def active_set(self) -> str:
+        """The id of the active set."""
+        found: str = self.configure("get_active_configuration_set").id
+        return found
+
+    def set_value(self, set_id: str, name: str, text: str) -> bool:
+        """Set a parameter of a set."""
+        pair = NameValue(name, anys.to_any(text))
+        given = ConfigurationSet(set_id, "", [pair])
+        return bool(self.configure("set_configuration_set_values", given))
+
+    # States
+
+    def state(self) -> LifeCycleState:
+        """The state in its own context."""
+        found: LifeCycleState = self.ask(
+            self.context, "get_component_state", self.reference
+        )
+        return found
+
+    def becomes(self, state: LifeCycleState) -> bool:
+        """Whether it reaches a state in time."""
+        return self._until(lambda: self.state() is state)
+
+    def _until(self, condition: Callable[[], bool]) -> bool:
+        end = monotonic() + self._timeout
+        while not condition():
+            if monotonic() > end:
+                return False
+            sleep(_LOOK_AGAIN)
+        return True
+
+    def inactive(self) -> Any:
+        """The context in which the component is INACTIVE now. Raises SkipError."""
+        context = self.context
+        if not self.ask(context, "is_running"):
+            raise SkipError("its execution context does not run")
+        state = self.state()
+        if state is ERROR_STATE:
+            raise SkipError("it is in ERROR, where it is left")
+        if state is ACTIVE_STATE:
+            self.ask(context, "deactivate_component", self.reference)
+            if not self.becomes(INACTIVE_STATE):
+                raise SkipError("it does not become INACTIVE")
+        return context
+
+    # As it was found
+
+    def keep(self) -> None:
+        """Look at what checks may change."""
+        self.before = self._condition()
+
+    def _condition(self) -> Condition:
+        context = self.context
+        return Condition(
+            self.state(),
+            bool(self.ask(context, "is_running")),
+            self.ask(context, "get_rate"),
+            self.active_set(),
+            self.sets(),
+        )
+
+    def restore(self) -> Iterator[str | None]:
+        """Undo what checks have changed: the problem of each part, None if there is none."""
+        if self.before is None:
+            return
+        for part in (
+            self._restore_values,
+            self._restore_active_set,
+            self._restore_rate,
+            self._restore_running,
+            self._restore_state,
+        ):
+            try:
+                yield part(self.before)
+            except (CORBA.SystemException, SdoError, SkipError) as fault:
+                yield self.explained(fault)
+
+    def _restore_values(self, before: Condition) -> str | None:
+        now = self.sets()
+        for set_id, values in before.sets.items():
+            for name, text in values.items():
+                if now.get(set_id, {}).get(name) != text:
+                    self.set_value(set_id, name, text)
+        now = self.sets()
+        same = now == before.sets
+        return None if same else f"its values are {now}, they were {before.sets}"
+
+    def _restore_active_set(self, before: Condition) -> str | None:
+        if self.active_set() != before.active:
+            self.configure("activate_configuration_set", before.active)
+        now = self.active_set()
+        same = now == before.active
+        return None if same else f"its active set is {now}, it was {before.active}"
+
+    def _restore_rate(self, before: Condition) -> str | None:
+        if self.ask(self.context, "get_rate") != before.rate:
+            self.ask(self.context, "set_rate", before.rate)
+        now = self.ask(self.context, "get_rate")
+        return None if now == before.rate else f"its rate is {now}, was {before.rate}"
+
+    def _restore_running(self, before: Condition) -> str | None:
+        if bool(self.ask(self.context, "is_running")) is not before.running:
+            self.ask(self.context, "start" if before.running else "stop")
+        now = bool(self.ask(self.context, "is_running"))
+        words = {True: "runs", False: "does not run"}
+        same = now is before.running
+        return None if same else f"its context {words[now]} now"
+
+    def _restore_state(self, before: Condition) -> str | None:
+        state = self.state()
+        if state is not before.state:
+            if state is ERROR_STATE:
+                self.ask(self.context, "reset_component", self.reference)
+                self.becomes(INACTIVE_STATE)
+            wanted = before.state is ACTIVE_STATE
+            change = "activate_component" if wanted else "deactivate_component"
+            if self.state() is not before.state:
+                self.ask(self.context, change, self.reference)
+            self.becomes(before.state)
+        state = self.state()
+        same = state is before.state
+        return None if same else f"it is {state.name}, and was {before.state.name}"

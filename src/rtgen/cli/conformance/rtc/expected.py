@@ -1,0 +1,181 @@
+"""What a running component has to have, by its definition."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from enum import IntEnum
+from itertools import groupby
+from typing import Any
+
+from rtgen.backends.components.locations import summary
+from rtgen.facts.constraints import parse, text_of
+from rtgen.facts.openrtm_ports import IN, OUT, SERVICE, known_name, registered_names
+from rtgen.model import (
+    Component,
+    ConfigurationParameter,
+    Model,
+    NamedType,
+    Port,
+    PortKind,
+)
+from rtgen.runtime.errors import ParameterValueError
+from rtgen.runtime.rtc.parameter_values import Converter
+from rtgen.runtime.rtc.profiles import ParameterProfile
+from rtgen.typemap.parameters import Parameters
+
+_WAYS = {PortKind.INPORT: IN, PortKind.OUTPORT: OUT}
+_TYPES = {IN: "DataInPort", OUT: "DataOutPort", SERVICE: "CorbaPort"}
+
+
+@dataclass(frozen=True, slots=True)
+class ExpectedPort:
+    """A port: its type as OpenRTM's `port.port_type`, and the names that its data type may have.
+
+    `interfaces` has the names that a type may have, by instance name and whether it is provided.
+    """
+
+    port_type: str
+    data_types: tuple[str, ...] = ()
+    interfaces: Mapping[tuple[str, bool], tuple[str, ...]] | None = None
+
+
+class ExpectedParameter:
+    """A parameter, with texts that it takes, and that it must refuse."""
+
+    def __init__(
+        self, parameter: ConfigurationParameter, parameters: Parameters
+    ) -> None:
+        constraint = parse(parameter.constraint)
+        profile = ParameterProfile(
+            parameter.name,
+            parameter.name,
+            parameters.canonical_type(parameter.type),
+            minimum=_bound(parameter.minimum),
+            maximum=_bound(parameter.maximum),
+            unit=parameter.unit,
+            constraint="" if constraint is None else text_of(constraint),
+        )
+        names = parameters.enumerators(parameters.item_type(parameter.type))
+        example: Any = None
+        if names:
+            # Built like that since mypy reads calls of the functional form.
+            make: Any = IntEnum
+            example = next(iter(make("Values", names, start=0)))
+            if parameters.is_sequence(parameter.type):
+                example = [example]
+        self.name = parameter.name
+        self.value = Converter(profile, example)
+        free = replace(profile, minimum=None, maximum=None, constraint="")
+        self._free = Converter(free, example)
+        bounds = [b for b in (profile.minimum, profile.maximum) if b is not None]
+        steps = [number + step for number in bounds for step in (-1, 0, 1)]
+        self._texts = [*map(str, steps), *_TEXTS, *names]
+
+    def problem(self, text: str) -> str | None:
+        """Why the parameter cannot have a text; None if it can."""
+        return _refusal(self.value, text)
+
+    def others(self, text: str) -> Iterator[str]:
+        """Texts of other values that it can have."""
+        for other in self._texts:
+            if self.problem(other) is None and self.value(other) != self.value(text):
+                yield other
+
+    def beyond(self) -> str | None:
+        """A text of its type beyond its limits; None if it has none."""
+        return next(
+            (
+                text
+                for text in self._texts
+                if _refusal(self._free, text) is None and self.problem(text)
+            ),
+            None,
+        )
+
+    def of_no_type(self) -> str | None:
+        """A text that is no value of its type; None if each is one."""
+        wrong = (text for text in _WRONG if _refusal(self._free, text))
+        return next(wrong, None)
+
+
+_TEXTS = (
+    *("0", "1", "2", "0.5", "1.5", "-1", "1000000", "-1000000"),
+    *("true", "false", "x", "y", "0,0", "0,0,0", "1,1", "1,1,1"),
+)
+_WRONG = ("no value", "[", "1e")
+
+
+def _refusal(converter: Converter, text: str) -> str | None:
+    try:
+        converter(text)
+    except ParameterValueError as error:
+        return str(error)
+    return None
+
+
+def _bound(value: object) -> float | int | None:
+    return value if isinstance(value, int | float) else None
+
+
+class Expected:
+    """A component's definition as another process can see it."""
+
+    def __init__(self, model: Model, component: Component) -> None:
+        parameters = Parameters(model)
+        self.type_name = component.name[-1]
+        self.texts = {
+            "type_name": self.type_name,
+            "category": component.category,
+            "vendor": component.vendor,
+            "version": component.version,
+            "description": summary(component),
+        }
+        self.properties = {
+            "activity_type": component.activity,
+            "max_instance": str(component.max_instances),
+        }
+        self.is_periodic = component.execution.startswith("Periodic")
+        self.parameters = {
+            each.name: ExpectedParameter(each, parameters)
+            for each in component.configuration
+        }
+        self.ports = _ports(model, component)
+
+
+def _ports(model: Model, component: Component) -> dict[str, ExpectedPort]:
+    """The ports by the names by which OpenRTM knows them."""
+
+    def key(port: Port) -> tuple[str, str]:
+        way = _WAYS.get(port.kind, SERVICE)
+        return way, (port.port or port.name) if way == SERVICE else port.name
+
+    ordered = sorted(component.ports, key=key)
+    names = registered_names(map(key, component.ports))
+    found = {}
+    for (way, name), group in groupby(ordered, key):
+        ports = list(group)
+        if way == SERVICE:
+            interfaces = {
+                (port.instance, port.kind is PortKind.PROVIDER): _names(model, port)
+                for port in ports
+            }
+            made = ExpectedPort(_TYPES[way], interfaces=interfaces)
+        else:
+            made = ExpectedPort(_TYPES[way], _names(model, ports[0]))
+        found[known_name(names[way, name])] = made
+    return found
+
+
+def _names(model: Model, port: Port) -> tuple[str, ...]:
+    """The names that a port's type may have: chosen, repository id, with and without scope."""
+    type_ = model.unalias(port.type)
+    assert isinstance(type_, NamedType), "the front end has checked it"
+    declaration = model.find(type_.name)
+    names = (
+        port.type_name,
+        declaration.repository_id,
+        declaration.scoped,
+        declaration.name[-1],
+    )
+    return tuple(dict.fromkeys(name for name in names if name))

@@ -1,0 +1,96 @@
+"""Tests a running component that CORBA reaches."""
+
+from __future__ import annotations
+
+from contextlib import closing
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from omniORB import CORBA
+
+from rtgen import compiler
+from rtgen.cli.chosen_component import chosen
+from rtgen.cli.common import Refusal
+from rtgen.cli.conformance.report import Report
+from rtgen.cli.conformance.rtc.checks import CHECKS
+from rtgen.cli.conformance.rtc.component import RtcUnderTest
+from rtgen.cli.conformance.rtc.expected import Expected
+from rtgen.cli.signals import terminable
+from rtgen.diagnostics import InputError, ToolError, has_errors
+from rtgen.project import load, with_arguments
+from rtgen.runtime.corba.naming import Naming
+from rtgen.runtime.corba.orb import Orb
+from rtgen.runtime.corba.rt_objects.foreign import is_place, located
+from rtgen.runtime.corba.rt_objects.objects import Exported
+from rtgen.runtime.errors import TransportError
+
+
+def tested(
+    file: Path,
+    connect: str,
+    name: str | None,
+    include: tuple[str, ...],
+    *,
+    timeout: float,
+    actuate: bool,
+) -> Report:
+    """The report of all checks. Raises InputError, Refusal and ToolError."""
+    if not is_place(connect):
+        raise Refusal(
+            f"{connect!r} is no place of a component: HOST[:PORT]/NAME.rtc, corbaname:, "
+            "corbaloc: or IOR:"
+        )
+    expected = _expected(file, name, include)
+    try:
+        with closing(Orb(timeout=timeout)) as orb:
+            exported = Exported(orb)
+            found = located(connect, exported, partial(Naming, orb.orb))
+            rtc = _answering(connect, expected, found, exported, timeout)
+            subject = f"{expected.type_name} {rtc.profile.instance_name}"
+            return checked(rtc, subject, file.as_posix(), actuate=actuate)
+    except TransportError as error:
+        raise ToolError(str(error)) from error
+
+
+def _expected(file: Path, name: str | None, include: tuple[str, ...]) -> Expected:
+    project = with_arguments(load(), paths=(str(file),), include=include)
+    read = compiler.read(project, lowered=True)
+    if has_errors(read.diagnostics):
+        raise InputError(read.diagnostics)
+    return Expected(read.model, chosen(read.model, str(file), name))
+
+
+def _answering(
+    connect: str, expected: Expected, found: Any, exported: Exported, timeout: float
+) -> RtcUnderTest:
+    """The component at a place. Raises ToolError."""
+    if found is None:
+        raise ToolError(
+            f"there is no component at {connect}",
+            hint="rtls of rtshell shows the paths of running components",
+        )
+    try:
+        return RtcUnderTest(expected, found, exported, timeout)
+    except CORBA.SystemException as error:
+        raise ToolError(
+            f"what is at {connect} does not answer as a component: {error!r}"
+        ) from error
+
+
+def checked(
+    rtc: RtcUnderTest, subject: str, definition: str, *, actuate: bool
+) -> Report:
+    """The report of all checks. The component is left as it was found, after Ctrl-C too."""
+    try:
+        with terminable():
+            if actuate and rtc.contexts:
+                rtc.keep()
+            outcomes = tuple(check.outcome(rtc, actuate=actuate) for check in CHECKS)
+    except BaseException:
+        wrong = [problem for problem in rtc.restore() if problem is not None]
+        if wrong:
+            what = "; ".join(wrong)
+            raise ToolError(f"{subject} is not as it was found: {what}") from None
+        raise
+    return Report(subject, definition, outcomes)

@@ -1,0 +1,634 @@
+"""`rtgen conformance` of running components: ours pass, and each check fails for a component that
+breaks what it asserts.
+"""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import closing
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+pytest.importorskip("omniORB", reason="omniORBpy is not installed")
+
+from corba_runs import NAVIGATION, ROOT, wait_for
+from json_schemas import valid
+from omniORB import CORBA
+
+from rtgen import compile as compiled
+from rtgen.cli import run as rtgen
+from rtgen.cli.chosen_component import chosen
+from rtgen.cli.conformance.report import Report, Verdict
+from rtgen.cli.conformance.rtc.checks import CHECKS
+from rtgen.cli.conformance.rtc.component import RtcUnderTest
+from rtgen.cli.conformance.rtc.expected import Expected
+from rtgen.cli.conformance.rtc.testing import checked
+from rtgen.runtime import RTC_OK, RealClock, System
+from rtgen.runtime.corba.naming import Naming
+from rtgen.runtime.corba.orb import Orb
+from rtgen.runtime.corba.rt_objects.component import ContextService, RtObject
+from rtgen.runtime.corba.rt_objects.configuration import Configuration
+from rtgen.runtime.corba.rt_objects.foreign import located
+from rtgen.runtime.corba.rt_objects.objects import Exported
+from rtgen.runtime.corba.rt_objects.ports import PortService
+from rtgen.runtime.corba.rt_objects.wire import values
+from rtgen.runtime.corba.transport import CorbaTransport
+from rtgen.runtime.return_codes import ExecutionKind, LifeCycleState
+from rtgen.runtime.rtc.execution_context import ExecutionContext
+
+if TYPE_CHECKING:
+    from corba_runs import Run
+
+PATIENCE = 5.0
+"""Seconds within which a component that works reaches a state."""
+SOON = 0.2
+"""The same for one that never does."""
+
+IDL = """module Bench {
+  struct Level { long value; };
+  enum Mode { SLOW, FAST };
+  interface Valve { void open(); };
+};
+
+/** Measures. */
+@rtc(category="Test", vendor="labs", version="2.1.0", rate=200.0)
+component Gauge {
+  consumes Bench::Level level;
+  publishes Bench::Level shown;
+  @port("valves") provides Bench::Valve own;
+  @port("valves") uses Bench::Valve other;
+  @default(2.0) @min(0.5) @max(8.0) attribute double gain;
+  @default(3) @constraint("x>0") attribute long count;
+  attribute Bench::Mode mode;
+  attribute sequence<double> weights;
+  attribute string label;
+};
+
+component Idle { publishes Bench::Level shown; };
+"""
+SETTINGS = """[sources]
+paths = ["gauge.idl"]
+[output]
+package = "gaugebot"
+skeletons = "src/gaugenodes"
+"""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """A project with a component."""
+    folder = tmp_path_factory.mktemp("conformance")
+    (folder / "gauge.idl").write_text(IDL)
+    (folder / "rtgen.toml").write_text(SETTINGS)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        assert rtgen(["generate", "-q"]) == 0
+        patch.setattr(sys, "path", [str(folder / "generated"), *sys.path])
+        importlib.invalidate_caches()
+        yield folder
+
+
+@pytest.fixture(scope="module")
+def gauge(folder: Path, names: str) -> Iterator[Any]:
+    """The running component."""
+    module = importlib.import_module("gaugebot.components.gauge")
+    bench = importlib.import_module("gaugebot.bench")
+
+    class Valve(bench.Valve):  # type: ignore[misc, name-defined]
+        def open(self) -> None:
+            """Do nothing."""
+
+    class Gauge(module.GaugeBase):  # type: ignore[misc, name-defined]
+        def on_initialize(self) -> Any:
+            self.own.set_servant(Valve())
+            return RTC_OK
+
+    with (
+        CorbaTransport(name_server=names) as transport,
+        System(RealClock(), transport) as system,
+    ):
+        made = Gauge("Gauge0")
+        system.add(made, 200.0)
+        system.run(until_ns=1)
+        yield made
+
+
+@pytest.fixture(scope="module")
+def expected(folder: Path) -> Expected:
+    return definition(folder / "gauge.idl")
+
+
+def definition(file: Path) -> Expected:
+    """What a file says of the component."""
+    model = compiled([file])
+    [name] = (source.name for source in model.files if source.main)
+    return Expected(model, chosen(model, name, "Gauge"))
+
+
+def report_of(
+    expected: Expected, names: str, *, actuate: bool = True, patience: float = PATIENCE
+) -> Report:
+    with closing(Orb()) as orb:
+        exported = Exported(orb)
+        found = located(
+            f"{names}/Gauge0.rtc", exported, lambda address: Naming(orb.orb, address)
+        )
+        rtc = RtcUnderTest(expected, found, exported, patience)
+        return checked(rtc, "Gauge0", "gauge.idl", actuate=actuate)
+
+
+def failed(report: Report) -> list[str]:
+    return [o.check for o in report.outcomes if o.verdict is Verdict.FAILED]
+
+
+def state_of(component: Any) -> str:
+    [context] = component.get_owned_contexts()
+    return str(context.get_component_state(component).name)
+
+
+def test_a_component_of_ours_passes_every_check(
+    gauge: Any, expected: Expected, names: str
+) -> None:
+    report = report_of(expected, names)
+    assert [(o.check, o.verdict, o.problems) for o in report.outcomes] == [
+        (
+            (check.name, Verdict.PASSED, ())
+            if check.name != "life-cycle.error"
+            else (
+                check.name,
+                Verdict.SKIPPED,
+                ("it is not in ERROR, to which nobody outside can bring it",),
+            )
+        )
+        for check in CHECKS
+    ]
+
+
+def test_nothing_is_changed_without_permission(
+    gauge: Any, expected: Expected, names: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    called: list[str] = []
+    changing = {
+        ContextService: "start stop set_rate activate_component deactivate_component "
+        "reset_component add_component remove_component",
+        Configuration: "set_configuration_set_values activate_configuration_set "
+        "set_configuration_parameter add_configuration_set remove_configuration_set",
+        RtObject: "initialize finalize exit attach_context detach_context",
+        PortService: "connect notify_connect disconnect_all notify_disconnect",
+    }
+    for class_, operations in changing.items():
+        for operation in operations.split():
+
+            def noted(self: Any, *given: Any, name: str = operation) -> None:
+                called.append(name)
+
+            monkeypatch.setattr(class_, operation, noted)
+    report = report_of(expected, names, actuate=False)
+    assert called == []
+    assert report.passed
+    assert [o.check for o in report.outcomes if o.verdict is Verdict.SKIPPED] == [
+        check.name for check in CHECKS if check.actuates
+    ]
+
+
+def otherwise(
+    change: Callable[[Any], Any], when: Callable[..., bool] = lambda *given: True
+) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """A method whose answer is another one, for some arguments."""
+
+    def broken(right: Callable[..., Any]) -> Callable[..., Any]:
+        def wrong(self: Any, *given: Any) -> Any:
+            found = right(self, *given)
+            return change(found) if when(self, *given) else found
+
+        return wrong
+
+    return broken
+
+
+def instead(
+    answer: Callable[..., Any], when: Callable[..., bool] = lambda *given: True
+) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """A method that does something else, for some arguments."""
+
+    def broken(right: Callable[..., Any]) -> Callable[..., Any]:
+        def wrong(self: Any, *given: Any) -> Any:
+            return (answer if when(self, *given) else right)(self, *given)
+
+        return wrong
+
+    return broken
+
+
+def in_port(name: str, **changed: Any) -> Callable[[Any], Any]:
+    """A component profile whose port of a name is another one."""
+
+    def change(profile: Any) -> Any:
+        ports = [
+            replace(port, **changed) if port.name.endswith(f".{name}") else port
+            for port in profile.port_profiles
+        ]
+        return replace(profile, port_profiles=ports)
+
+    return change
+
+
+def typed(kind: str, type_: str) -> list[Any]:
+    return values({"port.port_type": kind, "dataport.data_type": type_})
+
+
+def state(self: ContextService) -> LifeCycleState:
+    return self.context.get_component_state(self._owner.component)
+
+
+def is_state(name: str) -> Callable[..., bool]:
+    return lambda self, given: is_known(self, given) and state(self).name == name
+
+
+def is_known(self: ContextService, reference: Any) -> bool:
+    return self._component(reference) is not None
+
+
+def pairs(given: Any) -> dict[str, str]:
+    return {each.name: each.value.value() for each in given.configuration_data}
+
+
+def is_value(name: str, *texts: str) -> Callable[..., bool]:
+    return lambda self, given: pairs(given).get(name) in texts
+
+
+def is_unknown_text(self: Any, given: Any) -> bool:
+    return pairs(given).get("count") == "no value"
+
+
+def pretend(self: Any, *given: Any) -> bool:
+    return True
+
+
+def ok(self: Any, *given: Any) -> Any:
+    return RTC_OK
+
+
+VALUES = {"gain": "2.0", "mode": "SLOW", "weights": "", "label": ""}
+COUNT = values({**VALUES, "count": "-5"})
+LEVEL = "IDL:Bench/Level:1.0"
+PROFILE = "get_component_profile"
+MUTANTS: dict[str, tuple[type, str, Callable[..., Any]]] = {
+    "profile": (RtObject, PROFILE, otherwise(lambda p: replace(p, version="2.1.1"))),
+    "profile.properties": (
+        RtObject,
+        PROFILE,
+        otherwise(lambda p: replace(p, properties=values({"max_instance": "7"}))),
+    ),
+    "profile.identity": (RtObject, "get_sdo_id", otherwise(lambda _: "Gauge1")),
+    "ports.directions": (
+        RtObject,
+        PROFILE,
+        otherwise(in_port("shown", properties=typed("DataInPort", LEVEL))),
+    ),
+    "ports.types": (
+        RtObject,
+        PROFILE,
+        otherwise(in_port("shown", properties=typed("DataOutPort", "IDL:Other:1.0"))),
+    ),
+    "ports.interfaces": (
+        RtObject,
+        PROFILE,
+        otherwise(in_port("valves", interfaces=[])),
+    ),
+    "ports.references": (RtObject, "get_ports", otherwise(lambda ports: ports[1:])),
+    "ports.unknown": (PortService, "disconnect", otherwise(lambda _: RTC_OK)),
+    "configuration.active": (
+        Configuration,
+        "get_active_configuration_set",
+        otherwise(lambda found: replace(found, id="other")),
+    ),
+    "configuration.unknown": (
+        Configuration,
+        "get_configuration_set",
+        instead(lambda self, name: self.get_active_configuration_set()),
+    ),
+    "contexts.profile": (
+        ContextService,
+        "get_profile",
+        otherwise(lambda found: replace(found, rate=found.rate + 1)),
+    ),
+    "contexts.handles": (RtObject, "get_context", otherwise(lambda _: None)),
+    "contexts.kind": (
+        ExecutionContext,
+        "get_kind",
+        otherwise(lambda _: ExecutionKind.EVENT_DRIVEN),
+    ),
+    "contexts.state": (
+        ContextService,
+        "get_component_state",
+        otherwise(lambda _: LifeCycleState.CREATED_STATE),
+    ),
+    "configuration.values": (
+        Configuration,
+        "get_configuration_sets",
+        otherwise(lambda sets: [replace(s, configuration_data=COUNT) for s in sets]),
+    ),
+    "life-cycle.activation": (
+        ContextService,
+        "activate_component",
+        instead(ok, is_state("INACTIVE_STATE")),
+    ),
+    "life-cycle.inactive": (
+        ContextService,
+        "reset_component",
+        instead(ok, is_state("INACTIVE_STATE")),
+    ),
+    "life-cycle.active": (
+        ContextService,
+        "activate_component",
+        instead(ok, is_state("ACTIVE_STATE")),
+    ),
+    "life-cycle.initialization": (RtObject, "finalize", otherwise(lambda _: RTC_OK)),
+    "contexts.strangers": (
+        ContextService,
+        "activate_component",
+        instead(ok, lambda self, reference: not is_known(self, reference)),
+    ),
+    "contexts.running": (
+        ContextService,
+        "start",
+        instead(ok, lambda self: self.context.is_running()),
+    ),
+    "contexts.rate": (
+        ContextService,
+        "set_rate",
+        instead(ok, lambda self, rate: rate <= 0),
+    ),
+    "configuration.set": (
+        Configuration,
+        "set_configuration_set_values",
+        instead(pretend, is_value("mode", "FAST")),
+    ),
+    "configuration.limits": (
+        Configuration,
+        "set_configuration_set_values",
+        instead(pretend, is_value("count", "0", "-1")),
+    ),
+    "configuration.types": (
+        Configuration,
+        "set_configuration_set_values",
+        instead(pretend, is_unknown_text),
+    ),
+    "configuration.sets": (
+        Configuration,
+        "activate_configuration_set",
+        instead(pretend, lambda self, name: name not in self._sets.ids),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", MUTANTS)
+def test_a_check_fails_for_a_component_that_breaks_just_it(
+    name: str,
+    gauge: Any,
+    expected: Expected,
+    names: str,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    class_, operation, broken = MUTANTS[name]
+    actuate = next(check.actuates for check in CHECKS if check.name == name)
+    with monkeypatch.context() as patch:
+        patch.setattr(class_, operation, broken(getattr(class_, operation)))
+        report = report_of(expected, names, actuate=actuate, patience=SOON)
+    assert failed(report) == [name]
+    assert state_of(gauge) == "INACTIVE_STATE"
+
+
+@pytest.mark.parametrize(
+    ("change", "name"),
+    [
+        (
+            ("component Gauge {", "component Gauge { publishes Bench::Level more;"),
+            "ports.names",
+        ),
+        (("publishes Bench::Level shown;\n  @", "@"), "ports.names"),
+        (("attribute string label;", ""), "configuration.names"),
+        (("string label;", "string label, more;"), "configuration.names"),
+        (("provides Bench::Valve own", "uses Bench::Valve own"), "ports.interfaces"),
+        (
+            ("consumes Bench::Level level", "publishes Bench::Level level"),
+            "ports.directions",
+        ),
+        (('vendor="labs"', 'vendor="other"'), "profile"),
+        (("@default(3)", "@default(5) @min(4)"), "configuration.values"),
+    ],
+)
+def test_a_component_of_another_definition(
+    change: tuple[str, str], name: str, gauge: Any, names: str, tmp_path: Path
+) -> None:
+    assert change[0] in IDL
+    file = tmp_path / "gauge.idl"
+    file.write_text(IDL.replace(*change, 1))
+    report = report_of(definition(file), names, actuate=False)
+    assert failed(report) == [name]
+
+
+@pytest.fixture
+def in_error(gauge: Any) -> Iterator[None]:
+    """The component is in ERROR meanwhile."""
+    [context] = gauge.get_owned_contexts()
+    assert context.fail_component(gauge, "by the test") is RTC_OK
+    wait_for(lambda: state_of(gauge) == "ERROR_STATE")
+    yield
+    assert context.reset_component(gauge) is RTC_OK
+    wait_for(lambda: state_of(gauge) == "INACTIVE_STATE")
+
+
+def test_a_component_in_error_stays_there(
+    in_error: None,
+    gauge: Any,
+    expected: Expected,
+    names: str,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    report = report_of(expected, names)
+    verdicts = {o.check: (o.verdict, o.problems) for o in report.outcomes}
+    assert verdicts["life-cycle.error"] == (Verdict.PASSED, ())
+    left = (Verdict.SKIPPED, ("it is in ERROR, where it is left",))
+    assert verdicts["life-cycle.activation"] == left
+    assert report.passed
+    assert state_of(gauge) == "ERROR_STATE"
+    in_error_too = instead(ok, is_state("ERROR_STATE"))
+    right = ContextService.activate_component
+    monkeypatch.setattr(ContextService, "activate_component", in_error_too(right))
+    assert failed(report_of(expected, names)) == ["life-cycle.error"]
+
+
+@pytest.fixture
+def active(gauge: Any) -> Iterator[None]:
+    """The component is ACTIVE meanwhile."""
+    [context] = gauge.get_owned_contexts()
+    assert context.activate_component(gauge) is RTC_OK
+    wait_for(lambda: state_of(gauge) == "ACTIVE_STATE")
+    yield
+    assert context.deactivate_component(gauge) is RTC_OK
+    wait_for(lambda: state_of(gauge) == "INACTIVE_STATE")
+
+
+def test_an_active_component_is_active_again(
+    active: None, gauge: Any, expected: Expected, names: str
+) -> None:
+    assert report_of(expected, names).passed
+    assert state_of(gauge) == "ACTIVE_STATE"
+
+
+@pytest.mark.parametrize(
+    ("operation", "check"),
+    [("set_rate", "contexts.rate"), ("stop", "contexts.running")],
+)
+@pytest.mark.parametrize("interrupted", [True, False])
+def test_it_is_left_as_it_was_found_after_a_failure(
+    operation: str,
+    check: str,
+    interrupted: bool,
+    active: None,
+    gauge: Any,
+    expected: Expected,
+    names: str,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The call takes effect, and then fails, or Ctrl-C comes."""
+    error = KeyboardInterrupt() if interrupted else CORBA.TRANSIENT()
+    asked = RtcUnderTest.ask
+    failures = [error]
+
+    def ask(self: RtcUnderTest, context: Any, called: str, *given: Any) -> Any:
+        found = asked(self, context, called, *given)
+        if called == operation and found is RTC_OK and failures:
+            raise failures.pop()
+        return found
+
+    monkeypatch.setattr(RtcUnderTest, "ask", ask)
+    if interrupted:
+        with pytest.raises(KeyboardInterrupt):
+            report_of(expected, names)
+    else:
+        assert failed(report_of(expected, names)) == [check]
+    assert failures == []
+    [context] = gauge.get_owned_contexts()
+    assert (context.get_rate(), context.is_running()) == (200.0, True)
+    assert state_of(gauge) == "ACTIVE_STATE"
+
+
+def test_what_cannot_be_restored_is_reported(
+    gauge: Any, expected: Expected, names: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    right = Configuration.activate_configuration_set
+
+    def adding(self: Any, name: str) -> bool:
+        monkeypatch.setitem(self._sets._texts, "junk", {})
+        return right(self, name)
+
+    monkeypatch.setattr(Configuration, "activate_configuration_set", adding)
+    assert failed(report_of(expected, names)) == ["left"]
+
+
+def test_the_command(
+    gauge: Any,
+    names: str,
+    folder: Path,
+    capfd: pytest.CaptureFixture[str],
+    tmp_path: Path,
+) -> None:
+    command = ["conformance", "gauge.idl", "--component", "Gauge", "--connect"]
+    place, page = f"{names}/Gauge0.rtc", tmp_path / "report.html"
+    assert rtgen([*command, place, "--html", str(page)]) == 0
+    assert "Gauge Gauge0: 17 passed, 0 failed" in capfd.readouterr().out
+    assert "configuration.names" in page.read_text()
+    by_name = f"corbaname::{names}#Gauge0.rtc"
+    assert rtgen([*command, by_name, "--json", "--actuate"]) == 0
+    assert valid(capfd.readouterr().out, "conformance.schema.json")["passed"]
+    command[3] = "Idle"
+    assert rtgen([*command, place]) == 1
+    assert "the definition has no port level" in capfd.readouterr().out
+
+
+@pytest.mark.parametrize("form", ["rtc-xml", "rtc-yaml"])
+def test_its_profile_is_a_definition_too(
+    form: str,
+    gauge: Any,
+    names: str,
+    folder: Path,
+    capfd: pytest.CaptureFixture[str],
+    tmp_path: Path,
+) -> None:
+    asked = ["convert", "gauge.idl", "--component", "Gauge", "--to", form]
+    assert rtgen(asked) == 0
+    profile = tmp_path / f"RTC.{form[4:]}"
+    profile.write_text(capfd.readouterr().out)
+    command = ["conformance", str(profile), "-I", str(folder), "--actuate"]
+    assert rtgen([*command, "--connect", f"{names}/Gauge0.rtc"]) == 0
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "text"),
+    [
+        (["gauge.idl"], 2, "--connect"),
+        (["gauge.idl", "--connect", "tcp:127.0.0.1:1"], 2, "no place of a component"),
+        (["gauge.idl", "--connect", "{0}/Gauge0.rtc"], 2, "--component NAME"),
+        (["gauge.idl", "--connect", "IOR:00", "--component", "No"], 2, "it has Gauge"),
+        (
+            ["gauge.idl", "--connect", "IOR:00", "--component", "Idle"],
+            3,
+            "no component",
+        ),
+        (["gauge.idl", "--connect", "{0}/No.rtc", "--component", "Idle"], 3, "rtls"),
+        (
+            ["gauge.idl", "--connect", "127.0.0.1:1/No.rtc", "--component", "Idle"],
+            3,
+            "",
+        ),
+        (
+            [
+                "gauge.idl",
+                "--connect",
+                "corbaloc::{0}/NameService",
+                "--component",
+                "Idle",
+            ],
+            3,
+            "does not answer as a component",
+        ),
+        (["missing.idl", "--connect", "{0}/Gauge0.rtc"], 2, "missing.idl"),
+        (["rtgen.toml", "--connect", "{0}/Gauge0.rtc"], 2, "definition of a component"),
+    ],
+)
+def test_wrong_arguments(
+    words: list[str],
+    code: int,
+    text: str,
+    folder: Path,
+    names: str,
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    assert rtgen(["conformance", *(word.format(names) for word in words)]) == code
+    assert text in capfd.readouterr().err
+
+
+def test_components_of_rh3(
+    start: Callable[..., Run],
+    names: str,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    run = start("--until", "100", system=NAVIGATION)
+    run.wait_for("PositionInput0 ACTIVE")
+    monkeypatch.chdir(ROOT)
+    for type_ in ("Odometry", "PathFollower", "Navigation"):
+        file = f"specs/navigation/{type_}.idl"
+        place = f"{names}/{type_}0.rtc"
+        code = rtgen(
+            ["conformance", file, "--component", type_, "--connect", place, "--actuate"]
+        )
+        assert code == 0, capfd.readouterr()
