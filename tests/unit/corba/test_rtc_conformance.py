@@ -270,6 +270,16 @@ def pretend(self: Any, *given: Any) -> bool:
     return True
 
 
+def taken(self: Any, profile: Any) -> Any:
+    return RTC_OK, profile
+
+
+def has(key: str, text: str) -> Callable[..., bool]:
+    return lambda self, profile: (
+        text in [each.value.value() for each in profile.properties if each.name == key]
+    )
+
+
 def ok(self: Any, *given: Any) -> Any:
     return RTC_OK
 
@@ -379,6 +389,21 @@ MUTANTS: dict[str, tuple[type, str, Callable[..., Any]]] = {
         Configuration,
         "set_configuration_set_values",
         instead(pretend, is_unknown_text),
+    ),
+    "connections": (
+        PortService,
+        "get_connector_profile",
+        otherwise(lambda found: replace(found, name="other")),
+    ),
+    "connections.types": (
+        PortService,
+        "connect",
+        instead(taken, has("dataport.data_type", "IDL:rtgen/Conformance/NoType:1.0")),
+    ),
+    "connections.interfaces": (
+        PortService,
+        "connect",
+        instead(taken, has("dataport.interface_type", "rtgen-conformance-none")),
     ),
     "configuration.sets": (
         Configuration,
@@ -519,6 +544,31 @@ def test_it_is_left_as_it_was_found_after_a_failure(
     [context] = gauge.get_owned_contexts()
     assert (context.get_rate(), context.is_running()) == (200.0, True)
     assert state_of(gauge) == "ACTIVE_STATE"
+
+
+def test_a_connection_that_failed_to_end_is_ended(
+    gauge: Any, expected: Expected, names: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    right = PortService.disconnect
+    times = iter([True])
+    ended: list[str] = []
+
+    def disconnect(self: Any, name: str) -> Any:
+        if "unknown" not in name and next(times, False):
+            return RTC_OK
+        ended.append(name)
+        return right(self, name)
+
+    monkeypatch.setattr(PortService, "disconnect", disconnect)
+    report = report_of(expected, names)
+    assert failed(report) == ["connections"]
+    [outcome] = [o for o in report.outcomes if o.check == "connections"]
+    assert [problem.partition(": ")[2] for problem in outcome.problems] == [
+        "its connector is still listed",
+        "it has not told the other port of the end",
+    ]
+    assert ended[-1].startswith("rtgen-conformance-")
+    assert failed(report_of(expected, names)) == []
 
 
 def test_what_cannot_be_restored_is_reported(

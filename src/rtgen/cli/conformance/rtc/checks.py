@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from typing import Any, Final
 
 from rtgen.cli.conformance.check import Check, Problems, SkipError
+from rtgen.cli.conformance.rtc import connections
 from rtgen.cli.conformance.rtc.component import RtcUnderTest
 from rtgen.cli.conformance.rtc.expected import ExpectedParameter, ExpectedPort
 from rtgen.facts.openrtm_ports import known_name
@@ -579,6 +580,27 @@ CHECKS: Final = (
         "each set becomes the active one",
         _SETS,
         activated_sets,
+        actuates=True,
+    ),
+    Check(
+        "connections",
+        "ports are connected and disconnected",
+        _PORTS,
+        connections.connected,
+        actuates=True,
+    ),
+    Check(
+        "connections.types",
+        "samples of other types are refused",
+        "docs/openrtm.md",
+        connections.other_types,
+        actuates=True,
+    ),
+    Check(
+        "connections.interfaces",
+        "unknown interface types are refused",
+        "docs/openrtm.md",
+        connections.other_interfaces,
         actuates=True,
     ),
     Check("left", "it is as it was found", "docs/conformance.md", left, actuates=True),

@@ -16,6 +16,7 @@ from rtgen.runtime.corba.rt_objects.objects import Exported
 from rtgen.runtime.corba.rt_objects.wire import (
     CONFIGURATION,
     EXECUTION_CONTEXT,
+    PORT_SERVICE,
     RT_OBJECT,
     ConfigurationSet,
     NameValue,
@@ -30,6 +31,8 @@ from rtgen.runtime.return_codes import (
 )
 
 _LOOK_AGAIN = 0.01
+CONNECTOR = "rtgen-conformance-"
+"""How the ids of connectors begin that checks make."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -174,6 +177,7 @@ class RtcUnderTest:
         if self.before is None:
             return
         for part in (
+            self._restore_connectors,
             self._restore_values,
             self._restore_active_set,
             self._restore_rate,
@@ -184,6 +188,22 @@ class RtcUnderTest:
                 yield part(self.before)
             except (CORBA.SystemException, SdoError, SkipError) as fault:
                 yield self.explained(fault)
+
+    def _restore_connectors(self, before: Condition) -> str | None:
+        """End connections that checks have made, and that stand yet."""
+        stands = []
+        for port in self.profile.port_profiles:
+            for name in self._made(port):
+                self.exported.call(port.port_ref, PORT_SERVICE, "disconnect", name)
+            stands += self._made(port)
+        return f"connectors remain: {', '.join(stands)}" if stands else None
+
+    def _made(self, port: Any) -> list[str]:
+        """The ids of a port's connectors that checks have made."""
+        operation = "get_connector_profiles"
+        found = self.exported.call(port.port_ref, PORT_SERVICE, operation)
+        names = [each.connector_id for each in found]
+        return [name for name in names if name.startswith(CONNECTOR)]
 
     def _restore_values(self, before: Condition) -> str | None:
         now = self.sets()

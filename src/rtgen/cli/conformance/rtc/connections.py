@@ -1,0 +1,162 @@
+"""Checks that connect ports of a running component with a port of this process."""
+
+from __future__ import annotations
+
+import uuid
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import replace
+from typing import Any, Final
+
+from rtgen.cli.conformance.check import Problems
+from rtgen.cli.conformance.rtc.component import CONNECTOR, RtcUnderTest
+from rtgen.facts.openrtm_ports import known_name
+from rtgen.runtime.corba.rt_objects.objects import Exported
+from rtgen.runtime.corba.rt_objects.wire import (
+    IN_PORT_CDR,
+    PORT_SERVICE,
+    ConnectorProfile,
+    PortProfile,
+    texts,
+    values,
+)
+from rtgen.runtime.return_codes import RTC_OK, PortStatus, ReturnCode_t
+
+_IN_IOR: Final = "dataport.corba_cdr.inport_ior"
+_WISHES: Final = {
+    "dataport.interface_type": "corba_cdr",
+    "dataport.dataflow_type": "push",
+    "dataport.subscription_type": "flush",
+}
+_NO_TYPE: Final = {"dataport.data_type": "IDL:rtgen/Conformance/NoType:1.0"}
+_NO_INTERFACE: Final = {"dataport.interface_type": "rtgen-conformance-none"}
+
+
+class _Sink:
+    """Takes the samples of an OutPort."""
+
+    def put(self, data: object) -> PortStatus:
+        """See `OpenRTM::InPortCdr`."""
+        return PortStatus.PORT_OK
+
+
+class _Partner:
+    """The port of this process: the last one of a connector, which takes whatever comes."""
+
+    def __init__(self, exported: Exported) -> None:
+        self.ended: list[str] = []
+        """The ids of connections that the component has ended here."""
+        self._exported = exported
+        self._sink = exported.serve(IN_PORT_CDR, _Sink())
+        self.reference = exported.serve(PORT_SERVICE, self)
+
+    def close(self) -> None:
+        """Serve no more."""
+        self._exported.withdraw(self.reference)
+        self._exported.withdraw(self._sink)
+
+    def get_port_profile(self) -> PortProfile:
+        """See `RTC::PortService`."""
+        return PortProfile("conformance", [], self.reference, [], None, [])
+
+    def get_connector_profiles(self) -> list[ConnectorProfile]:
+        """See `RTC::PortService`."""
+        return []
+
+    def notify_connect(self, profile: ConnectorProfile) -> tuple[ReturnCode_t, Any]:
+        """Offer a place for pushed samples, unless the component does so."""
+        added = []
+        if _IN_IOR not in texts(profile.properties):
+            added = values({_IN_IOR: self._exported.text(self._sink)})
+        return RTC_OK, replace(profile, properties=[*profile.properties, *added])
+
+    def notify_disconnect(self, connector_id: str) -> ReturnCode_t:
+        """Note the end of a connection."""
+        self.ended.append(connector_id)
+        return RTC_OK
+
+
+@contextmanager
+def _partner(rtc: RtcUnderTest) -> Iterator[_Partner]:
+    made = _Partner(rtc.exported)
+    try:
+        yield made
+    finally:
+        made.close()
+
+
+def _profile(
+    port: Any, partner: _Partner, properties: Mapping[str, str]
+) -> ConnectorProfile:
+    name = f"{CONNECTOR}{uuid.uuid4()}"
+    own = texts(port.properties)
+    stated: dict[str, str] = {}
+    if "dataport.data_type" in own:
+        type_ = {"dataport.data_type": own["dataport.data_type"]}
+        stated = {**_WISHES, **type_, **properties}
+    ends = [port.port_ref, partner.reference]
+    return ConnectorProfile(name, name, ends, values(stated))
+
+
+def connected(rtc: RtcUnderTest) -> Problems:
+    """Each port is connected, shows the connector, and is disconnected again."""
+    rtc.inactive()
+    with _partner(rtc) as partner:
+        for port in rtc.profile.port_profiles:
+            problems = _connected(rtc, port, partner)
+            name = known_name(port.name)
+            yield from (None if p is None else f"{name}: {p}" for p in problems)
+
+
+def _connected(rtc: RtcUnderTest, port: Any, partner: _Partner) -> Problems:
+    def call(operation: str, *arguments: Any) -> Any:
+        return rtc.exported.call(port.port_ref, PORT_SERVICE, operation, *arguments)
+
+    asked = _profile(port, partner, {})
+    identity = asked.connector_id
+    code, made = call("connect", asked)
+    if code is not RTC_OK:
+        yield f"connect returned {code.name}"
+        return
+    same = (made.name, made.connector_id, len(made.ports)) == (identity, identity, 2)
+    yield None if same else "connect changed name, id or ports"
+    if texts(port.properties).get("port.port_type") == "DataInPort":
+        offered = _IN_IOR in texts(made.properties)
+        yield None if offered else f"it has offered no {_IN_IOR}"
+    listed = [each.connector_id for each in call("get_connector_profiles")]
+    yield None if identity in listed else "its connector is not listed"
+    found = call("get_connector_profile", identity)
+    known = found.connector_id == identity and found.name == identity
+    yield None if known else "get_connector_profile gives another one"
+    code = call("disconnect", identity)
+    yield None if code is RTC_OK else f"disconnect returned {code.name}"
+    listed = [each.connector_id for each in call("get_connector_profiles")]
+    yield "its connector is still listed" if identity in listed else None
+    told = identity in partner.ended
+    yield None if told else "it has not told the other port of the end"
+
+
+def _refused(rtc: RtcUnderTest, properties: Mapping[str, str]) -> Problems:
+    """Data ports refuse a connection with wrong properties, and keep none."""
+    rtc.inactive()
+    with _partner(rtc) as partner:
+        for port in rtc.profile.port_profiles:
+            if "dataport.data_type" not in texts(port.properties):
+                continue
+            name, call = known_name(port.name), rtc.exported.call
+            asked = _profile(port, partner, properties)
+            code, _ = call(port.port_ref, PORT_SERVICE, "connect", asked)
+            yield f"{name}: it was not refused" if code is RTC_OK else None
+            found = call(port.port_ref, PORT_SERVICE, "get_connector_profiles")
+            kept = asked.connector_id in [each.connector_id for each in found]
+            yield f"{name}: its connector is listed" if kept else None
+
+
+def other_types(rtc: RtcUnderTest) -> Problems:
+    """Data ports refuse samples of another type."""
+    yield from _refused(rtc, _NO_TYPE)
+
+
+def other_interfaces(rtc: RtcUnderTest) -> Problems:
+    """Data ports refuse an interface type that nobody has."""
+    yield from _refused(rtc, _NO_INTERFACE)
