@@ -28,6 +28,7 @@ from rtgen.cli.conformance.rtc.checks import CHECKS
 from rtgen.cli.conformance.rtc.component import RtcUnderTest
 from rtgen.cli.conformance.rtc.expected import Expected
 from rtgen.cli.conformance.rtc.testing import checked
+from rtgen.diagnostics import ToolError
 from rtgen.runtime import RTC_OK, RealClock, System
 from rtgen.runtime.corba.naming import Naming
 from rtgen.runtime.corba.orb import Orb
@@ -571,6 +572,18 @@ def test_a_connection_that_failed_to_end_is_ended(
     assert failed(report_of(expected, names)) == []
 
 
+def test_nil_references_are_reported(
+    gauge: Any, expected: Expected, names: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    without = otherwise(in_port("shown", port_ref=None))
+    monkeypatch.setattr(RtObject, PROFILE, without(RtObject.get_component_profile))
+    report = report_of(expected, names, actuate=False)
+    assert failed(report) == ["ports.references", "ports.unknown"]
+    monkeypatch.setattr(RtObject, "get_configuration", lambda self: None)
+    with pytest.raises(ToolError, match="what --actuate would have to restore"):
+        report_of(expected, names)
+
+
 def test_what_cannot_be_restored_is_reported(
     gauge: Any, expected: Expected, names: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -637,7 +650,12 @@ def test_its_profile_is_a_definition_too(
         (
             ["gauge.idl", "--connect", "127.0.0.1:1/No.rtc", "--component", "Idle"],
             3,
-            "",
+            "rtgen run",
+        ),
+        (
+            [str(NAVIGATION), "--connect", "{0}/Gauge0.rtc"],
+            2,
+            "not the profile of a component",
         ),
         (
             [

@@ -12,7 +12,6 @@ from rtgen.cli.conformance.rtc.expected import ExpectedParameter, ExpectedPort
 from rtgen.facts.openrtm_ports import known_name
 from rtgen.runtime.corba.rt_objects.wire import (
     DATA_FLOW_COMPONENT,
-    PORT_SERVICE,
     PortInterfacePolarity,
     SdoError,
     texts,
@@ -147,9 +146,9 @@ def port_references(rtc: RtcUnderTest) -> Problems:
     references = rtc.call("get_ports")
     yield _unequal("the number of ports", len(references), len(_found(rtc)))
     for name, port in _found(rtc).items():
+        own = rtc.at_port(port, "get_port_profile")
         listed = any(port.port_ref._is_equivalent(each) for each in references)
         yield None if listed else f"{name} is not among get_ports"
-        own = rtc.exported.call(port.port_ref, PORT_SERVICE, "get_port_profile")
         yield _unequal("the port's own name", own.name, port.name)
         owned = own.owner is not None and own.owner._is_equivalent(rtc.reference)
         yield None if owned else f"{name}: the owner is another one"
@@ -158,8 +157,7 @@ def port_references(rtc: RtcUnderTest) -> Problems:
 def unknown_connectors(rtc: RtcUnderTest) -> Problems:
     """Ports refuse to end a connection that they do not have."""
     for name, port in _found(rtc).items():
-        call = rtc.exported.call
-        code = call(port.port_ref, PORT_SERVICE, "disconnect", _UNKNOWN)
+        code = rtc.at_port(port, "disconnect", _UNKNOWN)
         wanted = f"{name}: disconnect of an unknown id returned {code.name}"
         yield None if code is BAD_PARAMETER else f"{wanted}, not BAD_PARAMETER"
 

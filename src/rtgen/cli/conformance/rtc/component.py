@@ -19,6 +19,7 @@ from rtgen.runtime.corba.rt_objects.wire import (
     PORT_SERVICE,
     RT_OBJECT,
     ConfigurationSet,
+    Interface,
     NameValue,
     SdoError,
     texts,
@@ -46,13 +47,19 @@ class Condition:
     sets: Mapping[str, Mapping[str, str]]
 
 
+class NilError(Exception):
+    """The component has given no reference where there must be one."""
+
+
 class RtcUnderTest:
-    """A running component. Methods raise omniORB's exceptions.
+    """A running component. Methods raise omniORB's exceptions and NilError.
 
     `timeout` is the time in seconds within which it has to reach a state.
     """
 
-    faults: ClassVar[tuple[type[Exception], ...]] = (CORBA.SystemException, SdoError)
+    faults: ClassVar[tuple[type[Exception], ...]] = (
+        *(CORBA.SystemException, SdoError, NilError),
+    )
 
     def __init__(
         self, expected: Expected, reference: Any, exported: Exported, timeout: float
@@ -69,22 +76,33 @@ class RtcUnderTest:
         """See `Subject`."""
         if isinstance(fault, SdoError):
             return f"{type(fault).__name__}: {fault.description}"
+        if isinstance(fault, NilError | SkipError):
+            return str(fault)
         return f"a call has failed: {fault!r}"
 
     # Calls
 
     def call(self, operation: str, *arguments: Any) -> Any:
         """Call the component."""
-        return self.exported.call(self.reference, RT_OBJECT, operation, *arguments)
+        return self._invoke(self.reference, RT_OBJECT, operation, *arguments)
 
     def ask(self, context: Any, operation: str, *arguments: Any) -> Any:
         """Call an execution context."""
-        return self.exported.call(context, EXECUTION_CONTEXT, operation, *arguments)
+        return self._invoke(context, EXECUTION_CONTEXT, operation, *arguments)
+
+    def at_port(self, port: Any, operation: str, *arguments: Any) -> Any:
+        """Call a port by its profile."""
+        return self._invoke(port.port_ref, PORT_SERVICE, operation, *arguments)
+
+    def _invoke(self, reference: Any, interface: Interface, *call: Any) -> Any:
+        if reference is None:
+            raise NilError(f"there is no object for {call[0]}: its reference is nil")
+        return self.exported.call(reference, interface, *call)
 
     def configure(self, operation: str, *arguments: Any) -> Any:
         """Call the configuration."""
         found = self.call("get_configuration")
-        return self.exported.call(found, CONFIGURATION, operation, *arguments)
+        return self._invoke(found, CONFIGURATION, operation, *arguments)
 
     @property
     def contexts(self) -> list[Any]:
@@ -186,7 +204,7 @@ class RtcUnderTest:
         ):
             try:
                 yield part(self.before)
-            except (CORBA.SystemException, SdoError, SkipError) as fault:
+            except (CORBA.SystemException, SdoError, NilError, SkipError) as fault:
                 yield self.explained(fault)
 
     def _restore_connectors(self, before: Condition) -> str | None:
@@ -194,14 +212,13 @@ class RtcUnderTest:
         stands = []
         for port in self.profile.port_profiles:
             for name in self._made(port):
-                self.exported.call(port.port_ref, PORT_SERVICE, "disconnect", name)
+                self.at_port(port, "disconnect", name)
             stands += self._made(port)
         return f"connectors remain: {', '.join(stands)}" if stands else None
 
     def _made(self, port: Any) -> list[str]:
         """The ids of a port's connectors that checks have made."""
-        operation = "get_connector_profiles"
-        found = self.exported.call(port.port_ref, PORT_SERVICE, operation)
+        found = self.at_port(port, "get_connector_profiles")
         names = [each.connector_id for each in found]
         return [name for name in names if name.startswith(CONNECTOR)]
 

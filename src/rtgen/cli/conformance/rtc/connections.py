@@ -110,7 +110,7 @@ def connected(rtc: RtcUnderTest) -> Problems:
 
 def _connected(rtc: RtcUnderTest, port: Any, partner: _Partner) -> Problems:
     def call(operation: str, *arguments: Any) -> Any:
-        return rtc.exported.call(port.port_ref, PORT_SERVICE, operation, *arguments)
+        return rtc.at_port(port, operation, *arguments)
 
     asked = _profile(port, partner, {})
     identity = asked.connector_id
@@ -143,11 +143,11 @@ def _refused(rtc: RtcUnderTest, properties: Mapping[str, str]) -> Problems:
         for port in rtc.profile.port_profiles:
             if "dataport.data_type" not in texts(port.properties):
                 continue
-            name, call = known_name(port.name), rtc.exported.call
+            name = known_name(port.name)
             asked = _profile(port, partner, properties)
-            code, _ = call(port.port_ref, PORT_SERVICE, "connect", asked)
+            code, _ = rtc.at_port(port, "connect", asked)
             yield f"{name}: it was not refused" if code is RTC_OK else None
-            found = call(port.port_ref, PORT_SERVICE, "get_connector_profiles")
+            found = rtc.at_port(port, "get_connector_profiles")
             kept = asked.connector_id in [each.connector_id for each in found]
             yield f"{name}: its connector is listed" if kept else None
 

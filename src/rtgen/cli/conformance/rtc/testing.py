@@ -18,12 +18,15 @@ from rtgen.cli.conformance.rtc.component import RtcUnderTest
 from rtgen.cli.conformance.rtc.expected import Expected
 from rtgen.cli.signals import terminable
 from rtgen.diagnostics import InputError, ToolError, has_errors
-from rtgen.project import load, with_arguments
+from rtgen.frontends.profile_yaml import YAML_SUFFIXES
+from rtgen.project import is_component_profile, load, with_arguments
 from rtgen.runtime.corba.naming import Naming
 from rtgen.runtime.corba.orb import Orb
 from rtgen.runtime.corba.rt_objects.foreign import is_place, located
 from rtgen.runtime.corba.rt_objects.objects import Exported
-from rtgen.runtime.errors import TransportError
+from rtgen.runtime.errors import NoNamingServiceError, TransportError
+
+_PROFILES = (".xml", *YAML_SUFFIXES)
 
 
 def tested(
@@ -49,11 +52,17 @@ def tested(
             rtc = _answering(connect, expected, found, exported, timeout)
             subject = f"{expected.type_name} {rtc.profile.instance_name}"
             return checked(rtc, subject, file.as_posix(), actuate=actuate)
+    except NoNamingServiceError as error:
+        hint = "rtgen run and OpenRTM's rtc.conf name the naming service of a component"
+        raise ToolError(str(error), hint=hint) from error
     except TransportError as error:
         raise ToolError(str(error)) from error
 
 
 def _expected(file: Path, name: str | None, include: tuple[str, ...]) -> Expected:
+    is_profile = file.suffix.lower() in _PROFILES and file.is_file()
+    if is_profile and not is_component_profile(file):
+        raise Refusal(f"{file} is not the profile of a component (RTC.xml)")
     project = with_arguments(load(), paths=(str(file),), include=include)
     read = compiler.read(project, lowered=True)
     if has_errors(read.diagnostics):
@@ -83,9 +92,16 @@ def checked(
 ) -> Report:
     """The report of all checks. The component is left as it was found, after Ctrl-C too."""
     try:
+        if actuate and rtc.contexts:
+            rtc.keep()
+    except rtc.faults as fault:
+        why = rtc.explained(fault)
+        raise ToolError(
+            f"{subject} does not tell what --actuate would have to restore: {why}",
+            hint="without --actuate nothing is changed",
+        ) from fault
+    try:
         with terminable():
-            if actuate and rtc.contexts:
-                rtc.keep()
             outcomes = tuple(check.outcome(rtc, actuate=actuate) for check in CHECKS)
     except BaseException:
         wrong = [problem for problem in rtc.restore() if problem is not None]
