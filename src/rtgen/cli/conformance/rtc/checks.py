@@ -28,8 +28,8 @@ from rtgen.runtime.return_codes import (
     ReturnCode_t,
 )
 
-_RTC: Final = "OMG RTC 1.1, "
-_SDO: Final = "OMG SDO 1.1, "
+_RTC: Final = "OMG RTC 1.0, "
+_SDO: Final = "OMG SDO, "
 _UNKNOWN: Final = "rtgen-conformance-unknown"
 """A name that no set, parameter or connector has."""
 
@@ -432,10 +432,10 @@ def left(rtc: RtcUnderTest) -> Problems:
     yield from rtc.restore()
 
 
-_PROFILE: Final = f"{_RTC}5.4.2.2 (RTObject, ComponentProfile)"
-_PORTS: Final = f"{_RTC}5.4.2.3 (PortService, PortProfile)"
-_CONTEXTS: Final = f"{_RTC}5.2.2.5 (ExecutionContextOperations)"
-_LIFE: Final = f"{_RTC}5.2.2.4 (LifeCycleState)"
+_PROFILE: Final = f"{_RTC}RTObject, ComponentProfile"
+_PORTS: Final = f"{_RTC}PortService, PortProfile"
+_CONTEXTS: Final = f"{_RTC}5.2.2.6 (ExecutionContext)"
+_LIFE: Final = f"{_RTC}5.2.2.3 (LifeCycleState)"
 _SETS: Final = f"{_SDO}Configuration"
 
 CHECKS: Final = (
