@@ -80,7 +80,9 @@ def test_a_module_starts_runs_and_ends(
             feeding(rtm, lab, component, f"{name}0.{port}", in_port.type)
             for port, in_port in component_of(name).in_ports.items()
         ]
-        assert rtm.activate(component) == RTC.RTC_OK
+        activated = rtm.activate(component)
+        # An error in the first cycle may come before the context looks at the state.
+        assert activated == RTC.RTC_OK or REASONS[name]
         for writer in writers:
             assert writer.write()
         if REASONS[name]:

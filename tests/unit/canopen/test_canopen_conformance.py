@@ -436,7 +436,7 @@ def test_the_command_on_a_bus(
 @pytest.mark.parametrize(
     ("arguments", "word"),
     [
-        (["board.xml"], "is not an EDS, a DCF or a CDL file"),
+        (["board.txt"], "is not an EDS, a DCF, a CDL file or"),
         (["f_palette.eds", "--connect", "can0"], "not INTERFACE:CHANNEL"),
         (["f_palette.eds", "--connect", "virtual:x"], "NODE-ID"),
         (["nothing.eds", "--node", "1", "--connect", "virtual:x"], "nothing.eds"),
