@@ -43,6 +43,7 @@ READING: Final = frozenset(
         CommandKind.COMMAND_WATCH,
         CommandKind.COMMAND_FITS,
         CommandKind.COMMAND_OBJECTS,
+        CommandKind.COMMAND_LOOK,
     )
 )
 """Commands that need no right."""
@@ -108,8 +109,9 @@ class Commands:
         if kind not in READING and not page.full:
             raise CommandError(NO_RIGHT, "this page may only look")
         if kind is CommandKind.COMMAND_WATCH:
-            page.watched = frozenset(value)
-            self._session.watch_changed()
+            self._session.watch(page, value)
+        elif kind is CommandKind.COMMAND_LOOK:
+            self._session.look(page, value)
         elif kind is CommandKind.COMMAND_FITS:
             result.fits = self._fits(value)
         elif kind is CommandKind.COMMAND_CALL:

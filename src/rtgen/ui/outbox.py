@@ -25,6 +25,12 @@ MOST_TRAFFIC: Final = 2048
 """Frames and calls that wait before the oldest are dropped."""
 
 _LATEST: Final = (EventKind.EVENT_TIME, EventKind.EVENT_LOAD)
+_ALWAYS: Final = (
+    EventKind.EVENT_HELLO,
+    EventKind.EVENT_RESULT,
+    EventKind.EVENT_END,
+)
+"""What a page gets whatever it shows."""
 _TRAFFIC: Final = (EventKind.EVENT_FRAMES, EventKind.EVENT_BOARD_CALL)
 
 
@@ -33,13 +39,15 @@ class Outbox:
     """What a page has still to get. May be used from any thread; `wake` is called for new messages.
 
     `full`: the page may change the system. `watched`: the channels whose samples it wants.
-    `behind`: it has missed changes and needs the whole state.
+    `behind`: it has missed changes and needs the whole state. `past`: the time that it shows [s];
+    None for a page that gets what happens as it happens.
     """
 
     wake: Callable[[], None]
     full: bool = True
     watched: frozenset[int] = frozenset()
     behind: bool = False
+    past: float | None = None
     closed: bool = False
     _lock: threading.Lock = field(default_factory=threading.Lock)
     _changes: deque[Event] = field(default_factory=deque)
@@ -54,6 +62,8 @@ class Outbox:
         """A message of any kind but samples and statistics."""
         kind = event.discriminator
         with self._lock:
+            if self.past is not None and kind not in _ALWAYS:
+                return
             if kind in _LATEST:
                 self._latest[kind] = event
             elif kind in _TRAFFIC:
@@ -63,9 +73,8 @@ class Outbox:
                     self._dropped += 1
             elif kind is EventKind.EVENT_SYSTEM:
                 # It contains all changes before it; results of commands stay.
-                kept = (EventKind.EVENT_HELLO, EventKind.EVENT_RESULT)
                 self._changes = deque(
-                    e for e in self._changes if e.discriminator in kept
+                    e for e in self._changes if e.discriminator in _ALWAYS
                 )
                 self._changes.append(event)
                 self.behind = False
@@ -76,6 +85,22 @@ class Outbox:
                 self.behind = True
         self.wake()
 
+    def show(self, events: list[Event], past: float | None) -> None:
+        """The state at a time, in place of all that waits; `past` is from now on what it says."""
+        with self._lock:
+            kept = (e for e in self._changes if e.discriminator in _ALWAYS)
+            self._changes = deque((*kept, *events))
+            self._statistics, self._latest = {}, {}
+            self._samples, self._traffic = [], deque()
+            self.past, self.behind = past, False
+        self.wake()
+
+    def show_more(self, events: list[Event]) -> None:
+        """Events that belong to the time that the page shows."""
+        with self._lock:
+            self._changes.extend(events)
+        self.wake()
+
     @property
     def is_crowded(self) -> bool:
         """Whether so much waits that no more commands should be taken from the page."""
@@ -84,6 +109,8 @@ class Outbox:
     def sample(self, sample: Sample) -> None:
         """A sample of a channel that the page watches."""
         with self._lock:
+            if self.past is not None:
+                return
             self._samples.append(sample)
             if len(self._samples) > MOST_SAMPLES:
                 newest = {each.channel: each for each in self._samples}
@@ -95,6 +122,8 @@ class Outbox:
     def statistics(self, found: list[Statistics]) -> None:
         """The newest statistics of components."""
         with self._lock:
+            if self.past is not None:
+                return
             self._statistics |= {each.instance: each for each in found}
         self.wake()
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import threading
 import uuid
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, Final
 
 from rtgen import runtime
@@ -30,6 +30,7 @@ from rtgen.ui.buses import Buses
 from rtgen.ui.description import STATES, Description, palette_entry
 from rtgen.ui.edits import Edits
 from rtgen.ui.errors import FILE, UNKNOWN, CommandError
+from rtgen.ui.history import History
 from rtgen.ui.outbox import Outbox
 from rtgen.ui.project import Project
 from rtgen.ui.protocol import ui
@@ -75,6 +76,7 @@ class Session:
         self.known_types = frozenset(each.type for each in self._palette)
         self.runner = Runner(self.made(file), self._report, self._ended)
         self.buses: Buses
+        self.history: History
         self._watch()
 
     # Systems.
@@ -109,7 +111,7 @@ class Session:
         self._watch()
         whole = ui.Event.of_whole(self.whole())
         for page in self._pages:
-            page.put(whole)
+            page.show([whole], None)
 
     def open(self, file: str) -> None:
         """Go on with the system of another file. Raises CommandError."""
@@ -122,9 +124,11 @@ class Session:
 
     def _watch(self) -> None:
         system = self.system
+        self.history = History()
         self.buses = Buses(system, self.project.describer, self.tell)
         for instance in system.instances:
             self.channels_of(instance)
+        self.history.begin(self.whole())
         system.clock.traffic.watch(self._on_traffic)
         system.add_listener(_Listener(self))
 
@@ -148,8 +152,29 @@ class Session:
         """Take over what pages watch now; from any thread."""
         self._watched = frozenset().union(*(page.watched for page in self._pages))
 
+    def watch(self, page: Outbox, channels: Sequence[int]) -> None:
+        """Give a page the samples of other channels than before."""
+        added = frozenset(channels) - page.watched
+        page.watched = frozenset(channels)
+        self.watch_changed()
+        if page.past is not None:
+            page.show_more(self.history.samples(page.past, added))
+
+    def look(self, page: Outbox, time: float) -> None:
+        """Show a page the run as it was at a time [s]; negative: what happens from now on.
+
+        The run goes on.
+        """
+        self.history.reach(self.now)
+        now = self.history.nearest(self.now if time < 0 else time)
+        events = self.history.at(now, self.types.nodes, page.watched)
+        if time < 0:
+            events[0] = ui.Event.of_whole(self.whole())
+        page.show(events, None if time < 0 else now)
+
     def tell(self, event: ui.Event) -> None:
         """Put an event into the outbox of each page; types that are new go before it."""
+        self.history.tell(self.now, event)
         nodes = self.types.nodes
         if len(nodes) > self._sent_types:
             first, self._sent_types = self._sent_types, len(nodes)
@@ -193,6 +218,8 @@ class Session:
             speed=runner.speed,
             now=self.now,
             ended=runner.over,
+            first=self.history.first,
+            last=self.now,
         )
 
     @property
@@ -259,13 +286,14 @@ class Session:
                 return printed(value).encode()
 
         def write(value: Any) -> None:
-            if number not in self._watched:
-                return
             try:
                 data = encode(value)
             except CdrError:
                 return  # The recorder counts them; a page cannot show what has no octets.
             sample = ui.Sample(channel=number, time=elapsed() / SECOND, data=data)
+            self.history.sample(sample)
+            if number not in self._watched:
+                return
             for page in self._pages:
                 if number in page.watched:
                     page.sample(sample)
@@ -347,6 +375,7 @@ class Session:
                 if before is not None and each.overruns > before.overruns:
                     count = each.overruns - before.overruns
                     self.notice("overrun", each.instance, f"{count} more")
+        self.history.statistics(self.now, changed)
         for page in self._pages:
             if changed:
                 page.statistics(changed)

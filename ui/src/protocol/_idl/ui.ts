@@ -4,7 +4,7 @@
 import { type CdrType, boolean, branch, double, enumeration, field, long, longlong, octets, sequence, string, struct, ulong, ulonglong, union } from "../_cdr.ts";
 
 /** Version of the protocol; a page of another one reloads. */
-export const Ui$VERSION = 1;
+export const Ui$VERSION = 2;
 
 export type Ui$Octets = Uint8Array;
 export const Ui$Octets: CdrType<Ui$Octets> = octets();
@@ -276,11 +276,14 @@ export interface Ui$Channel {
   port: Ui$PortAddress;
   /** -1: the samples are JSON, else XCDR with its encapsulation header. */
   type_number: number;
+  /** Whether it belongs to the run that is beside this one. */
+  beside: boolean;
 }
 export const Ui$Channel: CdrType<Ui$Channel> = struct("Ui::Channel", [
   field("id", ulong),
   field("port", Ui$PortAddress),
   field("type_number", long),
+  field("beside", boolean),
 ]);
 
 export type Ui$ClockKind = "CLOCK_SIMULATED" | "CLOCK_REAL" | "CLOCK_RECORDING";
@@ -291,19 +294,26 @@ export interface Ui$ClockState {
   playing: boolean;
   /** Simulated seconds in a second; 0: as fast as possible. */
   speed: number;
+  /** What the page shows. */
   now: number;
-  /** End of a recording; 0: unknown. */
-  last: number;
   /** Whether the run is over. */
   ended: boolean;
+  /** Whether the page shows the run as it was at `now`. */
+  past: boolean;
+  /** The earliest time that a page can show. */
+  first: number;
+  /** The latest one. */
+  last: number;
 }
 export const Ui$ClockState: CdrType<Ui$ClockState> = struct("Ui::ClockState", [
   field("kind", Ui$ClockKind),
   field("playing", boolean),
   field("speed", double),
   field("now", double),
-  field("last", double),
   field("ended", boolean),
+  field("past", boolean),
+  field("first", double),
+  field("last", double),
 ]);
 
 export interface Ui$EditState {
@@ -480,6 +490,8 @@ export interface Ui$SystemState {
   boards: Ui$Board[];
   /** Files that `open` takes. */
   systems: Ui$Strings;
+  /** Name of the run that is beside this one; empty: none. */
+  beside: string;
 }
 export const Ui$SystemState: CdrType<Ui$SystemState> = struct("Ui::SystemState", [
   field("name", string()),
@@ -493,6 +505,7 @@ export const Ui$SystemState: CdrType<Ui$SystemState> = struct("Ui::SystemState",
   field("buses", sequence(Ui$Bus)),
   field("boards", sequence(Ui$Board)),
   field("systems", Ui$Strings),
+  field("beside", string()),
 ]);
 
 export interface Ui$Hello {
@@ -673,8 +686,8 @@ export const Ui$FrameList: CdrType<Ui$FrameList> = sequence(Ui$Frame);
 export type Ui$StatisticsList = Ui$Statistics[];
 export const Ui$StatisticsList: CdrType<Ui$StatisticsList> = sequence(Ui$Statistics);
 
-export type Ui$EventKind = "EVENT_HELLO" | "EVENT_SYSTEM" | "EVENT_TYPES" | "EVENT_COMPONENT" | "EVENT_REMOVED" | "EVENT_CONNECTED" | "EVENT_CUT" | "EVENT_STATE" | "EVENT_STATISTICS" | "EVENT_PARAMETER" | "EVENT_ACTIVE_SET" | "EVENT_CHANNEL" | "EVENT_SAMPLES" | "EVENT_TIME" | "EVENT_SENT_LESS" | "EVENT_RESULT" | "EVENT_MOVED" | "EVENT_EDITS" | "EVENT_NOTICE" | "EVENT_FRAMES" | "EVENT_BUS" | "EVENT_LOAD" | "EVENT_BOARD_CALL" | "EVENT_END";
-export const Ui$EventKind: CdrType<Ui$EventKind> = enumeration("Ui::EventKind", { EVENT_HELLO: 0, EVENT_SYSTEM: 1, EVENT_TYPES: 2, EVENT_COMPONENT: 3, EVENT_REMOVED: 4, EVENT_CONNECTED: 5, EVENT_CUT: 6, EVENT_STATE: 7, EVENT_STATISTICS: 8, EVENT_PARAMETER: 9, EVENT_ACTIVE_SET: 10, EVENT_CHANNEL: 11, EVENT_SAMPLES: 12, EVENT_TIME: 13, EVENT_SENT_LESS: 14, EVENT_RESULT: 15, EVENT_MOVED: 16, EVENT_EDITS: 17, EVENT_NOTICE: 18, EVENT_FRAMES: 19, EVENT_BUS: 20, EVENT_LOAD: 21, EVENT_BOARD_CALL: 22, EVENT_END: 23 });
+export type Ui$EventKind = "EVENT_HELLO" | "EVENT_SYSTEM" | "EVENT_TYPES" | "EVENT_COMPONENT" | "EVENT_REMOVED" | "EVENT_CONNECTED" | "EVENT_CUT" | "EVENT_STATE" | "EVENT_STATISTICS" | "EVENT_PARAMETER" | "EVENT_ACTIVE_SET" | "EVENT_CHANNEL" | "EVENT_SAMPLES" | "EVENT_TIME" | "EVENT_SENT_LESS" | "EVENT_RESULT" | "EVENT_MOVED" | "EVENT_EDITS" | "EVENT_NOTICE" | "EVENT_FRAMES" | "EVENT_BUS" | "EVENT_LOAD" | "EVENT_BOARD_CALL" | "EVENT_END" | "EVENT_BESIDE";
+export const Ui$EventKind: CdrType<Ui$EventKind> = enumeration("Ui::EventKind", { EVENT_HELLO: 0, EVENT_SYSTEM: 1, EVENT_TYPES: 2, EVENT_COMPONENT: 3, EVENT_REMOVED: 4, EVENT_CONNECTED: 5, EVENT_CUT: 6, EVENT_STATE: 7, EVENT_STATISTICS: 8, EVENT_PARAMETER: 9, EVENT_ACTIVE_SET: 10, EVENT_CHANNEL: 11, EVENT_SAMPLES: 12, EVENT_TIME: 13, EVENT_SENT_LESS: 14, EVENT_RESULT: 15, EVENT_MOVED: 16, EVENT_EDITS: 17, EVENT_NOTICE: 18, EVENT_FRAMES: 19, EVENT_BUS: 20, EVENT_LOAD: 21, EVENT_BOARD_CALL: 22, EVENT_END: 23, EVENT_BESIDE: 24 });
 
 export type Ui$Event =
   /** The first message. */
@@ -707,6 +720,8 @@ export type Ui$Event =
   | { case: "call"; value: Ui$BoardCall; discriminator?: Ui$EventKind }
   /** The server ends. */
   | { case: "reason"; value: string; discriminator?: Ui$EventKind }
+  /** In the run that is beside this one. */
+  | { case: "other"; value: Ui$StateChange; discriminator?: Ui$EventKind }
   ;
 export const Ui$Event: CdrType<Ui$Event> = union("Ui::Event", Ui$EventKind, [
   branch("greeting", Ui$Hello, ["EVENT_HELLO"]),
@@ -733,6 +748,7 @@ export const Ui$Event: CdrType<Ui$Event> = union("Ui::Event", Ui$EventKind, [
   branch("carried", Ui$BusLoad, ["EVENT_LOAD"]),
   branch("call", Ui$BoardCall, ["EVENT_BOARD_CALL"]),
   branch("reason", string(), ["EVENT_END"]),
+  branch("other", Ui$StateChange, ["EVENT_BESIDE"]),
 ]);
 
 export interface Ui$ServerMessage {
@@ -879,8 +895,8 @@ export const Ui$Inject: CdrType<Ui$Inject> = struct("Ui::Inject", [
   field("data", Ui$Octets),
 ]);
 
-export type Ui$CommandKind = "COMMAND_WATCH" | "COMMAND_FITS" | "COMMAND_CONNECT" | "COMMAND_CUT" | "COMMAND_ACTIVATE" | "COMMAND_DEACTIVATE" | "COMMAND_RESET" | "COMMAND_SET" | "COMMAND_ACTIVATE_SET" | "COMMAND_CALL" | "COMMAND_ADD" | "COMMAND_REMOVE" | "COMMAND_MOVE" | "COMMAND_SAVE" | "COMMAND_UNDO" | "COMMAND_REDO" | "COMMAND_PLAY" | "COMMAND_PAUSE" | "COMMAND_STEP" | "COMMAND_SPEED" | "COMMAND_SEEK" | "COMMAND_OPEN" | "COMMAND_SEND_FRAME" | "COMMAND_NMT" | "COMMAND_SDO_READ" | "COMMAND_SDO_WRITE" | "COMMAND_OBJECTS" | "COMMAND_CALL_BOARD" | "COMMAND_INJECT";
-export const Ui$CommandKind: CdrType<Ui$CommandKind> = enumeration("Ui::CommandKind", { COMMAND_WATCH: 0, COMMAND_FITS: 1, COMMAND_CONNECT: 2, COMMAND_CUT: 3, COMMAND_ACTIVATE: 4, COMMAND_DEACTIVATE: 5, COMMAND_RESET: 6, COMMAND_SET: 7, COMMAND_ACTIVATE_SET: 8, COMMAND_CALL: 9, COMMAND_ADD: 10, COMMAND_REMOVE: 11, COMMAND_MOVE: 12, COMMAND_SAVE: 13, COMMAND_UNDO: 14, COMMAND_REDO: 15, COMMAND_PLAY: 16, COMMAND_PAUSE: 17, COMMAND_STEP: 18, COMMAND_SPEED: 19, COMMAND_SEEK: 20, COMMAND_OPEN: 21, COMMAND_SEND_FRAME: 22, COMMAND_NMT: 23, COMMAND_SDO_READ: 24, COMMAND_SDO_WRITE: 25, COMMAND_OBJECTS: 26, COMMAND_CALL_BOARD: 27, COMMAND_INJECT: 28 });
+export type Ui$CommandKind = "COMMAND_WATCH" | "COMMAND_FITS" | "COMMAND_CONNECT" | "COMMAND_CUT" | "COMMAND_ACTIVATE" | "COMMAND_DEACTIVATE" | "COMMAND_RESET" | "COMMAND_SET" | "COMMAND_ACTIVATE_SET" | "COMMAND_CALL" | "COMMAND_ADD" | "COMMAND_REMOVE" | "COMMAND_MOVE" | "COMMAND_SAVE" | "COMMAND_UNDO" | "COMMAND_REDO" | "COMMAND_PLAY" | "COMMAND_PAUSE" | "COMMAND_STEP" | "COMMAND_SPEED" | "COMMAND_SEEK" | "COMMAND_OPEN" | "COMMAND_SEND_FRAME" | "COMMAND_NMT" | "COMMAND_SDO_READ" | "COMMAND_SDO_WRITE" | "COMMAND_OBJECTS" | "COMMAND_CALL_BOARD" | "COMMAND_INJECT" | "COMMAND_LOOK";
+export const Ui$CommandKind: CdrType<Ui$CommandKind> = enumeration("Ui::CommandKind", { COMMAND_WATCH: 0, COMMAND_FITS: 1, COMMAND_CONNECT: 2, COMMAND_CUT: 3, COMMAND_ACTIVATE: 4, COMMAND_DEACTIVATE: 5, COMMAND_RESET: 6, COMMAND_SET: 7, COMMAND_ACTIVATE_SET: 8, COMMAND_CALL: 9, COMMAND_ADD: 10, COMMAND_REMOVE: 11, COMMAND_MOVE: 12, COMMAND_SAVE: 13, COMMAND_UNDO: 14, COMMAND_REDO: 15, COMMAND_PLAY: 16, COMMAND_PAUSE: 17, COMMAND_STEP: 18, COMMAND_SPEED: 19, COMMAND_SEEK: 20, COMMAND_OPEN: 21, COMMAND_SEND_FRAME: 22, COMMAND_NMT: 23, COMMAND_SDO_READ: 24, COMMAND_SDO_WRITE: 25, COMMAND_OBJECTS: 26, COMMAND_CALL_BOARD: 27, COMMAND_INJECT: 28, COMMAND_LOOK: 29 });
 
 export type Ui$Command =
   /** All whose samples the page wants. */
@@ -918,6 +934,8 @@ export type Ui$Command =
   | { case: "node"; value: Ui$NodeAddress; discriminator?: Ui$CommandKind }
   | { case: "board_call"; value: Ui$CallBoard; discriminator?: Ui$CommandKind }
   | { case: "injected"; value: Ui$Inject; discriminator?: Ui$CommandKind }
+  /** The time that this page shows; negative: the newest. */
+  | { case: "looked"; value: number; discriminator?: Ui$CommandKind }
   ;
 export const Ui$Command: CdrType<Ui$Command> = union("Ui::Command", Ui$CommandKind, [
   branch("channels", sequence(ulong), ["COMMAND_WATCH"]),
@@ -949,6 +967,7 @@ export const Ui$Command: CdrType<Ui$Command> = union("Ui::Command", Ui$CommandKi
   branch("node", Ui$NodeAddress, ["COMMAND_OBJECTS"]),
   branch("board_call", Ui$CallBoard, ["COMMAND_CALL_BOARD"]),
   branch("injected", Ui$Inject, ["COMMAND_INJECT"]),
+  branch("looked", double, ["COMMAND_LOOK"]),
 ]);
 
 export interface Ui$ClientMessage {

@@ -9,7 +9,7 @@ from typing import ClassVar, Final, Self, TypeAlias
 from rtgen.runtime import idl
 from rtgen.runtime.cdr import Aggregated, AliasCodec, Enumeration, Union, field
 
-VERSION: Final = 1
+VERSION: Final = 2
 """Version of the protocol; a page of another one reloads."""
 Octets: TypeAlias = bytes
 _Octets_alias = idl.alias("Ui::Octets", idl.sequence(idl.OCTET))
@@ -401,12 +401,15 @@ class Channel(Aggregated):
         id=idl.UNSIGNED_LONG,
         port=PortAddress,
         type_number=idl.LONG,
+        beside=idl.BOOLEAN,
     )
 
     id: int = 0
     port: PortAddress = field(default_factory=PortAddress)
     type_number: int = 0
     """-1: the samples are JSON, else XCDR with its encapsulation header."""
+    beside: bool = False
+    """Whether it belongs to the run that is beside this one."""
 
 
 class ClockKind(Enumeration):
@@ -429,8 +432,10 @@ class ClockState(Aggregated):
         playing=idl.BOOLEAN,
         speed=idl.DOUBLE,
         now=idl.DOUBLE,
-        last=idl.DOUBLE,
         ended=idl.BOOLEAN,
+        past=idl.BOOLEAN,
+        first=idl.DOUBLE,
+        last=idl.DOUBLE,
     )
 
     kind: ClockKind = ClockKind.CLOCK_SIMULATED
@@ -438,10 +443,15 @@ class ClockState(Aggregated):
     speed: float = 0.0
     """Simulated seconds in a second; 0: as fast as possible."""
     now: float = 0.0
-    last: float = 0.0
-    """End of a recording; 0: unknown."""
+    """What the page shows."""
     ended: bool = False
     """Whether the run is over."""
+    past: bool = False
+    """Whether the page shows the run as it was at `now`."""
+    first: float = 0.0
+    """The earliest time that a page can show."""
+    last: float = 0.0
+    """The latest one."""
 
 
 class EditState(Aggregated):
@@ -657,6 +667,7 @@ class SystemState(Aggregated):
         buses=idl.sequence(Bus),
         boards=idl.sequence(Board),
         systems=_Strings_alias,
+        beside=idl.STRING,
     )
 
     name: str = ""
@@ -671,6 +682,8 @@ class SystemState(Aggregated):
     boards: list[Board] = field(default_factory=list)
     systems: Strings = field(default_factory=list)
     """Files that `open` takes."""
+    beside: str = ""
+    """Name of the run that is beside this one; empty: none."""
 
 
 class Hello(Aggregated):
@@ -940,6 +953,7 @@ class EventKind(Enumeration):
     EVENT_LOAD = 21
     EVENT_BOARD_CALL = 22
     EVENT_END = 23
+    EVENT_BESIDE = 24
 
 
 idl.enum(EventKind, "Ui::EventKind")
@@ -975,6 +989,7 @@ class Event(Union):
         carried=idl.case(BusLoad, EventKind.EVENT_LOAD),
         call=idl.case(BoardCall, EventKind.EVENT_BOARD_CALL),
         reason=idl.case(idl.STRING, EventKind.EVENT_END),
+        other=idl.case(StateChange, EventKind.EVENT_BESIDE),
     )
 
     discriminator: EventKind = EventKind.EVENT_HELLO
@@ -1244,6 +1259,17 @@ class Event(Union):
         value: str = self._selected_("reason")
         return value
 
+    @classmethod
+    def of_other(cls, value: StateChange) -> Self:
+        """A value of the branch `other`."""
+        return cls(EventKind.EVENT_BESIDE, value)
+
+    @property
+    def other(self) -> StateChange:
+        """In the run that is beside this one."""
+        value: StateChange = self._selected_("other")
+        return value
+
 
 class ServerMessage(Aggregated):
     """`Ui::ServerMessage`."""
@@ -1461,6 +1487,7 @@ class CommandKind(Enumeration):
     COMMAND_OBJECTS = 26
     COMMAND_CALL_BOARD = 27
     COMMAND_INJECT = 28
+    COMMAND_LOOK = 29
 
 
 idl.enum(CommandKind, "Ui::CommandKind")
@@ -1501,6 +1528,7 @@ class Command(Union):
         node=idl.case(NodeAddress, CommandKind.COMMAND_OBJECTS),
         board_call=idl.case(CallBoard, CommandKind.COMMAND_CALL_BOARD),
         injected=idl.case(Inject, CommandKind.COMMAND_INJECT),
+        looked=idl.case(idl.DOUBLE, CommandKind.COMMAND_LOOK),
     )
 
     discriminator: CommandKind = CommandKind.COMMAND_WATCH
@@ -1823,6 +1851,17 @@ class Command(Union):
     def injected(self) -> Inject:
         """The value, if the branch `injected` is selected."""
         value: Inject = self._selected_("injected")
+        return value
+
+    @classmethod
+    def of_looked(cls, value: float) -> Self:
+        """A value of the branch `looked`."""
+        return cls(CommandKind.COMMAND_LOOK, value)
+
+    @property
+    def looked(self) -> float:
+        """The time that this page shows; negative: the newest."""
+        value: float = self._selected_("looked")
         return value
 
 

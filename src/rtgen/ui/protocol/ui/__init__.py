@@ -136,6 +136,7 @@ EVENT_BUS: Final = EventKind.EVENT_BUS
 EVENT_LOAD: Final = EventKind.EVENT_LOAD
 EVENT_BOARD_CALL: Final = EventKind.EVENT_BOARD_CALL
 EVENT_END: Final = EventKind.EVENT_END
+EVENT_BESIDE: Final = EventKind.EVENT_BESIDE
 COMMAND_WATCH: Final = CommandKind.COMMAND_WATCH
 COMMAND_FITS: Final = CommandKind.COMMAND_FITS
 COMMAND_CONNECT: Final = CommandKind.COMMAND_CONNECT
@@ -165,6 +166,7 @@ COMMAND_SDO_WRITE: Final = CommandKind.COMMAND_SDO_WRITE
 COMMAND_OBJECTS: Final = CommandKind.COMMAND_OBJECTS
 COMMAND_CALL_BOARD: Final = CommandKind.COMMAND_CALL_BOARD
 COMMAND_INJECT: Final = CommandKind.COMMAND_INJECT
+COMMAND_LOOK: Final = CommandKind.COMMAND_LOOK
 
 __all__ = [
     "ActiveSet",
@@ -188,6 +190,7 @@ __all__ = [
     "COMMAND_DEACTIVATE",
     "COMMAND_FITS",
     "COMMAND_INJECT",
+    "COMMAND_LOOK",
     "COMMAND_MOVE",
     "COMMAND_NMT",
     "COMMAND_OBJECTS",
@@ -220,6 +223,7 @@ __all__ = [
     "Connect",
     "Connection",
     "EVENT_ACTIVE_SET",
+    "EVENT_BESIDE",
     "EVENT_BOARD_CALL",
     "EVENT_BUS",
     "EVENT_CHANNEL",

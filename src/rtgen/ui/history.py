@@ -1,0 +1,251 @@
+"""What pages would have been told so far: bounded, and given again as it was at a time."""
+
+from __future__ import annotations
+
+import copy
+import math
+import threading
+from bisect import bisect_right
+from collections import deque
+from collections.abc import Collection, Iterable
+from dataclasses import dataclass, field
+from itertools import islice
+from typing import Any, Final
+
+from msgspec.structs import replace
+
+from rtgen.ui.errors import BAD_VALUE, CommandError
+from rtgen.ui.protocol import ui
+from rtgen.ui.protocol.ui import Event, EventKind
+
+MOST_OCTETS: Final = 64 << 20
+"""About what is kept of samples, frames and calls; then the first quarter of the time goes."""
+MOST_CHANGES: Final = 20_000
+"""Changes that are kept one by one; of those before them each part's newest."""
+MOST_LINES: Final = 500
+"""Lines of the timeline that a page is given."""
+
+_OVERHEAD: Final = 200
+"""Octets that a message takes beside its data, about."""
+_FRAME: Final = 1500
+_GIVEN: Final = {"sample": 2000, "frames": 1000, "calls": 1000, "loads": 600}
+"""How many of the newest a page is given, as it keeps no more; of the rest one."""
+_LINES: Final = frozenset(
+    (EventKind.EVENT_STATE, EventKind.EVENT_BESIDE, EventKind.EVENT_NOTICE)
+)
+_NOT_KEPT: Final = frozenset(
+    (
+        EventKind.EVENT_HELLO,
+        EventKind.EVENT_SYSTEM,
+        EventKind.EVENT_TYPES,
+        EventKind.EVENT_TIME,
+        EventKind.EVENT_EDITS,
+        EventKind.EVENT_SENT_LESS,
+        EventKind.EVENT_RESULT,
+        EventKind.EVENT_END,
+    )
+)
+
+_Key = tuple[object, ...]
+
+
+@dataclass(slots=True)
+class _Row:
+    """Messages of one kind, with their times in order."""
+
+    times: list[float] = field(default_factory=list)
+    items: list[Any] = field(default_factory=list)
+    sizes: list[int] = field(default_factory=list)
+
+    def put(self, time: float, item: Any, size: int) -> None:
+        self.times.append(time)
+        self.items.append(item)
+        self.sizes.append(size)
+
+    def until(self, time: float, most: int) -> list[Any]:
+        end = bisect_right(self.times, time)
+        return self.items[max(0, end - most) : end]
+
+    def drop(self, time: float) -> int:
+        """Forget what is not after a time; returns its octets."""
+        end = bisect_right(self.times, time)
+        dropped = sum(islice(self.sizes, end))
+        del self.times[:end], self.items[:end], self.sizes[:end]
+        return dropped
+
+
+class History:
+    """The run of one system from the state of `begin` on. May be used from any thread.
+
+    `first`, `last`: the times between which it can be shown [s].
+    """
+
+    def __init__(self, most_octets: int = MOST_OCTETS) -> None:
+        self.first = self.last = 0.0
+        self._start = ui.SystemState()
+        self._most = most_octets
+        self._octets = 0
+        self._lock = threading.Lock()
+        self._rows: dict[_Key, _Row] = {}
+        self._changes: deque[tuple[float, Event]] = deque()
+        self._before: dict[_Key, Event] = {}
+        self._lines_before: deque[Event] = deque(maxlen=MOST_LINES)
+        self._channels: dict[int, ui.Channel] = {}
+
+    def begin(self, whole: ui.SystemState) -> None:
+        """The state of the system at the start."""
+        self._start = copy.deepcopy(whole)
+        self._channels |= {each.id: each for each in whole.channels}
+
+    def nearest(self, time: float) -> float:
+        """The time next to this one that can be shown. Raises CommandError without one."""
+        if not math.isfinite(time):
+            raise CommandError(BAD_VALUE, f"{time} is no time")
+        return min(max(time, self.first), self.last)
+
+    def reach(self, time: float) -> None:
+        """Nothing has happened until this time."""
+        self.last = max(self.last, time)
+
+    def sample(self, sample: ui.Sample) -> None:
+        """A sample of a channel."""
+        size = _OVERHEAD + len(sample.data)
+        self._put(("sample", sample.channel), sample.time, sample, size)
+
+    def statistics(self, time: float, found: Iterable[ui.Statistics]) -> None:
+        """Statistics of components."""
+        for each in found:
+            self._put(("statistics", each.instance), time, each, _OVERHEAD)
+
+    def tell(self, time: float, event: Event) -> None:
+        """An event that pages are told."""
+        kind = event.discriminator
+        match kind:
+            case EventKind.EVENT_FRAMES:
+                for frame in event.traffic:
+                    self._put(("frames",), time, frame, _FRAME)
+            case EventKind.EVENT_BOARD_CALL:
+                size = _OVERHEAD + len(event.call.request) + len(event.call.reply)
+                self._put(("calls",), time, event, size)
+            case EventKind.EVENT_LOAD:
+                self._put(("loads", event.carried.bus), time, event, _OVERHEAD)
+            case EventKind.EVENT_CHANNEL:
+                self._channels[event.opened.id] = event.opened
+            case _ if kind not in _NOT_KEPT:
+                self._change(time, event)
+
+    def _change(self, time: float, event: Event) -> None:
+        if event.discriminator is EventKind.EVENT_BUS:
+            event = copy.deepcopy(event)  # Its nodes change later on.
+        with self._lock:
+            self.reach(time)
+            self._changes.append((time, event))
+            if len(self._changes) > MOST_CHANGES:
+                self.first = max(self.first, self._changes[0][0])
+                _, oldest = self._changes.popleft()
+                _overwrite(self._before, oldest)
+                if oldest.discriminator in _LINES:
+                    self._lines_before.append(oldest)
+
+    def _put(self, key: _Key, time: float, item: Any, size: int) -> None:
+        with self._lock:
+            if time < self.first:
+                return
+            self.reach(time)
+            self._rows.setdefault(key, _Row()).put(time, item, size)
+            self._octets += size
+            if self._octets > self._most:
+                self.first += (self.last - self.first) / 4
+                self._octets -= sum(r.drop(self.first) for r in self._rows.values())
+
+    def at(
+        self, time: float, types: list[ui.TypeNode], watched: Collection[int]
+    ) -> list[Event]:
+        """What a page is given to show a time: the state, then what had led to it.
+
+        Samples are those of the channels that the page watches; `types` are those known by now.
+        """
+        clock = replace(
+            self._start.time,
+            playing=False,
+            now=time,
+            past=True,
+            first=self.first,
+            last=self.last,
+        )
+        with self._lock:
+            whole = replace(
+                self._start,
+                types=[*types],
+                channels=[*self._channels.values()],
+                time=clock,
+            )
+            happened = [event for t, event in self._changes if t <= time]
+            statistics = self._kept("statistics", time)
+            frames = self._kept("frames", time)
+            traffic = [*self._kept("calls", time), *self._kept("loads", time)]
+        newest = dict(self._before)
+        for event in happened:
+            _overwrite(newest, event)
+        lines = [*self._lines_before, *happened]
+        lines = [each for each in lines if each.discriminator in _LINES][-MOST_LINES:]
+        given = {id(event) for event in (*newest.values(), *lines)}
+        passed = {id(event): event for event in self._lines_before}
+        passed |= {id(event): event for event in (*self._before.values(), *happened)}
+        return [
+            Event.of_whole(whole),
+            *(event for number, event in passed.items() if number in given),
+            Event.of_statistics(statistics),
+            Event.of_traffic(frames),
+            *traffic,
+            *self.samples(time, watched),
+        ]
+
+    def samples(self, time: float, channels: Iterable[int]) -> list[Event]:
+        """The samples of channels until a time."""
+        with self._lock:
+            found = [
+                sample
+                for channel in channels
+                if ("sample", channel) in self._rows
+                for sample in self._rows["sample", channel].until(
+                    time, _GIVEN["sample"]
+                )
+            ]
+        return [Event.of_samples(found)] if found else []
+
+    def _kept(self, kind: str, time: float) -> list[Any]:
+        most = _GIVEN.get(kind, 1)
+        rows = [row for key, row in self._rows.items() if key[0] == kind]
+        return [item for row in rows for item in row.until(time, most)]
+
+
+def _overwrite(newest: dict[_Key, Event], event: Event) -> None:
+    """Enter an event in place of the one that it makes void, in the order of events."""
+    key = _key(event)
+    if key is not None:
+        newest.pop(key, None)
+        newest[key] = event
+
+
+def _key(event: Event) -> _Key | None:
+    """What an event is about: a later one about the same makes it void; None for a notice."""
+    kind = event.discriminator
+    match kind:
+        case EventKind.EVENT_NOTICE:
+            return None
+        case EventKind.EVENT_COMPONENT:
+            return "component", event.described.instance
+        case EventKind.EVENT_REMOVED:
+            return "component", event.removed
+        case EventKind.EVENT_CONNECTED:
+            return "connection", event.connected.name
+        case EventKind.EVENT_CUT:
+            return "connection", event.cut
+        case EventKind.EVENT_PARAMETER:
+            setting = event.setting
+            return kind, setting.instance, setting.set, setting.parameter
+        case EventKind.EVENT_BUS:
+            return kind, event.described_bus.name
+    about: Any = event.value
+    return kind, about.instance
