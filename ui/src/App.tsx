@@ -13,14 +13,16 @@ export function App() {
   const [selected, select] = useState("");
   const [tab, open] = useState<Tab>("Values");
   const { system } = page;
+  const past = system?.time.past ?? false;
+  const full = page.full && !past;
   const component = system?.components.find((each) => each.instance === selected);
   return (
     <div className="app">
       <header>
         <h1>{system?.name || "rtgen"}</h1>
-        {system && <TimeBar system={system} full={page.full} />}
+        {system && <TimeBar system={system} full={full} />}
         <span className={`link ${page.link}`} role="status">
-          {page.link}
+          {page.link === "live" && past ? "looking back" : page.link}
           {page.link === "live" && !page.full && ", read only"}
         </span>
       </header>
@@ -37,14 +39,14 @@ export function App() {
       )}
       {system ? (
         <main>
-          <Palette system={system} full={page.full} />
-          <Wiring components={system.components} connections={system.connections} full={page.full} statistics={page.statistics} select={select} open={open} />
+          <Palette system={system} full={full} />
+          <Wiring components={system.components} connections={system.connections} full={full} statistics={page.statistics} select={select} open={open} />
           <Panel
             system={system}
             component={component}
             statistics={page.statistics.get(selected)}
             lines={page.lines}
-            full={page.full}
+            full={full}
             select={select}
             tab={tab}
             open={open}

@@ -1,9 +1,12 @@
-/** Time: play, pause, step, speed, and the way back. */
+/** Time: play, pause, step, speed, the way back, and what was. */
 
 import { useState } from "react";
 import type { SystemState } from "./protocol/Ui.ts";
 import { store } from "./store.ts";
 
+/** Of the slider [s], and how many of them it has. */
+const SHORTEST = 0.001;
+const STEPS = 1000;
 const SPEEDS = [0.1, 0.5, 1, 2, 5, 10, 0];
 
 export function TimeBar({ system, full }: { system: SystemState; full: boolean }) {
@@ -49,6 +52,20 @@ export function TimeBar({ system, full }: { system: SystemState; full: boolean }
         </>
       )}
       {time.ended && <span>ended</span>}
+      <input
+        type="range"
+        className="past"
+        aria-label="Look at time"
+        aria-valuetext={`${time.now.toFixed(3)} s`}
+        min={time.first}
+        max={Math.max(time.last, time.first + SHORTEST)}
+        step={Math.max((time.last - time.first) / STEPS, SHORTEST)}
+        value={time.now}
+        onChange={(e) => void store.look(Number(e.target.value))}
+      />
+      <button type="button" disabled={!time.past} onClick={() => void store.look(-1)}>
+        Live
+      </button>
     </div>
   );
 }

@@ -63,6 +63,11 @@ export class Store {
   private readonly waiting = new Map<number, (result: Result) => void>();
   private readonly listeners = new Set<() => void>();
   private watched: number[] = [];
+  /** The time that is to be shown next, while the server finds another one. */
+  private wanted: number | undefined;
+  private looking = false;
+  /** Whether the events at hand tell what has happened before, which is not announced. */
+  private retelling = false;
 
   subscribe = (listener: () => void): (() => void) => {
     this.listeners.add(listener);
@@ -82,8 +87,9 @@ export class Store {
     const socket = new WebSocket(address, "rtgen-ui.1");
     socket.binaryType = "arraybuffer";
     socket.onmessage = (message) => {
-      for (const event of decode(ServerMessage, new Uint8Array(message.data as ArrayBuffer)).events)
-        this.take(event);
+      const { events } = decode(ServerMessage, new Uint8Array(message.data as ArrayBuffer));
+      this.retelling = events.some((each) => each.case === "whole");
+      for (const event of events) this.take(event);
       this.change({});
     };
     socket.onclose = (closed) => {
@@ -125,6 +131,21 @@ export class Store {
     void this.ask({ case: "channels", value: channels });
   }
 
+  /** Shows the run as it was at a time; negative: as it goes on. Of times in a row the last counts. */
+  async look(time: number): Promise<void> {
+    this.wanted = time;
+    if (time >= 0) this.system((system) => ({ time: { ...system.time, now: time, past: true, playing: false } }));
+    this.change({});
+    if (this.looking) return;
+    this.looking = true;
+    while (this.wanted !== undefined) {
+      const next = this.wanted;
+      this.wanted = undefined;
+      await this.order({ case: "looked", value: next });
+    }
+    this.looking = false;
+  }
+
   notify(notice: string): void {
     this.change({ notice });
   }
@@ -150,7 +171,7 @@ export class Store {
   }
 
   private announce(what: string, connection: Connection | undefined): void {
-    if (!connection) return;
+    if (!connection || this.retelling) return;
     const { source, target } = connection;
     this.page = { ...this.page, announced: `${source.instance}.${source.port} to ${target.instance}.${target.port}: ${what}` };
   }
@@ -169,8 +190,13 @@ export class Store {
         this.types.add(0, event.value.types);
         this.tracks.clear();
         this.traffic = new Traffic();
+        if (event.value.time.past || this.page.system?.time.past) this.page = { ...this.page, lines: [], statistics: new Map() };
         this.page = { ...this.page, system: event.value, notice: "" };
-        if (this.watched.length) this.watch(this.watched);
+        if (this.wanted !== undefined) {
+          const now = this.wanted;
+          this.system(({ time }) => ({ time: { ...time, now: now < 0 ? time.now : now } }));
+        }
+        if (this.watched.length && !this.looking) this.watch(this.watched);
         break;
       case "types":
         this.types.add(event.value.first, event.value.nodes);
@@ -233,7 +259,7 @@ export class Store {
         for (const { channel, time, data } of event.value) this.sample(channel, time, data);
         break;
       case "clock":
-        this.system(() => ({ time: event.value }));
+        if (!this.looking) this.system(() => ({ time: event.value }));
         break;
       case "outcome":
         this.waiting.get(event.value.request)?.(event.value);

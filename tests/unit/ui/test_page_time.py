@@ -1,0 +1,57 @@
+"""The page looks back by the slider, in a real browser, while the run goes on."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+from ui_bench import until
+
+from rtgen.ui.session import Session
+
+
+def shown(page: Any) -> float:
+    text = page.get_by_label("Time of the run").inner_text()
+    return float(text.removesuffix(" s"))
+
+
+def test_everything_follows_the_slider(page: Any, session: Session) -> None:
+    page.get_by_role("combobox", name="Component").select_option("Odometry0")
+    values = page.get_by_role("region", name="Odometry0.OdometryPosition")
+    values.get_by_role("table").last.wait_for()
+    state = page.locator(".panel .state")
+    until(page, lambda: session.now > 1.5)
+    page.get_by_role("button", name="Deactivate Odometry0").click()
+    until(page, lambda: state.inner_text() == "INACTIVE")
+
+    slider = page.get_by_role("slider", name="Look at time")
+    slider.focus()
+    page.keyboard.press("Home")
+    page.get_by_role("status").get_by_text("looking back").wait_for()
+    until(page, lambda: shown(page) == 0.0 and state.inner_text() == "ACTIVE")
+    assert page.get_by_role(
+        "button", name="Activate Odometry0", exact=True
+    ).is_disabled()
+
+    page.keyboard.press("End")
+    until(page, lambda: state.inner_text() == "INACTIVE")
+    page.keyboard.press("PageDown")
+    page.keyboard.press("PageDown")
+    values.get_by_role("table").last.wait_for()
+    page.wait_for_timeout(200)
+    here = shown(page)
+    assert 0.0 < here < session.now
+    assert slider.get_attribute("aria-valuetext") == f"{here:.3f} s"
+    page.get_by_role("tab", name="Timeline").click()
+    times = page.get_by_role("tabpanel").locator("time").all_inner_texts()
+    assert times
+    assert max(float(each.removesuffix(" s")) for each in times) <= here
+    before = session.now
+    until(page, lambda: session.now > before + 0.5)
+    assert shown(page) == here
+
+    page.get_by_role("button", name="Live").press("Enter")
+    page.get_by_role("status").get_by_text(re.compile("^live")).wait_for()
+    until(page, lambda: shown(page) > before)
+    page.get_by_role("button", name="Pause").click()
+    assert page.get_by_role("button", name="Live").is_disabled()
