@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rtgen.backends.kit.python_text import fit, fit_text
+from rtgen.backends.kit.python_text import fit, fit_call, fit_text
 from rtgen.backends.kit.quoting.python import docstring, string_literal
 
 WORDS = (" | ", ": ", " if ", " else ", " for ", ", ", " = ", "(", ")", "[", "{", "#")
@@ -49,3 +49,23 @@ def test_a_docstring_does_not_hide_the_statements_behind_it(
     value = string_literal(f"{second} | {second}")
     module = f"{docstring(first, 0)}x = f(aaaaaaaaaaaaaaaa={value})\n"
     assert ast.dump(ast.parse(fit_text(module))) == ast.dump(ast.parse(module))
+
+
+@given(
+    st.text("a_b", min_size=1, max_size=90),
+    st.lists(
+        st.one_of(
+            st.text("ab", min_size=1, max_size=90),
+            texts.map(string_literal),
+            st.integers(1, 40).map(lambda n: f"a=b({', '.join(['word'] * n)})"),
+        ),
+        max_size=8,
+    ),
+    st.sampled_from((0, 4, 8)),
+)
+def test_a_call_is_fitted_from_its_arguments_as_from_its_text(
+    name: str, arguments: list[str], indent: int
+) -> None:
+    head = f"x: T = {name}"
+    statement = " " * indent + f"{head}({', '.join(arguments)})"
+    assert fit_text(fit_call(head, arguments, indent)) == fit_text(statement)

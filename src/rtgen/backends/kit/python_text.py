@@ -10,7 +10,7 @@ with `# fmt: skip`.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import msgspec
 
@@ -79,6 +79,21 @@ def fit(statement: str, indent: int = 0) -> str:
     if opened is None:
         return f"{' ' * indent}{statement}{SKIPPED}"
     return "\n".join(opened)
+
+
+def fit_call(head: str, arguments: Sequence[str], indent: int) -> str:
+    """The statement `head(arguments)`, indented and split as `fit` would, without a search.
+
+    Where the head or an argument has to be split too, all is one line, for `fit_text`.
+    """
+    begin, margin = f"{' ' * indent}{head}(", " " * (indent + _STEP)
+    flat = f"{begin}{', '.join(arguments)})"
+    if len(flat) <= WIDTH:
+        return flat
+    longest = max(map(len, arguments), default=WIDTH)
+    if max(len(begin), len(margin) + longest + 1) > WIDTH:
+        return flat
+    return "\n".join([begin, *[f"{margin}{a}," for a in arguments], f"{' ' * indent})"])
 
 
 def fit_text(text: str) -> str:

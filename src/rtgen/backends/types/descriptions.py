@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
+from rtgen.backends.kit.python_text import fit_call
 from rtgen.backends.kit.quoting.python import string_literal
 from rtgen.backends.types.scope import Scope
 from rtgen.layouts.cdr_types import CdrTypes, bit_count
@@ -106,13 +107,15 @@ class Descriptions:
         return f"{py.idl}.link({', '.join([*linked, *self._own_id(declaration)])})"
 
     def struct(self, declaration: Struct | ExceptionDecl, representation: int) -> str:
-        """The descriptor of a struct or exception."""
+        """The class variable with the descriptor of a struct or exception, as fitted lines."""
+        py = self._py
         kind = "struct" if isinstance(declaration, Struct) else "exception"
         facts: list[str] = [string_literal(declaration.scoped)]
         facts += self._traits(declaration, representation)
         names = self._names.members(declaration)
         facts += [self._member(m, names[m.name]) for m in declaration.members]
-        return f"{self._py.idl}.{kind}({', '.join(facts)})"
+        head = f"_descriptor_{py.class_variable} = {py.idl}.{kind}"
+        return fit_call(head, facts, 4)
 
     def _member(self, member: Member, attribute: str) -> str:
         """A member as an argument."""

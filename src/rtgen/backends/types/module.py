@@ -175,17 +175,15 @@ class TypesModule:
         ]
         is_struct = isinstance(declaration, Struct)
         version = self._version(declaration, _Holdings(self._types, declaration))
-        return render(
-            "types/struct.py.j2",
-            py=py,
-            name=self._local(declaration),
-            bases=self._bases(declaration),
-            decorator="" if is_struct else f"{py.dataclass}(eq=False)",
-            docstring=self._doc(declaration),
-            descriptor=self._describe.struct(declaration, version),
-            attributes=self._nested(declaration),
-            fields="".join(fields),
-        )
+        # Not a template: a render takes as long as all else that is done for a struct.
+        lines = [] if is_struct else [f"@{py.dataclass}(eq=False)\n"]
+        lines += [
+            f"class {self._local(declaration)}({self._bases(declaration)}):\n",
+            f"{self._doc(declaration)}\n",
+            f"{self._describe.struct(declaration, version)}\n",
+        ]
+        lines += [f"    {attribute}\n" for attribute in self._nested(declaration)]
+        return "".join([*lines, "\n", *fields] if fields else lines)
 
     def _version(
         self, declaration: Struct | ExceptionDecl | Union, holds: _Holdings

@@ -25,6 +25,8 @@ class Python(Code):
 
 
 _NOTHING = Python("")
+_INSERTED = (Python, HashComment)
+"""What templates insert unchanged."""
 
 
 def quote(value: object) -> str:
@@ -32,7 +34,7 @@ def quote(value: object) -> str:
 
     Raises UnquotableError for other texts: they need `literal`, `in_docstring` or `comment`.
     """
-    if isinstance(value, Python | HashComment):
+    if isinstance(value, _INSERTED):
         return value
     text = str(value)
     if isinstance(value, Code) or not _INERT.fullmatch(text):
