@@ -24,6 +24,10 @@ from rtgen.runtime.failures import log
 ROOT = Path(__file__).resolve().parents[2]
 
 
+ORB_OPTIONS = "-ORBnativeCharCodeSet UTF-8 -ORBgiopMaxMsgSize 67108864"
+"""Those of the runtime: a worker may take tests of other folders after OpenRTM's."""
+
+
 @pytest.fixture(scope="module", autouse=True)
 def runtime_log() -> Iterator[None]:
     """What a module hangs on the runtime's log goes with it: other tests count messages."""
@@ -79,7 +83,7 @@ def manager(
     options = {
         "corba.nameservers": naming_service,
         "corba.endpoints": "127.0.0.1:",
-        "corba.args": "-ORBclientCallTimeOutPeriod 10000 -ORBnativeCharCodeSet UTF-8",
+        "corba.args": f"-ORBclientCallTimeOutPeriod 10000 {ORB_OPTIONS}",
         "exec_cxt.periodic.type": "ExtTrigExecutionContext",
         "logger.enable": "NO",
         "manager.shutdown_on_nortcs": "NO",
@@ -151,7 +155,7 @@ def orb(rtm_folders: list[Path]) -> Any:
     """omniORB in this process, as a manager starts it; it lives as long as the process."""
     sys.path.extend(str(path) for path in rtm_folders if str(path) not in sys.path)
     corba = importlib.import_module("omniORB.CORBA")
-    options = ["-ORBnativeCharCodeSet", "UTF-8", "-ORBendPoint", "giop:tcp:127.0.0.1:0"]
+    options = [*ORB_OPTIONS.split(), "-ORBendPoint", "giop:tcp:127.0.0.1:0"]
     running = corba.ORB_init(["tests", *options])
     poa = running.resolve_initial_references("RootPOA")
     poa._get_the_POAManager().activate()
