@@ -22,7 +22,7 @@ export function App() {
         <h1>{system?.name || "rtgen"}</h1>
         {system && <TimeBar system={system} full={full} />}
         <span className={`link ${page.link}`} role="status">
-          {page.link === "live" && past ? "looking back" : page.link}
+          {page.link === "live" && past ? (system?.time.kind === "CLOCK_RECORDING" ? "recording" : "looking back") : page.link}
           {page.link === "live" && !page.full && ", read only"}
         </span>
       </header>

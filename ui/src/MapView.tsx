@@ -6,6 +6,7 @@ import { draw, fitted, metres, round } from "./draw.ts";
 import type { Figure, Pose, Reader } from "./figures.ts";
 import { placed, reader } from "./figures.ts";
 import type { Channel, SystemState } from "./protocol/Ui.ts";
+import type { Track } from "./store.ts";
 import { store } from "./store.ts";
 
 const LONGEST_TRAIL = 5000;
@@ -23,7 +24,7 @@ interface Shown {
   frame: Channel | undefined;
 }
 
-const nameOf = ({ port }: Channel): string => `${port.instance}.${port.port}`;
+const nameOf = ({ port, beside }: Channel): string => `${port.instance}.${port.port}${beside ? " (beside)" : ""}`;
 
 /** Where a scan is taken: the pose that its component gets, or gives, else that of the components before it. */
 function frameOf(system: SystemState, instance: string, poses: readonly Channel[], seen = new Set<string>()): Channel | undefined {
@@ -51,7 +52,7 @@ function drawn(system: SystemState): Shown[] {
     ...each,
     name: nameOf(each.channel),
     hue: HUES[i % HUES.length]!,
-    frame: each.reader.kind === "scan" ? frameOf(system, each.channel.port.instance, poses) : undefined,
+    frame: each.reader.kind === "scan" ? frameOf(system, each.channel.port.instance, poses.filter((pose) => pose.beside === each.channel.beside)) : undefined,
   }));
 }
 
@@ -65,6 +66,7 @@ function frameFigure({ id, type_number }: Channel): Figure | undefined {
 class Scene {
   private readonly seen = new Map<number, { value: unknown; figure: Figure | undefined }>();
   private readonly trails = new Map<number, Pose[]>();
+  private readonly tracks = new Map<number, Track>();
 
   private figure({ channel, reader: { read } }: Shown): Figure | undefined {
     const track = store.tracks.get(channel.id);
@@ -73,6 +75,14 @@ class Scene {
       this.seen.delete(channel.id);
       this.trails.delete(channel.id);
       return undefined;
+    }
+    if (this.tracks.get(channel.id) !== track) {
+      this.tracks.set(channel.id, track);
+      this.trails.delete(channel.id);
+      for (const value of track.told.slice(-LONGEST_TRAIL)) {
+        const before = read(value);
+        if (before?.kind === "pose") this.extend(channel.id, before.pose);
+      }
     }
     const known = this.seen.get(channel.id);
     if (known && known.value === track.value) return known.figure;
@@ -94,6 +104,7 @@ class Scene {
   forget(): void {
     this.trails.clear();
     this.seen.clear();
+    this.tracks.clear();
   }
 
   layers(shown: readonly Shown[]): Layer[] {

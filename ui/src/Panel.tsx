@@ -6,8 +6,8 @@ import { BusView } from "./Bus.tsx";
 import { Connections } from "./Connections.tsx";
 import { Drive } from "./Drive.tsx";
 import { MapView } from "./MapView.tsx";
-import { Plot, curvesOf } from "./Plot.tsx";
-import type { Component, Parameter, SystemState } from "./protocol/Ui.ts";
+import { Plot, curvesOf, overlaid } from "./Plot.tsx";
+import type { Channel, Component, Parameter, SystemState } from "./protocol/Ui.ts";
 import { Services } from "./Services.tsx";
 import type { Line, Statistics } from "./store.ts";
 import { leaves, stateName, store } from "./store.ts";
@@ -34,29 +34,47 @@ function Values({ system, component }: Selection) {
       ({ port }) => port.instance === component.instance || near.has(`${port.instance}.${port.port}`),
     );
   }, [system.connections, system.channels, component.instance]);
+  const partner = (channel: Channel) =>
+    shown.find((each) => each.beside && each.port.instance === channel.port.instance && each.port.port === channel.port.port);
   const wanted = shown.map((each) => each.id).join();
   useEffect(() => {
     store.watch(wanted ? wanted.split(",").map(Number) : []);
     return () => store.watch([]);
   }, [wanted]);
   if (!shown.length) return <p>No port of this component has values.</p>;
-  return shown.map((channel) => {
+  return shown.filter((each) => !each.beside).map((channel) => {
     const name = `${channel.port.instance}.${channel.port.port}`;
     const owner = system.components.find((each) => each.instance === channel.port.instance);
     const unit = owner?.ports.find((each) => each.name === channel.port.port)?.unit ?? "";
     const track = store.tracks.get(channel.id);
+    const other = partner(channel);
+    const beside = other && store.tracks.get(other.id);
+    const values = new Map(beside && leaves(beside.value));
+    const curves = () => overlaid(curvesOf(store.tracks.get(channel.id)), other && curvesOf(store.tracks.get(other.id)));
+    const rows = track ?? beside;
     return (
       <section key={channel.id} aria-label={name}>
         <h3>{name}</h3>
-        {track ? (
+        {rows ? (
           <>
-            {track.numbers.size > 0 && <Plot source={String(channel.id)} read={() => curvesOf(store.tracks.get(channel.id))} unit={unit} label="Values over time" />}
+            {rows.numbers.size > 0 && <Plot source={String(channel.id)} read={curves} unit={unit} label="Values over time" />}
             <table>
+              {other && (
+                <thead>
+                  <tr>
+                    <th scope="col">value</th>
+                    <th scope="col">this run</th>
+                    <th scope="col">beside</th>
+                    <th scope="col">unit</th>
+                  </tr>
+                </thead>
+              )}
               <tbody>
-                {leaves(track.value).map(([path, value]) => (
+                {leaves(rows.value).map(([path, value]) => (
                   <tr key={path}>
                     <th scope="row">{path}</th>
-                    <td>{typeof value === "number" ? Number(value.toPrecision(7)) : String(value)}</td>
+                    <td>{track ? written(value) : ""}</td>
+                    {other && <td>{values.has(path) ? written(values.get(path)) : ""}</td>}
                     <td>{/^tm\b/.test(path) ? "" : unit}</td>
                   </tr>
                 ))}
@@ -70,6 +88,8 @@ function Values({ system, component }: Selection) {
     );
   });
 }
+
+const written = (value: unknown) => (typeof value === "number" ? String(Number(value.toPrecision(7))) : String(value));
 
 /** The limits of a constraint `a<=x<=b`, and the choices of `(a,b)`. */
 export function limits(constraint: string): { min?: number; max?: number; choices?: string[] } {
@@ -221,6 +241,7 @@ export function Panel(props: {
             {component.contexts.map((each) => `, ${each.rate} Hz`)}
             {statistics && `, ${statistics.ticks} ticks, ${statistics.overruns} overruns, ${statistics.lost} lost`}
           </p>
+          {system.beside && store.page.beside.has(component.instance) && <p>beside: {store.page.beside.get(component.instance)}</p>}
           {(component.reason || statistics?.impaired) && <p className="reason">{component.reason || statistics?.impaired}</p>}
           <div className="buttons">
             {(

@@ -18,6 +18,14 @@ export function curvesOf(track: Track | undefined): Curves | undefined {
   return { names: curves.map(([name]) => name), data: [track.times, ...curves.map(([, row]) => row)] };
 }
 
+/** Two plots over a common time; the names of the second one say so. */
+export function overlaid(curves: Curves | undefined, beside: Curves | undefined): Curves | undefined {
+  if (!beside) return curves;
+  const names = beside.names.map((each) => `${each} (beside)`);
+  if (!curves) return { names, data: beside.data };
+  return { names: [...curves.names, ...names], data: uPlot.join([curves.data, beside.data]) };
+}
+
 /** `read` is called before each drawing; a plot with another `source` is a new one. */
 export function Plot({ source, read, unit, label }: { source: string; read: () => Curves | undefined; unit: string; label: string }) {
   const place = useRef<HTMLDivElement>(null);
@@ -34,7 +42,7 @@ export function Plot({ source, read, unit, label }: { source: string; read: () =
       if (!curves || !place.current) return;
       const { data } = curves;
       const now = curves.names.join();
-      const stamp = `${data[0].length} ${data[0][0]} ${data[0].at(-1)}`;
+      const stamp = `${data.length} ${data[0].length} ${data[0][0]} ${data[0].at(-1)}`;
       if (!plot || now !== names) {
         plot?.destroy();
         names = now;

@@ -1,18 +1,37 @@
 /** Time: play, pause, step, speed, the way back, and what was. */
 
-import { useState } from "react";
+import { useEffect, useState } from "react";
 import type { SystemState } from "./protocol/Ui.ts";
 import { store } from "./store.ts";
 
 /** Of the slider [s], and how many of them it has. */
 const SHORTEST = 0.001;
 const STEPS = 1000;
+/** How much of a recording is played at once [s]. */
+const FRAME = 0.1;
 const SPEEDS = [0.1, 0.5, 1, 2, 5, 10, 0];
+
+/** Plays a recording as fast as it was recorded. */
+function Player({ now, last }: { now: number; last: number }) {
+  const [playing, play] = useState(false);
+  const over = now >= last;
+  useEffect(() => {
+    if (!playing || over) return;
+    const next = setTimeout(() => void store.look(Math.min(now + FRAME, last)), 1000 * FRAME);
+    return () => clearTimeout(next);
+  }, [playing, over, now, last]);
+  return (
+    <button type="button" disabled={over} onClick={() => play(!playing)}>
+      {playing && !over ? "Pause" : "Play"}
+    </button>
+  );
+}
 
 export function TimeBar({ system, full }: { system: SystemState; full: boolean }) {
   const { time } = system;
   const [goal, setGoal] = useState("");
-  const simulated = time.kind !== "CLOCK_REAL";
+  const simulated = time.kind === "CLOCK_SIMULATED";
+  const recording = time.kind === "CLOCK_RECORDING";
   return (
     <div className="time" role="toolbar" aria-label="Time">
       <output aria-label="Time of the run">{time.now.toFixed(3)} s</output>
@@ -51,7 +70,8 @@ export function TimeBar({ system, full }: { system: SystemState; full: boolean }
           </form>
         </>
       )}
-      {time.ended && <span>ended</span>}
+      {time.ended && !recording && <span>ended</span>}
+      {recording && <Player now={time.now} last={time.last} />}
       <input
         type="range"
         className="past"
@@ -63,9 +83,11 @@ export function TimeBar({ system, full }: { system: SystemState; full: boolean }
         value={time.now}
         onChange={(e) => void store.look(Number(e.target.value))}
       />
-      <button type="button" disabled={!time.past} onClick={() => void store.look(-1)}>
-        Live
-      </button>
+      {!recording && (
+        <button type="button" disabled={!time.past} onClick={() => void store.look(-1)}>
+          Live
+        </button>
+      )}
     </div>
   );
 }

@@ -25,6 +25,8 @@ export interface Track {
   value: unknown;
   times: number[];
   numbers: Map<string, number[]>;
+  /** The values that had come before, as the server has told them when the page began to look at a time. */
+  told: unknown[];
 }
 
 export interface Page {
@@ -33,6 +35,8 @@ export interface Page {
   system: SystemState | undefined;
   statistics: ReadonlyMap<string, Statistics>;
   lines: readonly Line[];
+  /** States in the run that is beside this one, by instance. */
+  beside: ReadonlyMap<string, string>;
   notice: string;
   /** The last change of the wiring in words, for screen readers. */
   announced: string;
@@ -48,6 +52,7 @@ const unavailable: Page = {
   system: undefined,
   statistics: new Map(),
   lines: [],
+  beside: new Map(),
   notice: "",
   announced: "",
 };
@@ -190,7 +195,7 @@ export class Store {
         this.types.add(0, event.value.types);
         this.tracks.clear();
         this.traffic = new Traffic();
-        if (event.value.time.past || this.page.system?.time.past) this.page = { ...this.page, lines: [], statistics: new Map() };
+        if (event.value.time.past || this.page.system?.time.past) this.page = { ...this.page, lines: [], statistics: new Map(), beside: new Map() };
         this.page = { ...this.page, system: event.value, notice: "" };
         if (this.wanted !== undefined) {
           const now = this.wanted;
@@ -227,6 +232,12 @@ export class Store {
         const { time, instance, after, reason } = event.value;
         this.component(instance, () => ({ current: after, reason }));
         this.line(time, instance, stateName(after) + (reason ? `: ${reason}` : ""));
+        break;
+      }
+      case "other": {
+        const { time, instance, after, reason } = event.value;
+        this.page = { ...this.page, beside: new Map(this.page.beside).set(instance, stateName(after)) };
+        this.line(time, instance, `beside: ${stateName(after)}${reason ? `: ${reason}` : ""}`);
         break;
       }
       case "statistics":
@@ -302,13 +313,14 @@ export class Store {
     if (!channel) return;
     let track = this.tracks.get(id);
     if (!track || time < (track.times.at(-1) ?? 0)) {
-      track = { value: undefined, times: [], numbers: new Map() };
+      track = { value: undefined, times: [], numbers: new Map(), told: [] };
       this.tracks.set(id, track);
     }
     track.value =
       channel.type_number < 0
         ? JSON.parse(new TextDecoder().decode(data))
         : deserialize(this.types.codec(channel.type_number), data);
+    if (this.retelling || this.page.system?.time.past) track.told.push(track.value);
     if (track.times.length >= MOST_POINTS) {
       track.times.shift();
       for (const row of track.numbers.values()) row.shift();

@@ -7,6 +7,7 @@ import os
 import webbrowser
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -15,7 +16,14 @@ import click
 
 from rtgen import runtime
 from rtgen.cli.assembly import add_component, assemble
-from rtgen.cli.common import OK, Console, WholeRange, with_console, write_out
+from rtgen.cli.common import (
+    OK,
+    Console,
+    Refusal,
+    WholeRange,
+    with_console,
+    write_out,
+)
 from rtgen.cli.factories import Factories, FactoryImportError
 from rtgen.cli.failures import FailureOptions, FailureReport
 from rtgen.diagnostics import InputError, ToolError, has_errors, in_order
@@ -123,9 +131,7 @@ class CommandProject:
 
     def describer(self, bus: str) -> BusDescriber:
         """The description of a bus: the file for its channel, else the one for all."""
-        from rtgen.cli.ui_bus import BusDescriber
-
-        return BusDescriber(self._buses.get(bus, self._buses.get("")))
+        return _describer(self._buses, bus)
 
     def palette(self) -> Sequence[ComponentProfile]:
         """The types whose factories are classes that can be imported."""
@@ -138,6 +144,12 @@ class CommandProject:
             if isinstance(profile, ComponentProfile):
                 found.append(replace(profile, type_name=name))
         return found
+
+
+def _describer(buses: Mapping[str, Path], bus: str) -> BusDescriber:
+    from rtgen.cli.ui_bus import BusDescriber
+
+    return BusDescriber(buses.get(bus, buses.get("")))
 
 
 @click.command()
@@ -178,7 +190,8 @@ def ui(
 ) -> int:
     """Show a system in a browser: wire it, drive it, watch it.
 
-    SYSTEM is an RtsProfile, or a folder with system.xml; the page can change to the others. The
+    SYSTEM is an RtsProfile, or a folder with system.xml; the page can change to the others. In
+    place of systems a recording (FILE.mcap) is shown, or two beside each other: nothing runs. The
     page is at 127.0.0.1 only; its address has a token that others do not know.
     """
     missing = [
@@ -191,6 +204,7 @@ def ui(
             f"the page needs {', '.join(missing)}, which is not installed",
             hint="pip install 'rtgen[ui]'",
         )
+    from rtgen.ui.recorded import Recorded
     from rtgen.ui.serving import Server
     from rtgen.ui.session import Session
 
@@ -199,13 +213,25 @@ def ui(
     for each in buses:
         channel, _, file = each.rpartition("=")
         described[channel] = Path(file)
-    project = CommandProject(console, systems, described)
     for channel in described:
-        project.describer(channel)  # Raises InputError before anything runs.
-    session = Session(project, systems[0], clocks[clock])
-    server = Server(session, _LOOPBACK, port)
-    if playing:
-        session.runner.submit(session.runner.play)
+        _describer(described, channel)  # Raises InputError before anything runs.
+    recordings = [each for each in systems if Path(each).suffix.lower() == ".mcap"]
+    session: Session | Recorded
+    if recordings:
+        if len(recordings) < len(systems) or len(recordings) > 2:
+            raise Refusal("either systems are shown, or one recording or two")
+        session = Recorded(recordings, partial(_describer, described))
+        if session.left_out:
+            console.say(
+                f"shown from {session.history.first:.3f} s on: the rest is too much"
+            )
+        server = Server(session, _LOOPBACK, port)
+    else:
+        project = CommandProject(console, systems, described)
+        session = Session(project, systems[0], clocks[clock])
+        server = Server(session, _LOOPBACK, port)
+        if playing:
+            session.runner.submit(session.runner.play)
 
     def ready() -> None:
         write_out(f"{server.address(full=True)}\n")

@@ -62,16 +62,12 @@ class _Bus:
     cyclic: dict[tuple[int, bool], Callable[[], None]] = field(default_factory=dict)
 
 
-class Buses:
-    """The buses whose frames a system reports. `tell` gives pages an event."""
+class SeenBuses:
+    """The buses whose frames a run reports. `tell` gives pages an event."""
 
     def __init__(
-        self,
-        system: System,
-        describer: Callable[[str], Describer],
-        tell: Callable[[ui.Event], None],
+        self, describer: Callable[[str], Describer], tell: Callable[[ui.Event], None]
     ) -> None:
-        self._system = system
         self._describer = describer
         self._tell = tell
         self._buses: dict[str, _Bus] = {}
@@ -81,13 +77,12 @@ class Buses:
         """The buses that have been seen."""
         return [bus.state for bus in self._buses.values()]
 
-    def on_frame(self, happening: BusFrame) -> None:
-        """A frame on a bus."""
+    def on_frame(self, happening: BusFrame, now: float) -> None:
+        """A frame on a bus at a time [s]."""
         bus = self._bus(happening.bus)
         frame = Frame(
             happening.can_id, happening.data, happening.remote, happening.extended
         )
-        now = self._system.time / SECOND
         decoded = bus.describer.frame(frame)
         decoded.time, decoded.bus = now, happening.bus
         self._tell(ui.Event.of_traffic([decoded]))
@@ -131,7 +126,18 @@ class Buses:
         bus.window, bus.bits, bus.frames = now, 0, 0
         self._tell(ui.Event.of_carried(load))
 
-    # What pages ask for.
+
+class Buses(SeenBuses):
+    """The buses of a system, to which pages send."""
+
+    def __init__(
+        self,
+        system: System,
+        describer: Callable[[str], Describer],
+        tell: Callable[[ui.Event], None],
+    ) -> None:
+        super().__init__(describer, tell)
+        self._system = system
 
     def send(self, wanted: ui.SendFrame) -> None:
         """Send a frame once, or from now on with a period; a period 0 ends that."""

@@ -10,6 +10,7 @@ from collections import deque
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass, field
 from itertools import islice
+from operator import itemgetter
 from typing import Any, Final
 
 from msgspec.structs import replace
@@ -93,9 +94,10 @@ class History:
         self._channels: dict[int, ui.Channel] = {}
 
     def begin(self, whole: ui.SystemState) -> None:
-        """The state of the system at the start."""
+        """The state of the system at the start; changes of two runs come in order."""
         self._start = copy.deepcopy(whole)
         self._channels |= {each.id: each for each in whole.channels}
+        self._changes = deque(sorted(self._changes, key=itemgetter(0)))
 
     def nearest(self, time: float) -> float:
         """The time next to this one that can be shown. Raises CommandError without one."""

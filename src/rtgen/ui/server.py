@@ -23,7 +23,12 @@ from rtgen.ui.commands import Commands
 from rtgen.ui.errors import BAD_MESSAGE, IMPOSSIBLE
 from rtgen.ui.outbox import Outbox
 from rtgen.ui.protocol import ui
+from rtgen.ui.recorded import Recorded
 from rtgen.ui.session import Session
+
+Served = Session | Recorded
+"""What pages can be shown."""
+_Commands = Commands | Recorded
 
 PAGE: Final = Path(__file__).parent / "page"
 """The built page, which the wheel brings."""
@@ -64,9 +69,9 @@ class Tokens:
         return None
 
 
-def application(session: Session, tokens: Tokens, page: Path = PAGE) -> Starlette:
+def application(session: Served, tokens: Tokens, page: Path = PAGE) -> Starlette:
     """The ASGI application. The session's runner has to be started."""
-    commands = Commands(session)
+    commands = session if isinstance(session, Recorded) else Commands(session)
 
     async def socket(websocket: WebSocket) -> None:
         right = tokens.right(websocket.query_params.get("token", ""))
@@ -152,7 +157,7 @@ async def _refuse(websocket: WebSocket, code: int) -> None:
 
 
 async def _serve(
-    websocket: WebSocket, session: Session, commands: Commands, *, full: bool
+    websocket: WebSocket, session: Served, commands: _Commands, *, full: bool
 ) -> None:
     """Exchange messages with a page until it leaves."""
     loop = asyncio.get_running_loop()
@@ -189,7 +194,7 @@ async def _send(websocket: WebSocket, outbox: Outbox, news: asyncio.Event) -> No
 
 
 async def _receive(
-    websocket: WebSocket, session: Session, commands: Commands, outbox: Outbox
+    websocket: WebSocket, session: Served, commands: _Commands, outbox: Outbox
 ) -> None:
     """Put the page's commands before the runner."""
     while True:

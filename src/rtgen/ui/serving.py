@@ -9,8 +9,7 @@ from pathlib import Path
 import uvicorn
 
 from rtgen.diagnostics import ToolError
-from rtgen.ui.server import MOST_OCTETS, PAGE, Tokens, application
-from rtgen.ui.session import Session
+from rtgen.ui.server import MOST_OCTETS, PAGE, Served, Tokens, application
 
 _PATIENCE = 2
 """How long pages have to close their sockets when the server ends [s]."""
@@ -20,7 +19,7 @@ class Server:
     """A session's server. Raises ToolError if the port is taken."""
 
     def __init__(
-        self, session: Session, host: str, port: int, page: Path = PAGE
+        self, session: Served, host: str, port: int, page: Path = PAGE
     ) -> None:
         self.tokens = Tokens()
         self._session = session

@@ -333,7 +333,7 @@ class Session:
             case ConnectionChange(name):
                 self.tell(ui.Event.of_cut(name))
             case BusFrame():
-                self.buses.on_frame(happening)
+                self.buses.on_frame(happening, self.now)
             case BoardCall(instance, request, reply, error, duration):
                 call = ui.BoardCall(
                     time=self.now,

@@ -1,0 +1,134 @@
+"""Recordings on the page, without a system: over the real socket, and in a real browser."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from patience import PATIENCE
+from test_looking_back import PORT, Page
+from ui_bench import GOAL, until
+from websockets.sync.client import connect
+
+from rtgen.cli import run
+from rtgen.cli.ui_bus import BusDescriber
+from rtgen.diagnostics import ToolError
+from rtgen.ui.recorded import Recorded
+from rtgen.ui.serving import Server
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
+    folder = tmp_path_factory.mktemp("recordings")
+    found = [str(folder / name) for name in ("short.mcap", "long.mcap")]
+    for file, end in zip(found, ("1", "2"), strict=True):
+        assert run(["run", str(GOAL), "--until", end, "--record", file, "-q"]) == 0
+    return found
+
+
+@pytest.fixture
+def recorded(files: list[str]) -> Iterator[Server]:
+    server = Server(Recorded(files, lambda _: BusDescriber(None)), "127.0.0.1", 0)
+    ready = threading.Event()
+    thread = threading.Thread(target=lambda: asyncio.run(server.run(ready.set)))
+    thread.start()
+    assert ready.wait(PATIENCE)
+    yield server
+    server.stop()
+    thread.join(PATIENCE)
+    assert not thread.is_alive()
+
+
+def test_two_recordings_are_scrubbed_beside_each_other(recorded: Server) -> None:
+    address = (
+        f"ws://{recorded.host}:{recorded.port}/socket?token={recorded.tokens.full}"
+    )
+    with connect(address, max_size=None) as socket:
+        page = Page(socket)
+        assert (page.whole.name, page.whole.beside) == ("short.mcap", "long.mcap")
+        assert page.clock.kind.name == "CLOCK_RECORDING"
+        assert 1.9 < page.clock.last <= 2.0
+        follower = next(
+            c for c in page.whole.components if c.instance == "PathFollower0"
+        )
+        ports = {(p.name, p.kind.name, p.type) for p in follower.ports}
+        assert ports >= {
+            ("velocity", "PORT_OUT", "IIS::TimedVelocity2D"),
+            ("position", "PORT_IN", "IIS::TimedPose2D"),
+        }
+
+        assert len(page.wires) == 10, "the shutdown is not shown"
+        page.done("looked", 0.5)
+        assert page.clock.now == 0.5
+        assert len(page.wires) == 10
+        assert set(page.states.values()) == {"STATE_ACTIVE"}
+        assert float(page.parameters["max_v"]) > 0
+        [mine, other] = [
+            c for c in page.whole.channels if f"{c.port.instance}.{c.port.port}" == PORT
+        ]
+        assert (mine.beside, other.beside) == (False, True)
+        node = page.whole.types[mine.type_number]
+        assert node.name == "IIS::TimedPose2D"
+        page.done("channels", [mine.id, other.id])
+        assert max(page.times[PORT]) <= 0.5
+        both = len(page.times[PORT])
+        page.done("channels", [])
+        page.done("looked", 1.5)
+        page.done("channels", [mine.id])
+        assert 0.9 < max(page.times[PORT]) <= 1.0
+        page.done("looked", 0.5)
+        assert len(page.times[PORT]) * 2 == both
+
+        result = page.ask("activated", ["Odometry0"])
+        assert (result.done, result.code) == (False, "UIS0009")
+
+
+def test_what_is_no_recording_is_reported(
+    tmp_path: Path, files: list[str], capfd: pytest.CaptureFixture[str]
+) -> None:
+    log = tmp_path / "run.log"
+    log.write_text('{"t": 0, "event": "state"}\n')
+    with pytest.raises(ToolError, match="log in JSON lines"):
+        Recorded([str(log)], lambda _: BusDescriber(None))
+    empty = tmp_path / "empty.mcap"
+    empty.touch()
+    assert run(["ui", str(empty), "--no-open"]) == 3
+    assert run(["ui", *files, files[0], "--no-open"]) == 2
+    assert run(["ui", str(GOAL), files[0], "--no-open"]) == 2
+    err = capfd.readouterr().err
+    assert "is empty" in err
+    assert "one recording or two" in err
+    assert "Traceback" not in err
+
+
+def test_of_a_long_recording_the_end_is_kept(files: list[str]) -> None:
+    session = Recorded(files[1:], lambda _: BusDescriber(None), most_octets=200_000)
+    assert session.left_out
+    assert 0.0 < session.history.first < session.history.last
+
+
+def test_the_page_overlays_both(browser: Any, recorded: Server) -> None:
+    page = browser.new_page(viewport={"width": 1440, "height": 900})
+    page.set_default_timeout(PATIENCE * 1000)
+    complaints: list[str] = []
+    page.on("pageerror", lambda error: complaints.append(str(error)))
+    page.on("console", lambda said: complaints.append(said.text))
+    page.goto(recorded.address(full=True))
+    page.get_by_role("combobox", name="Component").select_option("Odometry0")
+    values = page.get_by_role("region", name=PORT)
+    values.get_by_role("columnheader", name="beside", exact=True).wait_for()
+    assert values.get_by_text("data.position.x (beside)").count() == 1
+    slider = page.get_by_role("slider", name="Look at time")
+    slider.press("Home")
+    time = page.get_by_label("Time of the run")
+    until(page, lambda: time.inner_text() == "0.000 s")
+    page.get_by_role("button", name="Play").click()
+    until(page, lambda: float(time.inner_text().removesuffix(" s")) > 0.3)
+    page.get_by_role("button", name="Pause").press("Enter")
+    assert page.get_by_text("beside: ACTIVE").count() == 1
+    page.close()
+    assert complaints == []
