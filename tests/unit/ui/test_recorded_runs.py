@@ -11,14 +11,17 @@ from typing import Any
 import pytest
 from patience import PATIENCE
 from test_looking_back import PORT, Page
-from ui_bench import GOAL, until
+from ui_bench import GOAL, ROOT, until
 from websockets.sync.client import connect
 
 from rtgen.cli import run
 from rtgen.cli.ui_bus import BusDescriber
 from rtgen.diagnostics import ToolError
+from rtgen.ui.protocol.ui import EventKind
 from rtgen.ui.recorded import Recorded
 from rtgen.ui.serving import Server
+
+BUS = ROOT / "specs/canopen/fourx.toml"
 
 
 @pytest.fixture(scope="module")
@@ -85,6 +88,23 @@ def test_two_recordings_are_scrubbed_beside_each_other(recorded: Server) -> None
 
         result = page.ask("activated", ["Odometry0"])
         assert (result.done, result.code) == (False, "UIS0009")
+
+
+def test_frames_of_a_recording_are_decoded(tmp_path: Path) -> None:
+    file = str(tmp_path / "bus.mcap")
+    system = str(ROOT / "specs/canopen/fourx.xml")
+    assert run(["run", system, "--until", "1.5", "--record", file, "-q"]) == 0
+    history = Recorded([file], lambda _: BusDescriber(BUS)).history
+    events = history.at(history.nearest(1.4), [], ())
+    [buses] = [
+        e.described_bus for e in events if e.discriminator is EventKind.EVENT_BUS
+    ]
+    assert "operational" in {node.nmt_state for node in buses.nodes}
+    [frames] = [e.traffic for e in events if e.discriminator is EventKind.EVENT_FRAMES]
+    assert {"heartbeat", "tpdo2"} <= {frame.kind for frame in frames}
+    assert max(frame.time for frame in frames) <= 1.4
+    [load] = [e.carried for e in events if e.discriminator is EventKind.EVENT_LOAD]
+    assert 0.0 < load.load < 1.0
 
 
 def test_what_is_no_recording_is_reported(
