@@ -203,6 +203,8 @@ def stages(file: Path) -> dict[str, float]:
 
 def main() -> None:
     """Prints times, ratios and the profile."""
+    # Without bytecode most of a start would be the compiler of Python.
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     omniidl = shutil.which(
         "omniidl", path=f"{Path(sys.executable).parent}:{os.environ['PATH']}"
     )

@@ -161,6 +161,8 @@ def cold(folder: Path, number: int) -> dict[str, str]:
 
 def main() -> None:
     """Prints medians, least values, memory and ratios."""
+    # Without bytecode most of a start would be the compiler of Python.
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     os.chdir(ROOT)
     sys.path.insert(0, "generated")
     with tempfile.TemporaryDirectory() as temporary:

@@ -25,6 +25,8 @@ from rtgen.model import (
 _NOT_IN_XCDR = frozenset(
     (Primitive.ANY, Primitive.OBJECT, Primitive.TYPE_CODE, Primitive.VALUE_BASE)
 )
+_EXTENSIBILITIES = frozenset(("extensibility", *Extensibility))
+"""The annotations that state an extensibility."""
 
 
 class Representations:
@@ -44,8 +46,7 @@ class Representations:
 
     def extensibility(self, declaration: Struct | Union) -> Extensibility:
         """The extensibility of a struct or union; unannotated: its base's, or the default."""
-        names = {annotation.name for annotation in declaration.annotations}
-        written = not names.isdisjoint({"extensibility", *Extensibility})
+        written = any(a.name in _EXTENSIBILITIES for a in declaration.annotations)
         if written or declaration.name not in self._names:
             return declaration.extensibility
         if isinstance(declaration, Struct) and declaration.base is not None:

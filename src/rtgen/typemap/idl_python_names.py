@@ -401,12 +401,13 @@ class PythonNames:
 def distinct(names: Iterable[str], reserved: Collection[str]) -> dict[str, str]:
     """Python names of the members of one scope: unique, and none reserved."""
     wanted = list(names)
-    if all(identifier(name, reserved) == name for name in wanted):
-        return dict(zip(wanted, wanted, strict=True))
-    taken = {n for n in wanted if identifier(n, reserved) == n}.union(reserved)
+    made = [identifier(name, reserved) for name in wanted]
+    if made == wanted:
+        return dict(zip(wanted, made, strict=True))
+    kept = {n for n, chosen in zip(wanted, made, strict=True) if n == chosen}
+    taken = kept.union(reserved)
     result: dict[str, str] = {}
-    for name in wanted:
-        chosen = identifier(name, reserved)
+    for name, chosen in zip(wanted, made, strict=True):
         if chosen != name:
             while chosen in taken:
                 chosen += "_"

@@ -22,7 +22,7 @@ def identifier(name: str, reserved: Collection[str] = ()) -> str:
     It is in the normal form of Python identifiers (NFKC), so that the attribute is found.
     """
     name = _plain(name)
-    while name in reserved or keyword.iskeyword(name):
+    while name in reserved:
         name += "_"
     return name
 
