@@ -29,7 +29,7 @@ endif
 endif
 endif
 
-.PHONY: demo gallery test check format lint types pyright imports drift pytest test-openrtm interpreters interpreter interpreted lowest lock licences wheels ui fuzz mutants soak bench clean
+.PHONY: demo gallery test check format lint types pyright imports drift pytest test-openrtm interpreters interpreter interpreted lowest lock licences wheels ui page fuzz mutants soak bench clean
 
 demo: $(VENV)/demo.stamp
 	$(BIN)/rtgen generate
@@ -71,7 +71,7 @@ drift: $(VENV)/test.stamp
 
 # Each worker begins with a half of the files, so what tests of a file share is made once.
 # Assertions that show their values take time to be compiled: only what fails has them.
-pytest: $(VENV)/test.stamp
+pytest: $(VENV)/test.stamp page
 	$(BIN)/pytest -n 2 --dist worksteal --assert=plain $(SELECTED) || \
 	    { $(BIN)/pytest -q --last-failed --last-failed-no-failures none; exit 1; }
 
@@ -144,6 +144,14 @@ soak: $(VENV)/test.stamp
 # The page of `rtgen ui`, with the node of this machine, else with that of a wheel.
 ui: $(VENV)/test.stamp
 	$(BIN)/python ui/build.py
+
+# The page and a Chromium for its tests, which are skipped where npm's packages cannot be had.
+page: export npm_config_fetch_retries = 1
+page: export npm_config_fetch_timeout = 20000
+page: $(VENV)/test.stamp
+	@mkdir -p build
+	@$(BIN)/python ui/build.py --browser > build/page.log 2>&1 || \
+	    { tail -5 build/page.log; echo "the tests of the page are skipped"; }
 
 bench: $(VENV)/bench.stamp
 	for script in benchmarks/*.py; do $(BIN)/python $$script || exit 1; done

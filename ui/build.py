@@ -1,4 +1,7 @@
-"""Checks and builds the page of `rtgen ui` into src/rtgen/ui/page, if its sources have changed."""
+"""Checks and builds the page of `rtgen ui` into src/rtgen/ui/page, if its sources have changed.
+
+`--browser` unpacks the Chromium of an npm package as well, which the browser tests run.
+"""
 
 from __future__ import annotations
 
@@ -7,11 +10,18 @@ import os
 import shutil
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent
 PAGE = ROOT.parent / "src" / "rtgen" / "ui" / "page"
-STAMP = ROOT / "node_modules" / ".built"
+MODULES = ROOT / "node_modules"
+STAMP = MODULES / ".built"
+BUILT = MODULES / ".page"
+BROWSER = MODULES / ".chromium"
+
+MINUTES = 5
+"""A step that takes longer, such as one that waits for a network, is ended."""
 
 
 def digest() -> str:
@@ -39,15 +49,41 @@ def npm() -> tuple[list[str], dict[str, str]]:
     return [str(node), str(script)], {**os.environ, "PATH": path}
 
 
-def main() -> None:
-    """Install what the lock file says, check the types, build."""
+def build(run: Callable[..., None]) -> None:
+    """Install what the lock file says, check the types, build.
+
+    The page comes to its place whole: a wheel may be built meanwhile.
+    """
     now = digest()
     if (PAGE / "index.html").exists() and STAMP.exists() and STAMP.read_text() == now:
         return
-    command, environment = npm()
-    for step in (["ci"], ["run", "check"], ["run", "build"]):
-        subprocess.run([*command, *step], cwd=ROOT, env=environment, check=True)
+    run("ci", "--no-audit", "--no-fund")
+    run("run", "check")
+    run("run", "build")
+    shutil.rmtree(PAGE, ignore_errors=True)
+    BUILT.rename(PAGE)
     STAMP.write_text(now)
+
+
+def main() -> None:
+    """Build the page, and unpack the browser if asked to."""
+    command, environment = npm()
+
+    def run(*words: str) -> None:
+        try:
+            subprocess.run(
+                [*command, *words],
+                cwd=ROOT,
+                env=environment,
+                check=True,
+                timeout=MINUTES * 60,
+            )
+        except (subprocess.CalledProcessError, subprocess.TimeoutExpired) as error:
+            sys.exit(f"the page of `rtgen ui` is not built: {error}")
+
+    build(run)
+    if "--browser" in sys.argv[1:] and not BROWSER.exists():
+        run("run", "browser", "--", str(BROWSER))
 
 
 if __name__ == "__main__":

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import os
 import shutil
+import subprocess
 import threading
 from collections.abc import Iterator
 from pathlib import Path
@@ -20,19 +21,49 @@ from rtgen.ui.server import PAGE
 from rtgen.ui.serving import Server
 from rtgen.ui.session import Session
 
+ROOT = Path(__file__).parents[3]
+CARRIED = ROOT / "ui" / "node_modules" / ".chromium"
+"""What `make page` unpacks: a Chromium for Linux on x86-64, its libraries and fonts."""
+LIBRARIES = {
+    "LD_LIBRARY_PATH": str(CARRIED / "lib"),
+    "FONTCONFIG_PATH": str(CARRIED),
+}
+
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Any]:
+    """The Chromium that is named, that which `make page` has unpacked, or the machine's."""
     playwright = pytest.importorskip("playwright.sync_api", reason="no playwright")
-    program = os.environ.get("RTGEN_CHROMIUM") or shutil.which("chromium")
-    if program is None:
-        pytest.skip("no chromium: install it, or name one in RTGEN_CHROMIUM")
     if not (PAGE / "index.html").exists():
-        pytest.skip("the page is not built: `make ui`")
+        pytest.skip("the page is not built: `make page`")
+    named = os.environ.get("RTGEN_CHROMIUM")
+    installed = shutil.which("chromium")
+    environment = dict(os.environ)
+    if named is None and _runs(CARRIED / "chromium"):
+        named = str(CARRIED / "chromium")
+        environment |= LIBRARIES
+    elif named is None and installed is None:
+        pytest.skip(
+            "no chromium: `make page`, install one, or name it in RTGEN_CHROMIUM"
+        )
     with playwright.sync_playwright() as driver:
-        found = driver.chromium.launch(executable_path=program, args=["--no-sandbox"])
+        found = driver.chromium.launch(
+            executable_path=named or installed, args=["--no-sandbox"], env=environment
+        )
         yield found
         found.close()
+
+
+def _runs(program: Path) -> bool:
+    """Whether a program is there that this machine can start."""
+    if not program.exists():
+        return False
+    command = [program, "--version"]
+    environment = {**os.environ, **LIBRARIES}
+    done = subprocess.run(
+        command, env=environment, capture_output=True, timeout=PATIENCE, check=False
+    )
+    return done.returncode == 0
 
 
 @pytest.fixture
@@ -65,7 +96,7 @@ def server(session: Session) -> Iterator[Server]:
 def page(request: pytest.FixtureRequest, browser: Any, server: Server) -> Iterator[Any]:
     width, scheme = request.param
     size = {"width": width, "height": 900}
-    page = browser.new_page(viewport=size, color_scheme=scheme)
+    page = browser.new_page(viewport=size, color_scheme=scheme, locale="en")
     page.set_default_timeout(PATIENCE * 1000)
     complaints: list[str] = []
     page.on("pageerror", lambda error: complaints.append(str(error)))

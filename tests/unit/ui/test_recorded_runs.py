@@ -132,7 +132,7 @@ def test_of_a_long_recording_the_end_is_kept(files: list[str]) -> None:
 
 
 def test_the_page_overlays_both(browser: Any, recorded: Server) -> None:
-    page = browser.new_page(viewport={"width": 1440, "height": 900})
+    page = browser.new_page(viewport={"width": 1440, "height": 900}, locale="en")
     page.set_default_timeout(PATIENCE * 1000)
     complaints: list[str] = []
     page.on("pageerror", lambda error: complaints.append(str(error)))
