@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 import socket
+import struct
 import subprocess
 import tempfile
 import time
@@ -18,6 +19,11 @@ _ATTEMPTS = 3
 _START = 10.0
 """Seconds for omniNames to start."""
 _LOOK_AGAIN = 0.02
+_HEADER = struct.Struct("<4s4BI")
+"""Magic, version 1.0, little endian, type and length of a message (CORBA 3.3, part 2, 9.4.1)."""
+_LOCATED = struct.Struct("<II")
+"""A LocateReply: the number of the request and the status (CORBA 3.3, part 2, 9.4.6)."""
+_LOCATE_REQUEST = 3
 
 
 class NameServer:
@@ -92,9 +98,25 @@ def _started(program: str, port: int, folder: str) -> subprocess.Popen[bytes]:
 def _answers(process: subprocess.Popen[bytes], port: int) -> bool:
     deadline = time.monotonic() + _START
     while process.poll() is None and time.monotonic() < deadline:
-        try:
-            socket.create_connection((LOOPBACK, port), timeout=1.0).close()
+        if _has_root(port):
             return True
-        except OSError:
-            time.sleep(_LOOK_AGAIN)
+        time.sleep(_LOOK_AGAIN)
     return False
+
+
+def _has_root(port: int) -> bool:
+    """Whether the root context is there, which omniNames makes after it has begun to listen."""
+    key = b"NameService"
+    body = struct.pack("<II", 1, len(key)) + key
+    header = _HEADER.pack(b"GIOP", 1, 0, 1, _LOCATE_REQUEST, len(body))
+    length = _HEADER.size + _LOCATED.size
+    try:
+        with socket.create_connection((LOOPBACK, port), timeout=1.0) as connection:
+            connection.sendall(header + body)
+            with connection.makefile("rb") as stream:
+                reply = stream.read(length)
+    except OSError:
+        return False
+    # The reply has the byte order of the server, which runs on this machine.
+    status = reply[_HEADER.size + 4 :]
+    return len(reply) == length and any(status)
