@@ -5,9 +5,12 @@ from __future__ import annotations
 import re
 from typing import Any
 
+import pytest
 from ui_bench import until
 
 from rtgen.ui.session import Session
+
+pytestmark = [pytest.mark.slow, pytest.mark.peer]
 
 
 def shown(page: Any) -> float:

@@ -131,6 +131,8 @@ def test_of_a_long_recording_the_end_is_kept(files: list[str]) -> None:
     assert 0.0 < session.history.first < session.history.last
 
 
+@pytest.mark.slow
+@pytest.mark.peer
 def test_the_page_overlays_both(browser: Any, recorded: Server) -> None:
     page = browser.new_page(viewport={"width": 1440, "height": 900}, locale="en")
     page.set_default_timeout(PATIENCE * 1000)
