@@ -226,7 +226,7 @@ def _put(link: SimulatedCanBus, frame: Frame) -> None:
 def _number(wanted: ui.SdoAccess) -> tuple[int, int]:
     if wanted.index > 0xFFFF or wanted.subindex > 0xFF:
         raise CommandError(
-            BAD_VALUE, f"{wanted.index:X}:{wanted.subindex} is no object"
+            BAD_VALUE, f"{wanted.index:X}:{wanted.subindex} is not an object"
         )
     return wanted.index, wanted.subindex
 

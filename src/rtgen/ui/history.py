@@ -102,7 +102,7 @@ class History:
     def nearest(self, time: float) -> float:
         """The time next to this one that can be shown. Raises CommandError without one."""
         if not math.isfinite(time):
-            raise CommandError(BAD_VALUE, f"{time} is no time")
+            raise CommandError(BAD_VALUE, f"{time} is not a time")
         return min(max(time, self.first), self.last)
 
     def reach(self, time: float) -> None:

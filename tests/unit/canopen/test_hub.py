@@ -688,7 +688,7 @@ def test_what_cannot_be_served(capfd: pytest.CaptureFixture[str]) -> None:
         assert run(["can", "hub", "--port", port]) == 3
     assert f"cannot listen at 127.0.0.1:{port}" in capfd.readouterr().err
     assert run(["can", "hub", "--port", "0", "--fault", "fire=1"]) == 2
-    assert "'fire=1' is no fault" in capfd.readouterr().err
+    assert "'fire=1' is not a fault" in capfd.readouterr().err
     words = ["can", "hub", "--port", "0", "--slcan-pty", "--slcan-channel", "no name"]
     assert run(words) == 3
     assert "'no name' is not a name of a channel" in capfd.readouterr().err

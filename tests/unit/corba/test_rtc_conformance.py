@@ -638,7 +638,11 @@ def test_its_profile_is_a_definition_too(
     ("words", "code", "text"),
     [
         (["gauge.idl"], 2, "--connect"),
-        (["gauge.idl", "--connect", "tcp:127.0.0.1:1"], 2, "no place of a component"),
+        (
+            ["gauge.idl", "--connect", "tcp:127.0.0.1:1"],
+            2,
+            "not a place of a component",
+        ),
         (["gauge.idl", "--connect", "{0}/Gauge0.rtc"], 2, "--component NAME"),
         (["gauge.idl", "--connect", "IOR:00", "--component", "No"], 2, "it has Gauge"),
         (

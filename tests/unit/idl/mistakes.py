@@ -1097,7 +1097,7 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     ),
     "raises struct": (
         "struct E { long a; }; interface I { void f() raises (§E); };",
-        "IDL0605: the struct E is no exception",
+        "IDL0605: the struct E is not an exception",
         "declare it as exception E { ... };",
     ),
     "duplicate member": (

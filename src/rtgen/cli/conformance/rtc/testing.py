@@ -41,7 +41,7 @@ def tested(
     """The report of all checks. Raises InputError, Refusal and ToolError."""
     if not is_place(connect):
         raise Refusal(
-            f"{connect!r} is no place of a component: HOST[:PORT]/NAME.rtc, corbaname:, "
+            f"{connect!r} is not a place of a component: HOST[:PORT]/NAME.rtc, corbaname:, "
             "corbaloc: or IOR:"
         )
     expected = _expected(file, name, include)

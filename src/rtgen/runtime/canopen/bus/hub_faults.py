@@ -36,7 +36,7 @@ def fault_of(text: str) -> Fault:
     match = _FORM.fullmatch(text)
     if match is None:
         raise ValueError(
-            f"{text!r} is no fault; there are loss=P[@ID], delay=MS[@ID], bus-off=AT:FOR"
+            f"{text!r} is not a fault; there are loss=P[@ID], delay=MS[@ID], bus-off=AT:FOR"
         )
     kind, number, identifier, at, duration = match.groups()
     if kind is None:

@@ -169,7 +169,7 @@ def _raises(clause: tree.Names, entity: Entity, context: Context, remote: bool) 
                 rules.NOT_RAISABLE,
                 unit,
                 name,
-                f"the {found.kind} {found.scoped} is no exception",
+                f"the {found.kind} {found.scoped} is not an exception",
                 related=[Related(found.span, "declared here")],
                 hint=f"declare it as exception {found.name} {{ ... }};",
             )
