@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 import os
 import signal
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -81,16 +82,22 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         is_random = any(getattr(item.module, f.__name__, None) is f for f in DRAWN)
         if is_random:
             item.add_marker("random")
-        folder = item.path.parent.relative_to(TESTS)
-        if any(folder.is_relative_to(name) for name in ONCE):
+        if _is_the_same_everywhere(item.path.parent):
             item.add_marker("once")
         if is_random or item.get_closest_marker("slow"):
             item.add_marker("no_cover")
 
 
+@cache
+def _is_the_same_everywhere(folder: Path) -> bool:
+    """Whether the tests of a folder are the same on each interpreter."""
+    inside = folder.relative_to(TESTS)
+    return any(inside.is_relative_to(name) for name in ONCE)
+
+
 def _turn(item: pytest.Item) -> tuple[bool, bool]:
     """What is run later is greater."""
-    last = "openrtm" in item.path.relative_to(TESTS).parts[:1]
+    last = item.path.parent == TESTS / "openrtm"
     return last, last and item.get_closest_marker("longest") is None
 
 
