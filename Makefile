@@ -55,7 +55,8 @@ lint: $(VENV)/test.stamp
 	$(BIN)/python tests/python_form.py $(CHECKED)
 	$(BIN)/ruff check $(CHECKED)
 
-types: mypy-3.11 mypy-3.12 mypy-3.13 pyright
+# The lowest and the highest version that pyproject.toml names.
+types: mypy-3.11 mypy-3.13 pyright
 
 mypy-%: $(VENV)/test.stamp
 	$(BIN)/mypy --python-version $* src generated mkdocs_hooks.py editors/vscode/pack.py

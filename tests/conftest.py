@@ -32,15 +32,25 @@ ONCE = (
     "golden",
     "openrtm",
     "reference",
+    "unit/cdl",
+    "unit/components",
     "unit/diff",
+    "unit/eds",
+    "unit/facts",
     "unit/formatting",
+    "unit/idl",
     "unit/language_server",
     "unit/lint",
+    "unit/openrtm",
     "unit/quoting",
+    "unit/rosidl",
+    "unit/tool",
+    "unit/units",
 )
 """Folders of tests that are the same on each interpreter.
 
-OpenRTM's modules, simulated robots, and what makes findings or other text of text, in the compiler.
+OpenRTM's modules, simulated robots, and the compiler with its commands, which makes findings or
+other text of text. What waits for sockets, processes and clocks is tried on each.
 """
 
 DRAWN = {seeds.seed, seeds.budget, seeds.cases}

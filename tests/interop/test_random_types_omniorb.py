@@ -69,7 +69,7 @@ from rtgen.runtime.marshalling.octets import ObjectReference
 
 MODULES = 8
 TYPES = 30
-EXAMPLES = budget(2000) // MODULES
+EXAMPLES = budget(1000) // MODULES
 SMALL_MODULES = budget(8)
 SMALL = 4
 SMALL_VALUES = 40
