@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import os
 import shutil
-import subprocess
 import threading
 from collections.abc import Iterator
 from pathlib import Path
@@ -32,38 +31,44 @@ LIBRARIES = {
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Any]:
-    """The Chromium that is named, that which `make page` has unpacked, or the machine's."""
+    """The first Chromium that shows a page on this machine."""
     playwright = pytest.importorskip("playwright.sync_api", reason="no playwright")
     if not (PAGE / "index.html").exists():
         pytest.skip("the page is not built: `make page`")
-    named = os.environ.get("RTGEN_CHROMIUM")
-    installed = shutil.which("chromium")
-    environment = dict(os.environ)
-    if named is None and _runs(CARRIED / "chromium"):
-        named = str(CARRIED / "chromium")
-        environment |= LIBRARIES
-    elif named is None and installed is None:
-        pytest.skip(
-            "no chromium: `make page`, install one, or name it in RTGEN_CHROMIUM"
-        )
+    faults = []
     with playwright.sync_playwright() as driver:
-        found = driver.chromium.launch(
-            executable_path=named or installed, args=["--no-sandbox"], env=environment
-        )
-        yield found
-        found.close()
-
-
-def _runs(program: Path) -> bool:
-    """Whether a program is there that this machine can start."""
-    if not program.exists():
-        return False
-    command = [program, "--version"]
-    environment = {**os.environ, **LIBRARIES}
-    done = subprocess.run(
-        command, env=environment, capture_output=True, timeout=PATIENCE, check=False
+        for program, settings in _programs():
+            try:
+                found = driver.chromium.launch(
+                    executable_path=program,
+                    args=["--no-sandbox"],
+                    env={**os.environ, **settings},
+                    timeout=PATIENCE * 1000,
+                )
+                probe = found.new_page()
+                probe.goto("data:text/html,shown", timeout=PATIENCE * 1000)
+                probe.close()
+            except playwright.Error as error:
+                faults.append(f"; {program}: {error.message}")
+                continue
+            yield found
+            found.close()
+            return
+    pytest.skip(
+        "no chromium: `make page`, install one, or name it in RTGEN_CHROMIUM"
+        + "".join(faults)
     )
-    return done.returncode == 0
+
+
+def _programs() -> Iterator[tuple[str, dict[str, str]]]:
+    """The Chromium that is named, else that of `make page`, else the machine's; its settings."""
+    if named := os.environ.get("RTGEN_CHROMIUM"):
+        yield named, {}
+        return
+    if (CARRIED / "chromium").exists():
+        yield str(CARRIED / "chromium"), LIBRARIES
+    if installed := shutil.which("chromium"):
+        yield installed, {}
 
 
 @pytest.fixture
