@@ -186,14 +186,15 @@ class History:
             statistics = self._kept("statistics", time)
             frames = self._kept("frames", time)
             traffic = [*self._kept("calls", time), *self._kept("loads", time)]
-        newest = dict(self._before)
+            newest = dict(self._before)
+            lines_before = [*self._lines_before]
+        before = [*newest.values()]
         for event in happened:
             _overwrite(newest, event)
-        lines = [*self._lines_before, *happened]
+        lines = [*lines_before, *happened]
         lines = [each for each in lines if each.discriminator in _LINES][-MOST_LINES:]
         given = {id(event) for event in (*newest.values(), *lines)}
-        passed = {id(event): event for event in self._lines_before}
-        passed |= {id(event): event for event in (*self._before.values(), *happened)}
+        passed = {id(event): event for event in (*lines_before, *before, *happened)}
         return [
             Event.of_whole(whole),
             *(event for number, event in passed.items() if number in given),
