@@ -8,8 +8,10 @@ from __future__ import annotations
 import hashlib
 import os
 import shutil
+import signal
 import subprocess
 import sys
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -20,8 +22,11 @@ STAMP = MODULES / ".built"
 BUILT = MODULES / ".page"
 BROWSER = MODULES / ".chromium"
 
-MINUTES = 5
-"""A step that takes longer, such as one that waits for a network, is ended."""
+MINUTES = 3
+"""What takes longer altogether, such as a network that stalls, is ended.
+
+npm keeps what it has fetched: the next try goes on from there.
+"""
 
 
 def digest() -> str:
@@ -68,18 +73,23 @@ def build(run: Callable[..., None]) -> None:
 def main() -> None:
     """Build the page, and unpack the browser if asked to."""
     command, environment = npm()
+    end = time.monotonic() + MINUTES * 60
 
     def run(*words: str) -> None:
+        process = subprocess.Popen(
+            [*command, *words], cwd=ROOT, env=environment, start_new_session=True
+        )
         try:
-            subprocess.run(
-                [*command, *words],
-                cwd=ROOT,
-                env=environment,
-                check=True,
-                timeout=MINUTES * 60,
-            )
-        except (subprocess.CalledProcessError, subprocess.TimeoutExpired) as error:
-            sys.exit(f"the page of `rtgen ui` is not built: {error}")
+            code = process.wait(max(end - time.monotonic(), 0))
+            failed = f"npm {words[0]} ended with {code}" if code else ""
+        except subprocess.TimeoutExpired:
+            failed = f"npm {words[0]} took too long, {MINUTES} minutes are allowed"
+        finally:
+            # npm's own processes end with it, when this one is interrupted, too.
+            if process.poll() is None:
+                os.killpg(process.pid, signal.SIGKILL)
+        if failed:
+            sys.exit(f"the page of `rtgen ui` is not built: {failed}")
 
     build(run)
     if "--browser" in sys.argv[1:] and not BROWSER.exists():

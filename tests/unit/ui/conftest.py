@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import os
+import re
 import shutil
 import threading
 from collections.abc import Iterator
@@ -27,48 +28,66 @@ LIBRARIES = {
     "LD_LIBRARY_PATH": str(CARRIED / "lib"),
     "FONTCONFIG_PATH": str(CARRIED),
 }
+START_MS = 30_000
+"""How long a browser may take to start, and as long again to show a page."""
 
 
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    """The first Chromium that shows a page on this machine."""
+@pytest.fixture(scope="session")
+def chromium() -> dict[str, Any]:
+    """How the first browser is launched that shows a page on this machine.
+
+    The Chromium that is named, else that which `make page` has unpacked, else the machine's.
+    """
     playwright = pytest.importorskip("playwright.sync_api", reason="no playwright")
     if not (PAGE / "index.html").exists():
         pytest.skip("the page is not built: `make page`")
-    faults = []
+    candidates: list[tuple[str, dict[str, str]]]
+    if named := os.environ.get("RTGEN_CHROMIUM"):
+        candidates = [(named, {})]
+    else:
+        candidates = [
+            (found, libraries)
+            for folder, libraries in ((CARRIED, LIBRARIES), (None, {}))
+            if (found := shutil.which("chromium", path=folder))
+        ]
+    reasons = []
     with playwright.sync_playwright() as driver:
-        for program, settings in _programs():
+        for program, libraries in candidates:
+            options = {
+                "executable_path": program,
+                "args": ["--no-sandbox"],
+                "env": {**os.environ, **libraries},
+                "timeout": START_MS,
+            }
             try:
-                found = driver.chromium.launch(
-                    executable_path=program,
-                    args=["--no-sandbox"],
-                    env={**os.environ, **settings},
-                    timeout=PATIENCE * 1000,
-                )
-                probe = found.new_page()
-                probe.goto("data:text/html,shown", timeout=PATIENCE * 1000)
-                probe.close()
-            except playwright.Error as error:
-                faults.append(f"; {program}: {error.message}")
-                continue
-            yield found
-            found.close()
-            return
+                with driver.chromium.launch(**options) as found:
+                    found.new_page().goto("data:text/html,page", timeout=START_MS)
+            except (playwright.Error, OSError) as error:
+                reasons.append(f"{program}: {_cause(str(error))}")
+            else:
+                return options
     pytest.skip(
-        "no chromium: `make page`, install one, or name it in RTGEN_CHROMIUM"
-        + "".join(faults)
+        "; ".join(reasons)
+        or "no chromium: `make page`, install one, or name it in RTGEN_CHROMIUM"
     )
 
 
-def _programs() -> Iterator[tuple[str, dict[str, str]]]:
-    """The Chromium that is named, else that of `make page`, else the machine's; its settings."""
-    if named := os.environ.get("RTGEN_CHROMIUM"):
-        yield named, {}
-        return
-    if (CARRIED / "chromium").exists():
-        yield str(CARRIED / "chromium"), LIBRARIES
-    if installed := shutil.which("chromium"):
-        yield installed, {}
+@pytest.fixture(scope="module")
+def browser(chromium: dict[str, Any]) -> Iterator[Any]:
+    """A browser; while it is there, the thread has an event loop that runs."""
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as driver:
+        found = driver.chromium.launch(**chromium)
+        yield found
+        found.close()
+
+
+def _cause(message: str) -> str:
+    """What the browser wrote last, else the first line of playwright's message."""
+    head, _, _ = message.partition("\nCall log:")
+    lines = re.findall(r"\[err\] (.+)", head) or head.splitlines()[:1]
+    return re.sub(r"[^ -~]", "?", lines[-1])
 
 
 @pytest.fixture
