@@ -5,11 +5,10 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Protocol
-from xml.sax.saxutils import escape, quoteattr
 
 DECLARATION = '<?xml version="1.0" encoding="UTF-8" standalone="yes"?>\n'
 
-NOT_IN_XML = re.compile("[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+NOT_IN_XML = re.compile("[\0-\b\v\f\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
 """The characters that XML 1.0 cannot hold in any notation."""
 
 
@@ -31,6 +30,8 @@ def document(root: XmlElement, prefixes: Mapping[str, str], comment: str = "") -
 
     `comment` is what stands before the root.
     """
+    from xml.sax.saxutils import quoteattr
+
     named = dict(prefixes)
     for namespace in _namespaces(root):
         if namespace and namespace not in named:
@@ -54,6 +55,9 @@ def _lines(
     depth: int,
     declared: Iterable[str] = (),
 ) -> Iterator[str]:
+    # saxutils imports urllib, which most runs do not need.
+    from xml.sax.saxutils import escape, quoteattr
+
     def qualified(name: tuple[str, str]) -> str:
         namespace, local = name
         return f"{prefixes[namespace]}:{local}" if namespace else local
