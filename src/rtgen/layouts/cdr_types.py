@@ -131,6 +131,10 @@ class CdrTypes:
             )
         )
 
+    def holds_dynamic(self, name: ScopedName) -> bool:
+        """Whether values of the struct or union contain one marshalled by its descriptor."""
+        return name in self._dynamic
+
     def is_dynamic(self, type_: Type) -> bool:
         """Whether values of the type contain one marshalled by its descriptor."""
         found = self._are_dynamic.get(type_)

@@ -100,6 +100,8 @@ class PythonNames:
         self._model = model
         self._modules = implementation_modules(model)
         self._classes: dict[ScopedName, str] = {}
+        self._depths: dict[ScopedName, int] = {}
+        self._attributes: dict[str, frozenset[str]] = {}
         self._holdings: dict[ScopedName, dict[str, Declaration]] = {}
         self._operations: dict[ScopedName, dict[str, str]] = {}
         self._members: dict[ScopedName, dict[str, str]] = {}
@@ -290,6 +292,11 @@ class PythonNames:
 
     def attribute_names(self, module: str) -> frozenset[str]:
         """The attributes that classes of an implementation module have in class scope."""
+        if module not in self._attributes:
+            self._attributes[module] = frozenset(self._new_attribute_names(module))
+        return self._attributes[module]
+
+    def _new_attribute_names(self, module: str) -> set[str]:
         found: set[str] = set()
         for declaration in self.declarations(module):
             match declaration:
@@ -313,14 +320,17 @@ class PythonNames:
                         self._attribute((*scope, member.name))
                         for member in declaration.members
                     )
-        return frozenset(found)
+        return found
 
     def _depth(self, name: ScopedName) -> int:
         """How many leading parts are IDL modules."""
-        for i in range(len(name)):
-            if name[: i + 1] in self._names:
-                return i
-        return len(name) - 1
+        scope = name[:-1]
+        if scope not in self._depths:
+            self._depths[scope] = next(
+                (i for i in range(len(scope)) if name[: i + 1] in self._names),
+                len(scope),
+            )
+        return self._depths[scope]
 
     def _attribute(self, name: ScopedName) -> str:
         return identifier(name[-1], _PACKAGES if len(name) == 1 else ())
@@ -352,7 +362,7 @@ class PythonNames:
         """The declarations in order, nested ones before the enclosing one."""
         inside: dict[ScopedName, list[Declaration]] = {}
         for declaration in self._model.declarations:
-            if is_emitted(declaration) and self.is_nested(declaration.name):
+            if self.is_nested(declaration.name) and is_emitted(declaration):
                 inside.setdefault(declaration.name[:-1], []).append(declaration)
 
         def with_inner(declaration: Declaration) -> Iterator[Declaration]:

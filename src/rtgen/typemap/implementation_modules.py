@@ -34,6 +34,8 @@ from rtgen.model import (
 from rtgen.model.graphs import groups
 from rtgen.typemap.python_names import module_name
 
+_SERIES = (SequenceType, ArrayType)
+
 
 def implementation_modules(model: Model) -> dict[str, str]:
     """Displayed path of each file to the name of its module."""
@@ -122,7 +124,7 @@ def _in_calls(
 
 def _in_types(types: Iterable[Type]) -> Iterator[ScopedName]:
     for type_ in types:
-        while isinstance(type_, SequenceType | ArrayType):
+        while isinstance(type_, _SERIES):
             type_ = type_.element
         if isinstance(type_, NamedType):
             yield type_.name

@@ -41,7 +41,7 @@ def _plain(name: str) -> str:
 def words(name: str) -> str:
     """The name in normal form, with `_` for illegal characters."""
     if name.isascii():
-        return _NOT_A_WORD.sub("_", name)
+        return name if name.isidentifier() else _NOT_A_WORD.sub("_", name)
     name = unicodedata.normalize("NFKC", name)
     return "".join(c if f"_{c}".isidentifier() else "_" for c in name)
 

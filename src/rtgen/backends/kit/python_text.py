@@ -106,7 +106,7 @@ def fit_text(text: str) -> str:
     inside = off = False
     for text_line in text.split("\n"):
         short = inside or len(text_line) <= WIDTH
-        if short and '"""' not in text_line and _SWITCH not in text_line:
+        if short and text_line.count('"""') != 1 and _SWITCH not in text_line:
             lines.append(text_line)
             continue
         bare = text_line.lstrip()

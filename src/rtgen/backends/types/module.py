@@ -205,9 +205,9 @@ class TypesModule:
 
     def _options(self, declaration: Struct | Union) -> str:
         """Class options; the garbage collector tracks values that can be part of a cycle."""
-        holder = NamedType(declaration.name)
-        recursive = self._types.is_recursive(declaration.name)
-        return ", gc=True" if recursive or self._types.is_dynamic(holder) else ""
+        name = declaration.name
+        tracked = self._types.is_recursive(name) or self._types.holds_dynamic(name)
+        return ", gc=True" if tracked else ""
 
     def _field(self, holder: Struct | ExceptionDecl, member: Member) -> str:
         if member.optional or self._types.is_unset(holder, member):
