@@ -8,7 +8,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rtgen.backends.kit.python_text import fit, fit_call, fit_text
+from rtgen.backends.kit.python_text import (
+    Bracketed,
+    fit,
+    fit_bracketed,
+    fit_text,
+    tuple_of,
+)
 from rtgen.backends.kit.quoting.python import docstring, string_literal
 
 WORDS = (" | ", ": ", " if ", " else ", " for ", ", ", " = ", "(", ")", "[", "{", "#")
@@ -51,21 +57,28 @@ def test_a_docstring_does_not_hide_the_statements_behind_it(
     assert ast.dump(ast.parse(fit_text(module))) == ast.dump(ast.parse(module))
 
 
+items = st.recursive(
+    st.one_of(
+        st.text("ab", min_size=1, max_size=90),
+        texts.map(string_literal),
+        st.integers(1, 40).map(lambda n: f"a=b({', '.join(['word'] * n)})"),
+    ),
+    lambda inner: st.one_of(
+        st.lists(inner, max_size=5).map(lambda some: Bracketed('"key": call(', some)),
+        st.lists(inner, max_size=5).map(lambda some: Bracketed("x=[", some, "]")),
+        st.lists(inner, max_size=5).map(tuple_of),
+    ),
+    max_leaves=12,
+)
+
+
 @given(
     st.text("a_b", min_size=1, max_size=90),
-    st.lists(
-        st.one_of(
-            st.text("ab", min_size=1, max_size=90),
-            texts.map(string_literal),
-            st.integers(1, 40).map(lambda n: f"a=b({', '.join(['word'] * n)})"),
-        ),
-        max_size=8,
-    ),
+    st.lists(items, max_size=8),
     st.sampled_from((0, 4, 8)),
 )
 def test_a_call_is_fitted_from_its_arguments_as_from_its_text(
-    name: str, arguments: list[str], indent: int
+    name: str, arguments: list[str | Bracketed], indent: int
 ) -> None:
-    head = f"x: T = {name}"
-    statement = " " * indent + f"{head}({', '.join(arguments)})"
-    assert fit_text(fit_call(head, arguments, indent)) == fit_text(statement)
+    call = Bracketed(f"x: T = {name}(", arguments)
+    assert fit_text(fit_bracketed(call, indent)) == fit_text(" " * indent + call.flat)

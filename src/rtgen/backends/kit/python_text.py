@@ -32,6 +32,8 @@ _MARK = re.compile(
     r""""(?:[^"\\]|\\.)*"|'(?:[^'\\]|\\.)*'|[()\[\]{}]|, ?| for | = | else """
 )
 _LONE_COLON = re.compile(r"""["'()\[\]{},\s]:\Z""")
+_LONE_LITERAL = re.compile(r""" *(?:'(?:[^'\\]|\\.)*'|"(?:[^"\\]|\\.)*"),""")
+"""An item that no line break can shorten."""
 _LITERAL = re.compile(r''''(?:[^'\\]|\\.)*'|"(?:[^"\\]|\\.)*"''')
 
 
@@ -81,19 +83,50 @@ def fit(statement: str, indent: int = 0) -> str:
     return "\n".join(opened)
 
 
-def fit_call(head: str, arguments: Sequence[str], indent: int) -> str:
-    """The statement `head(arguments)`, indented and split as `fit` would, without a search.
+class Bracketed:
+    """Items in a bracket pair behind a text, such as `head(item, item)`; an item can be one, too.
 
-    Where the head or an argument has to be split too, all is one line, for `fit_text`.
+    `head` ends with the opening bracket; `closing` is `,)` behind the only item of a tuple. `flat`
+    is all of it on one line.
     """
-    begin, margin = f"{' ' * indent}{head}(", " " * (indent + _STEP)
-    flat = f"{begin}{', '.join(arguments)})"
-    if len(flat) <= WIDTH:
-        return flat
-    longest = max(map(len, arguments), default=WIDTH)
-    if max(len(begin), len(margin) + longest + 1) > WIDTH:
-        return flat
-    return "\n".join([begin, *[f"{margin}{a}," for a in arguments], f"{' ' * indent})"])
+
+    __slots__ = ("_closing", "_head", "_items", "flat")
+
+    def __init__(
+        self, head: str, items: Sequence[str | Bracketed], closing: str = ")"
+    ) -> None:
+        self._head, self._items, self._closing = head, items, closing
+        texts = [item if isinstance(item, str) else item.flat for item in items]
+        self.flat: str = f"{head}{', '.join(texts)}{closing}"
+
+    def lines(self, indent: int, ending: str = "") -> list[str]:
+        """It as lines, with brackets opened where a line would be too long, `ending` after it."""
+        margin = " " * indent
+        if indent + len(self.flat) + len(ending) <= WIDTH or not self._items:
+            return [f"{margin}{self.flat}{ending}"]
+        lines = [margin + self._head]
+        for item in self._items:
+            if isinstance(item, str):
+                lines.append(f"{margin}    {item},")
+            else:
+                lines += item.lines(indent + _STEP, ",")
+        return [*lines, f"{margin}{self._closing[-1]}{ending}"]
+
+
+def tuple_of(items: Sequence[str | Bracketed], head: str = "") -> Bracketed:
+    """The tuple of the items, behind a text."""
+    return Bracketed(f"{head}(", items, ",)" if len(items) == 1 else ")")
+
+
+def fit_bracketed(statement: Bracketed, indent: int) -> str:
+    """The statement indented and split as `fit` would, without a search.
+
+    Where a head or an item has to be split too, all is one line, for `fit_text`.
+    """
+    lines = statement.lines(indent)
+    if any(len(line) > WIDTH and not _LONE_LITERAL.fullmatch(line) for line in lines):
+        return " " * indent + statement.flat
+    return "\n".join(lines)
 
 
 def fit_text(text: str) -> str:
@@ -115,6 +148,7 @@ def fit_text(text: str) -> str:
         if not inside and bare in (_OFF, _ON):
             off = bare == _OFF
         kept = off or bare.startswith("#") or bare.endswith(SKIPPED)
+        kept = kept or bool(_LONE_LITERAL.fullmatch(bare))
         if len(text_line) <= WIDTH or inside or quotes or kept:
             lines.append(text_line)
         else:

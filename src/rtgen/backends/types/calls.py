@@ -15,6 +15,7 @@ from pathlib import PurePosixPath
 
 from msgspec.structs import replace
 
+from rtgen.backends.kit.python_text import Bracketed, fit_bracketed, tuple_of
 from rtgen.backends.kit.quoting.python import string_literal
 from rtgen.backends.types.scope import Scope
 from rtgen.layouts.cdr_types import CdrTypes, NotMarshalledError
@@ -270,29 +271,33 @@ class CallTable:
             raises for raises, count in raised.items() if raises and count > _MANY
         ]
         self._common = {r: f"_RAISES_{n}" for n, r in enumerate(common, 1)}
-        before = [f"{name} = {self._raised(r)}\n" for r, name in self._common.items()]
-        items = []
-        for interface in interfaces:
-            calls = ", ".join(
-                f"{string_literal(call.operation)}: {self._call(call)}"
-                for call in self._calls.of[interface.name]
+        before = [
+            f"{name} = {self._raised(r).flat}\n" for r, name in self._common.items()
+        ]
+        items = [
+            Bracketed(
+                f"{string_literal(interface.repository_id)}: {{",
+                [self._call(call) for call in self._calls.of[interface.name]],
+                "}",
             )
-            items.append(f"{string_literal(interface.repository_id)}: {{{calls}}}")
+            for interface in interfaces
+        ]
         kind = f"{self._py.dict}[{self._py.str}, {self._py.dict}[{self._py.str}, {self._py.Call}]]"
-        return "".join(before) + f"_CALLS: {kind} = {{{', '.join(items)}}}"
+        table = Bracketed(f"_CALLS: {kind} = {{", items, "}")
+        return "".join(before) + fit_bracketed(table, 0)
 
-    def _raised(self, raises: tuple[ScopedName, ...]) -> str:
+    def _raised(self, raises: tuple[ScopedName, ...], head: str = "") -> Bracketed:
         py = self._py
-        return _tuple(
-            [
-                f"({py.reference(self._calls.raised(e))}, {py.reference(e)})"
-                for e in raises
-            ]
-        )
+        pairs = [
+            Bracketed("(", [py.reference(self._calls.raised(e)), py.reference(e)])
+            for e in raises
+        ]
+        return tuple_of(pairs, head)
 
-    def _call(self, call: Call) -> str:
+    def _call(self, call: Call) -> Bracketed:
+        """The item of a call in the table."""
         py = self._py
-        facts = []
+        facts: list[str | Bracketed] = []
         if call.refused:
             facts.append(f"refused={string_literal(call.refused)}")
         for key, body in (("request", call.request), ("reply", call.reply)):
@@ -300,13 +305,15 @@ class CallTable:
                 facts.append(f"{key}={py.reference(body.name)}")
                 objects = [self._interface(member.type) for member in body.members]
                 if any(name != "None" for name in objects):
-                    facts.append(f"{key}_objects={_tuple(objects)}")
+                    facts.append(tuple_of(objects, f"{key}_objects="))
         if call.raises:
-            raises = self._common.get(call.raises) or self._raised(call.raises)
-            facts.append(f"raises={raises}")
+            common = self._common.get(call.raises)
+            facts.append(
+                f"raises={common}" if common else self._raised(call.raises, "raises=")
+            )
         if call.oneway:
             facts.append("oneway=True")
-        return f"{py.Call}({', '.join(facts)})"
+        return Bracketed(f"{string_literal(call.operation)}: {py.Call}(", facts)
 
     def _interface(self, type_: Type) -> str:
         """The class of an object that a member refers to, else `None`."""
@@ -316,7 +323,3 @@ class CallTable:
             if isinstance(declaration, Interface):
                 return self._py.reference(type_.name)
         return "None"
-
-
-def _tuple(items: list[str]) -> str:
-    return f"({items[0]},)" if len(items) == 1 else f"({', '.join(items)})"

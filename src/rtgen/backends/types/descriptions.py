@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from rtgen.backends.kit.python_text import fit_call
+from rtgen.backends.kit.python_text import Bracketed, fit_bracketed, tuple_of
 from rtgen.backends.kit.quoting.python import string_literal
 from rtgen.backends.types.scope import Scope
 from rtgen.layouts.cdr_types import CdrTypes, bit_count
@@ -114,8 +114,8 @@ class Descriptions:
         facts += self._traits(declaration, representation)
         names = self._names.members(declaration)
         facts += [self._member(m, names[m.name]) for m in declaration.members]
-        head = f"_descriptor_{py.class_variable} = {py.idl}.{kind}"
-        return fit_call(head, facts, 4)
+        head = f"_descriptor_{py.class_variable} = {py.idl}.{kind}("
+        return fit_bracketed(Bracketed(head, facts), 4)
 
     def _member(self, member: Member, attribute: str) -> str:
         """A member as an argument."""
@@ -142,7 +142,7 @@ class Descriptions:
         if modifier or bases or own_id:
             facts.append(f'"{modifier}"')
         if bases or own_id:
-            facts.append(_tuple(bases))
+            facts.append(tuple_of(bases).flat)
         return f"{self._py.idl}.value({', '.join([*facts, *own_id, *state])})"
 
     def box(self, declaration: ValueBox) -> str:
@@ -223,15 +223,22 @@ class Descriptions:
         return string_literal(value) if isinstance(value, str) else str(value)
 
     def interface(self, declaration: Interface) -> str:
-        """The descriptor of an interface."""
+        """The class variable with the descriptor of an interface, as fitted lines."""
+        py = self._py
         texts = [attribute_text(attribute) for attribute in declaration.attributes]
         texts += [signature(operation) for operation in declaration.operations]
-        bases = [f"{self._py.reference(b)}._descriptor_" for b in declaration.bases]
-        operations = _tuple([string_literal(text) for text in texts])
-        head = self._head(declaration)
-        facts = [head, operations, _tuple(bases), *_interface_kind(declaration)]
+        bases = [f"{py.reference(b)}._descriptor_" for b in declaration.bases]
+        facts: list[str | Bracketed] = [
+            string_literal(declaration.repository_id),
+            string_literal(declaration.scoped),
+            tuple_of([string_literal(text) for text in texts]),
+            tuple_of(bases),
+            *_interface_kind(declaration),
+        ]
         facts += ["opaque=True"] * (declaration.annotation(OPAQUE) is not None)
-        return f"{self._py.InterfaceDescriptor}({', '.join(facts)})"
+        kind = py.InterfaceDescriptor
+        head = f"_descriptor_: {py.ClassVar}[{kind}] = {kind}("
+        return fit_bracketed(Bracketed(head, facts), 4)
 
     def _traits(
         self, declaration: Struct | Union | ExceptionDecl, representation: int
@@ -299,7 +306,3 @@ def _differing(entry: Member | Case, attribute: str) -> list[str]:
     """The Python name and the member id, if they differ from their defaults."""
     facts = [] if attribute == entry.name else [f'name="{entry.name}"']
     return facts if entry.id is None else [*facts, f"member_id={entry.id}"]
-
-
-def _tuple(items: list[str]) -> str:
-    return f"({items[0]},)" if len(items) == 1 else f"({', '.join(items)})"
