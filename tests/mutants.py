@@ -58,7 +58,12 @@ PARTS: Mapping[str, Part] = {
         ),
     ),
     "pdo": Part(
-        ("layouts/pdo.py", "layouts/can_values.py"), ("canopen/test_pdo_codec.py",)
+        ("layouts/pdo.py", "layouts/can_values.py"),
+        (
+            "canopen/test_pdo_codec.py",
+            "canopen/test_can_startup.py",
+            "facts/test_canopen.py",
+        ),
     ),
     "offsets": Part(
         ("layouts/offsets.py", "layouts/cdr_types.py"),

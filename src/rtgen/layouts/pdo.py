@@ -97,14 +97,16 @@ def layout(mapped: Sequence[Mapped]) -> PdoLayout:
     for entry in mapped:
         if entry.bits < 1:
             raise PdoLayoutError(f"{entry.name or 'a gap'} has no bits")
-        kind = None if entry.name is None else _kind(entry)
+        field = None
+        if entry.name is not None:
+            field = PdoField(entry.name, _kind(entry), entry.bits, filled)
         if not filled and entry.bits % 8 == 0:
-            slots.append(_slot(entry, kind))
+            slots.append(_slot(entry.bits // 8, field))
             continue
-        if entry.name is not None and kind is not None:
-            if kind in (Kind.TEXT, Kind.OCTETS):
-                raise PdoLayoutError(f"{entry.name} does not begin and end at an octet")
-            shared.append(PdoField(entry.name, kind, entry.bits, filled))
+        if field is not None:
+            if field.kind in (Kind.TEXT, Kind.OCTETS):
+                raise PdoLayoutError(f"{field.name} does not begin and end at an octet")
+            shared.append(field)
         filled += entry.bits
         if filled % 8 == 0:
             slots.append(_shared(shared, filled // 8))
@@ -134,25 +136,28 @@ def _kind(entry: Mapped) -> Kind:
     return Kind.TEXT if code == DataType.VISIBLE_STRING else Kind.OCTETS
 
 
-def _slot(entry: Mapped, kind: Kind | None) -> Slot:
+def _slot(size: int, field: PdoField | None) -> Slot:
     """The slot of a field, or of a gap, that begins and ends at an octet."""
-    size = entry.bits // 8
-    if entry.name is None or kind is None:
-        return Slot((Part(f"{size}x", entry.bits),), (), whole=True)
+    if field is None:
+        return _gap(size)
     parts: tuple[Part, ...]
-    if kind is Kind.REAL:
-        parts = (Part("f" if size == 4 else "d", entry.bits),)
-    elif kind in (Kind.TEXT, Kind.OCTETS):
-        parts = (Part(f"{size}s", entry.bits),)
+    if field.kind is Kind.REAL:
+        parts = (Part("f" if size == 4 else "d", field.bits),)
+    elif field.kind in (Kind.TEXT, Kind.OCTETS):
+        parts = (Part(f"{size}s", field.bits),)
     else:
-        parts = tuple(_parts(size, signed=kind is Kind.SIGNED))
-    return Slot(parts, (PdoField(entry.name, kind, entry.bits),), whole=True)
+        parts = tuple(_parts(size, signed=field.kind is Kind.SIGNED))
+    return Slot(parts, (field,), whole=True)
 
 
 def _shared(fields: Sequence[PdoField], size: int) -> Slot:
     if not fields:
-        return Slot((Part(f"{size}x", 8 * size),), (), whole=True)
+        return _gap(size)
     return Slot(tuple(_parts(size, signed=False)), tuple(fields), whole=False)
+
+
+def _gap(size: int) -> Slot:
+    return Slot((Part(f"{size}x", 8 * size),), (), whole=True)
 
 
 def _parts(size: int, signed: bool) -> Iterator[Part]:

@@ -224,20 +224,41 @@ def test_octets(data_type: int, value: int | float | str | bytes, wanted: str) -
 
 
 @pytest.mark.parametrize(
-    ("data_type", "value"),
+    ("data_type", "value", "reason"),
     [
-        (DataType.VISIBLE_STRING, "\ud800"),
-        (DataType.UNSIGNED8, 256),
-        (DataType.INTEGER8, 128),
-        (DataType.UNSIGNED16, "text"),
-        (DataType.UNSIGNED32, NodeRelative(0x80)),
-        (DataType.REAL32, 1e39),
-        (0x40, 1),
+        (
+            DataType.VISIBLE_CHAR,
+            "\u5de6",
+            "'\u5de6' has a character that is not of Latin-1",
+        ),
+        (
+            DataType.UNICODE_STRING,
+            "\ud800",
+            r"'\ud800' has a character that is not of UTF-16",
+        ),
+        (
+            DataType.VISIBLE_STRING,
+            "\ud800",
+            r"'\ud800' has a character that is not of UTF-16",
+        ),
+        (DataType.UNSIGNED8, 256, "256 is not a value of data type 0005h"),
+        (DataType.INTEGER8, 128, "128 is not a value of data type 0002h"),
+        (DataType.UNSIGNED16, "text", "'text' is not a value of data type 0006h"),
+        (
+            DataType.UNSIGNED32,
+            NodeRelative(0x80),
+            "$NODEID+0x80 depends on the node-id, which is not known",
+        ),
+        (DataType.REAL32, 1e39, "1e+39 is not a value of data type 0008h"),
+        (0x4A, 1, "1 is not a value of data type 004Ah"),
     ],
 )
-def test_no_octets(data_type: int, value: int | float | str | NodeRelative) -> None:
-    with pytest.raises(CanValueError):
+def test_no_octets(
+    data_type: int, value: int | float | str | NodeRelative, reason: str
+) -> None:
+    with pytest.raises(CanValueError) as caught:
         octets(data_type, value)
+    assert str(caught.value) == reason
 
 
 @pytest.mark.parametrize("text", ["drive", "größe", "左", "Ã©"])

@@ -16,7 +16,16 @@ from hypothesis import strategies as st
 from type_checkers import check_by_mypy
 
 from rtgen.backends.canopen.pdo_codec import IMPORTS, PdoCodec, codecs_text
-from rtgen.layouts.pdo import Mapped, PdoLayoutError, layout
+from rtgen.layouts.pdo import (
+    Kind,
+    Mapped,
+    Part,
+    PdoField,
+    PdoLayout,
+    PdoLayoutError,
+    Slot,
+    layout,
+)
 from rtgen.model.canopen import BITS, SIGNED, UNSIGNED, DataType
 from rtgen.runtime.canopen.pdo import PdoError
 
@@ -227,6 +236,32 @@ def test_one_call_for_octets() -> None:
     assert (layout(crossing).format, layout(crossing).size) == ("<H", 2)
     gap = [Mapped(None, DataType.UNSIGNED16, 16), Mapped("a", DataType.UNSIGNED8, 8)]
     assert layout(gap).format == "<2xB"
+    bits = [Mapped(None, 0, 3), Mapped(None, 0, 5), *gap[1:], Mapped(None, 0, 12)]
+    assert (layout(bits).format, layout(bits).size) == ("<1xB2x", 4)
+
+
+def test_slots() -> None:
+    """A gap of any type, a shared slot that ends inside an octet, and its size."""
+    mapped = [
+        Mapped(None, DataType.REAL32, 16),
+        Mapped("level", DataType.INTEGER16, 16),
+        Mapped(None, DataType.BOOLEAN, 1),
+        Mapped("on", DataType.BOOLEAN, 1),
+        Mapped("speed", DataType.INTEGER8, 7),
+    ]
+    level = PdoField("level", Kind.SIGNED, 16)
+    on = PdoField("on", Kind.BOOLEAN, 1, 1)
+    speed = PdoField("speed", Kind.SIGNED, 7, 2)
+    slots = (
+        Slot((Part("2x", 16),), (), whole=True),
+        Slot((Part("h", 16),), (level,), whole=True),
+        Slot((Part("H", 16),), (on, speed), whole=False),
+    )
+    assert layout(mapped) == PdoLayout(slots, 6)
+    assert layout(mapped).fields == (level, on, speed)
+    assert layout(mapped[:2]) == PdoLayout(slots[:2], 4)
+    assert layout([]) == PdoLayout((), 0)
+    assert layout([Mapped(None, 0, 64)]).size == 8
 
 
 def test_values_that_do_not_fit() -> None:
@@ -244,18 +279,29 @@ def test_values_that_do_not_fit() -> None:
 
 
 @pytest.mark.parametrize(
-    "mapped",
+    ("mapped", "reason"),
     [
-        [Mapped("a", DataType.UNSIGNED64, 64), Mapped("b", DataType.BOOLEAN, 1)],
-        [Mapped("a", DataType.BOOLEAN, 1), Mapped("b", DataType.VISIBLE_STRING, 8)],
-        [Mapped("a", DataType.REAL32, 16)],
-        [Mapped("a", DataType.VISIBLE_CHAR, 7)],
-        [Mapped("a", DataType.UNSIGNED8, 0)],
-        [Mapped("a", DataType.OCTET_STRING, 12)],
+        (
+            [Mapped("a", DataType.UNSIGNED64, 64), Mapped("b", DataType.BOOLEAN, 1)],
+            "65 bits; a PDO has up to 64",
+        ),
+        (
+            [Mapped("a", DataType.BOOLEAN, 1), Mapped("b", DataType.VISIBLE_STRING, 8)],
+            "b does not begin and end at an octet",
+        ),
+        ([Mapped("a", DataType.REAL32, 16)], "a has 16 bits, not 32"),
+        ([Mapped("a", DataType.REAL64, 32)], "a has 32 bits, not 64"),
+        ([Mapped("a", DataType.VISIBLE_CHAR, 7)], "a has 7 bits, not 8"),
+        ([Mapped("a", DataType.UNSIGNED8, 0)], "a has no bits"),
+        ([Mapped(None, DataType.UNSIGNED8, 0)], "a gap has no bits"),
+        (
+            [Mapped("a", DataType.OCTET_STRING, 12)],
+            "a does not begin and end at an octet",
+        ),
     ],
 )
-def test_what_cannot_be_laid_out(mapped: list[Mapped]) -> None:
-    with pytest.raises(PdoLayoutError):
+def test_what_cannot_be_laid_out(mapped: list[Mapped], reason: str) -> None:
+    with pytest.raises(PdoLayoutError, match=f"^{reason}$"):
         layout(mapped)
 
 
