@@ -99,7 +99,7 @@ class PythonNames:
         self.package = package
         self._model = model
         self._modules = implementation_modules(model)
-        self._classes: dict[ScopedName, str] = {}
+        self._implementations: dict[ScopedName, tuple[str, str]] = {}
         self._depths: dict[ScopedName, int] = {}
         self._attributes: dict[str, frozenset[str]] = {}
         self._holdings: dict[ScopedName, dict[str, Declaration]] = {}
@@ -128,8 +128,7 @@ class PythonNames:
 
     def implementation(self, name: ScopedName) -> tuple[str, str]:
         """(`_idl.<module>`, class name) of a declaration."""
-        declaration = self._model.find(name)
-        return f"_idl.{self._modules[declaration.file]}", self._classes[name]
+        return self._implementations[name]
 
     def public(self, name: ScopedName) -> tuple[tuple[str, ...], str]:
         """(package path below the root, attribute there) of a declaration.
@@ -150,7 +149,7 @@ class PythonNames:
     def companion(self, name: ScopedName, suffix: str) -> str:
         """The companion of a declaration's class: `RefHardStub`, `RangeListCodec`."""
         module = self._modules[self._model.find(name).file]
-        return _free(self._classes[name] + suffix, self._classes_of[module])
+        return _free(self._implementations[name][1] + suffix, self._classes_of[module])
 
     def public_companion(self, name: ScopedName, suffix: str) -> str:
         """The name of a companion in the package of the declaration's IDL module."""
@@ -160,7 +159,7 @@ class PythonNames:
     def _classes_of(self) -> dict[str, set[str]]:
         """The names of the classes in each implementation module."""
         return {
-            module: {self._classes[declaration.name] for declaration in declarations}
+            module: {self._implementations[d.name][1] for d in declarations}
             for module, declarations in self._by_module.items()
         }
 
@@ -405,7 +404,7 @@ class PythonNames:
             while chosen in taken or (chosen not in (text, plain) and chosen in free):
                 chosen += "_"
             taken.add(chosen)
-            self._classes[name] = chosen
+            self._implementations[name] = f"_idl.{module}", chosen
 
 
 def distinct(names: Iterable[str], reserved: Collection[str]) -> dict[str, str]:

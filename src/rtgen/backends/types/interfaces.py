@@ -33,14 +33,6 @@ class _Attribute(msgspec.Struct, frozen=True):
     set_operation: str
 
 
-class _Operation(msgspec.Struct, frozen=True):
-    name: str
-    parameters: str
-    result: str
-    docstring: str
-    operation: str
-
-
 class Interfaces:
     """Writes interfaces into one module."""
 
@@ -79,7 +71,7 @@ class Interfaces:
             nested=nested + [line for line in contested.values() if line not in nested],
             contested=list(contested.values()),
             attributes=[self._attribute(a, called) for a in declaration.attributes],
-            operations=[self._operation(o, called) for o in declaration.operations],
+            operations=self._operations(declaration, called),
             stub=py.companion(declaration.name, "Stub"),
             stub_bases=", ".join([name, *(stub_bases or [stub])]),
             skeleton=py.companion(declaration.name, "Skeleton"),
@@ -101,17 +93,29 @@ class Interfaces:
             set_operation=self._marks(attribute.name, name, attribute.set_raises),
         )
 
-    def _operation(self, operation: Operation, called: dict[str, str]) -> _Operation:
-        name = called[operation.name]
-        return _Operation(
-            name=name,
-            parameters=self.parameters(operation),
-            result=self.result(operation),
-            docstring=docstring(operation.doc, 8),
-            operation=self._marks(
+    def _operations(self, declaration: Interface, called: dict[str, str]) -> str:
+        """The methods; blank lines are only around those with docstrings."""
+        # Not in the template: that takes as long as all else that is done for a method.
+        py = self._py
+        lines: list[str] = []
+        spaced = True
+        for operation in declaration.operations:
+            name = called[operation.name]
+            doc = docstring(operation.doc, 8).rstrip("\n")
+            if spaced or doc:
+                lines.append("")
+            spaced = bool(doc)
+            lines.append(f"    @{py.abstractmethod}")
+            marks = self._marks(
                 operation.name, name, operation.raises, operation.oneway
-            ),
-        )
+            )
+            if marks:
+                lines.append(f"    @{py.operation}({marks})")
+            head = f"    def {name}({self.parameters(operation)})"
+            lines.append(f"{head} -> {self.result(operation)}:{'' if doc else ' ...'}")
+            if doc:
+                lines.append(doc)
+        return "\n".join(lines)
 
     def annotation(self, type_: Type) -> str:
         """The annotation of a parameter or attribute."""

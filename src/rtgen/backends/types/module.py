@@ -399,6 +399,8 @@ class TypesModule:
 
     def _ready_codecs(self) -> list[Block]:
         """The codecs of aliases whose types are already defined."""
+        if not self._waiting:
+            return []
         ready = [
             alias for alias in self._waiting if not self._is_ahead(alias.type, True)
         ]

@@ -134,6 +134,8 @@ def _stripped(text: str) -> str:
 
 def _tidy(text: str) -> str:
     """Without common indentation, and without blank lines at either end."""
+    if "\n" not in text:
+        return text.strip()
     lines = [line.rstrip() for line in text.split("\n")]
     if lines:
         lines[0] = lines[0].lstrip()

@@ -10,6 +10,8 @@ from rtgen.backends.kit.quoting.code import UnquotableError
 from rtgen.xml_text import NOT_IN_XML
 
 _SPACE = str.maketrans({"\t": "&#9;", "\n": "&#10;", "\r": "&#13;"})
+_QUOTED = re.compile(f"""[&<>"'\t\n\r]|{NOT_IN_XML.pattern}""")
+"""What is not inserted as it is."""
 _HYPHENS = re.compile("-(?=-|$)")
 
 
@@ -21,6 +23,8 @@ def quote_xml(value: object) -> Markup:
     if isinstance(value, Markup):
         return value
     text = str(value)
+    if not _QUOTED.search(text):
+        return Markup(text)
     if NOT_IN_XML.search(text):
         raise UnquotableError(text, "XML")
     return Markup(str(escape(text)).translate(_SPACE))

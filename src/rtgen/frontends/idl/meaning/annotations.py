@@ -52,6 +52,8 @@ class Annotations:
     ) -> tuple[Annotation, ...]:
         """The annotations of a declaration; `type_` is its type, for `@default` and others."""
         nodes = tuple(annotations)
+        if not nodes:
+            return ()
         if len(nodes) > 1:
             self._repeated(nodes, unit)
         return tuple(self._one(a, place, unit, type_) for a in nodes)
@@ -226,6 +228,8 @@ def limits(
 ) -> tuple[ConstantValue | None, ConstantValue | None, ConstantValue | None]:
     """The minimum, the maximum and the default in annotations."""
     found = tuple(found)
+    if not found:
+        return None, None, None
     low, high = value(found, "range", "min"), value(found, "range", "max")
     low = value(found, "min") if low is None else low
     high = value(found, "max") if high is None else high

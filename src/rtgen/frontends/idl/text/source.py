@@ -78,6 +78,8 @@ class Source:
         return _CONTROL.sub(" ", self.text)
 
     def _join_lines(self, text: str) -> str:
+        if "\\" not in text:
+            return text
         parts = []
         start = length = 0
         for match in _SPLICE.finditer(text):

@@ -54,6 +54,8 @@ class Context(msgspec.Struct, frozen=True):
 
     def is_data(self, node: tree.TypeNode, unit: Unit) -> bool:
         """Check the type of a stored or transmitted value; return whether it is valid."""
+        if isinstance(node, tree.BasicType) and node.kind is not Primitive.VOID:
+            return True
         type_ = self.types.of_node(node, unit)
         if type_ is None:
             return False
@@ -105,6 +107,8 @@ class Context(msgspec.Struct, frozen=True):
 
     def is_local(self, type_: Type | None, seen: set[ScopedName] | None = None) -> bool:
         """Whether a type is, or contains, a local interface."""
+        if isinstance(type_, PrimitiveType):
+            return False
         seen = set() if seen is None else seen
         pending: list[Type | None] = [type_]
         while pending:
