@@ -172,7 +172,7 @@ def stages(file: Path) -> dict[str, float]:
     modules = timed("imports", lambda names: [import_module(name) for name in names])(
         ["rtgen.cli.inspect", "rtgen.inspection.models", "rtgen.frontends.idl.pipeline"]
     )
-    from rtgen.frontends.idl import pipeline
+    from rtgen.frontends.idl import pipeline, translation
     from rtgen.frontends.idl.lowering import lower
     from rtgen.frontends.idl.meaning import checks
     from rtgen.frontends.idl.names import resolver as names
@@ -183,7 +183,7 @@ def stages(file: Path) -> dict[str, float]:
         ("grammar", parser, "_grammar"),
         ("read", pipeline.Library, "open"),
         ("preprocess", preprocessor.Preprocessor, "translation_unit"),
-        ("lex, parse, build tree", pipeline, "parse"),
+        ("lex, parse, build tree", translation, "parse"),
         ("names", names.Resolver, "run"),
         ("types, lowering", lower.Lowering, "declaration"),
         ("checks", checks, "run"),
