@@ -42,9 +42,14 @@ def hit_wall(
     x1, y1, x2, y2 = wall
     along_x, along_y = x2 - x1, y2 - y1
     across = dx * along_y - dy * along_x
-    if across == 0.0:
-        return inf
     to_x, to_y = x1 - x, y1 - y
-    part = (to_x * dy - to_y * dx) / across
+    beside = to_x * dy - to_y * dx
+    if across == 0.0:
+        start = to_x * dx + to_y * dy
+        end = (x2 - x) * dx + (y2 - y) * dy
+        if beside != 0.0 or (start < 0.0 and end < 0.0):
+            return inf
+        return max(0.0, min(start, end))
+    part = beside / across
     way = (to_x * along_y - to_y * along_x) / across
     return way if 0.0 <= part <= 1.0 and way >= 0.0 else inf

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import cos, hypot, inf, pi, sin
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from refnav.free_way import free_way
@@ -13,7 +13,8 @@ from refnav.geometry import Pose, advance
 from refnav.map_text import MapError
 from refnav.room import Post, Room, Wall, parse
 
-PLACE = st.floats(-3.0, 3.0)
+PLACE = st.floats(-3.0, 3.0).map(lambda place: round(place, 6))
+ANGLE = st.floats(-pi, pi).map(lambda angle: round(angle, 6))
 THING = st.one_of(
     st.builds(Wall, PLACE, PLACE, PLACE, PLACE).filter(
         lambda wall: hypot(wall.x1 - wall.x2, wall.y1 - wall.y2) > 0.1
@@ -23,7 +24,9 @@ THING = st.one_of(
 ROOM = st.lists(THING, min_size=1, max_size=4).map(Room)
 
 
-@given(ROOM, PLACE, PLACE, st.floats(-pi, pi))
+@given(ROOM, PLACE, PLACE, ANGLE)
+@example(Room([Wall(0.0, 0.0, 1.0, 0.0)]), -1.0, 0.0, 0.0)
+@example(Room([Wall(1.0, 0.0, -2.0, 0.0)]), -3.0, 0.0, 0.0)
 def test_a_ray_ends_at_the_first_thing(
     room: Room, x: float, y: float, angle: float
 ) -> None:
