@@ -45,6 +45,11 @@ class ObjectDescription:
         """Whether SDO may write the object."""
         return self.access not in ("ro", "const")
 
+    @property
+    def limited(self) -> bool:
+        """Whether the description restricts the range of its kind."""
+        return self.low is not None or self.high is not None
+
     def named(self, name: str) -> ObjectDescription:
         """A copy with another name."""
         return replace(self, name=name)

@@ -49,20 +49,21 @@ class ObjectValueError(ValueError):
         self.code = code
 
 
+_SIZES: Final = {kind: (bits + 7) // 8 for kind, bits in KIND_BITS.items()}
+_LIMITS: Final = {
+    **{k: (-1 << bits - 1, (1 << bits - 1) - 1) for k, bits in SIGNED_KINDS.items()},
+    **{kind: (0, (1 << bits) - 1) for kind, bits in UNSIGNED_KINDS.items()},
+}
+
+
 def size(kind: Kind) -> int | None:
     """Size of a value in SDO in octets; None for variable length."""
-    bits = KIND_BITS.get(kind)
-    return None if bits is None else (bits + 7) // 8
+    return _SIZES.get(kind)
 
 
 def limits(kind: Kind) -> tuple[int, int] | None:
     """The range of an integer kind, None for others."""
-    if kind in SIGNED_KINDS:
-        half = 1 << SIGNED_KINDS[kind] - 1
-        return -half, half - 1
-    if kind in UNSIGNED_KINDS:
-        return 0, (1 << UNSIGNED_KINDS[kind]) - 1
-    return None
+    return _LIMITS.get(kind)
 
 
 def zero(kind: Kind) -> ObjectValue:
@@ -82,10 +83,12 @@ def zero(kind: Kind) -> ObjectValue:
 
 def encode(kind: Kind, value: ObjectValue) -> bytes:
     """Encode a value. Raises ObjectValueError if it does not fit the kind."""
-    if kind in SIGNED_KINDS or kind in UNSIGNED_KINDS:
-        number = checked(kind, _integer(kind, value))
-        octets = KIND_BITS[kind] // 8
-        return int(number).to_bytes(octets, "little", signed=kind in SIGNED_KINDS)
+    own = _LIMITS.get(kind)
+    if own is not None:
+        number = value if type(value) is int else _integer(kind, value)
+        if not own[0] <= number <= own[1]:
+            checked(kind, number)
+        return number.to_bytes(_SIZES[kind], "little", signed=own[0] < 0)
     if kind == "bool":
         return bytes((_boolean(value),))
     if kind in _REALS:
@@ -106,14 +109,13 @@ def decode(kind: Kind, octets: bytes) -> ObjectValue:
 
     Trailing zeros of text are padding. Any octet other than 0 is True.
     """
-    wanted = size(kind)
+    wanted = _SIZES.get(kind)
     if wanted is not None and len(octets) != wanted:
         code = sdo.LENGTH_TOO_HIGH if len(octets) > wanted else sdo.LENGTH_TOO_LOW
         raise ObjectValueError(f"{kind} has {wanted} octets, not {len(octets)}", code)
-    if kind in SIGNED_KINDS:
-        return int.from_bytes(octets, "little", signed=True)
-    if kind in UNSIGNED_KINDS:
-        return int.from_bytes(octets, "little")
+    own = _LIMITS.get(kind)
+    if own is not None:
+        return int.from_bytes(octets, "little", signed=own[0] < 0)
     if kind == "bool":
         return octets != b"\0"
     if kind in _REALS:
@@ -147,7 +149,7 @@ def checked(
     """Check a value against limits and the range of its kind. Raises ObjectValueError."""
     if isinstance(value, (str, bytes)):
         return value
-    own = limits(kind)
+    own = _LIMITS.get(kind)
     if own is not None:
         low = own[0] if low is None else max(low, own[0])
         high = own[1] if high is None else min(high, own[1])

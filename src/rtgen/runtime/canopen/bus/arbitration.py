@@ -14,6 +14,7 @@ S = TypeVar("S", bound=Hashable)
 
 
 _CRC: Final = 0x4599
+_CRC_BITS: Final = 15
 _BEHIND_CRC: Final = 13
 """CRC delimiter, acknowledgement (2 bits), end of frame (7) and intermission (3)."""
 
@@ -96,44 +97,48 @@ def transmission_time(frame: Frame, bit_rate: int) -> int:
     return frame_bits(frame) * SECOND // bit_rate
 
 
-@lru_cache(4096)
 def frame_bits(frame: Frame) -> int:
     """The length of a frame in bits, with stuff bits and the intermission of three bits."""
     # The data length code of a remote frame is 0 here.
     data = b"" if frame.remote else frame.data
-    length = len(data)
-    if frame.extended:
-        base, rest = frame.can_id >> 18, frame.can_id & 0x3FFFF
-        header = ((base << 2 | 0b11) << 18 | rest) << 7 | frame.remote << 6 | length
+    bits, register, state = _header(
+        frame.can_id, frame.extended, frame.remote, len(data)
+    )
+    for octet in data:
+        register = (register << 8 ^ _CRCS[(register >> 7 ^ octet) & 0xFF]) & 0x7FFF
+        state, more = _STUFFING[state << 8 | octet]
+        bits += more
+    state, more = _STUFFING[state << 8 | register >> 7]
+    # The octet is filled with a bit that adds no stuff bit.
+    return (
+        bits + more + _STUFFING[state << 8 | (register << 1 & 0xFF) | ~register & 1][1]
+    )
+
+
+@lru_cache(4096)
+def _header(
+    can_id: int, extended: bool, remote: bool, length: int
+) -> tuple[int, int, int]:
+    """The bits of a frame without the stuff bits behind its header; CRC and state behind it."""
+    if extended:
+        base, rest = can_id >> 18, can_id & 0x3FFFF
+        header = ((base << 2 | 0b11) << 18 | rest) << 7 | remote << 6 | length
         bits = 39
     else:
-        header = frame.can_id << 7 | frame.remote << 6 | length
+        header = can_id << 7 | remote << 6 | length
         bits = 19
-    content = header << 8 * length | int.from_bytes(data, "big")
-    bits += 8 * length
-    content = content << 15 | _crc(content, bits)
-    bits += 15
-    return bits + _stuff_bits(content, bits) + _BEHIND_CRC
-
-
-def _crc(content: int, bits: int) -> int:
-    register = 0
-    for octet in content.to_bytes((bits + 7) // 8, "big"):
-        register = (register << 8 ^ _CRCS[(register >> 7 ^ octet) & 0xFF]) & 0x7FFF
-    return register
-
-
-def _stuff_bits(content: int, bits: int) -> int:
-    # Preceding bits are padded with alternating bits that end in 1, which add no stuff bits.
     fill = -bits % 8
-    octets = (content | (0x55 & (1 << fill) - 1) << bits).to_bytes(
-        (bits + fill) // 8, "big"
-    )
+    size = (bits + fill) // 8
+    register = 0
+    for octet in header.to_bytes(size, "big"):
+        register = (register << 8 ^ _CRCS[(register >> 7 ^ octet) & 0xFF]) & 0x7FFF
+    # Preceding bits are filled with alternating bits that end in 1, which add no stuff bits.
+    filled = header | (0x55 & (1 << fill) - 1) << bits
     state, stuffed = 4, 0
-    for octet in octets:
+    for octet in filled.to_bytes(size, "big"):
         state, more = _STUFFING[state << 8 | octet]
         stuffed += more
-    return stuffed
+    return bits + stuffed + 8 * length + _CRC_BITS + _BEHIND_CRC, register, state
 
 
 def _crc_of(octet: int) -> int:

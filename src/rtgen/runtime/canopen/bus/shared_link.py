@@ -78,7 +78,7 @@ class AttachedStations:
             attached.identifiers = identifiers
         deadline = attached.deadline = station.deadline
         if deadline is not None:
-            wake = max(deadline, not_before)
+            wake = deadline if deadline > not_before else not_before
             if attached.wake is None or wake < attached.wake:
                 attached.wake = wake
                 heappush(self._timers, (wake, attached))

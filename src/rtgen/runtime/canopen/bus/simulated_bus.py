@@ -118,7 +118,7 @@ class SimulatedCanBus(SharedLink):
 
     def _begin(self) -> None:
         """Schedule arbitration if the bus is free, after all stations have had their turn."""
-        if self._arbiter and self._under_way is None and not self._turn_is_due:
+        if self._under_way is None and not self._turn_is_due and self._arbiter:
             self._turn_is_due = True
             self._instants.behind_ticks(self._arbitrate)
 

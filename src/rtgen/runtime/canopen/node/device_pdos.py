@@ -65,6 +65,8 @@ class DevicePdo:
         self.description = pdo
         self.number = pdo.number
         self.mapping = Mapping()
+        self.label = pdo.number.to_bytes(2, "little")
+        """The PDO number, which identifies the PDO in emergency messages."""
         self.cob_id = CobId(INVALID)
         communication, mapping = _BASES[pdo.direction]
         self.communication = communication + pdo.number - 1
@@ -72,11 +74,6 @@ class DevicePdo:
         self._dictionary = dictionary
         self._own = {entry_of(*entry) for entry in pdo.mapping}
         self._defaults: dict[int, int] = {}
-
-    @property
-    def label(self) -> bytes:
-        """The PDO number, which identifies the PDO in emergency messages."""
-        return self.number.to_bytes(2, "little")
 
     def load(self, node_id: int) -> None:
         """Set the PDO's parameters to the defaults of the description."""
@@ -206,6 +203,8 @@ class DevicePdos:
         self._receivers: dict[DevicePdo, RpdoReceiver] = {}
         self._transmitters: dict[DevicePdo, TpdoTransmitter] = {}
         self._timed: list[RpdoReceiver | TpdoTransmitter] = []
+        self._synchronous_receivers: list[tuple[DevicePdo, RpdoReceiver]] = []
+        self._synchronous_transmitters: list[tuple[DevicePdo, TpdoTransmitter]] = []
         self._by_id: dict[int, list[DevicePdo]] = {}
         self._carriers: dict[ObjectNumber, list[DevicePdo]] = {}
         self._is_event: dict[ObjectNumber, IsEvent] = {}
@@ -298,17 +297,16 @@ class DevicePdos:
 
     def sync(self, counter: int, now: int) -> Iterator[Frame]:
         """Process a SYNC: apply received synchronous RPDOs, then send due TPDOs."""
-        for pdo, receiver in self._receivers.items():
+        for pdo, receiver in self._synchronous_receivers:
             data = receiver.sync()
             if data is not None:
                 self._unpack(pdo, data)
         yield from self.flush(now)
-        for pdo, transmitter in self._transmitters.items():
-            if transmitter.synchronous:
-                self._refresh(pdo, now)
-                frame = transmitter.sync(counter, now)
-                if frame is not None:
-                    yield frame
+        for pdo, transmitter in self._synchronous_transmitters:
+            self._refresh(pdo, now)
+            frame = transmitter.sync(counter, now)
+            if frame is not None:
+                yield frame
 
     def poll(self, now: int) -> Iterator[Frame]:
         """Process timers: event timers, inhibit times, RPDO time-outs."""
@@ -366,6 +364,12 @@ class DevicePdos:
         self._by_id, self._carriers = {}, {}
         self._timed = [part for part in self._transmitters.values() if part.timed]
         self._timed += [part for part in self._receivers.values() if part.timed]
+        self._synchronous_receivers = [
+            each for each in self._receivers.items() if each[1].synchronous
+        ]
+        self._synchronous_transmitters = [
+            each for each in self._transmitters.items() if each[1].synchronous
+        ]
         for pdo in self._all:
             if not pdo.cob_id.bit31 and pdo.mapping.fields:
                 self._by_id.setdefault(pdo.cob_id.can_id, []).append(pdo)
@@ -409,11 +413,12 @@ class DevicePdos:
     def _take(self, pdo: DevicePdo, received: Received) -> None:
         if received.emergency:
             self._errors.add(received.emergency, pdo.label)
-        else:
-            for code in _LENGTH_ERRORS:
+        if self._errors.active:
+            over = () if received.emergency else _LENGTH_ERRORS
+            if received.emergency != PDO_TOO_SHORT:
+                over = (*over, RPDO_TIMEOUT)
+            for code in over:
                 self._errors.remove(code, pdo.label)
-        if received.emergency != PDO_TOO_SHORT:
-            self._errors.remove(RPDO_TIMEOUT, pdo.label)
         if received.data is not None:
             self._unpack(pdo, received.data)
 

@@ -68,6 +68,11 @@ class EmergencyProducer:
         return register
 
     @property
+    def active(self) -> bool:
+        """Whether any error is active."""
+        return bool(self._present)
+
+    @property
     def can_id(self) -> int | None:
         """The CAN identifier of emergency messages, None without 1014h."""
         return None if self._cob_id is None else self._cob_id.can_id

@@ -46,6 +46,8 @@ class HeartbeatConsumers:
         self._noticed = on_event
         self._consumers: dict[int, HeartbeatConsumer] = {}
         self._periods: dict[int, int] = {}
+        self.deadline: int | None = None
+        """When `poll` has to be called next."""
         self._entries = [(CONSUMERS, sub) for sub in dictionary.subindices(CONSUMERS)]
         dictionary.guard((CONSUMERS,), self._check)
 
@@ -53,16 +55,6 @@ class HeartbeatConsumers:
     def identifiers(self) -> frozenset[int]:
         """The CAN identifiers of the consumed heartbeats."""
         return frozenset(ERROR_CONTROL + node_id for node_id in self._consumers)
-
-    @property
-    def deadline(self) -> int | None:
-        """When `poll` has to be called next."""
-        deadline = None
-        for consumer in self._consumers.values():
-            due = consumer.deadline
-            if due is not None and (deadline is None or due < deadline):
-                deadline = due
-        return deadline
 
     def configure(self) -> None:
         """Apply 1016h; consumers whose entry is unchanged keep their state."""
@@ -79,10 +71,12 @@ class HeartbeatConsumers:
                 consumer = HeartbeatConsumer(node_id, time * MILLISECOND)
                 self._consumers[node_id] = consumer
         self._periods = wanted
+        self._settle()
 
     def reset(self) -> None:
         """Drop all consumers, because the device resets."""
         self._consumers.clear()
+        self._settle()
 
     def receive(self, frame: Frame, now: int) -> None:
         """Process a heartbeat."""
@@ -91,6 +85,7 @@ class HeartbeatConsumers:
         if consumer is None:
             return
         event = consumer.receive(frame, now)
+        self._settle()
         if event is None:
             return
         if event.news is not HeartbeatNews.BOOT_UP:
@@ -101,9 +96,14 @@ class HeartbeatConsumers:
         """Report nodes whose heartbeat is overdue."""
         for node_id, consumer in list(self._consumers.items()):
             event = consumer.poll(now)
+            self._settle()
             if event is not None:
                 self._errors.add(HEARTBEAT_LOST, bytes((node_id,)))
                 self._noticed(node_id, event)
+
+    def _settle(self) -> None:
+        deadlines = (consumer.deadline for consumer in self._consumers.values())
+        self.deadline = min((due for due in deadlines if due is not None), default=None)
 
     def _check(self, number: ObjectNumber, value: ObjectValue) -> None:
         if not number[1]:

@@ -73,11 +73,13 @@ class DeviceDictionary:
 
     def on_write(self, number: ObjectNumber, hook: WriteHook) -> None:
         """Set the hook for values received by SDO or PDO. Raises KeyError for an unknown object."""
-        self._write_hooks[self._known(number)] = hook
+        self._known(number)
+        self._write_hooks[number] = hook
 
     def on_read(self, number: ObjectNumber, hook: ReadHook) -> None:
         """Set a source for an object's value, called on each access. Raises KeyError, as above."""
-        self._read_hooks[self._known(number)] = hook
+        self._known(number)
+        self._read_hooks[number] = hook
 
     def guard(self, indices: Iterable[int], guard: Guard) -> None:
         """Set a check for SDO writes to these indices."""
@@ -168,16 +170,17 @@ class DeviceDictionary:
         described = self._objects[number]
         try:
             value = values.decode(described.kind, octets)
-            return values.checked(described.kind, value, described.low, described.high)
+            if described.limited:
+                values.checked(described.kind, value, described.low, described.high)
         except ObjectValueError as error:
             raise SdoAbort(error.code) from None
+        return value
 
     # Device
 
     def get(self, number: ObjectNumber) -> ObjectValue:
         """A value. Raises KeyError for an unknown object, SdoAbort if its read hook does."""
-        described = self._objects[self._known(number)]
-        return values.decode(described.kind, self.octets(number))
+        return values.decode(self._known(number).kind, self.octets(number))
 
     def number(self, number: ObjectNumber, absent: int = 0) -> int:
         """The last stored value of an integer object; `absent` if the object does not exist."""
@@ -190,8 +193,9 @@ class DeviceDictionary:
 
         Raises KeyError for an unknown object, ObjectValueError for an invalid value.
         """
-        described = self._objects[self._known(number)]
-        values.checked(described.kind, value, described.low, described.high)
+        described = self._known(number)
+        if described.limited:
+            values.checked(described.kind, value, described.low, described.high)
         self.put(number, values.encode(described.kind, value))
 
     def put(self, number: ObjectNumber, octets: bytes) -> None:
@@ -232,8 +236,9 @@ class DeviceDictionary:
             and self._octets[number] != self._initial[number]
         }
 
-    def _known(self, number: ObjectNumber) -> ObjectNumber:
-        if number not in self._objects:
+    def _known(self, number: ObjectNumber) -> ObjectDescription:
+        found = self._objects.get(number)
+        if found is None:
             name = self.description.name
             raise KeyError(f"{name} has no object {number[0]:04X}h:{number[1]:02X}")
-        return number
+        return found

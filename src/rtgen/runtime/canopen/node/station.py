@@ -103,7 +103,8 @@ class DeviceStation:
         self._effects: dict[ObjectNumber, None] = {}
         self._now = 0
         self._out: list[Frame] = []
-        self._deadline: int | None = None
+        self.deadline: int | None = None
+        """See `Station`."""
         self._handlers: dict[int, tuple[Handler, ...]] = {}
         self._identifiers: frozenset[int] | None = None
         """None if the handlers have to be determined again."""
@@ -119,11 +120,6 @@ class DeviceStation:
             self._identifiers = frozenset((NMT, *self._handlers))
         return self._identifiers
 
-    @property
-    def deadline(self) -> int | None:
-        """See `Station`."""
-        return self._deadline
-
     def receive(self, frame: Frame, now: int) -> Iterable[Frame]:
         """See `Station`."""
         self._now = now
@@ -132,8 +128,11 @@ class DeviceStation:
             return self._taken()
         if self._identifiers is None:
             self._identifiers = self.identifiers
-        if self.state is not NmtState.INITIALISING or frame.can_id == LSS_REQUEST:
-            for handler in self._handlers.get(frame.can_id, ()):
+        handlers = self._handlers.get(frame.can_id, ())
+        if handlers and (
+            frame.can_id == LSS_REQUEST or self.state is not NmtState.INITIALISING
+        ):
+            for handler in handlers:
                 handler(frame)
         return self._taken()
 
@@ -204,7 +203,7 @@ class DeviceStation:
 
     def _begin(self) -> None:
         """Enter INITIALISING with the current node-id."""
-        self._identifiers = self._deadline = None
+        self._identifiers = self.deadline = None
         if self.node_id == UNCONFIGURED:
             self._nmt = None
             return
@@ -421,7 +420,7 @@ class DeviceStation:
         self._out += self.pdos.flush(self._now)
         if self.errors.deadline is not None and self._allows(Service.EMERGENCY):
             self._out += self.errors.take(self._now)
-        self._deadline = self._next_deadline()
+        self.deadline = self._next_deadline()
         frames, self._out = self._out, []
         return frames
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from enum import Enum, IntEnum
+from enum import IntEnum, auto
 from typing import Final
 
 from rtgen.runtime.canopen.wire.frames import ERROR_CONTROL, NMT, Frame, checked_node_id
@@ -33,15 +33,15 @@ class NmtState(IntEnum):
     PRE_OPERATIONAL = 0x7F
 
 
-class Service(Enum):
+class Service(IntEnum):
     """Communication services of a node."""
 
-    PDO = "PDO"
-    SDO = "SDO"
-    SYNC = "SYNC"
-    TIME = "TIME"
-    EMERGENCY = "EMCY"
-    NMT = "NMT"
+    PDO = auto()
+    SDO = auto()
+    SYNC = auto()
+    TIME = auto()
+    EMERGENCY = auto()
+    NMT = auto()
 
 
 _ALL: Final = frozenset(Service)

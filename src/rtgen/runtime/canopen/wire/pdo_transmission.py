@@ -218,7 +218,8 @@ class RpdoReceiver:
         if not 0 <= size <= MAX_DATA:
             raise ValueError(f"{size} octets; a PDO has up to {MAX_DATA}")
         self._cob_id = CobId(parameters.cob_id)
-        self._synchronous = is_synchronous(parameters.transmission_type)
+        self.synchronous = is_synchronous(parameters.transmission_type)
+        """Whether SYNC affects it."""
         self._timeout = parameters.event_timer * MILLISECOND
         self._size = size
         self._running = False
@@ -256,7 +257,7 @@ class RpdoReceiver:
         if self._timeout:
             self.deadline = now + self._timeout
         data = frame.data[: self._size]
-        if not self._synchronous:
+        if not self.synchronous:
             return Received(data, code)
         if self._waiting is not None:
             self.overwritten += 1
