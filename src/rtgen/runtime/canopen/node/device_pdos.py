@@ -282,8 +282,9 @@ class DevicePdos:
         if self._running:
             self._due |= dict.fromkeys(self._carriers.get(number, ()))
 
-    def receive(self, frame: Frame, now: int) -> Iterator[Frame]:
-        """Process an RPDO or a remote frame for a TPDO; yield the frames to send."""
+    def receive(self, frame: Frame, now: int) -> list[Frame]:
+        """Process an RPDO or a remote frame for a TPDO; return the frames to send."""
+        frames = []
         for pdo in self._by_id.get(frame.can_id, ()):
             receiver = self._receivers.get(pdo)
             if receiver is not None:
@@ -293,20 +294,22 @@ class DevicePdos:
                 self._refresh(pdo, now)
                 answer = self._transmitters[pdo].remote(now)
                 if answer is not None:
-                    yield answer
+                    frames.append(answer)
+        return frames
 
-    def sync(self, counter: int, now: int) -> Iterator[Frame]:
-        """Process a SYNC: apply received synchronous RPDOs, then send due TPDOs."""
+    def sync(self, counter: int, now: int) -> list[Frame]:
+        """Process a SYNC: apply received synchronous RPDOs, then return due TPDOs."""
         for pdo, receiver in self._synchronous_receivers:
             data = receiver.sync()
             if data is not None:
                 self._unpack(pdo, data)
-        yield from self.flush(now)
+        frames = list(self.flush(now))
         for pdo, transmitter in self._synchronous_transmitters:
             self._refresh(pdo, now)
             frame = transmitter.sync(counter, now)
             if frame is not None:
-                yield frame
+                frames.append(frame)
+        return frames
 
     def poll(self, now: int) -> Iterator[Frame]:
         """Process timers: event timers, inhibit times, RPDO time-outs."""

@@ -53,6 +53,12 @@ class DeviceDictionary:
         self._read_guards: dict[int, Callable[[ObjectNumber], None]] = {}
         self._write_hooks: dict[ObjectNumber, WriteHook] = {}
         self._read_hooks: dict[ObjectNumber, ReadHook] = {}
+        self._plain = {
+            number: values.size(described.kind)
+            for number, described in self._objects.items()
+            if values.limits(described.kind) and not described.limited
+        }
+        """The sizes of objects of which any octets are a value, and that nobody checks."""
 
     def __contains__(self, number: ObjectNumber) -> bool:
         return number in self._objects
@@ -75,6 +81,7 @@ class DeviceDictionary:
         """Set the hook for values received by SDO or PDO. Raises KeyError for an unknown object."""
         self._known(number)
         self._write_hooks[number] = hook
+        self._plain.pop(number, None)
 
     def on_read(self, number: ObjectNumber, hook: ReadHook) -> None:
         """Set a source for an object's value, called on each access. Raises KeyError, as above."""
@@ -149,7 +156,10 @@ class DeviceDictionary:
 
     def take(self, number: ObjectNumber, octets: bytes) -> None:
         """Store a value received by a PDO. Raises SdoAbort for an invalid value."""
-        self._take(number, octets, None)
+        if self._plain.get(number) == len(octets):
+            self.put(number, octets)
+        else:
+            self._take(number, octets, None)
 
     def _take(self, number: ObjectNumber, octets: bytes, guard: Guard | None) -> None:
         value = self._decoded(number, octets)

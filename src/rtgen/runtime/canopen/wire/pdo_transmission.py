@@ -8,6 +8,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
+import msgspec
+
 from rtgen.facts.canopen import MAX_SYNC_CYCLIC
 from rtgen.runtime.canopen.wire.emergency import (
     PDO_TOO_LONG,
@@ -195,8 +197,7 @@ class TpdoTransmitter:
         return self._cob_id.frame(data)
 
 
-@dataclass(frozen=True, slots=True)
-class Received:
+class Received(msgspec.Struct, frozen=True, gc=False):
     """Result of a received RPDO: `data` to apply now, and an EMCY code or 0."""
 
     data: bytes | None = None
