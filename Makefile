@@ -76,12 +76,15 @@ pytest: $(VENV)/test.stamp page
 	$(BIN)/pytest -n 2 --dist worksteal --assert=plain $(SELECTED) || \
 	    { $(BIN)/pytest -q --last-failed --last-failed-no-failures none; exit 1; }
 
-# The tests of OpenRTM on an installed OpenRTM-aist-Python: SITE is the folder that has its package
-# OpenRTM_aist and its .pth file. One process: OpenRTM has one manager and one ORB in each.
+# The OpenRTM-aist-Python of test-openrtm, soak and bench: SITE is the folder that has its package
+# OpenRTM_aist and its .pth file.
+OPENRTM = $(if $(SITE),OPENRTM_SITE="$(realpath $(SITE))" PYTHONPATH=$(CURDIR)/tests/openrtm/startup)
+
+# The tests of OpenRTM on an installed one. One process: OpenRTM has one manager and one ORB in each.
 test-openrtm: $(VENV)/test.stamp
 	@test -d "$(SITE)/OpenRTM_aist" || \
 	    { echo "make test-openrtm SITE=FOLDER: there is no $(SITE)/OpenRTM_aist" >&2; exit 2; }
-	OPENRTM_SITE=$$(realpath "$(SITE)") PYTHONPATH=$(CURDIR)/tests/openrtm/startup $(BIN)/pytest tests/openrtm
+	$(OPENRTM) $(BIN)/pytest tests/openrtm
 
 # The fast tests again on another interpreter, those with peers left out, with the coverage of lines.
 # Each commit tries one; `tests/interpreters.py --all` tries all that this machine has.
@@ -141,7 +144,7 @@ mutants: $(VENV)/test.stamp
 # Ten million calls and frames, and 24 simulated hours: `make soak SHARE=0.01 PARTS="calls rh3"` does less.
 soak: SHARE ?= 1
 soak: $(VENV)/test.stamp
-	$(BIN)/python tests/soak.py $(PARTS) --share $(SHARE)
+	$(OPENRTM) $(BIN)/python tests/soak.py $(PARTS) --share $(SHARE)
 # The page of `rtgen ui`, with the node of this machine, else with that of a wheel.
 ui: $(VENV)/test.stamp
 	$(BIN)/python ui/build.py
@@ -154,8 +157,9 @@ page: $(VENV)/test.stamp
 	@$(BIN)/python ui/build.py --browser > build/page.log 2>&1 || \
 	    { tail -5 build/page.log; echo "the tests of the page are skipped"; }
 
+bench: SCRIPTS ?= benchmarks/*.py
 bench: $(VENV)/bench.stamp
-	for script in benchmarks/*.py; do $(BIN)/python $$script || exit 1; done
+	for script in $(SCRIPTS); do $(OPENRTM) $(BIN)/python $$script || exit 1; done
 
 format: $(VENV)/test.stamp
 	$(BIN)/black --quiet $(CHECKED)

@@ -1,18 +1,27 @@
-"""The target openrtm's conversions beside omniORBpy's own marshalling of the same values.
+"""OpenRTM: conversions beside omniORBpy's marshalling, data connections beside OpenRTM's own.
 
     python benchmarks/openrtm.py [--all]
 
-For each type of OpenRTM and of the reference build: what it takes to fill the kept wire object of
-an OutPort, over cdrMarshal of it; and to make a value of a wire object, over cdrUnmarshal, which
-made that. Rounds of all tasks alternate, on one processor, whose time is taken; the medians are
-compared. Sequences have 0, 4 and 64 items, where there are any. Printed are the types with the
-highest ratios, with `--all` each type; beside them a new wire object (`to_...`, for service calls
-and `direct` connectors). Ends with 1 where a ratio is above its limit: 1.0 outgoing, 1.2 incoming.
+Conversions: for each type of OpenRTM and of the reference build, what it takes to fill the kept
+wire object of an OutPort, over cdrMarshal of it; and to make a value of a wire object, over
+cdrUnmarshal, which made that. Rounds of all tasks alternate, on one processor, whose time is taken;
+the medians are compared. Sequences have 0, 4 and 64 items, where there are any. Printed are the
+types with the highest ratios, with `--all` each type; beside them a new wire object (`to_...`, for
+service calls and `direct` connectors). Limits: 1.0 outgoing, 1.2 incoming.
+
+Connections: samples by `corba_cdr` between two processes, from and to the runtime (as `rtgen run
+--transport corba`) and OpenRTM-aist-Python (see `openrtm_ends.py`), where that is installed. Rounds
+of the four connections alternate; compared are the medians of their ratios to that of OpenRTM with
+itself in the same round. Limit: 1.0 for the processor time of both ends for a sample.
+
+Ends with 1 where a ratio is above its limit.
 """
 
 from __future__ import annotations
 
 import importlib
+import importlib.util
+import json
 import math
 import os
 import statistics
@@ -21,9 +30,12 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+
+from openrtm_ends import SIDES, TYPES
 
 ROOT = Path(__file__).resolve().parents[1]
 DEFINITIONS = (".idl", ".cdl", ".eds", ".toml")
@@ -32,6 +44,11 @@ LIMITS = (1.0, 1.2)
 ROUNDS = 11
 SECONDS_PER_ROUND = 0.001
 SHOWN = 12
+BATCHES = {"TimedPose2D": (500, 0.002), "TimedDoubleSeq": (6, 0.08)}
+"""Samples of a batch, and the pause [s] before each where latency is measured."""
+KINDS = ("sample", "processor", "latency")
+ROOM = 5
+"""Latency takes so many times fewer samples."""
 
 Task = Callable[[], object]
 
@@ -248,10 +265,108 @@ def table(title: str, results: list[Result]) -> None:
     print()
 
 
+class End:
+    """A process of `openrtm_ends.py`."""
+
+    def __init__(self, side: str, kind: str, names: str) -> None:
+        script = str(Path(__file__).with_name("openrtm_ends.py"))
+        command = [sys.executable, script, side, kind, names]
+        pipe = subprocess.PIPE
+        self._process = subprocess.Popen(command, stdin=pipe, stdout=pipe, text=True)
+
+    def ask(self, *words: object) -> Any:
+        """The answer to a command."""
+        assert self._process.stdin is not None
+        print(*words, file=self._process.stdin, flush=True)
+        return self.answer()
+
+    def answer(self) -> Any:
+        """The next line."""
+        assert self._process.stdout is not None
+        line = self._process.stdout.readline()
+        assert line, "a process has ended"
+        return json.loads(line)
+
+    def close(self) -> None:
+        """End it."""
+        assert self._process.stdin is not None
+        self._process.stdin.close()
+        self._process.wait()
+
+
+def batch(ends: dict[str, End], way: tuple[str, str], type_: str) -> tuple[float, ...]:
+    """Times of a sample in us: in a row, of the processor, from the write to the reader."""
+    sender, receiver = ends[f"{way[0]} Sender"], ends[f"{way[1]} Receiver"]
+    there, here = f"{type_}_{way[1]}", f"{type_}_{way[0]}"
+    times = []
+    count, pause = BATCHES[type_]
+    for number, wait in ((count, 0), (max(2, count // ROOM), pause)):
+        receiver.ask("receive", here, number)
+        begun, sending = sender.ask("send", there, number, wait)
+        ended, reading, late = receiver.answer()
+        times += [(ended - begun) / number, (sending + reading) / number]
+    return times[0] / 1e3, times[1] / 1e3, statistics.median(late) / 1e3
+
+
+def connections(names: str) -> bool:
+    """Prints the tables of the connections; whether all are within the limit."""
+    ways = [(source, target) for source in SIDES for target in SIDES]
+    found: dict[tuple[str, tuple[str, str]], list[tuple[float, ...]]] = {}
+    with ExitStack() as closing:
+        ends: dict[str, End] = {}
+        for side in SIDES:
+            for kind in ("Sender", "Receiver"):
+                end = ends[f"{side} {kind}"] = End(side, kind, names)
+                closing.callback(end.close)
+        for end in ends.values():
+            end.answer()
+        for source, target in ways:
+            for type_ in TYPES:
+                instances = f"{source}Sender0", f"{target}Receiver0"
+                ports = f"{type_}_{target}", f"{type_}_{source}"
+                [told] = ends["openrtm Sender"].ask("connect", *instances, *ports)
+                assert told == "RTC_OK", told
+        for _ in range(ROUNDS + 1):
+            for type_ in TYPES:
+                for way in ways:
+                    found.setdefault((type_, way), []).append(batch(ends, way, type_))
+    print(
+        "Data connections by corba_cdr: us for each sample, and ratio to OpenRTM's own\n"
+    )
+    columns = "".join(f"{text:>12}{'ratio':>8}" for text in KINDS)
+    print(f"{'type':16}{'from':9}{'to':9}{columns}{'samples/s':>12}")
+    good = True
+    for (type_, way), times in found.items():
+        line = f"{type_:16}{way[0]:9}{way[1]:9}"
+        for place in range(len(KINDS)):
+            own = [each[place] for each in times[1:]]
+            first = [each[place] for each in found[type_, ways[0]][1:]]
+            ratio = statistics.median(a / b for a, b in zip(own, first, strict=True))
+            good &= ratio <= 1.0 or KINDS[place] != "processor"
+            line += f"{statistics.median(own):12.0f}{ratio:8.2f}"
+        each = statistics.median(row[0] for row in times[1:])
+        print(f"{line}{1e6 / each:12.0f}")
+    print()
+    return good
+
+
 def main() -> int:
     """Prints the tables; 1 if a ratio is above its limit."""
     if hasattr(os, "sched_setaffinity"):
         os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
+    good = True
+    if importlib.util.find_spec("OpenRTM_aist") is None:
+        print("Data connections are left out: OpenRTM-aist-Python is not installed\n")
+    else:
+        from rtgen.runtime.corba.name_server import NameServer
+
+        with NameServer() as names:
+            good = connections(names.address)
+    return 0 if converted() and good else 1
+
+
+def converted() -> bool:
+    """Prints the tables of the conversions; whether all are within the limits."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         stems = generate(folder)
@@ -281,8 +396,7 @@ def main() -> int:
         print(
             f"{text}: {len(ratios)} values, median {middle:.2f}, highest {highest:.2f}{limit}"
         )
-    exceeded = any(r.ratios[way] > LIMITS[way] for r in results for way in (0, 1))
-    return 1 if exceeded else 0
+    return all(r.ratios[way] <= LIMITS[way] for r in results for way in (0, 1))
 
 
 if __name__ == "__main__":

@@ -4,8 +4,10 @@
 
 `calls`: 10,000,000 OpaqueRPC calls over TCP, client and server in this process. `frames`:
 10,000,000 frames through `rtgen can hub`, a process of its own. `rh3`: 24 hours of the navigation
-pipeline in simulated time. `network`: 24 hours of 126 CANopen slaves and their manager. A share of
-0.01 does a hundredth of each. Numbers in calls and frames show what is lost or doubled.
+pipeline in simulated time. `network`: 24 hours of 126 CANopen slaves and their manager. `openrtm`:
+an hour of the navigation pipeline as six processes of OpenRTM-aist-Python, at a fifth of their
+rates; left out where that is not installed. A share of 0.01 does a hundredth of each. Numbers in
+calls and frames show what is lost or doubled.
 
 A line for each gives the growth of the resident memory (by linear regression, behind the first
 fifth), of descriptors and of threads. The exit code is 1 if the memory grows by more than 2 % of
@@ -16,9 +18,13 @@ from __future__ import annotations
 
 import argparse
 import gc
+import importlib.util
 import os
+import socket
 import statistics
+import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Callable, Iterator
 from contextlib import chdir
@@ -42,8 +48,9 @@ WHOLE = {
     "frames": 10 * MILLION,
     "rh3": 24 * HOUR,
     "network": 24 * HOUR,
+    "openrtm": HOUR,
 }
-"""Units of a whole soak: calls, frames, simulated seconds."""
+"""Units of a whole soak: calls, frames, simulated seconds, and real ones of `openrtm`."""
 
 CDL = "signature sSoak { int32_t next([in] int32_t number); };\n"
 _PAGE = os.sysconf("SC_PAGE_SIZE")
@@ -182,6 +189,44 @@ def network(seconds: int) -> Steps:
         yield second - 3, (os.getpid(),)
 
 
+def openrtm(seconds: int) -> Steps:
+    """The navigation pipeline, a process and a manager of OpenRTM for each component."""
+    with tempfile.TemporaryDirectory() as out:
+        command = [sys.executable, "-m", "rtgen", "generate", "-q", "-o", out]
+        subprocess.run([*command, "--target", "openrtm"], cwd=ROOT, check=True)
+        folder = Path(out, "generated/openrtm/rh3_goal")
+        with socket.create_server(("127.0.0.1", 0)) as found:
+            place = f"127.0.0.1:{found.getsockname()[1]}"
+        told = ["--nameserver", place, "--rate-scale", "0.2"]
+        _script(folder / "start.sh", *told)
+        try:
+            files = folder.glob("run/*.pid")
+            processes = tuple(int(file.read_text()) for file in files)
+            begun = time.monotonic()
+            while (done := int(time.monotonic() - begun)) < seconds:
+                time.sleep(1)
+                if ended := [p for p in processes if not Path(f"/proc/{p}").exists()]:
+                    raise WrongError(f"processes have ended: {ended}")
+                yield done + 1, processes
+            _script(folder / "connect.py", *told)  # Each component has to be ACTIVE.
+        finally:
+            _script(folder / "stop.sh")
+
+
+def _script(file: Path, *arguments: str) -> None:
+    environment = {**os.environ, "PYTHON": sys.executable}
+    command = [sys.executable] if file.suffix == ".py" else []
+    done = subprocess.run(
+        [*command, str(file), *arguments],
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    if done.returncode:
+        raise WrongError(f"{file.name}: {done.stderr.strip()}")
+
+
 def _forget(whole: FullNetwork) -> None:
     """Compare what came with what was sent, and keep the last sample of each slave."""
     if wrong := whole.lost_or_doubled():
@@ -197,6 +242,7 @@ PARTS: dict[str, Callable[[int], Steps]] = {
     "frames": frames,
     "rh3": rh3,
     "network": network,
+    "openrtm": openrtm,
 }
 
 
@@ -214,6 +260,8 @@ def soak(name: str, share: float) -> tuple[str, bool]:
     except WrongError as error:
         wrong = f"; {error}"
     taken = time.perf_counter() - begun
+    if len(found) < 2:
+        return f"{name:<8} too few samples for a slope{wrong}", False
     warm = [each for each in found if each.done >= WARM * found[-1].done]
     slope, start = statistics.linear_regression(
         [each.done for each in warm], [each.memory for each in warm]
@@ -223,7 +271,7 @@ def soak(name: str, share: float) -> tuple[str, bool]:
     descriptors = warm[-1].descriptors - warm[0].descriptors
     threads = warm[-1].threads - warm[0].threads
     flat = growth <= GROWTH * start and descriptors <= 0 and threads <= 0
-    unit, per = ("h", HOUR) if name in ("rh3", "network") else ("M", MILLION)
+    unit, per = ("M", MILLION) if name in ("calls", "frames") else ("h", HOUR)
     line = (
         f"{name:<8} {whole / per:8.2f} {unit} in {taken:6.0f} s: {start / MILLION:.1f} MB"
         f" {slope * per / 1000:+.1f} kB/{unit} ({growth / MILLION:+.2f} MB),"
@@ -241,6 +289,9 @@ def main() -> int:
     given = parser.parse_args()
     good = True
     for name in given.parts or PARTS:
+        if name == "openrtm" and importlib.util.find_spec("OpenRTM_aist") is None:
+            print("openrtm  left out: OpenRTM-aist-Python is not installed")
+            continue
         line, sound = soak(name, given.share)
         print(line if sound else f"{line}  NOT FLAT", flush=True)
         good &= sound

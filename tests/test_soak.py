@@ -1,8 +1,10 @@
 """The soak finds what grows and what is lost; small shares of it run here."""
 
+import importlib.util
 import mmap
 import os
 import re
+import sys
 import threading
 from collections.abc import Iterator
 
@@ -91,3 +93,22 @@ def test_what_is_lost(monkeypatch: pytest.MonkeyPatch) -> None:
     line, flat = running(monkeypatch, steps)
     assert not flat
     assert "call 3 came where 2 was next" in line
+
+
+def test_openrtm_is_left_out_where_it_is_not_installed(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
+    monkeypatch.setattr(sys, "argv", ["soak.py", "openrtm"])
+    assert soak.main() == 0
+    assert "OpenRTM-aist-Python is not installed" in capsys.readouterr().out
+
+
+def test_what_cannot_begin(monkeypatch: pytest.MonkeyPatch) -> None:
+    def steps(count: int) -> Steps:
+        yield from ()
+        raise soak.WrongError("start.sh: no port")
+
+    line, flat = running(monkeypatch, steps)
+    assert not flat
+    assert line.endswith("; start.sh: no port")

@@ -5,13 +5,14 @@ rtinject and rtprint are components of OpenRTM themselves, so they need the real
 
 from __future__ import annotations
 
+import importlib.util
 import os
 import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 import middleware
-import programs
 import pytest
 from logged_process import LoggedProcess
 from openrtm_lab import until
@@ -20,7 +21,8 @@ from patience import PATIENCE
 pytestmark = [
     pytest.mark.once,
     pytest.mark.skipif(
-        programs.find("rtls") is None, reason="rtshell-aist is not installed"
+        importlib.util.find_spec("rtshell") is None,
+        reason="rtshell-aist is not installed",
     ),
 ]
 
@@ -51,22 +53,19 @@ class Shell:
         self._address = address
         self._folder = folder
 
-    def __call__(self, command: str, *arguments: str, code: int = 0) -> str:
+    def __call__(self, command: str, *arguments: str) -> str:
         """What a command prints; `@` in its arguments stands for the naming service."""
-        path = [str(self._folder), os.environ.get("PYTHONPATH", "")]
+        code = f"{MISSING}from rtshell.{command} import main\nraise SystemExit(main())"
+        words = [each.replace("@", self._address) for each in arguments]
         done = subprocess.run(
-            [
-                programs.find(command) or command,
-                *(each.replace("@", self._address) for each in arguments),
-            ],
+            [sys.executable, "-W", "ignore", "-c", code, *words],
             cwd=self._folder,
-            env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, path))},
             stdin=subprocess.DEVNULL,
             capture_output=True,
             text=True,
             timeout=PATIENCE,
         )
-        assert done.returncode == code, done.stdout + done.stderr
+        assert done.returncode == 0, done.stdout + done.stderr
         return done.stdout
 
     def state(self, name: str) -> str:
@@ -92,7 +91,6 @@ def shell(tmp_path: Path, naming_service: str) -> Iterator[Shell]:
     parts = (COMPONENT.format(type=name) for name in ("RefHardRh3", "Odometry"))
     system = tmp_path / "two.xml"
     system.write_text(SYSTEM.format("".join(parts)))
-    (tmp_path / "sitecustomize.py").write_text(MISSING)
     command = ["-m", "rtgen", "run", str(system), "--clock", "real"]
     command += ["--transport", "corba", "--nameserver", naming_service]
     log = tmp_path / "run.txt"
