@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import argparse
 import gc
+import importlib
 import importlib.util
 import os
 import socket
@@ -208,9 +209,24 @@ def openrtm(seconds: int) -> Steps:
                 if ended := [p for p in processes if not Path(f"/proc/{p}").exists()]:
                     raise WrongError(f"processes have ended: {ended}")
                 yield done + 1, processes
-            _script(folder / "connect.py", *told)  # Each component has to be ACTIVE.
+            _require_running(place, [file.stem for file in folder.glob("run/*.pid")])
         finally:
             _script(folder / "stop.sh")
+
+
+def _require_running(naming_service: str, names: list[str]) -> None:
+    """Each component is ACTIVE but PositionInput, whose ERROR says that the goal is reached."""
+    rtc, corba = (importlib.import_module(name) for name in ("RTC", "omniORB.CORBA"))
+    orb = corba.ORB_init([], "omniORB4")
+    for name in names:
+        address = f"corbaname::{naming_service}#{name}.rtc"
+        component = orb.string_to_object(address)._narrow(rtc.RTObject)
+        state = component.get_owned_contexts()[0].get_component_state(component)
+        wanted = [rtc.ACTIVE_STATE]
+        if name == "PositionInput0":
+            wanted.append(rtc.ERROR_STATE)
+        if state not in wanted:
+            raise WrongError(f"{name} is in {state}")
 
 
 def _script(file: Path, *arguments: str) -> None:
