@@ -7,6 +7,8 @@ import os
 import socket
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any, Protocol
 
 import pytest
@@ -17,6 +19,8 @@ from rtgen.runtime.distribution.transport import DistributedTransport
 
 SYSTEM = "conformance"
 DOMAIN = 90
+LEASE = 0.7
+"""Seconds after which processes that stand still count as lost, where tests wait for that."""
 
 
 class Engine(Protocol):
@@ -43,9 +47,10 @@ class _InProcess:
 class _Zenoh:
     """Peers that meet at one port, or clients of a router."""
 
-    def __init__(self, *, routed: bool) -> None:
+    def __init__(self, lease: float | None, *, routed: bool) -> None:
         self.locator = f"tcp/127.0.0.1:{free_port()}"
-        self.address = json.dumps({"zenoh": self.locator})
+        self.address = json.dumps({"zenoh": (self.locator, lease)})
+        self._lease = lease
         self._routed = routed
         self._first = not routed
 
@@ -53,40 +58,51 @@ class _Zenoh:
         from rtgen.runtime.zenoh.medium import ZenohMedium
         from rtgen.runtime.zenoh.session import Endpoints
 
-        if self._routed:
-            return ZenohMedium(system, Endpoints(connect=(self.locator,)))
-        listen = self.locator if self._first else "tcp/127.0.0.1:0"
-        connect = () if self._first else (self.locator,)
+        if not (self._routed or self._first):
+            return medium_at(self.address, system)
         self._first = False
-        return ZenohMedium(system, Endpoints(connect=connect, listen=(listen,)))
+        own = (self.locator,)
+        connect, listen = (own, ()) if self._routed else ((), own)
+        return ZenohMedium(system, Endpoints(None, connect, listen, self._lease))
 
 
 class _Dds:
     """Participants of one domain, in a partition of their own."""
 
-    def __init__(self) -> None:
-        self._place = f"test-{os.urandom(8).hex()}"
-        self.address = json.dumps({"dds": self._place})
+    def __init__(self, config: Path | None) -> None:
+        file = None if config is None else str(config)
+        partition = f"test-{os.urandom(8).hex()}"
+        self.address = json.dumps({"dds": (partition, file)})
 
     def medium(self, system: str = SYSTEM) -> Medium:
-        return _dds(self._place, system)
+        return medium_at(self.address, system)
 
 
-def _dds(place: str, system: str) -> Medium:
-    from rtgen.runtime.dds.medium import DdsMedium
+@contextmanager
+def _dds(lease: float | None) -> Iterator[Engine]:
+    from rtgen.runtime.dds.medium import configuration
 
-    return DdsMedium(f"{place}/{system}", domain=DOMAIN)
+    if lease is None:
+        yield _Dds(None)
+        return
+    with TemporaryDirectory() as folder:
+        config = Path(folder) / "cyclonedds.xml"
+        config.write_text(configuration(None, lease, lease), encoding="ascii")
+        yield _Dds(config)
 
 
 def medium_at(address: str, system: str = SYSTEM) -> Medium:
     """A medium of another process on the same network."""
-    [(engine, place)] = json.loads(address).items()
+    [(engine, (place, more))] = json.loads(address).items()
     if engine == "dds":
-        return _dds(place, system)
+        from rtgen.runtime.dds.medium import DdsMedium
+
+        config = None if more is None else Path(more)
+        return DdsMedium(f"{place}/{system}", domain=DOMAIN, config=config)
     from rtgen.runtime.zenoh.medium import ZenohMedium
     from rtgen.runtime.zenoh.session import Endpoints
 
-    return ZenohMedium(system, Endpoints(connect=(place,), listen=("tcp/127.0.0.1:0",)))
+    return ZenohMedium(system, Endpoints(None, (place,), ("tcp/127.0.0.1:0",), more))
 
 
 @contextmanager
@@ -107,20 +123,21 @@ def router(locator: str) -> Iterator[Any]:
 
 
 @contextmanager
-def engine(name: str) -> Iterator[Engine]:
-    """A network of its own of an engine."""
+def engine(name: str, lease: float | None = None) -> Iterator[Engine]:
+    """A network of its own of an engine; `lease` [s] of its processes, if not the engine's own."""
     match name:
         case "in-process":
             yield _InProcess()
         case "dds":
             pytest.importorskip("cyclonedds", reason="cyclonedds is not installed")
-            yield _Dds()
+            with _dds(lease) as network:
+                yield network
         case "zenoh":
             pytest.importorskip("zenoh", reason="eclipse-zenoh is not installed")
-            yield _Zenoh(routed=False)
+            yield _Zenoh(lease, routed=False)
         case "zenoh-router":
             pytest.importorskip("zenoh", reason="eclipse-zenoh is not installed")
-            routed = _Zenoh(routed=True)
+            routed = _Zenoh(lease, routed=True)
             with router(routed.locator):
                 yield routed
 
@@ -171,10 +188,10 @@ def transport_at(address: str, timeout: float) -> Any:
 
 
 @contextmanager
-def transports(name: str) -> Iterator[Transports]:
-    """The transports of a system of its own."""
+def transports(name: str, lease: float | None = None) -> Iterator[Transports]:
+    """The transports of a system of its own; `lease` as for `engine`."""
     if name != "corba":
-        with engine(name) as network:
+        with engine(name, lease) as network:
             yield _Distributed(network)
         return
     pytest.importorskip("omniORB", reason="omniORBpy is not installed")

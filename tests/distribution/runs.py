@@ -15,6 +15,7 @@ from patience import PATIENCE
 from rtgen.runtime.timing.clocks import SECOND
 
 ROOT = Path(__file__).parents[2]
+SYSTEM = ROOT / "specs" / "navigation" / "rh3_goal.xml"
 ROBOT = "RefHardRh30,Odometry0"
 WAY = "PathFollower0,Navigation0"
 CONSOLE = "PositionInput0,OmniTo2WD0"
@@ -64,10 +65,17 @@ class Wheels:
 class Run:
     """The run of some components, with the options of a transport."""
 
-    def __init__(self, folder: Path, transport: list[str], only: str, *more: str):
+    def __init__(
+        self,
+        folder: Path,
+        transport: list[str],
+        only: str,
+        *more: str,
+        system: Path = SYSTEM,
+    ) -> None:
         self._errors = folder / f"{only}-{time.monotonic_ns()}.txt"
         command = [sys.executable, "-m", "rtgen", "run"]
-        command += ["specs/navigation/rh3_goal.xml", "--clock", "real"]
+        command += [str(system), "--clock", "real"]
         command += ["--transport", *transport, "--only", only, *more]
         with self._errors.open("w", encoding="utf-8") as errors:
             self.process = subprocess.Popen(

@@ -21,10 +21,11 @@ from patience import PATIENCE
 pytest.importorskip("zenoh", reason="eclipse-zenoh is not installed")
 
 import zenoh
-from runs import CONSOLE, GOAL, ROBOT, ROOT, TO_GOAL, WAY, Run, Wheels
+from runs import CONSOLE, GOAL, ROBOT, SYSTEM, TO_GOAL, WAY, Run, Wheels
 
+from refrobots._idl.basic_data_type import TimedDouble
 from rtgen.cli import run as rtgen
-from rtgen.runtime.distribution.medium import MediumError
+from rtgen.runtime.distribution.medium import MediumError, Qos, Topic
 from rtgen.runtime.zenoh import session
 from rtgen.runtime.zenoh.medium import ZenohMedium
 from rtgen.runtime.zenoh.session import Endpoints, open_session
@@ -331,9 +332,52 @@ def test_files_of_zenoh_encrypt_and_keep_strangers_out(
 def test_options_that_do_not_fit(
     options: list[str], code: int, text: str, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    system = str(ROOT / "specs" / "navigation" / "rh3_goal.xml")
-    assert rtgen(["run", system, *options, "--until", "0.1"]) == code
+    assert rtgen(["run", str(SYSTEM), *options, "--until", "0.1"]) == code
     assert text in capfd.readouterr().err
+
+
+def test_a_session_cannot_keep_a_shorter_lease_than_its_own(
+    stack: ExitStack, locator: str
+) -> None:
+    place = (locator,)
+    qos = Qos(lease=0.5)
+    first = ZenohMedium("s", Endpoints(listen=place))
+    stack.callback(first.close)
+    with pytest.raises(MediumError, match=r"x/out: a lease of 0\.5 s .* is 3 s"):
+        first.publisher(Topic("x/out", TimedDouble), qos)
+    second = ZenohMedium("s", Endpoints(connect=place, lease=0.5))
+    stack.callback(second.close)
+    second.publisher(Topic("x/out", TimedDouble), qos).close()
+
+
+def test_a_process_that_stands_still_is_lost_after_the_lease_of_a_connection(
+    stack: ExitStack, tmp_path: Path, locator: str
+) -> None:
+    """By the file alone nobody would notice during the test."""
+    file = tmp_path / "zenoh.json5"
+    file.write_text(
+        "{ mode: 'peer', listen: { endpoints: [] },"
+        " scouting: { multicast: { enabled: false } },"
+        " transport: { link: { tx: { lease: 100000000 } } } }",
+        encoding="utf-8",
+    )
+    watcher = ZenohMedium("rh3_goal", Endpoints(file, listen=(locator,)))
+    stack.callback(watcher.close)
+    system = tmp_path / "leased.xml"
+    stated = '<rtsExt:Properties rtsExt:name="dataport.inport.buffer.length"'
+    lease = stated.replace("inport.buffer.length", "qos.lease")
+    text = SYSTEM.read_text(encoding="utf-8")
+    text = text.replace(stated, f'{lease} rtsExt:value="0.5"/>{stated}', 1)
+    system.write_text(text, encoding="utf-8")
+    options = ["zenoh", "--connect", locator, "--transport-config", str(file)]
+    run = Run(tmp_path, options, CONSOLE, system=system)
+    stack.callback(run.kill)
+    seen: list[bool] = []
+    watcher.watch("PositionInput0/", lambda _, present: seen.append(present))
+    wait_for(lambda: seen)
+    run.process.send_signal(signal.SIGSTOP)
+    wait_for(lambda: len(seen) > 1)
+    assert seen == [True, False]
 
 
 @pytest.fixture

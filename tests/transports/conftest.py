@@ -13,7 +13,7 @@ from rtgen.runtime.distribution.medium import Medium
 
 @pytest.fixture(params=media.ENGINES)
 def engine(request: pytest.FixtureRequest) -> Iterator[media.Engine]:
-    with media.engine(request.param) as made:
+    with media.engine(request.param, media.LEASE) as made:
         yield made
 
 

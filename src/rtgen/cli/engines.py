@@ -124,8 +124,11 @@ class EngineOptions:
         names = [f.name for f in fields(self) if f.name != "transport"]
         return [name for name in names if getattr(self, name) is not None]
 
-    def open(self, system: str) -> DistributedTransport:
-        """The transport, in the partition of the system of this name. Raises ToolError."""
+    def open(self, system: str, lease: float | None = None) -> DistributedTransport:
+        """The transport, in the partition of the system of this name.
+
+        `lease` [s] is the shortest that connections ask for. Raises ToolError.
+        """
         from rtgen.runtime.distribution.medium import MediumError, check_name
         from rtgen.runtime.distribution.transport import DistributedTransport
 
@@ -136,7 +139,7 @@ class EngineOptions:
                 str(error), hint="name the system by --partition"
             ) from error
         try:
-            medium = _ENGINES[self.transport](self, partition)
+            medium = _ENGINES[self.transport](self, partition, lease)
             timeout = self.call_timeout or CALL_TIMEOUT
             return DistributedTransport(medium, timeout=timeout)
         except (MediumError, runtime.TransportError) as error:
@@ -156,8 +159,11 @@ TAKES: dict[str, frozenset[str]] = {
 """The options that an engine takes."""
 
 
-def _dds(options: EngineOptions, partition: str) -> Medium:
-    """The engine of DDS. Raises ToolError, MediumError."""
+def _dds(options: EngineOptions, partition: str, _: float | None) -> Medium:
+    """The engine of DDS, whose writers have leases of their own.
+
+    Raises ToolError, MediumError.
+    """
     try:
         from rtgen.runtime.dds.medium import DdsMedium
     except ImportError as error:
@@ -191,7 +197,7 @@ def _dds(options: EngineOptions, partition: str) -> Medium:
         raise
 
 
-def _zenoh(options: EngineOptions, partition: str) -> Medium:
+def _zenoh(options: EngineOptions, partition: str, lease: float | None) -> Medium:
     """The engine of Zenoh. Raises ToolError, MediumError."""
     try:
         from rtgen.runtime.zenoh.medium import ZenohMedium
@@ -206,8 +212,12 @@ def _zenoh(options: EngineOptions, partition: str) -> Medium:
         None if config is None else Path(config),
         options.connect or (),
         options.listen or (),
+        lease,
     )
     return ZenohMedium(partition, endpoints)
 
 
-_ENGINES: dict[str, Callable[[Any, str], Medium]] = {"dds": _dds, "zenoh": _zenoh}
+_ENGINES: dict[str, Callable[[Any, str, float | None], Medium]] = {
+    "dds": _dds,
+    "zenoh": _zenoh,
+}

@@ -242,7 +242,7 @@ def run(
         ending(report.waiting) as end,
         Watchdog(report.blocked),
         transports.opened(
-            carrying, console, project.plugins, profile.name, simulated=simulated
+            carrying, console, project.plugins, profile, simulated=simulated
         ) as transport,
         foreign.expected(transport, awaited),
         assemble(

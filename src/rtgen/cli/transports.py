@@ -22,6 +22,7 @@ from rtgen.runtime.services.transports import AwaitingTransport
 from rtgen.systems.rules import CONNECTION, PARAMETER
 
 if TYPE_CHECKING:
+    from rtgen.model import System
     from rtgen.runtime.corba.transport import CorbaTransport
     from rtgen.runtime.services.transports import ProcessTransport
 
@@ -161,20 +162,20 @@ def opened(
     carrying: TransportOptions,
     console: Console,
     options: Mapping[str, Mapping[str, Any]],
-    system: str,
+    profile: System,
     *,
     simulated: bool,
 ) -> Iterator[ProcessTransport | None]:
     """The transport; None for direct calls. Raises ToolError.
 
     Simulated time has no naming service, since no other process can call. `options` are those of
-    plug-ins by their names; `system` is the name of the system.
+    plug-ins by their names; `profile` is the part of this process.
     """
     if carrying.transport == "direct":
         yield None
         return
     if carrying.carries_data:
-        with carrying.open(system) as distributed:
+        with carrying.open(profile.name, _lease(profile)) as distributed:
             yield distributed
         return
     for entry in plugins.announced(plugins.Group.TRANSPORTS):
@@ -187,6 +188,15 @@ def opened(
         if transport.name_server:
             console.say(f"naming service: {transport.name_server}")
         yield transport
+
+
+def _lease(profile: System) -> float | None:
+    """The shortest lease of the data connections."""
+    from rtgen.runtime.distribution.qos import shortest_lease
+
+    return shortest_lease(
+        dict(c.properties) for c in profile.connections if not c.service
+    )
 
 
 def _corba(carrying: TransportOptions, *, simulated: bool) -> CorbaTransport:

@@ -187,9 +187,11 @@ QOS: Final[Mapping[str, Check]] = {
 }
 """Quality of service between processes, in the words of DDS 1.4, 2.2.3."""
 
+STATED_DATA: Final[Mapping[str, Check]] = {**DATA, **QOS}
+"""The properties that a system file can state for data connectors."""
+
 EMBEDDED_DATA: Final[Mapping[str, Check]] = {
-    **DATA,
-    **QOS,
+    **STATED_DATA,
     "dataport.dataflow_type": _one_of(*Dataflow),
 }
 """The same for the embedded runtime, which has no `duplex`, but QoS between processes."""

@@ -91,7 +91,7 @@ def check_properties(system: System) -> Iterator[Diagnostic]:
         table = (
             connector_properties.SERVICE
             if connection.service
-            else connector_properties.DATA
+            else connector_properties.STATED_DATA
         )
         for written, text in connection.properties:
             key = written.removeprefix(connector_properties.OVERRIDE)

@@ -161,6 +161,10 @@ def test_connector_properties_are_reported_at_their_places(
     tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
     name = 'rtsExt:name="dataport.inport.buffer.length" rtsExt:value="1024"'
+    qos = 'rtsExt:name="dataport.qos.lease" rtsExt:value="{}"'
+    assert run(["run", changed(tmp_path, name, qos.format(0.5)), "--until", "0"]) == 0
+    assert run(["run", changed(tmp_path, name, qos.format("no")), "--until", "0"]) == 2
+    assert "it must be a time in seconds, above 0" in capfd.readouterr().err
     file = changed(tmp_path, name, name.replace("buffer", "bufer"))
     assert run(["run", file, "--until", "0"]) == 2
     assert "did you mean dataport.inport.buffer.length?" in capfd.readouterr().err

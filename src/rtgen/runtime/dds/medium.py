@@ -53,16 +53,19 @@ _INTERFACE = """<CycloneDDS><Domain><General><Interfaces>
 <SPDPInterval>{announced}s</SPDPInterval></Discovery></Domain></CycloneDDS>"""
 
 
-def configuration(interface: str | None, lease: float = LEASE) -> str:
+def configuration(
+    interface: str | None, lease: float = LEASE, announced: float = _ANNOUNCED
+) -> str:
     """The configuration of Cyclone DDS for an interface, by name or address.
 
-    None is loopback: unicast among at most 100 participants of this machine.
+    None is loopback: unicast among at most 100 participants of this machine. `announced`: seconds
+    between the announcements of a participant.
     """
     if interface is None:
-        return _LOOPBACK.format(lease=lease, announced=_ANNOUNCED)
+        return _LOOPBACK.format(lease=lease, announced=announced)
     kind = "address" if interface[:1].isdigit() or ":" in interface else "name"
     return _INTERFACE.format(
-        kind=kind, name=quoteattr(interface), lease=lease, announced=_ANNOUNCED
+        kind=kind, name=quoteattr(interface), lease=lease, announced=announced
     )
 
 

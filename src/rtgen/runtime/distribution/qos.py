@@ -6,7 +6,7 @@ policies of a connection are at its receiving end, as within a process.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 from rtgen.facts.connector_properties import (
     DATA_ON_LOSS,
@@ -57,6 +57,15 @@ def qos_of(properties: Mapping[str, str]) -> Qos:
         deadline=seconds("deadline"),
         lease=seconds("lease"),
     )
+
+
+def shortest_lease(connections: Iterable[Mapping[str, str]]) -> float | None:
+    """The shortest lease that connections with these properties ask for [s].
+
+    Raises ConnectorPropertyError.
+    """
+    leases = [qos_of(properties).lease for properties in connections]
+    return min((each for each in leases if each is not None), default=None)
 
 
 def fails_on_loss(properties: Mapping[str, str]) -> bool:

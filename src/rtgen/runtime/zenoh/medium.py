@@ -12,6 +12,7 @@ import zenoh
 
 from rtgen.runtime.distribution.medium import (
     Client,
+    MediumError,
     OnChange,
     OnRequest,
     OnSample,
@@ -26,7 +27,7 @@ from rtgen.runtime.distribution.medium import (
 from rtgen.runtime.zenoh.declared import Declared
 from rtgen.runtime.zenoh.keys import Keys
 from rtgen.runtime.zenoh.services import ZenohClient, ZenohService
-from rtgen.runtime.zenoh.session import Endpoints, open_session, reported
+from rtgen.runtime.zenoh.session import Endpoints, lease_of, open_session, reported
 from rtgen.runtime.zenoh.topics import ZenohPublisher, ZenohSubscription
 
 
@@ -38,12 +39,18 @@ class ZenohMedium:
 
     def __init__(self, system: str, endpoints: Endpoints | None = None) -> None:
         self._keys = Keys.of(system)
-        self._session = open_session(endpoints or Endpoints())
+        self._endpoints = endpoints or Endpoints()
+        self._session = open_session(self._endpoints)
         self._served: Counter[str] = Counter()
         self._kept: set[Declared] = set()
 
     def publisher(self, topic: Topic, qos: Qos) -> Publisher:
-        """See `Medium`."""
+        """See `Medium`. The lease is that of the session, which cannot be shortened later."""
+        if qos.lease is not None and qos.lease < (own := lease_of(self._endpoints)):
+            raise MediumError(
+                f"{topic.name}: a lease of {qos.lease:g} s is asked for, but that of the session "
+                f"is {own:g} s (`Endpoints.lease` sets it)"
+            )
         with reported(topic.name):
             return ZenohPublisher(self._session, self._keys, topic, qos)
 

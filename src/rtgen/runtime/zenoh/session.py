@@ -21,7 +21,11 @@ MEETING_PLACE = "tcp/127.0.0.1:7447"
 
 _SLOW = 1.5
 """Seconds after which a session that does not open is reported."""
-_LEASE_MS = 3000
+LEASE = 3.0
+"""Seconds without a sign of life after which a process counts as lost."""
+
+_LEASE_KEY = "transport/link/tx/lease"
+"""The lease of a session in a configuration [ms], which the other ends of its links wait for."""
 _FRAGMENTS_WAIT_US = 1_000_000
 _RETRY = {"period_init_ms": 100, "period_max_ms": 1000, "period_increase_factor": 2}
 _CONNECT_MS = 5000
@@ -35,12 +39,15 @@ class Endpoints:
     `config` is a configuration file of Zenoh (JSON5, YAML), whose settings all apply; locators that
     are given replace those in the file. Without a file there is no scouting. With `connect` alone
     the session is a client of these routers, with `listen` a peer; with none of them a peer that
-    meets the others at `MEETING_PLACE`, and can be reached from this machine alone.
+    meets the others at `MEETING_PLACE`, and can be reached from this machine alone. `lease`: after
+    so many seconds without a sign of life others count the session as lost; it shortens `LEASE`, or
+    that of the file.
     """
 
     config: Path | None = None
     connect: tuple[str, ...] = ()
     listen: tuple[str, ...] = ()
+    lease: float | None = None
 
 
 def open_session(endpoints: Endpoints) -> zenoh.Session:
@@ -59,6 +66,12 @@ def open_session(endpoints: Endpoints) -> zenoh.Session:
             return zenoh.open(_configuration(endpoints))
     finally:
         slow.cancel()
+
+
+def lease_of(endpoints: Endpoints) -> float:
+    """The lease of a session [s]. Raises MediumError."""
+    with reported(str(endpoints.config or "zenoh")):
+        return _lease(_configuration(endpoints))
 
 
 @contextmanager
@@ -83,17 +96,24 @@ def _configuration(endpoints: Endpoints) -> zenoh.Config:
             "listen/endpoints": endpoints.listen,
         }
         _insert(config, {key: value for key, value in given.items() if value})
-        return config
-    config = zenoh.Config()
-    _insert(config, {**_COMMON, **_links(endpoints)})
+    else:
+        config = zenoh.Config()
+        _insert(config, {**_COMMON, **_links(endpoints)})
+    if endpoints.lease is not None and endpoints.lease < _lease(config):
+        _insert(config, {_LEASE_KEY: max(1, round(endpoints.lease * 1000))})
     return config
+
+
+def _lease(config: zenoh.Config) -> float:
+    milliseconds: int = json.loads(config.get_json(_LEASE_KEY))
+    return milliseconds / 1000
 
 
 _COMMON: dict[str, Any] = {
     "scouting/multicast/enabled": False,
     "scouting/delay": 0,
     "connect/retry": _RETRY,
-    "transport/link/tx/lease": _LEASE_MS,
+    _LEASE_KEY: round(LEASE * 1000),
     # A sample of several megabytes is not dropped because one batch was late.
     "transport/link/tx/queue/congestion_control/drop/max_wait_before_drop_fragments": (
         _FRAGMENTS_WAIT_US
