@@ -32,6 +32,7 @@ from rtgen.runtime.services.servants import (
     CommunicationFailure,
     ObjectNotExist,
 )
+from rtgen.runtime.zenoh.declared import matches
 
 ROUTER = "tcp/localhost:7447"
 """Where the router of rmw_zenoh is looked for."""
@@ -178,6 +179,12 @@ class ZenohNetwork:
         """See `RosNetwork`."""
         key = self._service_key(service)
         try:
+            querier = self._session.declare_querier(
+                key,
+                target=zenoh.QueryTarget.ALL_COMPLETE,
+                consolidation=zenoh.ConsolidationMode.LATEST,
+            )
+            self._kept.append(querier)
             gid = self._present_service(ros_zenoh.CLIENT, service)
         except zenoh.ZError as error:
             raise Ros2Error(f"{service.name}: {error}") from error
@@ -187,6 +194,7 @@ class ZenohNetwork:
             with_it = Attachment(next(numbers), time.time_ns(), gid)
             started = time.monotonic()
             try:
+                served = matches(querier)
                 replies = self._session.get(
                     key,
                     payload=octets,
@@ -203,6 +211,8 @@ class ZenohNetwork:
                 raise CommunicationFailure(f"{service.name}: {error}") from error
             if time.monotonic() - started >= timeout:
                 raise CallTimeout(f"no response of {service.name}")
+            if served:
+                raise CommunicationFailure(f"{service.name} is served no more")
             raise ObjectNotExist(f"nobody serves {service.name}, or it does not answer")
 
         return call
