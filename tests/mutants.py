@@ -67,7 +67,7 @@ PARTS: Mapping[str, Part] = {
     ),
     "offsets": Part(
         ("layouts/offsets.py", "layouts/cdr_types.py"),
-        ("types/test_offsets.py", "types/test_large_types.py"),
+        ("types/test_offsets.py", "types/test_cdr_types.py"),
     ),
     "tdr-layouts": Part(
         ("layouts/tdr.py", "layouts/tdr_messages.py"),

@@ -26,6 +26,7 @@ from rtgen.model import (
     PrimitiveType,
     Struct,
     Type,
+    Union,
 )
 
 _WIDEST = 8
@@ -110,8 +111,8 @@ class _Measure:
             for member in each.members:
                 yield each, member
 
-    def _begin(self, struct: Struct, offset: int) -> int | None:
-        """Where the members of a struct begin that stands at an offset."""
+    def _begin(self, struct: Struct | Union, offset: int) -> int | None:
+        """Where the members of a struct or union begin that stands at an offset."""
         match self._representations.extensibility(struct):
             case Extensibility.MUTABLE:
                 return None
@@ -156,6 +157,10 @@ class _Measure:
                 found = self._alignment(first[1].type)
                 self._depth -= 1
                 return found
+            case Union() as union:
+                if self._begin(union, 0) != 0:
+                    return _HEADER
+                return self._alignment(union.switch)
             case Enum(bound=bound):
                 return _octets(bound) if self._xcdr2 else 4
             case Bitmask(bound=bound):

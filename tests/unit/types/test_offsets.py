@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import emitted
@@ -27,6 +28,41 @@ module o {
   struct Base { octet a; long b; };
   struct Derived : Base { octet c; double d; };
   struct Open { octet a; double b; sequence<long> c; long d; };
+  @bit_bound(8) bitmask Mask8 { M8 };
+  @bit_bound(16) bitmask Mask16 { M16 };
+  @bit_bound(17) bitmask Mask17 { M17 };
+  @bit_bound(32) bitmask Mask32 { M32 };
+  @bit_bound(33) bitmask Mask33 { M33 };
+  bitset Bits8 { bitfield<8> all; };
+  bitset Bits9 : Bits8 { bitfield<1> more; };
+  bitset Bits33 { bitfield<33> all; };
+  struct Masks { octet a; Mask8 b; Mask16 c; octet d; Mask17 e; octet f; Mask32 g; octet h; Mask33 i; };
+  struct Sets { octet a; Bits8 b; Bits9 c; octet d; Bits33 e; };
+  struct Decimal { octet a; fixed<5,2> b; fixed<4,1> c; long d; };
+  struct Wide { octet a; wchar b; long c; };
+  struct Wides { octet a; wchar b[2]; long c; };
+  struct Empty {};
+  struct Empties { octet a; Empty b; octet c; };
+  struct Extended { octet a; long double b; octet c; };
+  struct Optionals { octet a; @optional long b; long c; @external double d; };
+  struct OptionalFirst { @optional double a; };
+  struct HoldsOptionals { octet a; Optionals b; long c; };
+  struct HoldsOptionalFirst { octet a; OptionalFirst b; long c; };
+  struct Elsewhere { octet a; @external double b; };
+  struct HoldsElsewhere { octet a; Elsewhere b; octet c; };
+  @mutable struct Tagged { double a; };
+  struct HoldsTagged { octet a; Tagged b; octet c; };
+  struct Most { Inner a[4096]; octet b; };
+  struct TooMany { Inner a[4097]; octet b; };
+  struct Texts { octet a; string b[2]; octet c; };
+  union Choice switch (boolean) { case TRUE: octet one; case FALSE: long two; };
+  struct Chosen { octet a; Choice b; };
+  @appendable union Grown switch (boolean) { case TRUE: octet one; };
+  @data_representation(XCDR2) struct Chosen2 { octet a; Choice b; };
+  @data_representation(XCDR2) struct ChosenGrown2 { octet a; Grown b; };
+  @data_representation(XCDR2) struct Masks2 { octet a; Mask33 b; octet c; Bits33 d; octet e; Mask16 f; };
+  @data_representation(XCDR2) struct Enums2 { octet a; Small b; octet c; Colour d; Small e[2]; octet f; };
+  @data_representation(XCDR2) struct Wide2 { octet a; wchar b; wchar c[2]; octet d[3]; long double e; };
   @data_representation(XCDR2) struct Plain2 { octet a; double b; short c; long long d; };
   @data_representation(XCDR2) @appendable struct Grows { octet a; double b; short c; };
   @data_representation(XCDR2) struct Holds { octet a; Grows b; octet c; Inner d[2]; octet e; };
@@ -75,6 +111,16 @@ def changed(value: Any) -> Any:
     "name",
     [
         *("Plain", "Enums", "Nested", "Arrays", "Derived", "Plain2", "Grows", "Holds"),
+        *(
+            "Masks",
+            "Sets",
+            "Decimal",
+            "Empties",
+            "Extended",
+            "Masks2",
+            "Enums2",
+            "Wide2",
+        ),
     ],
 )
 def test_a_member_changes_the_octets_of_its_place(
@@ -120,9 +166,80 @@ def test_places_follow_each_other(model: Model) -> None:
         ("Grows", [(4, 1), (8, 8), (16, 2)]),
         ("Open", [(0, 1), (8, 8), (16, None), (None, 4)]),
         ("Derived", [(0, 1), (4, 4), (8, 1), (16, 8)]),
+        (
+            "Masks",
+            [
+                *((0, 1), (1, 1), (2, 2), (4, 1), (8, 4)),
+                *((12, 1), (16, 4), (20, 1), (24, 8)),
+            ],
+        ),
+        ("Sets", [(0, 1), (1, 1), (2, 2), (4, 1), (8, 8)]),
+        ("Decimal", [(0, 1), (1, 3), (4, 3), (8, 4)]),
+        ("Wide", [(0, 1), (1, None), (None, 4)]),
+        ("Wides", [(0, 1), (1, None), (None, 4)]),
+        ("Empties", [(0, 1), (1, 0), (1, 1)]),
+        ("Extended", [(0, 1), (8, 16), (24, 1)]),
+        ("Optionals", [(0, 1), (None, 4), (None, 4), (None, 8)]),
+        ("HoldsOptionals", [(0, 1), (1, None), (None, 4)]),
+        ("HoldsOptionalFirst", [(0, 1), (1, None), (None, 4)]),
+        ("HoldsElsewhere", [(0, 1), (1, None), (None, 1)]),
+        ("Tagged", [(None, 8)]),
+        ("HoldsTagged", [(0, 1), (4, None), (None, 1)]),
+        ("Most", [(0, 65536), (65536, 1)]),
+        ("TooMany", [(0, None), (None, 1)]),
+        ("Texts", [(0, 1), (4, None), (None, 1)]),
+        ("Chosen", [(0, 1), (1, None)]),
+        ("Chosen2", [(0, 1), (1, None)]),
+        ("ChosenGrown2", [(0, 1), (4, None)]),
+        ("Masks2", [(0, 1), (4, 8), (12, 1), (16, 8), (24, 1), (26, 2)]),
+        ("Enums2", [(0, 1), (1, 1), (2, 1), (4, 4), (8, 6), (14, 1)]),
+        ("Wide2", [(0, 1), (2, 2), (4, 4), (8, 3), (12, 16)]),
     ],
 )
 def test_places(
     name: str, wanted: list[tuple[int | None, int | None]], model: Model
 ) -> None:
-    assert [(p.offset, p.size) for p in laid_out(model, name).members] == wanted
+    laid = laid_out(model, name)
+    assert [(p.offset, p.size) for p in laid.members] == wanted
+    struct = model.find(("o", name))
+    assert isinstance(struct, Struct)
+    offset, size = wanted[-1]
+    varies = offset is None or size is None
+    assert laid.size == (None if varies else (offset or 0) + (size or 0))
+    assert laid.xcdr2 == (struct.annotation("data_representation") is not None)
+
+
+def test_an_empty_struct_has_no_octets(model: Model) -> None:
+    assert laid_out(model, "Empty") == StructLayout((), 0, False)
+
+
+def test_members_name_the_struct_that_declares_them(model: Model) -> None:
+    for name in ("Derived", "Optionals"):
+        for place in laid_out(model, name).members:
+            assert place.member in place.holder.members
+
+
+def test_a_union_begins_with_its_discriminator(package: Any) -> None:
+    """No padding is before a boolean, whatever the cases hold."""
+    chosen = package.Chosen(7, package.Choice(True, 9))
+    assert octets(chosen) == bytes((7, 1, 9))
+
+
+def test_structs_in_structs(tmp_path: Path) -> None:
+    """Structs are measured to a depth of 64, and their neighbours are measured alike."""
+    lines = ["struct S0 { octet a; double b; };"]
+    lines += [f"struct S{n} {{ octet a; S{n - 1} b; }};" for n in range(1, 80)]
+    lines += ["struct Pair { S9 a; S60 b; S60 c; S60 d; };"]
+    path = tmp_path / "deep.idl"
+    path.write_text("\n".join(lines), encoding="utf-8")
+    model = load([path], root=tmp_path).model
+    known = []
+    for n in range(80):
+        struct = model.find((f"S{n}",))
+        assert isinstance(struct, Struct)
+        known.append(layout(model, struct, Representations(model)).size)
+    ends = {n: n + 1 + -(n + 1) % 8 + 8 for n in range(80)}
+    assert known == [ends[n] if n <= 64 else None for n in range(80)]
+    pair = model.find(("Pair",))
+    assert isinstance(pair, Struct)
+    assert layout(model, pair, Representations(model)).size == 240
