@@ -36,7 +36,9 @@ module o {
   bitset Bits8 { bitfield<8> all; };
   bitset Bits9 : Bits8 { bitfield<1> more; };
   bitset Bits33 { bitfield<33> all; };
-  struct Masks { octet a; Mask8 b; Mask16 c; octet d; Mask17 e; octet f; Mask32 g; octet h; Mask33 i; };
+  struct Masks {
+    octet a; Mask8 b; Mask16 c; octet d; Mask17 e; octet f; Mask32 g; octet h; Mask33 i;
+  };
   struct Sets { octet a; Bits8 b; Bits9 c; octet d; Bits33 e; };
   struct Decimal { octet a; fixed<5,2> b; fixed<4,1> c; long d; };
   struct Wide { octet a; wchar b; long c; };
@@ -60,9 +62,15 @@ module o {
   @appendable union Grown switch (boolean) { case TRUE: octet one; };
   @data_representation(XCDR2) struct Chosen2 { octet a; Choice b; };
   @data_representation(XCDR2) struct ChosenGrown2 { octet a; Grown b; };
-  @data_representation(XCDR2) struct Masks2 { octet a; Mask33 b; octet c; Bits33 d; octet e; Mask16 f; };
-  @data_representation(XCDR2) struct Enums2 { octet a; Small b; octet c; Colour d; Small e[2]; octet f; };
-  @data_representation(XCDR2) struct Wide2 { octet a; wchar b; wchar c[2]; octet d[3]; long double e; };
+  @data_representation(XCDR2) struct Masks2 {
+    octet a; Mask33 b; octet c; Bits33 d; octet e; Mask16 f;
+  };
+  @data_representation(XCDR2) struct Enums2 {
+    octet a; Small b; octet c; Colour d; Small e[2]; octet f;
+  };
+  @data_representation(XCDR2) struct Wide2 {
+    octet a; wchar b; wchar c[2]; octet d[3]; long double e;
+  };
   @data_representation(XCDR2) struct Plain2 { octet a; double b; short c; long long d; };
   @data_representation(XCDR2) @appendable struct Grows { octet a; double b; short c; };
   @data_representation(XCDR2) struct Holds { octet a; Grows b; octet c; Inner d[2]; octet e; };
