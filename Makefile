@@ -29,7 +29,7 @@ endif
 endif
 endif
 
-.PHONY: demo gallery test check format lint types pyright imports drift pytest test-openrtm interpreters interpreter interpreted lowest lock licences wheels ui page fuzz mutants soak bench clean
+.PHONY: demo gallery test check format lint types mypy pyright imports drift pytest test-openrtm interpreters interpreter interpreted lowest lock licences wheels ui page fuzz mutants soak bench clean
 
 demo: $(VENV)/demo.stamp
 	$(BIN)/rtgen generate
@@ -55,11 +55,11 @@ lint: $(VENV)/test.stamp
 	$(BIN)/python tests/python_form.py $(CHECKED)
 	$(BIN)/ruff check $(CHECKED)
 
-# The lowest and the highest version that pyproject.toml names.
-types: mypy-3.11 mypy-3.13 pyright
+# As of one of the versions that pyproject.toml names; commits try them in turn.
+types: mypy pyright
 
-mypy-%: $(VENV)/test.stamp
-	$(BIN)/mypy --python-version $* src generated mkdocs_hooks.py editors/vscode/pack.py
+mypy: $(VENV)/test.stamp
+	$(BIN)/mypy --python-version $$($(BIN)/python tests/interpreters.py --version) src generated mkdocs_hooks.py editors/vscode/pack.py
 
 pyright: $(VENV)/test.stamp
 	PYRIGHT_PYTHON_IGNORE_WARNINGS=1 $(BIN)/pyright --pythonpath $(BIN)/python
@@ -106,7 +106,7 @@ lowest: $(VENV)/release.stamp
 # The newest versions that pyproject.toml allows, for each platform and interpreter.
 lock: $(VENV)/release.stamp
 	$(BIN)/uv pip compile --quiet --universal --upgrade --no-header --no-annotate \
-	    --python-version 3.11 --extra plot --extra test pyproject.toml --output-file $(LOCK)
+	    --python-version 3.11 --extra plot --extra test --extra check pyproject.toml --output-file $(LOCK)
 
 # What rtgen and its extras require, with the licence that each package states.
 licences: $(VENV)/release.stamp
@@ -178,13 +178,13 @@ $(VENV)/demo.stamp: pyproject.toml $(wildcard grammars/*.lark) | $(VENV)/bin/pyt
 	touch $@
 
 $(VENV)/test.stamp: pyproject.toml $(wildcard grammars/*.lark) | $(VENV)/bin/python
-	$(BIN)/python -m pip install $(PIP) --editable ".[plot,test]"
+	$(BIN)/python -m pip install $(PIP) --editable ".[plot,test,check]"
 	touch $@
 
 $(VENV)/release.stamp: $(VENV)/test.stamp
-	$(BIN)/python -m pip install $(PIP) --editable ".[plot,test,release]"
+	$(BIN)/python -m pip install $(PIP) --editable ".[plot,test,check,release]"
 	touch $@
 
 $(VENV)/bench.stamp: pyproject.toml $(wildcard grammars/*.lark) | $(VENV)/bin/python
-	$(BIN)/python -m pip install $(PIP) --editable ".[plot,test,bench]"
+	$(BIN)/python -m pip install $(PIP) --editable ".[plot,test,check,bench]"
 	touch $@

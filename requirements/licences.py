@@ -14,7 +14,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 NAME = re.compile(r"[\w.-]+")
-WORKSHOP = ("test", "bench", "release")
+WORKSHOP = ("test", "check", "bench", "release")
 """The extras of those who change rtgen; users install none of them."""
 
 HEAD = """# Licences of requirements

@@ -32,6 +32,8 @@ ONCE = (
     "golden",
     "openrtm",
     "reference",
+    "ros2",
+    "unit/canopen",
     "unit/cdl",
     "unit/components",
     "unit/diff",
@@ -43,14 +45,18 @@ ONCE = (
     "unit/lint",
     "unit/openrtm",
     "unit/quoting",
+    "unit/recording",
     "unit/rosidl",
+    "unit/small",
+    "unit/tecs",
     "unit/tool",
     "unit/units",
 )
 """Folders of tests that are the same on each interpreter.
 
-OpenRTM's modules, simulated robots, and the compiler with its commands, which makes findings or
-other text of text. What waits for sockets, processes and clocks is tried on each.
+OpenRTM's modules, simulated robots, the compiler with its commands, which makes findings or other
+text of text, protocols and files that are octets of octets. Transports between processes, codecs
+and the runtime are tried on each.
 """
 
 DRAWN = {seeds.seed, seeds.budget, seeds.cases}

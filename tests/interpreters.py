@@ -2,7 +2,8 @@
 
 One of those found, chosen by the commit, so that commits try them in turn; `--all` tries each.
 `--lowest` uses this interpreter and the lowest versions that pyproject.toml allows. `--install`
-makes the environments alone, `--installed` runs the tests in those that were made.
+makes the environments alone, `--installed` runs the tests in those that were made. `--version`
+prints which of all versions the commit is type-checked for.
 """
 
 from __future__ import annotations
@@ -144,6 +145,9 @@ def main() -> int:
     The one that runs this has had them already, so the wheel is tried on it only if there is no
     other.
     """
+    if "--version" in sys.argv[1:]:
+        print(chosen(SUPPORTED, commit()))
+        return 0
     own = f"{sys.version_info.major}.{sys.version_info.minor}"
     if "--lowest" in sys.argv[1:]:
         folder = ENVIRONMENTS / "lowest"

@@ -17,7 +17,7 @@ ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
 EXTRAS: dict[str, list[str]] = PROJECT["optional-dependencies"]
 TESTED = [*PROJECT["dependencies"], *EXTRAS["plot"], *EXTRAS["test"]]
-WORKSHOP = {"test", "bench", "release"}
+WORKSHOP = {"test", "check", "bench", "release"}
 
 
 @pytest.mark.parametrize("group", ["", *EXTRAS])
