@@ -33,6 +33,7 @@ OK, NO, BAD_INPUT, FAILED = range(4)
 """Exit codes."""
 
 _DOCUMENTS = ("json", "sarif")
+_PORTS = 1 << 16
 
 
 class Refusal(click.ClickException):
@@ -49,6 +50,21 @@ def _in_words(minimum: float | None, maximum: float | None, *, is_open: bool) ->
     if maximum is None:
         return above if is_open else f"at least {above}"
     return f"{above} to {maximum:.10g}"
+
+
+class Place(click.types.StringParamType):
+    """`HOST` or `HOST:PORT`."""
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> str:
+        """The text. Raises click.BadParameter."""
+        text: str = super().convert(value, param, ctx)
+        host, colon, port = text.rpartition(":")
+        good = port.isascii() and port.isdecimal() and 0 < int(port) < _PORTS
+        if not (host and good if colon else text):
+            self.fail(f"'{text}' is not HOST or HOST:PORT.", param, ctx)
+        return text
 
 
 class WholeRange(click.IntRange):

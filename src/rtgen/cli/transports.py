@@ -13,7 +13,7 @@ import click
 
 from rtgen import plugins, runtime
 from rtgen.cli import engines
-from rtgen.cli.common import Console, FiniteRange, Refusal
+from rtgen.cli.common import Console, FiniteRange, Place, Refusal
 from rtgen.cli.engines import CALL_TIMEOUT, EngineOptions, option_of
 from rtgen.cli.signals import terminable
 from rtgen.diagnostics import InputError, ToolError
@@ -26,21 +26,9 @@ if TYPE_CHECKING:
     from rtgen.runtime.corba.transport import CorbaTransport
     from rtgen.runtime.services.transports import ProcessTransport
 
-_PORTS = 1 << 16
 _SILENCE = 1.0
 """Seconds after which a wait for other processes is announced."""
 _BUILT_IN = ("corba", *engines.TAKES)
-
-
-def _place(_: click.Context, __: click.Parameter, value: str | None) -> str | None:
-    """Validate `HOST` or `HOST:PORT`. Raises click.BadParameter."""
-    if value is None:
-        return None
-    host, colon, port = value.rpartition(":")
-    good = port.isascii() and port.isdecimal() and 0 < int(port) < _PORTS
-    if not (host and good if colon else value):
-        raise click.BadParameter(f"'{value}' is not HOST or HOST:PORT.")
-    return value
 
 
 class _Transport(click.Choice[str]):
@@ -80,7 +68,7 @@ _OPTIONS = (
     ),
     click.option(
         "--nameserver",
-        callback=_place,
+        type=Place(),
         metavar="HOST[:PORT]",
         help="Naming service (corba); by default that of this machine, else one of our own.",
     ),

@@ -19,6 +19,7 @@ from rtgen.cli.assembly import add_component, assemble
 from rtgen.cli.common import (
     OK,
     Console,
+    Place,
     Refusal,
     WholeRange,
     with_console,
@@ -37,6 +38,7 @@ from rtgen.systems.reading import read_file
 
 if TYPE_CHECKING:
     from rtgen.cli.ui_bus import BusDescriber
+    from rtgen.ui.session import Session
 
 _LOOPBACK = "127.0.0.1"
 _SUFFIXES = (".xml", ".yaml", ".yml")
@@ -54,7 +56,7 @@ class CommandProject:
         self._console = console
         self._buses = buses or {}
         self._files = [*files]
-        self._project = load_around(Path(files[0]))
+        self._project = load_around(Path(files[0]) if files else Path.cwd())
         self._factories = Factories(self._project)
 
     @property
@@ -63,7 +65,11 @@ class CommandProject:
         return self._files
 
     def read(self, file: str) -> System:
-        """The system of a file or folder."""
+        """The system of a file or folder; without one, a system without components."""
+        if not file:
+            return System(
+                name="", id="", file="", abstract="", components=(), connections=()
+            )
         path = Path(file)
         profile, found, sources = read_file(
             path / "system.xml" if path.is_dir() else path
@@ -83,7 +89,7 @@ class CommandProject:
         from rtgen.ui.errors import FILE, CommandError
 
         path = Path(file)
-        if path.is_dir():
+        if path.is_dir() and file:
             path = path / "system.xml"
         path = path.resolve()
         roots = [Path.cwd(), *(Path(each).resolve().parent for each in self._files)]
@@ -152,8 +158,28 @@ def _describer(buses: Mapping[str, Path], bus: str) -> BusDescriber:
     return BusDescriber(buses.get(bus, buses.get("")))
 
 
+def _session(
+    project: CommandProject,
+    clock: Callable[[], runtime.Clock],
+    name_servers: tuple[str, ...],
+) -> Session:
+    """The session of the first system. Raises InputError, ToolError."""
+    from rtgen.ui.session import Session
+
+    file = next(iter(project.systems), "")
+    if name_servers and find_spec("omniORB") is None:
+        raise ToolError(
+            "--nameserver needs omniORBpy, which is not installed",
+            hint="pip install 'rtgen[corba]'",
+        )
+    try:
+        return Session(project, file, clock, name_servers)
+    except runtime.TransportError as error:
+        raise ToolError(str(error)) from error
+
+
 @click.command()
-@click.argument("systems", metavar="SYSTEM...", nargs=-1, required=True)
+@click.argument("systems", metavar="[SYSTEM]...", nargs=-1)
 @click.option(
     "--clock",
     type=click.Choice(["sim", "real"]),
@@ -174,6 +200,14 @@ def _describer(buses: Mapping[str, Path], bus: str) -> BusDescriber:
     metavar="[CHANNEL=]FILE",
     help="The bus file (TOML) that describes the nodes of a CAN bus.",
 )
+@click.option(
+    "--nameserver",
+    "name_servers",
+    multiple=True,
+    type=Place(),
+    metavar="HOST[:PORT]",
+    help="Show the components that a naming service (CORBA) has, too.",
+)
 @click.option("--read-only", is_flag=True, help="Print the address to look only, too.")
 @click.option("--open/--no-open", "opened", default=True, help="Open a browser.")
 @click.option("--play/--pause", "playing", default=True, help="Let time pass at once.")
@@ -184,6 +218,7 @@ def ui(
     clock: str,
     port: int,
     buses: tuple[str, ...],
+    name_servers: tuple[str, ...],
     read_only: bool,
     opened: bool,
     playing: bool,
@@ -191,9 +226,14 @@ def ui(
     """Show a system in a browser: wire it, drive it, watch it.
 
     SYSTEM is an RtsProfile, or a folder with system.xml; the page can change to the others. In
-    place of systems a recording (FILE.mcap) is shown, or two beside each other: nothing runs. The
-    page is at 127.0.0.1 only; its address has a token that others do not know.
+    place of systems a recording (FILE.mcap) is shown, or two beside each other: nothing runs. With
+    --nameserver no SYSTEM is needed. The page is at 127.0.0.1 only; its address has a token that
+    others do not know.
     """
+    if not systems and not name_servers:
+        raise click.UsageError(
+            "Missing argument 'SYSTEM...', or option '--nameserver'."
+        )
     missing = [
         name
         for name in ("starlette", "uvicorn", "websockets")
@@ -206,7 +246,6 @@ def ui(
         )
     from rtgen.ui.recorded import Recorded
     from rtgen.ui.serving import Server
-    from rtgen.ui.session import Session
 
     clocks = {"sim": runtime.SimulatedClock, "real": runtime.RealClock}
     described = {}
@@ -218,7 +257,7 @@ def ui(
     recordings = [each for each in systems if Path(each).suffix.lower() == ".mcap"]
     session: Session | Recorded
     if recordings:
-        if len(recordings) < len(systems) or len(recordings) > 2:
+        if len(recordings) < len(systems) or len(recordings) > 2 or name_servers:
             raise Refusal("either systems are shown, or one recording or two")
         session = Recorded(recordings, partial(_describer, described))
         if session.left_out:
@@ -228,7 +267,7 @@ def ui(
         server = Server(session, _LOOPBACK, port)
     else:
         project = CommandProject(console, systems, described)
-        session = Session(project, systems[0], clocks[clock])
+        session = _session(project, clocks[clock if systems else "real"], name_servers)
         server = Server(session, _LOOPBACK, port)
         if playing:
             session.runner.submit(session.runner.play)

@@ -49,6 +49,7 @@ READING: Final = frozenset(
 """Commands that need no right."""
 _LONGEST_SEEK: Final = 3600.0
 """The latest time that a simulation is set to [s]."""
+_APART: Final = "the system of this page does not run over CORBA"
 
 
 class Commands:
@@ -85,10 +86,58 @@ class Commands:
         self._injector = calls.Injector()
 
     def carry_out(self, page: Outbox, message: ui.ClientMessage) -> None:
-        """Carry out a command; its result goes to the page."""
+        """Carry out a command; its result goes to the page.
+
+        One that concerns components of other processes is carried out while the run goes on.
+        """
+        command, neighbours = message.asked, self._session.neighbours
         result = ui.Result(request=message.request, done=True)
+        if neighbours is None or not self._is_outside(command):
+            self._answer(page, result, lambda: self._carry_out(page, command, result))
+            return
+
+        def carry_out() -> None:
+            _require_right(page, command)
+            neighbours.carry_out(command)
+
+        answer = partial(self._answer, page, result, carry_out)
+        if not page.full:
+            answer()
+        elif not neighbours.submit(answer):
+            result.done, result.code = False, IMPOSSIBLE
+            result.message = "too many commands wait"
+            page.put(ui.Event.of_outcome(result))
+
+    def _is_outside(self, command: ui.Command) -> bool:
+        """Whether a command is for the processes of other components."""
+        value: Any = command.value
+        outside = self._session.outside
+        match command.discriminator:
+            case CommandKind.COMMAND_CUT:
+                return value in outside.connections
+            case CommandKind.COMMAND_REMOVE:
+                return value in outside.components
+            case (
+                CommandKind.COMMAND_ACTIVATE
+                | CommandKind.COMMAND_DEACTIVATE
+                | CommandKind.COMMAND_RESET
+            ):
+                return any(each in outside.components for each in value)
+            case CommandKind.COMMAND_SET | CommandKind.COMMAND_ACTIVATE_SET:
+                return value.instance in outside.components
+            case CommandKind.COMMAND_CALL | CommandKind.COMMAND_INJECT:
+                return value.port.instance in outside.components
+            case CommandKind.COMMAND_CONNECT:
+                ends = value.source.instance, value.target.instance
+                return any(each in outside.components for each in ends)
+        return False
+
+    def _answer(
+        self, page: Outbox, result: ui.Result, carry_out: Callable[[], None]
+    ) -> None:
+        """Carry something out, and tell the page whether it could be done."""
         try:
-            self._carry_out(page, message.asked, result)
+            carry_out()
         except CommandError as error:
             result.done = False
             result.code, result.hint = error.code, error.hint
@@ -106,8 +155,7 @@ class Commands:
     def _carry_out(self, page: Outbox, command: ui.Command, result: ui.Result) -> None:
         kind = command.discriminator
         value: Any = command.value
-        if kind not in READING and not page.full:
-            raise CommandError(NO_RIGHT, "this page may only look")
+        _require_right(page, command)
         if kind is CommandKind.COMMAND_WATCH:
             self._session.watch(page, value)
         elif kind is CommandKind.COMMAND_LOOK:
@@ -133,16 +181,24 @@ class Commands:
 
     def _fits(self, address: ui.PortAddress) -> list[ui.Fit]:
         """Which other ports a port can be connected to, and why not to the rest."""
-        system = self._session.system
+        system, outside = self._session.system, self._session.outside
         here = address.instance, address.port
+        within = [
+            ui.PortAddress(instance=each, port=port)
+            for each in system.instances
+            for port in self._session.port_names(each)
+        ]
+        if address.instance in outside.components:
+            if outside.port(address) is None:
+                raise CommandError(UNKNOWN, f"{here[0]} has no port {here[1]!r}")
+            apart = [ui.Fit(port=there, refused=_APART) for there in within]
+            return [*outside.fits(address), *apart]
         self._session.require_port(*here)
-        found = []
-        for instance in system.instances:
-            for port in self._session.port_names(instance):
-                if (instance, port) != here:
-                    why = system.obstacle(here, (instance, port))
-                    there = ui.PortAddress(instance=instance, port=port)
-                    found.append(ui.Fit(port=there, refused=why))
+        found = [ui.Fit(port=there, refused=_APART) for there in outside.ports()]
+        for there in within:
+            if there != address:
+                why = system.obstacle(here, (there.instance, there.port))
+                found.append(ui.Fit(port=there, refused=why))
         return found
 
     def _connect(self, wanted: ui.Connect) -> None:
@@ -251,9 +307,15 @@ class Commands:
 
     def _move(self, wanted: ui.Moved) -> None:
         session, name = self._session, wanted.instance
-        session.system.component(name)
         before = session.places.get(name)
         after = wanted.where.x, wanted.where.y
+        if (
+            name in session.outside.components
+        ):  # Its place is not saved with the system.
+            session.places[name] = after
+            session.tell(ui.Event.of_place(wanted))
+            return
+        session.system.component(name)
 
         def put(place: tuple[float, float] | None) -> None:
             if place is None:
@@ -380,6 +442,12 @@ class Commands:
 
     def _inject(self, wanted: ui.Inject) -> None:
         self._injector.put(self._session.system, wanted)
+
+
+def _require_right(page: Outbox, command: ui.Command) -> None:
+    """Raises CommandError for a page that may not give this command."""
+    if command.discriminator not in READING and not page.full:
+        raise CommandError(NO_RIGHT, "this page may only look")
 
 
 def code_of(error: RtcError) -> str:

@@ -237,6 +237,8 @@ def _key(event: Event) -> _Key | None:
     match kind:
         case EventKind.EVENT_NOTICE:
             return None
+        case EventKind.EVENT_NAMING:
+            return (kind,)
         case EventKind.EVENT_COMPONENT:
             return "component", event.described.instance
         case EventKind.EVENT_REMOVED:

@@ -6,7 +6,9 @@ import itertools
 import threading
 import uuid
 from collections.abc import Callable, Sequence
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
+
+from msgspec.structs import replace
 
 from rtgen import runtime
 from rtgen.diagnostics import InputError, ToolError
@@ -31,11 +33,15 @@ from rtgen.ui.description import STATES, Description, palette_entry
 from rtgen.ui.edits import Edits
 from rtgen.ui.errors import FILE, UNKNOWN, CommandError
 from rtgen.ui.history import History
+from rtgen.ui.neighbourhood import Neighbourhood
 from rtgen.ui.outbox import Outbox
 from rtgen.ui.project import Project
 from rtgen.ui.protocol import ui
 from rtgen.ui.runner import Runner
 from rtgen.ui.type_table import TypeTable
+
+if TYPE_CHECKING:
+    from rtgen.ui.neighbours import Neighbours
 
 Place = tuple[float, float]
 _LONGEST_NOTICE: Final = 2000
@@ -46,6 +52,7 @@ class Session:
 
     Everything that looks at the system or changes it is done in the thread of the runner; pages
     come and go, and put commands, by `Runner.submit`. `clock` makes the clock of a system.
+    `name_servers`: the addresses of naming services whose components are shown, too.
     """
 
     def __init__(
@@ -53,8 +60,12 @@ class Session:
         project: Project,
         file: str,
         clock: Callable[[], runtime.Clock] = runtime.SimulatedClock,
+        name_servers: Sequence[str] = (),
     ) -> None:
-        """Raises InputError or ToolError if the system cannot be assembled."""
+        """Raises InputError or ToolError if the system cannot be assembled.
+
+        Raises TransportError if there are `name_servers` and omniORB cannot start.
+        """
         self.project = project
         self.file = file
         self.name = uuid.uuid4().hex
@@ -77,7 +88,14 @@ class Session:
         self.runner = Runner(self.made(file), self._report, self._ended)
         self.buses: Buses
         self.history: History
+        self.outside = Neighbourhood()
+        """What naming services have of other processes."""
         self._watch()
+        self.neighbours: Neighbours | None = None
+        if name_servers:
+            from rtgen.ui.neighbours import Neighbours
+
+            self.neighbours = Neighbours(name_servers, self._look_outside)
 
     # Systems.
 
@@ -189,24 +207,48 @@ class Session:
     def whole(self) -> ui.SystemState:
         """The whole state."""
         system = self.system
-        components = [self.component(each) for each in system.instances]
+        outside = self.outside
+        shown = (*system.instances, *outside.components)
+        components = [self.component(each) for each in shown]
         self._sent_types = len(self.types.nodes)
         return ui.SystemState(
             name=self.profile.name,
             types=[*self.types.nodes],
             components=components,
-            connections=[description.connection(c) for c in system.connectors],
+            connections=[
+                *(description.connection(c) for c in system.connectors),
+                *outside.connections.values(),
+            ],
             palette=self._palette,
             channels=[*self._channels.values()],
             time=self.time(),
             edits=self.edit_state(),
             buses=self.buses.states,
             systems=[*self.project.systems],
+            naming=[*outside.services],
         )
 
     def component(self, instance: str) -> ui.Component:
-        """The description of a component."""
-        return self.describe.component(self.system, instance, self.places.get(instance))
+        """The description of a component, of this process or another one."""
+        place = self.places.get(instance)
+        outside = self.outside.components.get(instance)
+        if outside is None:
+            return self.describe.component(self.system, instance, place)
+        where = ui.Location(*(place or (0.0, 0.0)))
+        return replace(outside, placed=place is not None, where=where)
+
+    def _look_outside(self, found: Neighbourhood) -> bool:
+        """Have pages told what naming services have now; from any thread."""
+
+        def tell() -> None:
+            before, self.outside = self.outside, found
+            for event in found.changes(before, self.now):
+                if event.discriminator is ui.EventKind.EVENT_COMPONENT:
+                    name = event.described.instance
+                    event = ui.Event.of_described(self.component(name))
+                self.tell(event)
+
+        return self.runner.submit(tell)
 
     def time(self) -> ui.ClockState:
         """The state of the clock."""
@@ -385,6 +427,8 @@ class Session:
     def close(self) -> None:
         """Tell the pages, and end the run."""
         self._to_all(ui.Event.of_reason("the server has ended"))
+        if self.neighbours is not None:
+            self.neighbours.close()
         self.runner.close()
 
 

@@ -6,7 +6,9 @@ kind: port name) that contains the provider under its instance name.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import islice
 from typing import Any, TypeVar
 
 import CosNaming
@@ -24,10 +26,25 @@ _T = TypeVar("_T")
 PORT = 2809
 """Default port of naming services (IANA: corbaloc)."""
 _AT_ONCE = 100
+MOST_NAMES = 4096
+"""Names of a naming service that are listed; contexts may contain each other."""
 _HOST = "host_cxt"
 """The kind of contexts in which OpenRTM binds the components of a host."""
 
 _Context = CosNaming.NamingContext
+
+
+@dataclass(frozen=True)
+class Bound:
+    """A name of a naming service: its path of ids and kinds, and the object; None for a context."""
+
+    path: tuple[tuple[str, str], ...]
+    reference: Any
+
+    @property
+    def text(self) -> str:
+        """The path as text (CosNaming 2.4, stringified names): `rh3.host_cxt/Arm0.rtc`."""
+        return "/".join(map(_name_text, self.path))
 
 
 class Naming:
@@ -140,12 +157,18 @@ class Naming:
 
         return self._asked(at, "ask")
 
+    def tree(self, most: int = MOST_NAMES) -> list[Bound]:
+        """All names up to a number, each after the context that contains it, in order."""
+
+        def tree() -> list[Bound]:
+            found = _below(self._root, _names(self._root), (), [])
+            return [*islice(found, most)]
+
+        return self._asked(tree, "ask")
+
     def _contexts(self, kind: str) -> list[Any]:
         """The contexts of a kind in the root."""
-        bindings, more = self._root.list(_AT_ONCE)
-        if more is not None:
-            more.destroy()
-        names = [binding.binding_name[0] for binding in bindings]
+        names = [binding.binding_name[0] for binding in _listed(self._root)]
         found = [_resolved(self._root, n.id, n.kind) for n in names if n.kind == kind]
         contexts = [None if f is None else f._narrow(_Context) for f in found]
         return [context for context in contexts if context is not None]
@@ -157,10 +180,7 @@ class Naming:
             context = self._context(port)
             if context is None:
                 return {}
-            bindings, more = context.list(_AT_ONCE)
-            if more is not None:
-                more.destroy()
-            names = [binding.binding_name[0].id for binding in bindings]
+            names = [binding.binding_name[0].id for binding in _listed(context)]
             found = {name: _resolved(context, name) for name in names}
             return {name: r for name, r in found.items() if r is not None}
 
@@ -188,6 +208,65 @@ def _resolved(context: Any, id_: str, kind: str = "") -> Any:
         return context.resolve(_path(id_, kind))
     except _Context.NotFound:
         return None
+
+
+def _listed(context: Any) -> list[Any]:
+    """The bindings of a context, at most MOST_NAMES."""
+    found, more = context.list(_AT_ONCE)
+    if more is None:
+        return list(found)
+    try:
+        remain = True
+        while remain and len(found) < MOST_NAMES:
+            remain, next_ones = more.next_n(_AT_ONCE)
+            found += next_ones
+    finally:
+        more.destroy()
+    return list(found)
+
+
+_Names = list[tuple[str, str, bool]]
+"""The ids and kinds of bindings, and whether each is a context."""
+
+
+def _names(context: Any) -> _Names:
+    found = [(each.binding_name[0], each.binding_type) for each in _listed(context)]
+    return sorted((n.id, n.kind, type_ is CosNaming.ncontext) for n, type_ in found)
+
+
+def _below(
+    context: Any, names: _Names, path: tuple[tuple[str, str], ...], around: list[Any]
+) -> Iterator[Bound]:
+    """What the names of a context are bound to; `around` are the contexts that contain it."""
+    for id_, kind, is_context in names:
+        here = (*path, (id_, kind))
+        found = _resolved(context, id_, kind)
+        yield Bound(here, None if is_context else found)
+        inside = [*around, context]
+        entered = _entered(found, inside) if is_context else None
+        if entered is not None:
+            yield from _below(*entered, here, inside)
+
+
+def _entered(found: Any, around: list[Any]) -> tuple[Any, _Names] | None:
+    """A context and its names; None for one that contains itself, or whose service is silent."""
+    try:
+        context = None if found is None else found._narrow(_Context)
+        if context is None or any(context._is_equivalent(each) for each in around):
+            return None
+        return context, _names(context)
+    except CORBA.SystemException as error:
+        if not is_silent(error):
+            raise
+        return None
+
+
+def _name_text(name: tuple[str, str]) -> str:
+    parts = [
+        part.replace("\\", "\\\\").replace("/", "\\/").replace(".", "\\.")
+        for part in name
+    ]
+    return ".".join(parts) if parts[1] else parts[0]
 
 
 def is_alive(reference: Any) -> bool:

@@ -4,7 +4,7 @@
 import { type CdrType, boolean, branch, double, enumeration, field, long, longlong, octets, sequence, string, struct, ulong, ulonglong, union } from "../_cdr.ts";
 
 /** Version of the protocol; a page of another one reloads. */
-export const Ui$VERSION = 2;
+export const Ui$VERSION = 3;
 
 export type Ui$Octets = Uint8Array;
 export const Ui$Octets: CdrType<Ui$Octets> = octets();
@@ -194,6 +194,7 @@ export const Ui$Location: CdrType<Ui$Location> = struct("Ui::Location", [
 ]);
 
 export interface Ui$Component {
+  /** `HOST:PORT/rh3.host_cxt/Arm0` for one that a naming service has. */
   instance: string;
   type: string;
   category: string;
@@ -214,6 +215,8 @@ export interface Ui$Component {
   placed: boolean;
   where: Ui$Location;
   observables: Ui$Strings;
+  /** Why a component of another process does not answer; empty: it does. */
+  silent: string;
 }
 export const Ui$Component: CdrType<Ui$Component> = struct("Ui::Component", [
   field("instance", string()),
@@ -233,6 +236,7 @@ export const Ui$Component: CdrType<Ui$Component> = struct("Ui::Component", [
   field("placed", boolean),
   field("where", Ui$Location),
   field("observables", Ui$Strings),
+  field("silent", string()),
 ]);
 
 export interface Ui$PortAddress {
@@ -477,6 +481,41 @@ export const Ui$BoardCall: CdrType<Ui$BoardCall> = struct("Ui::BoardCall", [
   field("error", string()),
 ]);
 
+export type Ui$BindingKind = "BINDING_CONTEXT" | "BINDING_COMPONENT" | "BINDING_OBJECT" | "BINDING_DEAD";
+export const Ui$BindingKind: CdrType<Ui$BindingKind> = enumeration("Ui::BindingKind", { BINDING_CONTEXT: 0, BINDING_COMPONENT: 1, BINDING_OBJECT: 2, BINDING_DEAD: 3 });
+
+/** A name of a naming service. */
+export interface Ui$Binding {
+  /** `rh3.host_cxt/Arm0.rtc`, after that of its context. */
+  path: string;
+  /** BINDING_DEAD: of a component that does not answer. */
+  kind: Ui$BindingKind;
+  /** Of the component on the page; empty: none. */
+  instance: string;
+}
+export const Ui$Binding: CdrType<Ui$Binding> = struct("Ui::Binding", [
+  field("path", string()),
+  field("kind", Ui$BindingKind),
+  field("instance", string()),
+]);
+
+export interface Ui$NamingService {
+  /** HOST:PORT */
+  address: string;
+  /** Why it does not answer; empty: it does. */
+  silent: string;
+  /** As it had them when it answered last. */
+  bindings: Ui$Binding[];
+}
+export const Ui$NamingService: CdrType<Ui$NamingService> = struct("Ui::NamingService", [
+  field("address", string()),
+  field("silent", string()),
+  field("bindings", sequence(Ui$Binding)),
+]);
+
+export type Ui$NamingServices = Ui$NamingService[];
+export const Ui$NamingServices: CdrType<Ui$NamingServices> = sequence(Ui$NamingService);
+
 export interface Ui$SystemState {
   name: string;
   types: Ui$TypeNodes;
@@ -492,6 +531,7 @@ export interface Ui$SystemState {
   systems: Ui$Strings;
   /** Name of the run that is beside this one; empty: none. */
   beside: string;
+  naming: Ui$NamingServices;
 }
 export const Ui$SystemState: CdrType<Ui$SystemState> = struct("Ui::SystemState", [
   field("name", string()),
@@ -506,6 +546,7 @@ export const Ui$SystemState: CdrType<Ui$SystemState> = struct("Ui::SystemState",
   field("boards", sequence(Ui$Board)),
   field("systems", Ui$Strings),
   field("beside", string()),
+  field("naming", Ui$NamingServices),
 ]);
 
 export interface Ui$Hello {
@@ -686,8 +727,8 @@ export const Ui$FrameList: CdrType<Ui$FrameList> = sequence(Ui$Frame);
 export type Ui$StatisticsList = Ui$Statistics[];
 export const Ui$StatisticsList: CdrType<Ui$StatisticsList> = sequence(Ui$Statistics);
 
-export type Ui$EventKind = "EVENT_HELLO" | "EVENT_SYSTEM" | "EVENT_TYPES" | "EVENT_COMPONENT" | "EVENT_REMOVED" | "EVENT_CONNECTED" | "EVENT_CUT" | "EVENT_STATE" | "EVENT_STATISTICS" | "EVENT_PARAMETER" | "EVENT_ACTIVE_SET" | "EVENT_CHANNEL" | "EVENT_SAMPLES" | "EVENT_TIME" | "EVENT_SENT_LESS" | "EVENT_RESULT" | "EVENT_MOVED" | "EVENT_EDITS" | "EVENT_NOTICE" | "EVENT_FRAMES" | "EVENT_BUS" | "EVENT_LOAD" | "EVENT_BOARD_CALL" | "EVENT_END" | "EVENT_BESIDE";
-export const Ui$EventKind: CdrType<Ui$EventKind> = enumeration("Ui::EventKind", { EVENT_HELLO: 0, EVENT_SYSTEM: 1, EVENT_TYPES: 2, EVENT_COMPONENT: 3, EVENT_REMOVED: 4, EVENT_CONNECTED: 5, EVENT_CUT: 6, EVENT_STATE: 7, EVENT_STATISTICS: 8, EVENT_PARAMETER: 9, EVENT_ACTIVE_SET: 10, EVENT_CHANNEL: 11, EVENT_SAMPLES: 12, EVENT_TIME: 13, EVENT_SENT_LESS: 14, EVENT_RESULT: 15, EVENT_MOVED: 16, EVENT_EDITS: 17, EVENT_NOTICE: 18, EVENT_FRAMES: 19, EVENT_BUS: 20, EVENT_LOAD: 21, EVENT_BOARD_CALL: 22, EVENT_END: 23, EVENT_BESIDE: 24 });
+export type Ui$EventKind = "EVENT_HELLO" | "EVENT_SYSTEM" | "EVENT_TYPES" | "EVENT_COMPONENT" | "EVENT_REMOVED" | "EVENT_CONNECTED" | "EVENT_CUT" | "EVENT_STATE" | "EVENT_STATISTICS" | "EVENT_PARAMETER" | "EVENT_ACTIVE_SET" | "EVENT_CHANNEL" | "EVENT_SAMPLES" | "EVENT_TIME" | "EVENT_SENT_LESS" | "EVENT_RESULT" | "EVENT_MOVED" | "EVENT_EDITS" | "EVENT_NOTICE" | "EVENT_FRAMES" | "EVENT_BUS" | "EVENT_LOAD" | "EVENT_BOARD_CALL" | "EVENT_END" | "EVENT_BESIDE" | "EVENT_NAMING";
+export const Ui$EventKind: CdrType<Ui$EventKind> = enumeration("Ui::EventKind", { EVENT_HELLO: 0, EVENT_SYSTEM: 1, EVENT_TYPES: 2, EVENT_COMPONENT: 3, EVENT_REMOVED: 4, EVENT_CONNECTED: 5, EVENT_CUT: 6, EVENT_STATE: 7, EVENT_STATISTICS: 8, EVENT_PARAMETER: 9, EVENT_ACTIVE_SET: 10, EVENT_CHANNEL: 11, EVENT_SAMPLES: 12, EVENT_TIME: 13, EVENT_SENT_LESS: 14, EVENT_RESULT: 15, EVENT_MOVED: 16, EVENT_EDITS: 17, EVENT_NOTICE: 18, EVENT_FRAMES: 19, EVENT_BUS: 20, EVENT_LOAD: 21, EVENT_BOARD_CALL: 22, EVENT_END: 23, EVENT_BESIDE: 24, EVENT_NAMING: 25 });
 
 export type Ui$Event =
   /** The first message. */
@@ -722,6 +763,8 @@ export type Ui$Event =
   | { case: "reason"; value: string; discriminator?: Ui$EventKind }
   /** In the run that is beside this one. */
   | { case: "other"; value: Ui$StateChange; discriminator?: Ui$EventKind }
+  /** All of them. */
+  | { case: "naming"; value: Ui$NamingServices; discriminator?: Ui$EventKind }
   ;
 export const Ui$Event: CdrType<Ui$Event> = union("Ui::Event", Ui$EventKind, [
   branch("greeting", Ui$Hello, ["EVENT_HELLO"]),
@@ -749,6 +792,7 @@ export const Ui$Event: CdrType<Ui$Event> = union("Ui::Event", Ui$EventKind, [
   branch("call", Ui$BoardCall, ["EVENT_BOARD_CALL"]),
   branch("reason", string(), ["EVENT_END"]),
   branch("other", Ui$StateChange, ["EVENT_BESIDE"]),
+  branch("naming", Ui$NamingServices, ["EVENT_NAMING"]),
 ]);
 
 export interface Ui$ServerMessage {

@@ -8,21 +8,13 @@ from time import monotonic, sleep
 from typing import Any, ClassVar
 
 from omniORB import CORBA
-from omniORB import any as anys
 
 from rtgen.cli.conformance.check import SkipError
 from rtgen.cli.conformance.rtc.expected import Expected
 from rtgen.runtime.corba.rt_objects.objects import Exported
+from rtgen.runtime.corba.rt_objects.remote import NilError, RemoteRtc
 from rtgen.runtime.corba.rt_objects.wire import (
-    CONFIGURATION,
-    EXECUTION_CONTEXT,
-    PORT_SERVICE,
-    RT_OBJECT,
-    ConfigurationSet,
-    Interface,
-    NameValue,
     SdoError,
-    texts,
 )
 from rtgen.runtime.return_codes import (
     ACTIVE_STATE,
@@ -47,11 +39,7 @@ class Condition:
     sets: Mapping[str, Mapping[str, str]]
 
 
-class NilError(Exception):
-    """The component has given no reference where there must be one."""
-
-
-class RtcUnderTest:
+class RtcUnderTest(RemoteRtc):
     """A running component. Methods raise omniORB's exceptions and NilError.
 
     `timeout` is the time in seconds within which it has to reach a state.
@@ -64,9 +52,8 @@ class RtcUnderTest:
     def __init__(
         self, expected: Expected, reference: Any, exported: Exported, timeout: float
     ) -> None:
+        super().__init__(reference, exported)
         self.expected = expected
-        self.reference = reference
-        self.exported = exported
         self._timeout = timeout
         self.profile = self.call("get_component_profile")
         self.before: Condition | None = None
@@ -80,73 +67,15 @@ class RtcUnderTest:
             return str(fault)
         return f"a call has failed: {fault!r}"
 
-    # Calls
-
-    def call(self, operation: str, *arguments: Any) -> Any:
-        """Call the component."""
-        return self._invoke(self.reference, RT_OBJECT, operation, *arguments)
-
-    def ask(self, context: Any, operation: str, *arguments: Any) -> Any:
-        """Call an execution context."""
-        return self._invoke(context, EXECUTION_CONTEXT, operation, *arguments)
-
-    def at_port(self, port: Any, operation: str, *arguments: Any) -> Any:
-        """Call a port by its profile."""
-        return self._invoke(port.port_ref, PORT_SERVICE, operation, *arguments)
-
-    def _invoke(self, reference: Any, interface: Interface, *call: Any) -> Any:
-        if reference is None:
-            raise NilError(f"there is no object for {call[0]}: its reference is nil")
-        return self.exported.call(reference, interface, *call)
-
-    def configure(self, operation: str, *arguments: Any) -> Any:
-        """Call the configuration."""
-        found = self.call("get_configuration")
-        return self._invoke(found, CONFIGURATION, operation, *arguments)
-
-    @property
-    def contexts(self) -> list[Any]:
-        """Its own contexts."""
-        found: list[Any] = self.call("get_owned_contexts")
-        return found
-
     @property
     def context(self) -> Any:
         """Its own first context. Raises SkipError."""
-        for context in self.contexts:
-            return context
-        raise SkipError("it owns no execution context")
-
-    # Configuration
-
-    def sets(self) -> dict[str, dict[str, str]]:
-        """The values of the configuration sets, but for those that inform tools."""
-        found = self.configure("get_configuration_sets")
-        return {
-            each.id: texts(each.configuration_data)
-            for each in found
-            if not each.id.startswith("__")
-        }
-
-    def active_set(self) -> str:
-        """The id of the active set."""
-        found: str = self.configure("get_active_configuration_set").id
-        return found
-
-    def set_value(self, set_id: str, name: str, text: str) -> bool:
-        """Set a parameter of a set."""
-        pair = NameValue(name, anys.to_any(text))
-        given = ConfigurationSet(set_id, "", [pair])
-        return bool(self.configure("set_configuration_set_values", given))
+        try:
+            return super().context
+        except NilError as error:
+            raise SkipError(str(error)) from error
 
     # States
-
-    def state(self) -> LifeCycleState:
-        """The state in its own context."""
-        found: LifeCycleState = self.ask(
-            self.context, "get_component_state", self.reference
-        )
-        return found
 
     def becomes(self, state: LifeCycleState) -> bool:
         """Whether it reaches a state in time."""

@@ -30,11 +30,12 @@ if TYPE_CHECKING:
     from rtgen.runtime.corba.rt_objects.publishing import RtObjects
 
 _LOOK_AGAIN = 0.05
-_DEFAULTS = {
+DATA_DEFAULTS = {
     "dataport.interface_type": "corba_cdr",
     "dataport.dataflow_type": "push",
     "dataport.subscription_type": "flush",
 }
+"""The properties of a connection of data ports that states none."""
 
 
 class _Peer:
@@ -197,7 +198,7 @@ class PeerConnection(_Peer):
     def requested(self) -> dict[str, str]:
         """With the defaults, and the type."""
         descriptor: Any = self.here.type._descriptor_
-        stated = _DEFAULTS | {"dataport.data_type": descriptor.repository_id}
+        stated = DATA_DEFAULTS | {"dataport.data_type": descriptor.repository_id}
         return stated | self.properties
 
     def is_made_there(self, properties: Mapping[str, str]) -> bool:

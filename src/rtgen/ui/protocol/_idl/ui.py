@@ -9,7 +9,7 @@ from typing import ClassVar, Final, Self, TypeAlias
 from rtgen.runtime import idl
 from rtgen.runtime.cdr import Aggregated, AliasCodec, Enumeration, Union, field
 
-VERSION: Final = 2
+VERSION: Final = 3
 """Version of the protocol; a page of another one reloads."""
 Octets: TypeAlias = bytes
 _Octets_alias = idl.alias("Ui::Octets", idl.sequence(idl.OCTET))
@@ -322,9 +322,11 @@ class Component(Aggregated):
         placed=idl.BOOLEAN,
         where=Location,
         observables=_Strings_alias,
+        silent=idl.STRING,
     )
 
     instance: str = ""
+    """`HOST:PORT/rh3.host_cxt/Arm0` for one that a naming service has."""
     type: str = ""
     category: str = ""
     vendor: str = ""
@@ -344,6 +346,8 @@ class Component(Aggregated):
     """Whether `location` is known."""
     where: Location = field(default_factory=Location)
     observables: Strings = field(default_factory=list)
+    silent: str = ""
+    """Why a component of another process does not answer; empty: it does."""
 
 
 class PortAddress(Aggregated):
@@ -651,6 +655,64 @@ class BoardCall(Aggregated):
     error: str = ""
 
 
+class BindingKind(Enumeration):
+    """`Ui::BindingKind`."""
+
+    BINDING_CONTEXT = 0
+    BINDING_COMPONENT = 1
+    BINDING_OBJECT = 2
+    BINDING_DEAD = 3
+
+
+idl.enum(BindingKind, "Ui::BindingKind")
+
+
+class Binding(Aggregated):
+    """A name of a naming service."""
+
+    _descriptor_: ClassVar = idl.struct(
+        "Ui::Binding",
+        path=idl.STRING,
+        kind=BindingKind,
+        instance=idl.STRING,
+    )
+
+    path: str = ""
+    """`rh3.host_cxt/Arm0.rtc`, after that of its context."""
+    kind: BindingKind = BindingKind.BINDING_CONTEXT
+    """BINDING_DEAD: of a component that does not answer."""
+    instance: str = ""
+    """Of the component on the page; empty: none."""
+
+
+class NamingService(Aggregated):
+    """`Ui::NamingService`."""
+
+    _descriptor_: ClassVar = idl.struct(
+        "Ui::NamingService",
+        address=idl.STRING,
+        silent=idl.STRING,
+        bindings=idl.sequence(Binding),
+    )
+
+    address: str = ""
+    """HOST:PORT"""
+    silent: str = ""
+    """Why it does not answer; empty: it does."""
+    bindings: list[Binding] = field(default_factory=list)
+    """As it had them when it answered last."""
+
+
+NamingServices: TypeAlias = list[NamingService]
+_NamingServices_alias = idl.alias("Ui::NamingServices", idl.sequence(NamingService))
+
+
+class NamingServicesCodec(AliasCodec[NamingServices]):
+    """The codec of `Ui::NamingServices`."""
+
+    _descriptor_: ClassVar = _NamingServices_alias
+
+
 class SystemState(Aggregated):
     """`Ui::SystemState`."""
 
@@ -668,6 +730,7 @@ class SystemState(Aggregated):
         boards=idl.sequence(Board),
         systems=_Strings_alias,
         beside=idl.STRING,
+        naming=_NamingServices_alias,
     )
 
     name: str = ""
@@ -684,6 +747,7 @@ class SystemState(Aggregated):
     """Files that `open` takes."""
     beside: str = ""
     """Name of the run that is beside this one; empty: none."""
+    naming: NamingServices = field(default_factory=list)
 
 
 class Hello(Aggregated):
@@ -954,6 +1018,7 @@ class EventKind(Enumeration):
     EVENT_BOARD_CALL = 22
     EVENT_END = 23
     EVENT_BESIDE = 24
+    EVENT_NAMING = 25
 
 
 idl.enum(EventKind, "Ui::EventKind")
@@ -990,10 +1055,11 @@ class Event(Union):
         call=idl.case(BoardCall, EventKind.EVENT_BOARD_CALL),
         reason=idl.case(idl.STRING, EventKind.EVENT_END),
         other=idl.case(StateChange, EventKind.EVENT_BESIDE),
+        naming=idl.case(_NamingServices_alias, EventKind.EVENT_NAMING),
     )
 
     discriminator: EventKind = EventKind.EVENT_HELLO
-    value: Hello | SystemState | AddedTypes | Component | str | Connection | StateChange | StatisticsList | ParameterChange | ActiveSet | Channel | SampleList | ClockState | SentLess | Result | Moved | EditState | Notice | FrameList | Bus | BusLoad | BoardCall = field(default_factory=Hello)  # fmt: skip
+    value: Hello | SystemState | AddedTypes | Component | str | Connection | StateChange | StatisticsList | ParameterChange | ActiveSet | Channel | SampleList | ClockState | SentLess | Result | Moved | EditState | Notice | FrameList | Bus | BusLoad | BoardCall | NamingServices = field(default_factory=Hello)  # fmt: skip
 
     @classmethod
     def of_greeting(cls, value: Hello) -> Self:
@@ -1268,6 +1334,17 @@ class Event(Union):
     def other(self) -> StateChange:
         """In the run that is beside this one."""
         value: StateChange = self._selected_("other")
+        return value
+
+    @classmethod
+    def of_naming(cls, value: NamingServices) -> Self:
+        """A value of the branch `naming`."""
+        return cls(EventKind.EVENT_NAMING, value)
+
+    @property
+    def naming(self) -> NamingServices:
+        """All of them."""
+        value: NamingServices = self._selected_("naming")
         return value
 
 

@@ -8,6 +8,8 @@ from .._idl.ui import (
     ActiveSet as ActiveSet,
     AddComponent as AddComponent,
     AddedTypes as AddedTypes,
+    Binding as Binding,
+    BindingKind as BindingKind,
     Board as Board,
     BoardCall as BoardCall,
     Bus as Bus,
@@ -38,6 +40,9 @@ from .._idl.ui import (
     Inject as Inject,
     Location as Location,
     Moved as Moved,
+    NamingService as NamingService,
+    NamingServices as NamingServices,
+    NamingServicesCodec as NamingServicesCodec,
     NmtCommand as NmtCommand,
     NodeAddress as NodeAddress,
     Notice as Notice,
@@ -112,6 +117,10 @@ PORT_SERVICE: Final = PortKind.PORT_SERVICE
 CLOCK_SIMULATED: Final = ClockKind.CLOCK_SIMULATED
 CLOCK_REAL: Final = ClockKind.CLOCK_REAL
 CLOCK_RECORDING: Final = ClockKind.CLOCK_RECORDING
+BINDING_CONTEXT: Final = BindingKind.BINDING_CONTEXT
+BINDING_COMPONENT: Final = BindingKind.BINDING_COMPONENT
+BINDING_OBJECT: Final = BindingKind.BINDING_OBJECT
+BINDING_DEAD: Final = BindingKind.BINDING_DEAD
 EVENT_HELLO: Final = EventKind.EVENT_HELLO
 EVENT_SYSTEM: Final = EventKind.EVENT_SYSTEM
 EVENT_TYPES: Final = EventKind.EVENT_TYPES
@@ -137,6 +146,7 @@ EVENT_LOAD: Final = EventKind.EVENT_LOAD
 EVENT_BOARD_CALL: Final = EventKind.EVENT_BOARD_CALL
 EVENT_END: Final = EventKind.EVENT_END
 EVENT_BESIDE: Final = EventKind.EVENT_BESIDE
+EVENT_NAMING: Final = EventKind.EVENT_NAMING
 COMMAND_WATCH: Final = CommandKind.COMMAND_WATCH
 COMMAND_FITS: Final = CommandKind.COMMAND_FITS
 COMMAND_CONNECT: Final = CommandKind.COMMAND_CONNECT
@@ -172,6 +182,12 @@ __all__ = [
     "ActiveSet",
     "AddComponent",
     "AddedTypes",
+    "BINDING_COMPONENT",
+    "BINDING_CONTEXT",
+    "BINDING_DEAD",
+    "BINDING_OBJECT",
+    "Binding",
+    "BindingKind",
     "Board",
     "BoardCall",
     "Bus",
@@ -236,6 +252,7 @@ __all__ = [
     "EVENT_HELLO",
     "EVENT_LOAD",
     "EVENT_MOVED",
+    "EVENT_NAMING",
     "EVENT_NOTICE",
     "EVENT_PARAMETER",
     "EVENT_REMOVED",
@@ -260,6 +277,9 @@ __all__ = [
     "Inject",
     "Location",
     "Moved",
+    "NamingService",
+    "NamingServices",
+    "NamingServicesCodec",
     "NmtCommand",
     "NodeAddress",
     "Notice",

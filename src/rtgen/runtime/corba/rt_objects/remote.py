@@ -1,0 +1,104 @@
+"""A component of another process, rtgen's or OpenRTM's, by the operations of its own objects."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from omniORB import any as anys
+
+from rtgen.runtime.corba.rt_objects.objects import Exported
+from rtgen.runtime.corba.rt_objects.wire import (
+    CONFIGURATION,
+    EXECUTION_CONTEXT,
+    PORT_SERVICE,
+    RT_OBJECT,
+    ConfigurationSet,
+    Interface,
+    NameValue,
+    texts,
+)
+from rtgen.runtime.return_codes import LifeCycleState
+
+_FOR_TOOLS = "__"
+"""How the ids of sets begin that inform tools: `__widget__`, `__constraints__`."""
+
+
+class NilError(Exception):
+    """The component has given no reference where there must be one."""
+
+
+class RemoteRtc:
+    """A component that is called. Methods raise omniORB's exceptions and NilError."""
+
+    def __init__(self, reference: Any, exported: Exported) -> None:
+        self.reference = reference
+        self.exported = exported
+
+    # Calls
+
+    def call(self, operation: str, *arguments: Any) -> Any:
+        """Call the component."""
+        return self._invoke(self.reference, RT_OBJECT, operation, *arguments)
+
+    def ask(self, context: Any, operation: str, *arguments: Any) -> Any:
+        """Call an execution context."""
+        return self._invoke(context, EXECUTION_CONTEXT, operation, *arguments)
+
+    def at_port(self, port: Any, operation: str, *arguments: Any) -> Any:
+        """Call a port by its profile."""
+        return self._invoke(port.port_ref, PORT_SERVICE, operation, *arguments)
+
+    def _invoke(self, reference: Any, interface: Interface, *call: Any) -> Any:
+        if reference is None:
+            raise NilError(f"there is no object for {call[0]}: its reference is nil")
+        return self.exported.call(reference, interface, *call)
+
+    def configure(self, operation: str, *arguments: Any) -> Any:
+        """Call the configuration."""
+        found = self.call("get_configuration")
+        return self._invoke(found, CONFIGURATION, operation, *arguments)
+
+    @property
+    def contexts(self) -> list[Any]:
+        """Its own contexts."""
+        found: list[Any] = self.call("get_owned_contexts")
+        return found
+
+    @property
+    def context(self) -> Any:
+        """Its own first context. Raises NilError."""
+        for context in self.contexts:
+            return context
+        raise NilError("it owns no execution context")
+
+    # Configuration
+
+    def sets(self) -> dict[str, dict[str, str]]:
+        """The values of the configuration sets, but for those that inform tools."""
+        found = self.all_sets()
+        return {k: v for k, v in found.items() if not k.startswith(_FOR_TOOLS)}
+
+    def all_sets(self) -> dict[str, dict[str, str]]:
+        """The values of all sets, with those that inform tools: `__widget__`, `__constraints__`."""
+        found = self.configure("get_configuration_sets")
+        return {each.id: texts(each.configuration_data) for each in found}
+
+    def active_set(self) -> str:
+        """The id of the active set."""
+        found: str = self.configure("get_active_configuration_set").id
+        return found
+
+    def set_value(self, set_id: str, name: str, text: str) -> bool:
+        """Set a parameter of a set."""
+        pair = NameValue(name, anys.to_any(text))
+        given = ConfigurationSet(set_id, "", [pair])
+        return bool(self.configure("set_configuration_set_values", given))
+
+    # States
+
+    def state(self) -> LifeCycleState:
+        """The state in its own context."""
+        found: LifeCycleState = self.ask(
+            self.context, "get_component_state", self.reference
+        )
+        return found

@@ -1,0 +1,114 @@
+"""What naming services show of other processes, and what pages are told when it changes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from itertools import product
+
+from msgspec.structs import replace
+
+from rtgen.ui.protocol import ui
+
+_KINDS = {
+    ui.PortKind.PORT_IN: "an InPort",
+    ui.PortKind.PORT_OUT: "an OutPort",
+    ui.PortKind.PORT_SERVICE: "a service port",
+}
+
+
+@dataclass(frozen=True)
+class Neighbourhood:
+    """Naming services, and the components and connections of other processes by their names."""
+
+    services: tuple[ui.NamingService, ...] = ()
+    components: Mapping[str, ui.Component] = field(default_factory=dict)
+    connections: Mapping[str, ui.Connection] = field(default_factory=dict)
+
+    def changes(self, before: Neighbourhood, now: float) -> Iterator[ui.Event]:
+        """What has changed, in an order in which a page can follow; `now` is the time [s]."""
+        for name in before.connections.keys() - self.connections.keys():
+            yield ui.Event.of_cut(name)
+        for name in before.components.keys() - self.components.keys():
+            yield ui.Event.of_removed(name)
+        for name, component in self.components.items():
+            known = before.components.get(name)
+            if known is not None and known.current is not component.current:
+                yield ui.Event.of_change(_change(known, component, now))
+                known = replace(known, current=component.current)
+            if known != component:
+                yield ui.Event.of_described(component)
+        for name, connection in self.connections.items():
+            if before.connections.get(name) != connection:
+                yield ui.Event.of_connected(connection)
+        if self.services != before.services:
+            yield ui.Event.of_naming([*self.services])
+
+    def fits(self, here: ui.PortAddress) -> Iterator[ui.Fit]:
+        """Which other ports of the neighbourhood a port of it can be connected to."""
+        port = self.port(here)
+        joined = {
+            (_key(a), _key(b))
+            for each in self.connections.values()
+            for a, b in (
+                (each.source, each.target),
+                (each.target, each.source),
+            )
+        }
+        for there in self.ports():
+            if there == here or port is None:
+                continue
+            found = self.port(there)
+            why = obstacle(port, found) if found is not None else ""
+            silent = self.components[there.instance].silent
+            if not why and (_key(here), _key(there)) in joined:
+                why = "they are connected already"
+            yield ui.Fit(port=there, refused=why or silent)
+
+    def ports(self) -> Iterator[ui.PortAddress]:
+        """The addresses of all ports."""
+        for component in self.components.values():
+            for port in component.ports:
+                yield ui.PortAddress(instance=component.instance, port=port.name)
+
+    def port(self, address: ui.PortAddress) -> ui.Port | None:
+        """A port; None if there is none."""
+        component = self.components.get(address.instance)
+        ports = () if component is None else component.ports
+        return next((each for each in ports if each.name == address.port), None)
+
+
+def obstacle(one: ui.Port, other: ui.Port) -> str:
+    """Why two ports cannot be connected, as far as their profiles tell; empty if they can."""
+    kinds = {one.kind, other.kind}
+    if kinds == {ui.PortKind.PORT_SERVICE}:
+        for a, b in product(one.interfaces, other.interfaces):
+            if a.provided is not b.provided and _is_same_type(a.type, b.type):
+                return ""
+        return "neither provides an interface that the other requires"
+    if kinds != {ui.PortKind.PORT_IN, ui.PortKind.PORT_OUT}:
+        return f"{_KINDS[one.kind]} is not connected to {_KINDS[other.kind]}"
+    if not _is_same_type(one.type, other.type):
+        return f"they have different types: {one.type} and {other.type}"
+    return ""
+
+
+def _is_same_type(one: str, other: str) -> bool:
+    """Whether names of types are equal; OpenRTM 1 has the last part alone."""
+    if "::" in one and "::" in other:
+        return one == other
+    return one.rpartition("::")[2] == other.rpartition("::")[2]
+
+
+def _key(address: ui.PortAddress) -> tuple[str, str]:
+    return address.instance, address.port
+
+
+def _change(before: ui.Component, after: ui.Component, now: float) -> ui.StateChange:
+    return ui.StateChange(
+        time=now,
+        instance=after.instance,
+        handle=after.contexts[0].handle if after.contexts else 0,
+        before=before.current,
+        after=after.current,
+    )

@@ -1,0 +1,241 @@
+"""A component of another process, rtgen's or OpenRTM's, as the messages of the protocol have it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from time import monotonic
+from typing import Any, Final
+
+from msgspec.structs import replace
+from omniORB import CORBA
+
+from rtgen.facts.openrtm_ports import known_name
+from rtgen.runtime.corba.faults import is_silent
+from rtgen.runtime.corba.rt_objects.objects import Exported
+from rtgen.runtime.corba.rt_objects.remote import NilError, RemoteRtc
+from rtgen.runtime.corba.rt_objects.wire import (
+    ConnectorProfile,
+    PortInterfacePolarity,
+    PortProfile,
+    SdoError,
+    texts,
+)
+from rtgen.runtime.return_codes import RTC_OK
+from rtgen.ui.description import STATES
+from rtgen.ui.errors import BAD_VALUE, CALL_FAILED, NO_FIT, WRONG_STATE, CommandError
+from rtgen.ui.protocol import ui
+from rtgen.ui.type_table import NO_TYPE
+
+FAULTS: Final = (CORBA.SystemException, SdoError, NilError)
+DATA_TYPE: Final = "dataport.data_type"
+_PORT_KINDS: Final = {
+    "DataInPort": ui.PortKind.PORT_IN,
+    "DataOutPort": ui.PortKind.PORT_OUT,
+}
+_WIDGETS, _CONSTRAINTS, _TYPES = "__widget__", "__constraints__", "__type__"
+"""Sets by which components of OpenRTM inform tools."""
+_REQUESTS: Final = {
+    ui.CommandKind.COMMAND_ACTIVATE: "activate_component",
+    ui.CommandKind.COMMAND_DEACTIVATE: "deactivate_component",
+    ui.CommandKind.COMMAND_RESET: "reset_component",
+}
+
+
+class Outside:
+    """A component that a naming service has. Its calls are bounded by the time-out of the ORB."""
+
+    def __init__(self, name: str, reference: Any, exported: Exported) -> None:
+        self.rtc = RemoteRtc(reference, exported)
+        self.component = ui.Component(
+            instance=name, place=name.rpartition("/")[0], silent="not asked yet"
+        )
+        """What it said when it answered last, with the reason why it does not answer now."""
+        self.answered = False
+        """Whether it has ever answered."""
+        self.asked = 0.0
+        """When `look` has ended last, by `time.monotonic` [s]."""
+        self.ports: dict[str, PortProfile] = {}
+
+    def is_at(self, reference: Any) -> bool:
+        """Whether a reference leads to this component."""
+        return bool(self.rtc.reference._is_equivalent(reference))
+
+    def look(self) -> bool:
+        """Ask the component what it is; False if it does not answer."""
+        try:
+            component = self._described()
+        except Exception as error:  # Whatever a stranger answers is said on its box.
+            component = replace(self.component, silent=explained(error))
+        if component != self.component:
+            self.component = component
+        self.answered = self.answered or not component.silent
+        self.asked = monotonic()
+        return not component.silent
+
+    def _described(self) -> ui.Component:
+        rtc = self.rtc
+        profile = rtc.call("get_component_profile")
+        contexts = rtc.contexts or rtc.call("get_participating_contexts")
+        current = ui.State.STATE_CREATED
+        if contexts:
+            state = rtc.ask(contexts[0], "get_component_state", rtc.reference)
+            current = STATES[state]
+        sets = rtc.all_sets()
+        values = {name: v for name, v in sets.items() if not name.startswith("__")}
+        ports = {known_name(each.name): each for each in profile.port_profiles}
+        component = ui.Component(
+            instance=self.component.instance,
+            type=profile.type_name,
+            category=profile.category,
+            vendor=profile.vendor,
+            version=profile.version,
+            doc=profile.description,
+            place=self.component.place,
+            current=current,
+            contexts=[self._context(each) for each in contexts],
+            ports=[_port(name, each) for name, each in ports.items()],
+            parameters=_parameters(sets, values),
+            configuration_sets=[
+                ui.ConfigurationSet(name=each, values=_values(pairs))
+                for each, pairs in values.items()
+            ],
+            active_set=rtc.active_set(),
+        )
+        self.ports = ports
+        return component
+
+    def _context(self, reference: Any) -> ui.ExecutionContext:
+        profile = self.rtc.ask(reference, "get_profile")
+        return ui.ExecutionContext(
+            handle=self.rtc.call("get_context_handle", reference),
+            rate=profile.rate,
+            kind=profile.kind.name,
+            running=bool(self.rtc.ask(reference, "is_running")),
+        )
+
+    @property
+    def connectors(self) -> list[ConnectorProfile]:
+        """The connectors of its ports."""
+        return [
+            each for port in self.ports.values() for each in port.connector_profiles
+        ]
+
+    # Commands. They raise CommandError.
+
+    def request(self, kind: ui.CommandKind) -> None:
+        """Ask its own context for a state."""
+        try:
+            code = self.rtc.ask(self.rtc.context, _REQUESTS[kind], self.rtc.reference)
+        except FAULTS as error:
+            raise self.failed(error) from error
+        if code is not RTC_OK:
+            raise CommandError(WRONG_STATE, f"{self.component.instance}: {code.name}")
+
+    def set(self, set_id: str, parameter: str, text: str) -> None:
+        """Set a parameter. Values of the active set take effect, as by OpenRTM's tools."""
+        try:
+            active = self.rtc.active_set()
+            taken = self.rtc.set_value(set_id or active, parameter, text)
+            if taken and set_id in ("", active):
+                taken = self.rtc.configure("activate_configuration_set", active)
+        except FAULTS as error:
+            raise self.failed(error) from error
+        self._require(taken, f"{parameter} = {text}")
+
+    def use(self, set_id: str) -> None:
+        """Make a set the active one."""
+        try:
+            taken = self.rtc.configure("activate_configuration_set", set_id)
+        except FAULTS as error:
+            raise self.failed(error) from error
+        self._require(taken, f"the set {set_id}")
+
+    def connect(self, port: str, profile: ConnectorProfile) -> None:
+        """Have a port make a connection."""
+        try:
+            code, _ = self.rtc.at_port(self.ports[port], "connect", profile)
+        except FAULTS as error:
+            raise self.failed(error) from error
+        if code is not RTC_OK:
+            message = f"{self.component.instance}.{port} refuses: {code.name}"
+            raise CommandError(NO_FIT, message)
+
+    def disconnect(self, port: str, connector_id: str) -> None:
+        """Have a port end a connection."""
+        try:
+            code = self.rtc.at_port(self.ports[port], "disconnect", connector_id)
+        except FAULTS as error:
+            raise self.failed(error) from error
+        if code is not RTC_OK:
+            message = f"{self.component.instance}.{port}: {code.name}"
+            raise CommandError(WRONG_STATE, message)
+
+    def _require(self, taken: object, what: str) -> None:
+        if not taken:
+            message = f"{self.component.instance} refuses {what}"
+            raise CommandError(BAD_VALUE, message)
+
+    def failed(self, error: Exception) -> CommandError:
+        """What a page is told of a call that has failed."""
+        code = BAD_VALUE if isinstance(error, SdoError) else CALL_FAILED
+        return CommandError(code, f"{self.component.instance}: {explained(error)}")
+
+
+def explained(error: Exception) -> str:
+    """Why a call has failed."""
+    if isinstance(error, SdoError):
+        return error.description or type(error).__name__
+    if isinstance(error, CORBA.SystemException) and is_silent(error):
+        return f"it does not answer ({type(error).__name__})"
+    return str(error) if isinstance(error, NilError) else f"a call has failed: {error}"
+
+
+def _port(name: str, profile: PortProfile) -> ui.Port:
+    properties = texts(profile.properties)
+    kind = _PORT_KINDS.get(properties.get("port.port_type", ""))
+    return ui.Port(
+        name=name,
+        kind=ui.PortKind.PORT_SERVICE if kind is None else kind,
+        type="" if kind is None else _scoped(properties.get(DATA_TYPE, "")),
+        type_number=NO_TYPE,
+        interfaces=[
+            ui.ServiceInterface(
+                name=each.instance_name,
+                type=_scoped(each.type_name),
+                provided=each.polarity == PortInterfacePolarity.PROVIDED,
+            )
+            for each in profile.interfaces
+        ],
+    )
+
+
+def _scoped(repository_id: str) -> str:
+    """`RTC::TimedLong` of `IDL:RTC/TimedLong:1.0`; any other text as it is."""
+    if not repository_id.startswith("IDL:"):
+        return repository_id
+    return repository_id.removeprefix("IDL:").rpartition(":")[0].replace("/", "::")
+
+
+def _parameters(
+    sets: Mapping[str, Mapping[str, str]], values: Mapping[str, Mapping[str, str]]
+) -> list[ui.Parameter]:
+    """The parameters of all sets, with what the component tells tools of them."""
+    names = dict.fromkeys(name for pairs in values.values() for name in pairs)
+
+    def told(what: str, name: str) -> str:
+        return sets.get(what, {}).get(name, "")
+
+    return [
+        ui.Parameter(
+            name=name,
+            type=told(_TYPES, name),
+            constraint=told(_CONSTRAINTS, name),
+            widget=told(_WIDGETS, name),
+        )
+        for name in names
+        if not name.startswith("__")
+    ]
+
+
+def _values(pairs: Mapping[str, str]) -> list[ui.Value]:
+    return [ui.Value(name=name, text=text) for name, text in pairs.items()]

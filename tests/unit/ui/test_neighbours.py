@@ -1,0 +1,275 @@
+"""Components of other processes on the page: shown, steered, configured and wired over CORBA."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+
+pytest.importorskip("omniORB", reason="omniORBpy is not installed")
+
+from patience import PATIENCE
+from ui_bench import GOAL, QUIET, RESULT, ROOT
+
+from rtgen.cli.ui import CommandProject
+from rtgen.runtime import RealClock
+from rtgen.runtime.corba.name_server import NameServer
+from rtgen.ui.commands import Commands
+from rtgen.ui.outbox import Outbox
+from rtgen.ui.protocol import ui
+from rtgen.ui.session import Session
+
+SOURCE, TARGET = "PathFollower0.velocity", "RefHardRh30.InTargetVelocity"
+
+
+def started(names: str, *arguments: str) -> subprocess.Popen[bytes]:
+    """A system in a process of its own."""
+    command = [sys.executable, "-m", "rtgen", "run", str(GOAL), "-q", "--clock", "real"]
+    command += ["--transport", "corba", "--nameserver", names, *arguments]
+    return subprocess.Popen(
+        command, cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+    )
+
+
+@pytest.fixture(scope="module")
+def names() -> Iterator[str]:
+    with NameServer() as server:
+        yield server.address
+
+
+@pytest.fixture(scope="module")
+def process(names: str) -> Iterator[subprocess.Popen[bytes]]:
+    found = started(names)
+    yield found
+    found.send_signal(signal.SIGCONT)
+    found.terminate()
+    found.wait(PATIENCE)
+
+
+class Watcher:
+    """A page without a system of its own, which follows what it is told."""
+
+    def __init__(self, names: str, *, full: bool = True) -> None:
+        project = CommandProject(QUIET, [])
+        self.session = Session(project, "", RealClock, [names])
+        self.session.runner.start()
+        self._commands = Commands(self.session)
+        self._number = 0
+        self.outbox = Outbox(lambda: None, full=full)
+        self.components: dict[str, ui.Component] = {}
+        self.connections: dict[str, ui.Connection] = {}
+        self.services: list[ui.NamingService] = []
+        self.results: dict[int, ui.Result] = {}
+        self.session.runner.submit(lambda: self.session.join(self.outbox))
+
+    def follow(self) -> None:
+        """Take over what came since the last time."""
+        data = self.outbox.take()
+        for event in ui.ServerMessage.from_cdr(data).events if data else ():
+            value: Any = event.value
+            match event.discriminator:
+                case ui.EventKind.EVENT_SYSTEM:
+                    self.components = {each.instance: each for each in value.components}
+                    self.connections = {each.name: each for each in value.connections}
+                    self.services = value.naming
+                case ui.EventKind.EVENT_COMPONENT:
+                    self.components[value.instance] = value
+                case ui.EventKind.EVENT_REMOVED:
+                    del self.components[value]
+                case ui.EventKind.EVENT_STATE:
+                    self.components[value.instance].current = value.after
+                case ui.EventKind.EVENT_CONNECTED:
+                    self.connections[value.name] = value
+                case ui.EventKind.EVENT_CUT:
+                    del self.connections[value]
+                case ui.EventKind.EVENT_NAMING:
+                    self.services = value
+                case kind if kind is RESULT:
+                    self.results[value.request] = value
+
+    def until(self, condition: Callable[[], Any]) -> Any:
+        """What a condition gives once it is true."""
+        end = time.monotonic() + PATIENCE
+        while not (found := condition()):
+            assert time.monotonic() < end
+            time.sleep(0.02)
+            self.follow()
+        return found
+
+    def ask(self, branch: str, value: Any) -> ui.Result:
+        """Put a command; returns its result."""
+        self._number += 1
+        asked = getattr(ui.Command, f"of_{branch}")(value)
+        message = ui.ClientMessage(request=self._number, asked=asked)
+        number = self._number
+        self.session.runner.submit(
+            lambda: self._commands.carry_out(self.outbox, message)
+        )
+        self.until(lambda: number in self.results)
+        return self.results[number]
+
+    def done(self, branch: str, value: Any) -> ui.Result:
+        """Put a command that succeeds."""
+        result = self.ask(branch, value)
+        assert result.done, f"{result.code}: {result.message}"
+        return result
+
+    def state(self, name: str) -> ui.State | None:
+        """The state that the page shows."""
+        found = self.components.get(name)
+        return None if found is None else found.current
+
+    def wires(self) -> dict[tuple[str, str], str]:
+        """The names of connections by their ends, without the naming service."""
+        return {
+            (ending(each.source), ending(each.target)): each.name
+            for each in self.connections.values()
+        }
+
+
+def ending(address: ui.PortAddress) -> str:
+    return f"{address.instance.rpartition('/')[2]}.{address.port}"
+
+
+@pytest.fixture(scope="module")
+def page(names: str, process: subprocess.Popen[bytes]) -> Iterator[Watcher]:
+    found = Watcher(names)
+    found.until(lambda: len(found.components) == 6 and len(found.wires()) == 10)
+    active = {ui.State.STATE_ACTIVE}
+    found.until(lambda: {c.current for c in found.components.values()} == active)
+    yield found
+    found.session.close()
+
+
+def test_the_tree_and_its_components_are_shown(page: Watcher, names: str) -> None:
+    [service] = page.services
+    assert (service.address, service.silent) == (names, "")
+    kinds = {each.path: (each.kind, each.instance) for each in service.bindings}
+    name = f"{names}/Odometry0"
+    assert kinds["Odometry0.rtc"] == (ui.BindingKind.BINDING_COMPONENT, name)
+    odometry = page.components[name]
+    assert (odometry.type, odometry.place, odometry.silent) == ("Odometry", names, "")
+    assert [each.rate for each in odometry.contexts] == [100.0]
+    ports = {each.name: (each.kind, each.type) for each in odometry.ports}
+    kind = ui.PortKind.PORT_OUT
+    assert ports["OdometryPosition"] == (kind, "IIS::TimedPose2D")
+    assert (SOURCE, TARGET) in page.wires()
+
+
+def test_states_are_asked_for(page: Watcher, names: str) -> None:
+    name = f"{names}/PathFollower0"
+    page.done("deactivated", [name])
+    page.until(lambda: page.state(name) is ui.State.STATE_INACTIVE)
+    refused = page.ask("deactivated", [name])
+    assert refused.code == "UIS0006"
+    assert "PRECONDITION_NOT_MET" in refused.message
+    page.done("activated", [name])
+    page.until(lambda: page.state(name) is ui.State.STATE_ACTIVE)
+
+
+def test_parameters_are_set_by_the_component(page: Watcher, names: str) -> None:
+    name = f"{names}/PathFollower0"
+
+    def value() -> str:
+        component = page.components[name]
+        [found] = [s for s in component.configuration_sets if s.name == "default"]
+        return next(each.text for each in found.values if each.name == "max_v")
+
+    before = value()
+    page.done("setting", ui.SetParameter(name, "", "max_v", "0.25"))
+    page.until(lambda: value() == "0.25")
+    refused = page.ask("setting", ui.SetParameter(name, "", "max_v", "fast"))
+    assert refused.code == "UIS0005"
+    page.done("setting", ui.SetParameter(name, "default", "max_v", before))
+    page.until(lambda: value() == before)
+    assert page.ask("chosen", ui.ActiveSet(name, "nothing")).code == "UIS0005"
+
+
+def test_connections_are_cut_and_drawn_by_the_ports(page: Watcher, names: str) -> None:
+    page.done("connection", page.wires()[SOURCE, TARGET])
+    page.until(lambda: (SOURCE, TARGET) not in page.wires())
+    source = ui.PortAddress(f"{names}/PathFollower0", "velocity")
+    target = ui.PortAddress(f"{names}/RefHardRh30", "InTargetVelocity")
+    fits = {ending(f.port): f.refused for f in page.done("ends", source).fits}
+    assert fits[TARGET] == ""
+    assert "different types" in fits["OmniTo2WD0.goal"]
+    page.done("wire", ui.Connect(source, target))
+    page.until(lambda: (SOURCE, TARGET) in page.wires())
+    fits = {ending(f.port): f.refused for f in page.done("ends", source).fits}
+    assert "connected already" in fits[TARGET]
+    wrong = ui.PortAddress(f"{names}/Odometry0", "OdometryPosition")
+    assert page.ask("wire", ui.Connect(wrong, target)).code == "UIS0004"
+    assert page.ask("connection", "nothing").code == "UIS0003"
+
+
+def test_boxes_are_moved_for_all_pages(page: Watcher, names: str) -> None:
+    name = f"{names}/Odometry0"
+    page.done("place", ui.Moved(name, ui.Location(3.0, 4.0)))
+    whole = page.session.whole()
+    [found] = [each for each in whole.components if each.instance == name]
+    assert (found.placed, found.where) == (True, ui.Location(3.0, 4.0))
+    assert whole.edits.saved
+
+
+def test_what_is_not_possible_is_said(page: Watcher, names: str) -> None:
+    name = f"{names}/Odometry0"
+    assert page.ask("removed", name).code == "UIS0009"
+    injected = ui.Inject(ui.PortAddress(name, "CurrentWheelAngle"), b"")
+    assert page.ask("injected", injected).code == "UIS0009"
+
+
+def test_a_page_to_look_only_cannot_steer(page: Watcher, names: str) -> None:
+    page.outbox.full = False
+    assert page.ask("deactivated", [f"{names}/Odometry0"]).code == "UIS0002"
+    assert page.ask("connection", page.wires()[SOURCE, TARGET]).code == "UIS0002"
+    assert page.done("ends", ui.PortAddress(f"{names}/Odometry0", "OdometryPosition"))
+    page.outbox.full = True
+
+
+@pytest.mark.slow
+def test_a_peer_that_is_frozen_or_dead_says_so_and_blocks_nothing(
+    page: Watcher, names: str, process: subprocess.Popen[bytes]
+) -> None:
+    def silent() -> list[str]:
+        said = "does not answer"
+        return [n for n, each in page.components.items() if said in each.silent]
+
+    def dead() -> list[str]:
+        kind = ui.BindingKind.BINDING_DEAD
+        return [b.instance for b in page.services[0].bindings if b.kind is kind]
+
+    os.kill(process.pid, signal.SIGSTOP)
+    [name, *_] = page.until(silent)
+    assert name in page.until(dead)
+    # The run goes on, and a command for the frozen one is refused at once.
+    before = page.session.runner.system.time
+    assert page.ask("activated", [name]).code == "UIS0007"
+    page.done("played", True)
+    page.until(lambda: page.session.runner.system.time > before)
+    os.kill(process.pid, signal.SIGCONT)
+    page.until(lambda: not silent())
+    process.kill()
+    process.wait()
+    page.until(lambda: len(silent()) == len(dead()) == 6)
+    again = started(names)
+    page.until(lambda: not silent())
+    again.terminate()
+    again.wait(PATIENCE)
+    page.until(lambda: not page.components)
+
+
+def test_a_naming_service_that_comes_late_is_found() -> None:
+    with NameServer() as server:
+        address = server.address
+    page = Watcher(address)
+    try:
+        page.until(lambda: page.services and page.services[0].silent)
+        assert "naming service" in page.services[0].silent
+    finally:
+        page.session.close()
