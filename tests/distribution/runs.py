@@ -19,11 +19,12 @@ SYSTEM = ROOT / "specs" / "navigation" / "rh3_goal.xml"
 ROBOT = "RefHardRh30,Odometry0"
 WAY = "PathFollower0,Navigation0"
 CONSOLE = "PositionInput0,OmniTo2WD0"
-GOAL = (1.2, 1.2)
+GOAL = (0.5, 0.2, 0.4)
+"""x, y [m] and heading [rad]: near, since the way takes real time, and aside."""
 TO_GOAL = [
-    *("--set", f"PositionInput0.01_x={GOAL[0]}"),
-    *("--set", f"PositionInput0.01_y={GOAL[1]}"),
-    *("--set", "PositionInput0.01_th=0"),
+    option
+    for name, value in zip(("x", "y", "th"), GOAL, strict=True)
+    for option in ("--set", f"PositionInput0.01_{name}={value}")
 ]
 
 

@@ -21,7 +21,7 @@ from patience import PATIENCE
 pytest.importorskip("cyclonedds", reason="cyclonedds is not installed")
 
 from media import DOMAIN
-from runs import Run, Wheels
+from runs import CONSOLE, GOAL, ROBOT, SYSTEM, TO_GOAL, WAY, Run, Wheels
 
 from refrobots import iis, rtc
 from rtgen import runtime
@@ -49,7 +49,6 @@ from rtgen.runtime.distribution.services import RemoteCalls
 from rtgen.runtime.distribution.transport import DistributedTransport
 from rtgen.runtime.opaque_rpc.interface import OpaqueRpc, OpaqueRpcFailed
 
-ROOT = Path(__file__).parents[2]
 PEER = Path(__file__).with_name("cyclone_peer.py")
 RPC_PEER = Path(__file__).with_name("cyclone_rpc_peer.py")
 
@@ -375,19 +374,17 @@ def test_security_that_cannot_be_had_is_refused(tmp_path: Path, partition: str) 
 def test_options_that_do_not_fit(
     options: list[str], code: int, text: str, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    system = str(ROOT / "specs" / "navigation" / "rh3_goal.xml")
     more = ["--domain", "91"] if "real" in options and code == 3 else []
-    assert rtgen(["run", system, *options, *more, "--until", "0.1"]) == code
+    assert rtgen(["run", str(SYSTEM), *options, *more, "--until", "0.1"]) == code
     assert text in capfd.readouterr().err
 
 
 def test_who_is_awaited_is_said(
     partition: str, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    system = str(ROOT / "specs" / "navigation" / "rh3_goal.xml")
     options = ["--clock", "real", "--transport", "dds", "--partition", partition]
     options += ["--domain", str(DOMAIN), "--only", "PathFollower0", "--wait", "1.3"]
-    assert rtgen(["run", system, *options]) == 3
+    assert rtgen(["run", str(SYSTEM), *options]) == 3
     printed = capfd.readouterr().err
     assert "waiting for other processes: Navigation0, " in printed
     assert "start the process that runs it" in printed
@@ -436,14 +433,9 @@ def test_rh3_in_three_processes_survives_the_loss_of_one(
             heard(one.octets)
 
         watch.subscribe(Topic(name, type_), Qos(), on_sample)
-    robot = start("RefHardRh30,Odometry0")
-    way = start("PathFollower0,Navigation0")
-    console = start(
-        "PositionInput0,OmniTo2WD0",
-        *("--set", "PositionInput0.01_x=1.2"),
-        *("--set", "PositionInput0.01_y=1.2"),
-        *("--set", "PositionInput0.01_th=0"),
-    )
+    robot = start(ROBOT)
+    way = start(WAY)
+    console = start(CONSOLE, *TO_GOAL)
     for run, instance in (
         (robot, "Odometry0"),
         (way, "PathFollower0"),
@@ -456,7 +448,7 @@ def test_rh3_in_three_processes_survives_the_loss_of_one(
     console.wait_for("Navigation0 is lost")
     wait_for(lambda: len(wheels.after_bound()) >= 50)
     assert len(set(wheels.after_bound())) == 1
-    again = start("PathFollower0,Navigation0")
+    again = start(WAY)
     again.wait_for("PathFollower0 ACTIVE")
     console.wait_for("Navigation0 is there again")
     console.process.wait(PATIENCE)
@@ -464,5 +456,5 @@ def test_rh3_in_three_processes_survives_the_loss_of_one(
     robot.process.send_signal(signal.SIGTERM)
     output, _ = robot.process.communicate(timeout=PATIENCE)
     [pose] = re.findall(r"final pose +\((\S+), (\S+), (\S+)\)", output)
-    assert abs(float(pose[0]) - 1.2) < 0.05
-    assert abs(float(pose[1]) - 1.2) < 0.05
+    assert abs(float(pose[0]) - GOAL[0]) < 0.05
+    assert abs(float(pose[1]) - GOAL[1]) < 0.05

@@ -57,6 +57,7 @@ class OutTopic:
         self._medium = medium
         self._port = port
         self._topic = out_topic(port.owner, port.name, port.type)
+        self._type = port.type
         self._encode = encoder(port.type)
         self._qos = DEFAULT
         self._lock = threading.Lock()
@@ -94,7 +95,9 @@ class OutTopic:
         CONNECTION_LOST if the other end of a connection is lost, BUFFER_TIMEOUT if there was no
         room in time, PORT_ERROR if the engine fails.
         """
-        octets = self._encode(self._port._checked(value))
+        if value.__class__ is not self._type:
+            self._port._checked(value)
+        octets = self._encode(value)
         try:
             with self._lock:
                 publisher = self._publisher or self._opened()
