@@ -39,7 +39,7 @@ export function App() {
       )}
       {system ? (
         <main>
-          <Palette system={system} full={full} />
+          <Palette system={system} full={full} selected={selected} select={select} />
           <Wiring components={system.components} connections={system.connections} full={full} statistics={page.statistics} select={select} open={open} />
           <Panel
             system={system}

@@ -1,9 +1,11 @@
 /** Components that can be added, and what is done to all at once. */
 
+import { Naming } from "./Naming.tsx";
 import type { SystemState } from "./protocol/Ui.ts";
 import { store } from "./store.ts";
 
-export function Palette({ system, full }: { system: SystemState; full: boolean }) {
+export function Palette(props: { system: SystemState; full: boolean; selected: string; select: (instance: string) => void }) {
+  const { system, full, selected, select } = props;
   const { edits } = system;
   return (
     <nav className="palette" aria-label="Palette">
@@ -38,7 +40,8 @@ export function Palette({ system, full }: { system: SystemState; full: boolean }
           </select>
         </label>
       )}
-      <h2>Components</h2>
+      <Naming services={system.naming} components={system.components} selected={selected} select={select} />
+      {system.palette.length > 0 && <h2>Components</h2>}
       <ul>
         {system.palette.map((entry) => (
           <li key={entry.type}>

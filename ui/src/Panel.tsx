@@ -242,6 +242,7 @@ export function Panel(props: {
             {statistics && `, ${statistics.ticks} ticks, ${statistics.overruns} overruns, ${statistics.lost} lost`}
           </p>
           {system.beside && store.page.beside.has(component.instance) && <p>beside: {store.page.beside.get(component.instance)}</p>}
+          {component.silent && <p className="reason">{component.silent}</p>}
           {(component.reason || statistics?.impaired) && <p className="reason">{component.reason || statistics?.impaired}</p>}
           <div className="buttons">
             {(

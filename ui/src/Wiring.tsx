@@ -54,11 +54,11 @@ function ComponentBox({ data, selected }: NodeProps<Box>) {
       .map((port) => <PortRow key={port.name} component={component} port={port} fits={fits} />);
   const rates = component.contexts.map((each) => `${each.rate} Hz`).join(", ");
   return (
-    <div className={`box ${component.current} ${selected ? "selected" : ""}`} style={{ width: WIDTH }}>
-      <div className="head" title={[component.type, component.doc, component.reason].filter(Boolean).join("\n")}>
-        <strong>{component.instance}</strong>
+    <div className={`box ${component.current} ${component.silent ? "silent" : ""} ${selected ? "selected" : ""}`} style={{ width: WIDTH }}>
+      <div className="head" title={[component.place && component.instance, component.type, component.doc, component.silent || component.reason].filter(Boolean).join("\n")}>
+        <strong>{component.place ? component.instance.slice(component.place.length + 1) : component.instance}</strong>
         <small>
-          {stateName(component.current)} {rates}
+          {component.silent ? "does not answer" : stateName(component.current)} {rates}
           {overruns > 0n && ` ${overruns} overruns`}
         </small>
       </div>
@@ -122,7 +122,7 @@ export const Wiring = memo(function Wiring(props: {
           id: component.instance,
           type: "component" as const,
           position: old?.dragging ? old.position : place,
-          ariaLabel: `${component.instance}, ${component.type}, ${stateName(component.current)}`,
+          ariaLabel: `${component.instance}, ${component.type}, ${component.silent ? "does not answer" : stateName(component.current)}`,
           data: { component, overruns: statistics.get(component.instance)?.overruns ?? 0n, fits },
         };
       });

@@ -299,6 +299,11 @@ export class Store {
         this.system((system) => ({ buses: replaced(system.buses, bus, (each) => each.name) }));
         break;
       }
+      case "naming": {
+        const naming = event.value;
+        this.system(() => ({ naming }));
+        break;
+      }
       case "carried":
         this.traffic.load(event.value);
         break;

@@ -202,27 +202,28 @@ class Neighbours:
 
     def _connections(self) -> dict[str, ui.Connection]:
         """The connections of which both ends are known."""
-        ports: dict[int, list[tuple[Any, ui.PortAddress, ui.PortKind]]] = {}
+        ports: dict[int, list[tuple[Any, ui.PortAddress, bool]]] = {}
         for instance, each in self._found.items():
             for port in each.component.ports:
                 reference = each.ports[port.name].port_ref
                 address = ui.PortAddress(instance=instance, port=port.name)
                 if reference is not None:
                     same = ports.setdefault(reference._hash(_HASHES), [])
-                    same.append((reference, address, port.kind))
+                    same.append((reference, address, _is_first(port)))
         found: dict[str, ui.Connection] = {}
         self._ids = {}
         for outside in self._found.values():
             for connector in outside.connectors:
                 ends = [
-                    (kind, address)
+                    (is_first, address)
                     for wanted in connector.ports
                     if wanted is not None
-                    for reference, address, kind in ports.get(wanted._hash(_HASHES), ())
+                    for reference, address, is_first in ports.get(
+                        wanted._hash(_HASHES), ()
+                    )
                     if reference._is_equivalent(wanted)
                 ]
-                # The OutPort first, wherever the connector has it.
-                ends.sort(key=lambda end: end[0] is not ui.PortKind.PORT_OUT)
+                ends.sort(key=lambda end: not end[0])
                 for _, target in ends[1:]:
                     source = ends[0][1]
                     name = (
@@ -317,3 +318,10 @@ class Neighbours:
         end = target if silent else source
         self._at(end.instance).disconnect(end.port, connector_id)
         self._look_again([source.instance, target.instance])
+
+
+def _is_first(port: ui.Port) -> bool:
+    """Whether a connection begins at a port on the page, wherever its connector has it."""
+    if port.kind is ui.PortKind.PORT_SERVICE:
+        return any(not each.provided for each in port.interfaces)
+    return port.kind is ui.PortKind.PORT_OUT

@@ -58,32 +58,36 @@ class Outbox:
     _dropped: int = 0
     _thinned: set[int] = field(default_factory=set)
 
-    def put(self, event: Event) -> None:
-        """A message of any kind but samples and statistics."""
-        kind = event.discriminator
+    def put(self, *events: Event) -> None:
+        """Messages of any kind but samples and statistics; several come at once."""
         with self._lock:
-            if self.past is not None and kind not in _ALWAYS:
-                return
-            if kind in _LATEST:
-                self._latest[kind] = event
-            elif kind in _TRAFFIC:
-                self._traffic.append(event)
-                if len(self._traffic) > MOST_TRAFFIC:
-                    self._traffic.popleft()
-                    self._dropped += 1
-            elif kind is EventKind.EVENT_SYSTEM:
-                # It contains all changes before it; results of commands stay.
-                self._changes = deque(
-                    e for e in self._changes if e.discriminator in _ALWAYS
-                )
-                self._changes.append(event)
-                self.behind = False
-            elif kind is EventKind.EVENT_RESULT or len(self._changes) < MOST_CHANGES:
-                self._changes.append(event)
-            else:
-                self._dropped += 1
-                self.behind = True
+            for event in events:
+                self._put(event)
         self.wake()
+
+    def _put(self, event: Event) -> None:
+        kind = event.discriminator
+        if self.past is not None and kind not in _ALWAYS:
+            return
+        if kind in _LATEST:
+            self._latest[kind] = event
+        elif kind in _TRAFFIC:
+            self._traffic.append(event)
+            if len(self._traffic) > MOST_TRAFFIC:
+                self._traffic.popleft()
+                self._dropped += 1
+        elif kind is EventKind.EVENT_SYSTEM:
+            # It contains all changes before it; results of commands stay.
+            self._changes = deque(
+                e for e in self._changes if e.discriminator in _ALWAYS
+            )
+            self._changes.append(event)
+            self.behind = False
+        elif kind is EventKind.EVENT_RESULT or len(self._changes) < MOST_CHANGES:
+            self._changes.append(event)
+        else:
+            self._dropped += 1
+            self.behind = True
 
     def show(self, events: list[Event], past: float | None) -> None:
         """The state at a time, in place of all that waits; `past` is from now on what it says."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from time import monotonic
-from typing import Any, Final
+from typing import Any, Final, NoReturn
 
 from msgspec.structs import replace
 from omniORB import CORBA
@@ -127,7 +127,7 @@ class Outside:
         try:
             code = self.rtc.ask(self.rtc.context, _REQUESTS[kind], self.rtc.reference)
         except FAULTS as error:
-            raise self.failed(error) from error
+            raise self._failed(error) from error
         if code is not RTC_OK:
             raise CommandError(WRONG_STATE, f"{self.component.instance}: {code.name}")
 
@@ -138,24 +138,30 @@ class Outside:
             taken = self.rtc.set_value(set_id or active, parameter, text)
             if taken and set_id in ("", active):
                 taken = self.rtc.configure("activate_configuration_set", active)
+        except SdoError as error:
+            self._refuse(f"{parameter} = {text}", error)
         except FAULTS as error:
-            raise self.failed(error) from error
-        self._require(taken, f"{parameter} = {text}")
+            raise self._failed(error) from error
+        if not taken:
+            self._refuse(f"{parameter} = {text}")
 
     def use(self, set_id: str) -> None:
         """Make a set the active one."""
         try:
             taken = self.rtc.configure("activate_configuration_set", set_id)
+        except SdoError as error:
+            self._refuse(f"the set {set_id}", error)
         except FAULTS as error:
-            raise self.failed(error) from error
-        self._require(taken, f"the set {set_id}")
+            raise self._failed(error) from error
+        if not taken:
+            self._refuse(f"the set {set_id}")
 
     def connect(self, port: str, profile: ConnectorProfile) -> None:
         """Have a port make a connection."""
         try:
             code, _ = self.rtc.at_port(self.ports[port], "connect", profile)
         except FAULTS as error:
-            raise self.failed(error) from error
+            raise self._failed(error) from error
         if code is not RTC_OK:
             message = f"{self.component.instance}.{port} refuses: {code.name}"
             raise CommandError(NO_FIT, message)
@@ -165,20 +171,20 @@ class Outside:
         try:
             code = self.rtc.at_port(self.ports[port], "disconnect", connector_id)
         except FAULTS as error:
-            raise self.failed(error) from error
+            raise self._failed(error) from error
         if code is not RTC_OK:
             message = f"{self.component.instance}.{port}: {code.name}"
             raise CommandError(WRONG_STATE, message)
 
-    def _require(self, taken: object, what: str) -> None:
-        if not taken:
-            message = f"{self.component.instance} refuses {what}"
-            raise CommandError(BAD_VALUE, message)
+    def _refuse(self, what: str, error: SdoError | None = None) -> NoReturn:
+        why = f": {error.description}" if error is not None else ""
+        message = f"{self.component.instance} refuses {what}{why}"
+        raise CommandError(BAD_VALUE, message) from error
 
-    def failed(self, error: Exception) -> CommandError:
+    def _failed(self, error: Exception) -> CommandError:
         """What a page is told of a call that has failed."""
-        code = BAD_VALUE if isinstance(error, SdoError) else CALL_FAILED
-        return CommandError(code, f"{self.component.instance}: {explained(error)}")
+        message = f"{self.component.instance}: {explained(error)}"
+        return CommandError(CALL_FAILED, message)
 
 
 def explained(error: Exception) -> str:

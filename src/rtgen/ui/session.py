@@ -190,19 +190,20 @@ class Session:
             events[0] = ui.Event.of_whole(self.whole())
         page.show(events, None if time < 0 else now)
 
-    def tell(self, event: ui.Event) -> None:
-        """Put an event into the outbox of each page; types that are new go before it."""
-        self.history.tell(self.now, event)
+    def tell(self, *events: ui.Event) -> None:
+        """Put events into the outbox of each page; types that are new go before them."""
+        for event in events:
+            self.history.tell(self.now, event)
         nodes = self.types.nodes
         if len(nodes) > self._sent_types:
             first, self._sent_types = self._sent_types, len(nodes)
             added = ui.AddedTypes(first=first, nodes=nodes[first:])
             self._to_all(ui.Event.of_types(added))
-        self._to_all(event)
+        self._to_all(*events)
 
-    def _to_all(self, event: ui.Event) -> None:
+    def _to_all(self, *events: ui.Event) -> None:
         for page in self._pages:
-            page.put(event)
+            page.put(*events)
 
     def whole(self) -> ui.SystemState:
         """The whole state."""
@@ -242,13 +243,15 @@ class Session:
 
         def tell() -> None:
             before, self.outside = self.outside, found
-            for event in found.changes(before, self.now):
-                if event.discriminator is ui.EventKind.EVENT_COMPONENT:
-                    name = event.described.instance
-                    event = ui.Event.of_described(self.component(name))
-                self.tell(event)
+            self.tell(*map(self._placed, found.changes(before, self.now)))
 
         return self.runner.submit(tell)
+
+    def _placed(self, event: ui.Event) -> ui.Event:
+        """An event about a component of another process, with the place of its box."""
+        if event.discriminator is not ui.EventKind.EVENT_COMPONENT:
+            return event
+        return ui.Event.of_described(self.component(event.described.instance))
 
     def time(self) -> ui.ClockState:
         """The state of the clock."""

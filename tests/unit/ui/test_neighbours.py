@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import signal
 import subprocess
-import sys
 import time
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -15,7 +14,7 @@ import pytest
 pytest.importorskip("omniORB", reason="omniORBpy is not installed")
 
 from patience import PATIENCE
-from ui_bench import GOAL, QUIET, RESULT, ROOT
+from ui_bench import QUIET, RESULT, started_over_corba
 
 from rtgen.cli.ui import CommandProject
 from rtgen.runtime import RealClock
@@ -28,15 +27,6 @@ from rtgen.ui.session import Session
 SOURCE, TARGET = "PathFollower0.velocity", "RefHardRh30.InTargetVelocity"
 
 
-def started(names: str, *arguments: str) -> subprocess.Popen[bytes]:
-    """A system in a process of its own."""
-    command = [sys.executable, "-m", "rtgen", "run", str(GOAL), "-q", "--clock", "real"]
-    command += ["--transport", "corba", "--nameserver", names, *arguments]
-    return subprocess.Popen(
-        command, cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-    )
-
-
 @pytest.fixture(scope="module")
 def names() -> Iterator[str]:
     with NameServer() as server:
@@ -45,7 +35,7 @@ def names() -> Iterator[str]:
 
 @pytest.fixture(scope="module")
 def process(names: str) -> Iterator[subprocess.Popen[bytes]]:
-    found = started(names)
+    found = started_over_corba(names)
     yield found
     found.send_signal(signal.SIGCONT)
     found.terminate()
@@ -257,7 +247,7 @@ def test_a_peer_that_is_frozen_or_dead_says_so_and_blocks_nothing(
     process.kill()
     process.wait()
     page.until(lambda: len(silent()) == len(dead()) == 6)
-    again = started(names)
+    again = started_over_corba(names)
     page.until(lambda: not silent())
     again.terminate()
     again.wait(PATIENCE)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -103,3 +105,12 @@ def until(page: Any, condition: Callable[[], bool]) -> None:
     while not condition():
         assert time.monotonic() < end
         page.wait_for_timeout(20)
+
+
+def started_over_corba(names: str) -> subprocess.Popen[bytes]:
+    """The system in a process of its own, whose components a naming service has."""
+    command = [sys.executable, "-m", "rtgen", "run", str(GOAL), "-q", "--clock", "real"]
+    command += ["--transport", "corba", "--nameserver", names]
+    return subprocess.Popen(
+        command, cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+    )

@@ -1,0 +1,96 @@
+/** The trees of naming services: contexts, components with their states, those that do not answer. */
+
+import type { Binding, Component, NamingService } from "./protocol/Ui.ts";
+import { stateName } from "./store.ts";
+
+interface Branch {
+  binding: Binding;
+  name: string;
+  inside: Branch[];
+}
+
+/** The parts of a path; `\` stands before characters of a name that would divide it. */
+const parts = (path: string): string[] => path.match(/(?:\\.|[^\\/])+/g) ?? [];
+
+/** The names of a service, which come each after its context, as a tree. */
+export function tree(bindings: readonly Binding[]): Branch[] {
+  const top: Branch[] = [];
+  const open: Branch[] = [];
+  for (const binding of bindings) {
+    const names = parts(binding.path);
+    const branch = { binding, name: names.at(-1) ?? binding.path, inside: [] };
+    open.length = Math.min(open.length, names.length - 1);
+    (open.at(-1)?.inside ?? top).push(branch);
+    open.push(branch);
+  }
+  return top;
+}
+
+interface Shown {
+  components: ReadonlyMap<string, Component>;
+  selected: string;
+  select: (instance: string) => void;
+}
+
+function Names({ branches, ...shown }: Shown & { branches: readonly Branch[] }) {
+  return (
+    <ul>
+      {branches.map(({ binding, name, inside }) => (
+        <li key={binding.path}>
+          {binding.kind === "BINDING_CONTEXT" ? (
+            <details open>
+              <summary>{name}</summary>
+              <Names branches={inside} {...shown} />
+            </details>
+          ) : (
+            <Name binding={binding} name={name} {...shown} />
+          )}
+        </li>
+      ))}
+    </ul>
+  );
+}
+
+function Name({ binding, name, components, selected, select }: Shown & { binding: Binding; name: string }) {
+  const component = components.get(binding.instance);
+  const dead = binding.kind === "BINDING_DEAD";
+  const state = dead ? "does not answer" : component ? stateName(component.current) : "";
+  const mark = state && <small className={dead ? "reason" : `state ${component?.current}`}>{state}</small>;
+  if (!component)
+    return (
+      <span className={dead ? "dead" : ""}>
+        {name} {mark}
+      </span>
+    );
+  return (
+    <button
+      type="button"
+      className={dead ? "dead" : ""}
+      aria-pressed={selected === component.instance}
+      aria-label={`${component.instance}, ${component.type}, ${state}`}
+      title={component.silent || component.type}
+      onClick={() => select(component.instance)}
+    >
+      {name} {mark}
+    </button>
+  );
+}
+
+export function Naming(props: { services: readonly NamingService[]; components: readonly Component[]; selected: string; select: (instance: string) => void }) {
+  const { services, components, selected, select } = props;
+  if (!services.length) return null;
+  const known = new Map(components.map((each) => [each.instance, each]));
+  return (
+    <section className="naming" aria-label="Naming services">
+      <h2>Naming services</h2>
+      {services.map((service) => (
+        <details open key={service.address}>
+          <summary>{service.address}</summary>
+          {service.silent && <p className="reason">{service.silent}</p>}
+          {!service.silent && !service.bindings.length && <p>No names.</p>}
+          <Names branches={tree(service.bindings)} components={known} selected={selected} select={select} />
+        </details>
+      ))}
+    </section>
+  );
+}
