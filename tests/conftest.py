@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import gc
 import os
+import re
 import signal
 from functools import cache
+from itertools import count
 from pathlib import Path
 
 import pytest
@@ -28,6 +30,7 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 gc.disable()
 
 TESTS = Path(__file__).parent
+_FOLDERS = count()
 ONCE = (
     "golden",
     "openrtm",
@@ -121,6 +124,18 @@ def pytest_collection_finish() -> None:
     """Leave what has been collected out of garbage collections."""
     gc.freeze()
     gc.enable()
+
+
+@pytest.fixture
+def tmp_path(
+    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
+) -> Path:
+    """pytest's own looks through the folders of all tests before it makes one."""
+    folder = tmp_path_factory.getbasetemp() / str(next(_FOLDERS))
+    name = re.sub(r"\W", "_", request.node.name)[:30]
+    made = folder / f"{name}0"
+    made.mkdir(parents=True)
+    return made
 
 
 @pytest.fixture

@@ -13,7 +13,7 @@ def main() -> None:
         return
     from rtgen.cli import run
 
-    code = run(sys.argv[1:])
+    code = run(sys.argv[1:], ends=True)
     # The interpreter collects garbage when it ends; the process frees it all the same.
     gc.freeze()
     sys.exit(code)

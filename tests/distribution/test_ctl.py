@@ -37,7 +37,7 @@ def node(start: Callable[..., Process]) -> Iterator[Process]:
 def ctl(network: media.Engine, capfd: pytest.CaptureFixture[str]) -> Ctl:
     """Runs a command: its exit code, standard output and standard error."""
     assert network.address is not None
-    [(name, place)] = json.loads(network.address).items()
+    [(name, (place, _))] = json.loads(network.address).items()
     if name == "dds":
         partition = f"{place}/{media.SYSTEM}"
         options = ["--domain", str(media.DOMAIN), "--partition", partition]

@@ -53,11 +53,14 @@ def application() -> None:
     """
 
 
-def run(arguments: Sequence[str]) -> int:
-    """Runs a command line and returns its exit code; nothing but that leaves it."""
+def run(arguments: Sequence[str], *, ends: bool = False) -> int:
+    """Runs a command line and returns its exit code; nothing but that leaves it.
+
+    `ends`: the process ends with the command, so nothing that it made is collected as garbage.
+    """
     try:
         code = application.main(
-            list(arguments), prog_name="rtgen", standalone_mode=False
+            list(arguments), prog_name="rtgen", standalone_mode=False, obj=ends
         )
         sys.stdout.flush()
     except click.ClickException as error:

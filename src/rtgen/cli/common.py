@@ -287,12 +287,7 @@ def _without_garbage_collection(function: Callable[P, int]) -> Callable[P, int]:
         try:
             return function(*args, **kwargs)
         finally:
-            if enabled:
-                # What was made counts as old, else the next object that is made would start
-                # a collection that goes through all of it. What a host has frozen stays so.
-                if not gc.get_freeze_count():
-                    gc.freeze()
-                    gc.unfreeze()
+            if enabled and not click.get_current_context().find_root().obj:
                 gc.enable()
 
     return wrapped
