@@ -71,7 +71,7 @@ PARTS: Mapping[str, Part] = {
     ),
     "tdr-layouts": Part(
         ("layouts/tdr.py", "layouts/tdr_messages.py"),
-        ("tecs/test_codec_bytes.py", "tecs/test_codec_text.py"),
+        ("tecs/test_tdr_layouts.py", "tecs/test_codec_bytes.py"),
     ),
     "tdr": Part(
         (
@@ -80,7 +80,11 @@ PARTS: Mapping[str, Part] = {
             "runtime/opaque_rpc/codecs.py",
             "runtime/opaque_rpc/messages.py",
         ),
-        ("tecs/test_opaque_rpc_values.py", "opaque_rpc"),
+        (
+            "tecs/test_opaque_rpc_values.py",
+            "tecs/test_message_calls.py",
+            "tecs/test_codec_bytes.py",
+        ),
     ),
     "cdr": Part(
         (

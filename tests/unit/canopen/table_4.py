@@ -379,8 +379,9 @@ def serve(settings: Mapping[str, object]) -> None:
                 case "fail":
                     system.context("Device0").fail_component(component, "on purpose")
                 case "state":
-                    calls, component.calls[:] = list(component.calls), []
-                    print(system.state("Device0").name, *calls, flush=True)
+                    state, calls = system.state("Device0"), list(component.calls)
+                    del component.calls[: len(calls)]
+                    print(state.name, *calls, flush=True)
                 case verb:
                     getattr(system, verb)("Device0")
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from io import BytesIO
+from typing import Any
+
 import pytest
 
 from rtgen.runtime.opaque_rpc import (
@@ -17,17 +20,23 @@ from rtgen.runtime.opaque_rpc import (
     ProtocolError,
     make_tdr,
 )
-from rtgen.runtime.opaque_rpc.tdr import INT8, LITTLE, UINT8, Items, Order
+from rtgen.runtime.opaque_rpc.channel import More
+from rtgen.runtime.opaque_rpc.tdr import BIG, INT8, LITTLE, UINT8, Items, Order, Tdr
 from rtgen.runtime.opaque_rpc.values import (
     ByteBudget,
     Text,
     WideText,
     cast,
+    element,
+    exactly,
     is_rpc_error,
     leading,
+    present,
     quotient,
     remainder,
     shifted_left,
+    shifted_right,
+    size_error,
 )
 
 
@@ -63,6 +72,9 @@ def test_widths_can_be_told() -> None:
     assert tdr.struct("2KN3LP").format == ">2IH3QH"
     with pytest.raises(ValueError, match="24 bits"):
         make_tdr("little", long_bits=24)
+    unknown: Any = "middle"
+    with pytest.raises(ValueError, match="'middle' is not a TDR"):
+        make_tdr(unknown)
 
 
 def test_128_bits_have_their_words_swapped_in_network_order_only() -> None:
@@ -76,6 +88,39 @@ def test_128_bits_have_their_words_swapped_in_network_order_only() -> None:
     for tdr in (NETWORK, LITTLE):
         assert tdr.from_wide(tdr.wide(-5, True), True) == -5
         assert Items(tdr, "w").integers(Items(tdr, "w").pack([-1, 7]), 2) == [-1, 7]
+
+
+@pytest.mark.parametrize(
+    ("tdr", "kind", "values", "octets"),
+    [
+        (NETWORK, "b", [-1, 200], "ffc8"),
+        (NETWORK, "h", [1, -2], "0001fffe"),
+        (LITTLE, "h", [1, -2], "0100feff"),
+        (BIG, "H", [0xFFFE], "fffe"),
+        (LITTLE, "i", [1], "01000000"),
+        (NETWORK, "W", [2**128 - 2], "fffffffffffffffeffffffffffffffff"),
+        (LITTLE, "W", [2**128 - 2, 1], "fe" + "ff" * 15 + "01" + "00" * 15),
+        (LITTLE, "w", [-2], "fe" + "ff" * 15),
+    ],
+)
+def test_items_of_arrays(tdr: Tdr, kind: str, values: list[int], octets: str) -> None:
+    items = Items(tdr, kind)
+    data = items.pack(values)
+    assert data.hex() == octets
+    assert items.width * len(values) == len(data)
+    read = items.integers(data, len(values))
+    assert read == ([-1, -56] if kind == "b" else values)
+    assert items.integers(b"\x12\x34\x56" + data + b"\x78", len(values), 3) == read
+    assert items.integers(data, 0) == []
+
+
+def test_items_that_are_no_integers() -> None:
+    assert Items(LITTLE, "?").pack([True, False]) == b"\1\0"
+    assert Items(LITTLE, "?").booleans(b"\1\0\2\1\0", 3) == [True, False, True]
+    assert Items(LITTLE, "?").booleans(b"\1\0\2\1\0", 3, 2) == [True, True, False]
+    data = Items(BIG, "d").pack([0.5, -2.0])
+    assert data.hex() == "3fe0000000000000c000000000000000"
+    assert Items(BIG, "d").floats(b"\0" + data, 2, 1) == [0.5, -2.0]
 
 
 def test_octets_are_taken_with_either_sign() -> None:
@@ -109,6 +154,48 @@ def test_texts_that_cannot_be_sent() -> None:
     for wrong, most in (("a" * 17, 16), ("a\0b", None), ("\u3042", None)):
         with pytest.raises(ValueError, match=r"."):
             text.units(wrong, most)
+    with pytest.raises(ValueError, match=r"^a NUL inside a text$"):
+        text.units("a\0")
+    with pytest.raises(ValueError, match=r"^a zero inside a text$"):
+        WideText(NETWORK, "H").units([7, 0])
+    with pytest.raises(ValueError, match=r"^a text of 3 units, at most 2 fit$"):
+        WideText(NETWORK, "H").units([1, 1, 1], 2)
+
+
+@pytest.mark.parametrize(
+    ("tdr", "size"), [(NETWORK, "00000003"), (LITTLE, "03000000"), (BIG, "00000003")]
+)
+def test_a_text_has_its_length_before_it(tdr: Tdr, size: str) -> None:
+    narrow, wide = Text(tdr, "latin-1"), WideText(tdr, "h")
+    assert narrow.whole("ab").hex() == size + "616200"
+    assert wide.whole([1, 1]) == bytes.fromhex(size) + Items(tdr, "h").pack([1, 1, 0])
+    assert narrow.whole("a", 3).hex() == size + "610000"
+    assert wide.whole([1], 3) == bytes.fromhex(size) + Items(tdr, "h").pack([1, 0, 0])
+    assert narrow.read(octets(narrow.whole("ab")), ByteBudget(3), 3) == "ab"
+    assert wide.read(octets(wide.whole([1, 1])), ByteBudget(6), 3) == [1, 1]
+    for text in (narrow, wide):
+        width = 1 if text is narrow else 2
+        start = bytes.fromhex(size)
+        with pytest.raises(
+            ProtocolError, match=f"{3 * width} bytes, {3 * width - 1} are"
+        ):
+            text.read(octets(start), ByteBudget(3 * width - 1))
+        with pytest.raises(ProtocolError, match=r"a size of 3, at most 2 allowed"):
+            text.read(octets(start), ByteBudget(9), 2)
+        with pytest.raises(ProtocolError, match=r"a size of -1 "):
+            text.read(octets(b"\xff" * 4), ByteBudget(9))
+
+
+def octets(data: bytes) -> More:
+    """The next octets of a message; no more than there are."""
+    stream = BytesIO(data)
+
+    def more(count: int) -> bytes:
+        found = stream.read(count)
+        assert len(found) == count
+        return found
+
+    return more
 
 
 def test_a_text_ends_at_the_first_zero_or_without_one() -> None:
@@ -141,12 +228,45 @@ def test_arithmetic_is_that_of_c() -> None:
         -56,
         65535,
     ]
-    with pytest.raises(ValueError, match="at most 63"):
-        shifted_left(1, 1 << 40)
+    assert [quotient(0, -2), quotient(0, 2), remainder(0, -2)] == [0, 0, 0]
+    for wrong in (lambda: quotient(1, 0), lambda: remainder(1, 0)):
+        with pytest.raises(ZeroDivisionError):
+            wrong()
+    assert [cast(64, 8, True), cast(127, 8, True), cast(128, 8, True)] == [
+        64,
+        127,
+        -128,
+    ]
+    assert [cast(-1.9, 8, True), cast(0, 8, True)] == [-1, 0]
+    assert [shifted_left(1, 63), shifted_right(-4, 1)] == [1 << 63, -2]
+    assert [shifted_left(3, 0), shifted_right(1 << 63, 63)] == [3, 1]
+    for shifted in (shifted_left, shifted_right):
+        for bits in (-1, 64, 1 << 40):
+            with pytest.raises(
+                ValueError, match=f"a size of {bits}, at most 63 allowed"
+            ):
+                shifted(1, bits)
+
+
+def test_values_that_have_to_be_there() -> None:
+    assert present(0) == 0
+    with pytest.raises(ValueError, match=r"^NULL where a value is needed$"):
+        present(None)
+    assert [element([5, 6], 0), element([5, 6], 1)] == [5, 6]
+    for index in (-1, 2, 3):
+        with pytest.raises(ValueError, match=f"a size of {index}, at most 1 allowed"):
+            element([5, 6], index)
+    assert exactly([1, 2], 2) == [1, 2]
+    with pytest.raises(ValueError, match=r"^1 elements, 2 are needed$"):
+        exactly([1], 2)
+    error = size_error("f", ZeroDivisionError("by zero"))
+    assert (error.sub, str(error)) == (E_PAR, "f: by zero (E_PAR)")
 
 
 def test_a_longer_array_is_cut_to_its_count_only_where_it_fits() -> None:
     assert leading([1, 2, 3], 2, 3) == [1, 2]
+    assert leading([1, 2], 0, 2) == []
+    assert leading([1, 2], 2, 2) == [1, 2]
     for values, count, most in (([1, 2, 3], 2, 2), ([1], 2, 3), ([1, 2], 2, 1)):
         with pytest.raises(ValueError, match="elements"):
             leading(values, count, most)
