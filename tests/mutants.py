@@ -47,6 +47,7 @@ PARTS: Mapping[str, Part] = {
         (
             "runtime/rtc/life_cycle.py",
             "runtime/rtc/callbacks.py",
+            "runtime/rtc/participant.py",
             "runtime/rtc/execution_context.py",
         ),
         (
@@ -71,7 +72,11 @@ PARTS: Mapping[str, Part] = {
     ),
     "tdr-layouts": Part(
         ("layouts/tdr.py", "layouts/tdr_messages.py"),
-        ("tecs/test_tdr_layouts.py", "tecs/test_codec_bytes.py"),
+        (
+            "tecs/test_tdr_layouts.py",
+            "tecs/test_codec_bytes.py",
+            "tecs/test_codec_text.py",
+        ),
     ),
     "tdr": Part(
         (
@@ -84,6 +89,8 @@ PARTS: Mapping[str, Part] = {
             "tecs/test_opaque_rpc_values.py",
             "tecs/test_message_calls.py",
             "tecs/test_codec_bytes.py",
+            "opaque_rpc/test_tcp_server.py",
+            "opaque_rpc/test_shared_channel.py",
         ),
     ),
     "cdr": Part(
@@ -114,7 +121,8 @@ def _prepare(name: str) -> Path:
     lists = {
         "source_paths": ["src"],
         "only_mutate": [f"src/rtgen/{source}" for source in part.sources],
-        "pytest_add_cli_args": ["-p", "no:cacheprovider", "-m", _SLOW],
+        # A traceback would parse the mutated file, which has each mutant, for each of its frames.
+        "pytest_add_cli_args": ["-p", "no:cacheprovider", "--tb=no", "-m", _SLOW],
         "pytest_add_cli_args_test_selection": [f"tests/unit/{t}" for t in part.tests],
     }
     lines = ["[mutmut]", "use_git_change_detection = false"]

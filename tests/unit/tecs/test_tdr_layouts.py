@@ -137,6 +137,21 @@ def test_the_reply_of_the_paper_has_the_value_last() -> None:
     assert written(made.paper) == "H q i | b[] | n H"
 
 
+BOUND_BY_REQUEST = (
+    "[out] int8_t *n, [out,size_is(b[0]){count}] int16_t *a,"
+    " [inout,size_is(4)] uint8_t *b, [out,size_is(a[0])] int32_t *c"
+)
+
+
+def test_what_only_bounds_a_size_is_known_from_the_request() -> None:
+    made = function(BOUND_BY_REQUEST.format(count=",count_is(*n)"))
+    assert written(made.reply) == "H n b | a[] | b[] | c[] | H"
+    unit, signature = parsed(BOUND_BY_REQUEST.format(count=""), "", "ER f")
+    (found,) = problems(unit, signature)
+    assert found.reason == "the size of 'a' depends on 'b', which comes after it"
+    assert found.hint == "declare 'b' before 'a'"
+
+
 def test_a_oneway_function_has_a_request_alone() -> None:
     made = function("[in] int8_t a", head="[oneway] ER f")
     assert written(made.request) == "H H b H"
