@@ -6,6 +6,7 @@ import asyncio
 import os
 import webbrowser
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import replace
 from functools import partial
 from importlib.util import find_spec
@@ -38,6 +39,7 @@ from rtgen.systems.reading import read_file
 
 if TYPE_CHECKING:
     from rtgen.cli.ui_bus import BusDescriber
+    from rtgen.runtime.corba.transport import CorbaTransport
     from rtgen.ui.session import Session
 
 _LOOPBACK = "127.0.0.1"
@@ -52,9 +54,11 @@ class CommandProject:
         console: Console,
         files: Sequence[str],
         buses: Mapping[str, Path] | None = None,
+        transport: CorbaTransport | None = None,
     ) -> None:
         self._console = console
         self._buses = buses or {}
+        self._transport = transport
         self._files = [*files]
         self._project = load_around(Path(files[0]) if files else Path.cwd())
         self._factories = Factories(self._project)
@@ -121,7 +125,9 @@ class CommandProject:
         path = Path(profile.file)
         folder = path.parent if path.name == "system.xml" else path
         steps = timeline.of_system(folder, None, profile).steps
-        system = assemble(profile, self._factories, clock, (), steps, report=report)
+        system = assemble(
+            profile, self._factories, clock, (), steps, self._transport, report=report
+        )
 
         def on_failure(failure: Failure) -> None:
             report(failure)
@@ -162,20 +168,27 @@ def _session(
     project: CommandProject,
     clock: Callable[[], runtime.Clock],
     name_servers: tuple[str, ...],
+    transport: CorbaTransport | None,
 ) -> Session:
     """The session of the first system. Raises InputError, ToolError."""
     from rtgen.ui.session import Session
 
     file = next(iter(project.systems), "")
-    if name_servers and find_spec("omniORB") is None:
-        raise ToolError(
-            "--nameserver needs omniORBpy, which is not installed",
-            hint="pip install 'rtgen[corba]'",
-        )
+    own = None if transport is None else transport.rt_objects
     try:
-        return Session(project, file, clock, name_servers)
+        return Session(project, file, clock, name_servers, own)
     except runtime.TransportError as error:
         raise ToolError(str(error)) from error
+
+
+def _opened(name_server: str, closing: ExitStack) -> CorbaTransport:
+    """The transport of a system whose components a naming service gets. Raises ToolError."""
+    from rtgen.runtime.corba.transport import CorbaTransport
+
+    try:
+        return closing.enter_context(CorbaTransport(name_server=name_server))
+    except runtime.TransportError as error:
+        raise ToolError(str(error), hint="start omniNames there") from error
 
 
 @click.command()
@@ -208,6 +221,12 @@ def _session(
     metavar="HOST[:PORT]",
     help="Show the components that a naming service (CORBA) has, too.",
 )
+@click.option(
+    "--transport",
+    type=click.Choice(["direct", "corba"]),
+    default="direct",
+    help="corba: the naming service gets the components of this system, too (real time).",
+)
 @click.option("--read-only", is_flag=True, help="Print the address to look only, too.")
 @click.option("--open/--no-open", "opened", default=True, help="Open a browser.")
 @click.option("--play/--pause", "playing", default=True, help="Let time pass at once.")
@@ -219,6 +238,7 @@ def ui(
     port: int,
     buses: tuple[str, ...],
     name_servers: tuple[str, ...],
+    transport: str,
     read_only: bool,
     opened: bool,
     playing: bool,
@@ -254,8 +274,14 @@ def ui(
         described[channel] = Path(file)
     for channel in described:
         _describer(described, channel)  # Raises InputError before anything runs.
+    if name_servers and find_spec("omniORB") is None:
+        raise ToolError(
+            "--nameserver needs omniORBpy, which is not installed",
+            hint="pip install 'rtgen[corba]'",
+        )
     recordings = [each for each in systems if Path(each).suffix.lower() == ".mcap"]
     session: Session | Recorded
+    closing = ExitStack()
     if recordings:
         if len(recordings) < len(systems) or len(recordings) > 2 or name_servers:
             raise Refusal("either systems are shown, or one recording or two")
@@ -266,8 +292,16 @@ def ui(
             )
         server = Server(session, _LOOPBACK, port)
     else:
-        project = CommandProject(console, systems, described)
-        session = _session(project, clocks[clock if systems else "real"], name_servers)
+        kind = clock if systems else "real"
+        carrier = None
+        if transport == "corba":
+            if not name_servers or kind != "real" or len(systems) > 1:
+                raise Refusal(
+                    "--transport corba needs --nameserver, --clock real and one system"
+                )
+            carrier = _opened(name_servers[0], closing)
+        project = CommandProject(console, systems, described, carrier)
+        session = _session(project, clocks[kind], name_servers, carrier)
         server = Server(session, _LOOPBACK, port)
         if playing:
             session.runner.submit(session.runner.play)
@@ -279,5 +313,6 @@ def ui(
         if opened:
             webbrowser.open(server.address(full=True))
 
-    asyncio.run(server.run(ready))
+    with closing:
+        asyncio.run(server.run(ready))
     return OK

@@ -191,15 +191,30 @@ class Commands:
         if address.instance in outside.components:
             if outside.port(address) is None:
                 raise CommandError(UNKNOWN, f"{here[0]} has no port {here[1]!r}")
-            apart = [ui.Fit(port=there, refused=_APART) for there in within]
-            return [*outside.fits(address), *apart]
+            across = [
+                ui.Fit(port=there, refused=self._across(there, address))
+                for there in within
+            ]
+            return [*outside.fits(address), *across]
         self._session.require_port(*here)
-        found = [ui.Fit(port=there, refused=_APART) for there in outside.ports()]
+        found = [
+            ui.Fit(port=there, refused=self._across(address, there))
+            for there in outside.ports()
+        ]
         for there in within:
             if there != address:
                 why = system.obstacle(here, (there.instance, there.port))
                 found.append(ui.Fit(port=there, refused=why))
         return found
+
+    def _across(self, here: ui.PortAddress, there: ui.PortAddress) -> str:
+        """Why a port of the system cannot be connected to one of another process."""
+        session = self._session
+        if session.own is None:
+            return _APART
+        component = session.system.component(here.instance)
+        ports = [p for p in session.describe.ports(component) if p.name == here.port]
+        return session.outside.obstacle(here, ports, there)
 
     def _connect(self, wanted: ui.Connect) -> None:
         source = wanted.source.instance, wanted.source.port
@@ -287,7 +302,7 @@ class Commands:
         place = session.places.get(name)
         again = [
             self._again(each.name)
-            for each in session.system.connectors
+            for each in session.connectors
             if name in instances_of(each)
         ]
 

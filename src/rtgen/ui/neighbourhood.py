@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import product
 
@@ -36,6 +36,8 @@ class Neighbourhood:
             if known is not None and known.current is not component.current:
                 yield ui.Event.of_change(_change(known, component, now))
                 known = replace(known, current=component.current)
+            if known is not None and known.silent != component.silent:
+                yield ui.Event.of_reported(_notice(component, now))
             if known != component:
                 yield ui.Event.of_described(component)
         for name, connection in self.connections.items():
@@ -47,23 +49,29 @@ class Neighbourhood:
     def fits(self, here: ui.PortAddress) -> Iterator[ui.Fit]:
         """Which other ports of the neighbourhood a port of it can be connected to."""
         port = self.port(here)
-        joined = {
-            (_key(a), _key(b))
-            for each in self.connections.values()
-            for a, b in (
-                (each.source, each.target),
-                (each.target, each.source),
-            )
-        }
         for there in self.ports():
             if there == here or port is None:
                 continue
-            found = self.port(there)
-            why = obstacle(port, found) if found is not None else ""
-            silent = self.components[there.instance].silent
-            if not why and (_key(here), _key(there)) in joined:
-                why = "they are connected already"
-            yield ui.Fit(port=there, refused=why or silent)
+            yield ui.Fit(port=there, refused=self.obstacle(here, [port], there))
+
+    def obstacle(
+        self, here: ui.PortAddress, ports: Sequence[ui.Port], there: ui.PortAddress
+    ) -> str:
+        """Why a port cannot be connected to one of the neighbourhood; empty if it can.
+
+        `ports`: those of that address, since an InPort and an OutPort may share a name.
+        """
+        port = self.port(there)
+        if port is None:
+            return "there is no such port"
+        refusals = [obstacle(each, port) for each in ports]
+        if refusals and "" not in refusals:
+            return refusals[0]
+        ends = [here, there]
+        for each in self.connections.values():
+            if ends in ([each.source, each.target], [each.target, each.source]):
+                return "they are connected already"
+        return self.components[there.instance].silent
 
     def ports(self) -> Iterator[ui.PortAddress]:
         """The addresses of all ports."""
@@ -100,10 +108,6 @@ def _is_same_type(one: str, other: str) -> bool:
     return one.rpartition("::")[2] == other.rpartition("::")[2]
 
 
-def _key(address: ui.PortAddress) -> tuple[str, str]:
-    return address.instance, address.port
-
-
 def _change(before: ui.Component, after: ui.Component, now: float) -> ui.StateChange:
     return ui.StateChange(
         time=now,
@@ -112,3 +116,10 @@ def _change(before: ui.Component, after: ui.Component, now: float) -> ui.StateCh
         before=before.current,
         after=after.current,
     )
+
+
+def _notice(component: ui.Component, now: float) -> ui.Notice:
+    kind, text = "lost", component.silent
+    if not text:
+        kind, text = "found", "it answers again"
+    return ui.Notice(time=now, kind=kind, instance=component.instance, text=text)

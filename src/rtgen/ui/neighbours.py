@@ -5,20 +5,28 @@ from __future__ import annotations
 import queue
 import threading
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from typing import Any, Final
 
 from rtgen.facts.openrtm_ports import KIND
 from rtgen.runtime.corba.naming import Bound, Naming
 from rtgen.runtime.corba.orb import Orb
+from rtgen.runtime.corba.rt_objects.component import RtObject
 from rtgen.runtime.corba.rt_objects.objects import Exported
 from rtgen.runtime.corba.rt_objects.peers import DATA_DEFAULTS
-from rtgen.runtime.corba.rt_objects.wire import ConnectorProfile, texts, values
+from rtgen.runtime.corba.rt_objects.ports import PortService
+from rtgen.runtime.corba.rt_objects.publishing import RtObjects
+from rtgen.runtime.corba.rt_objects.wire import (
+    ConnectorProfile,
+    PortProfile,
+    texts,
+    values,
+)
 from rtgen.runtime.errors import TransportError
 from rtgen.ui.errors import CALL_FAILED, IMPOSSIBLE, UNKNOWN, CommandError
-from rtgen.ui.neighbourhood import Neighbourhood
-from rtgen.ui.outside import DATA_TYPE, Outside
+from rtgen.ui.neighbourhood import Neighbourhood, obstacle
+from rtgen.ui.outside import DATA_TYPE, Outside, described
 from rtgen.ui.protocol import ui
 from rtgen.ui.protocol.ui import BindingKind, CommandKind
 
@@ -26,6 +34,10 @@ PERIOD: Final = 1.0
 """How often everything is asked [s]."""
 TIMEOUT: Final = 1.0
 """The longest time of a call [s]."""
+_End = tuple[bool, ui.PortAddress]
+"""An end of a connection, and whether the connection begins there on the page."""
+_Ports = dict[int, list[tuple[Any, _End]]]
+"""Ports with their references, by the hashes of these."""
 MOST_WAITING: Final = 256
 """Commands that wait."""
 _HASHES: Final = 0x7FFFFFFF
@@ -68,17 +80,20 @@ class Neighbours:
 
     `tell` is called with each new state of things; False if it has to be told again. A component
     that does not answer is asked again, but all of these together take a round no longer than
-    one time-out. Raises TransportError if omniORB cannot start.
+    one time-out. `own`: the components of this process, of which the system tells. Raises
+    TransportError if omniORB cannot start.
     """
 
     def __init__(
         self,
         addresses: Sequence[str],
         tell: Callable[[Neighbourhood], bool],
+        own: RtObjects | None = None,
         period: float = PERIOD,
         timeout: float = TIMEOUT,
     ) -> None:
         self._tell = tell
+        self._own = own
         self._period = period
         self._timeout = timeout
         self._orb = Orb(timeout=timeout)
@@ -161,6 +176,10 @@ class Neighbours:
         known: dict[int, list[Outside]] = {}
         for service in self._services:
             for name, reference in service.components:
+                mine = None if self._own is None else self._own.own(reference)
+                if isinstance(mine, RtObject):
+                    self._also[name] = mine.component.instance_name
+                    continue
                 same = known.setdefault(reference._hash(_HASHES), [])
                 other = next((each for each in same if each.is_at(reference)), None)
                 if other is None:
@@ -189,39 +208,41 @@ class Neighbours:
             if bound.reference is None:
                 kind = BindingKind.BINDING_CONTEXT
             elif bound.path[-1][1] == KIND:
-                found = self._found[self._also[service.name_of(bound)]]
-                instance = found.component.instance if found.answered else ""
-                dead = bool(found.component.silent) and found.asked > 0.0
-                kind = (
-                    BindingKind.BINDING_DEAD if dead else BindingKind.BINDING_COMPONENT
-                )
+                instance, kind = self._component(service.name_of(bound))
             bindings.append(ui.Binding(path=bound.text, kind=kind, instance=instance))
         return ui.NamingService(
             address=service.address, silent=service.silent, bindings=bindings
         )
 
+    def _component(self, name: str) -> tuple[str, BindingKind]:
+        """The instance of a name of a component, and whether it answers."""
+        instance = self._also[name]
+        found = self._found.get(instance)
+        if found is None:
+            return instance, BindingKind.BINDING_COMPONENT
+        dead = bool(found.component.silent) and found.asked > 0.0
+        kind = BindingKind.BINDING_DEAD if dead else BindingKind.BINDING_COMPONENT
+        return instance if found.answered else "", kind
+
     def _connections(self) -> dict[str, ui.Connection]:
         """The connections of which both ends are known."""
-        ports: dict[int, list[tuple[Any, ui.PortAddress, bool]]] = {}
+        ports: _Ports = {}
         for instance, each in self._found.items():
             for port in each.component.ports:
                 reference = each.ports[port.name].port_ref
                 address = ui.PortAddress(instance=instance, port=port.name)
                 if reference is not None:
                     same = ports.setdefault(reference._hash(_HASHES), [])
-                    same.append((reference, address, _is_first(port)))
+                    same.append((reference, (_is_first(port), address)))
         found: dict[str, ui.Connection] = {}
         self._ids = {}
         for outside in self._found.values():
             for connector in outside.connectors:
                 ends = [
-                    (is_first, address)
+                    end
                     for wanted in connector.ports
                     if wanted is not None
-                    for reference, address, is_first in ports.get(
-                        wanted._hash(_HASHES), ()
-                    )
-                    if reference._is_equivalent(wanted)
+                    for end in (*_at(ports, wanted), *self._own_end(wanted))
                 ]
                 ends.sort(key=lambda end: not end[0])
                 for _, target in ends[1:]:
@@ -239,6 +260,14 @@ class Neighbours:
                         properties=[ui.Value(k, v) for k, v in properties.items()],
                     )
         return found
+
+    def _own_end(self, reference: Any) -> Iterator[_End]:
+        """The port of this process to which a reference leads, if there is one."""
+        port = None if self._own is None else self._own.own(reference)
+        if isinstance(port, PortService):
+            profile = described(port.end.port, port.get_port_profile())
+            address = ui.PortAddress(instance=port.instance, port=port.end.port)
+            yield _is_first(profile), address
 
     # Commands.
 
@@ -294,12 +323,13 @@ class Neighbours:
         self._publish()
 
     def _connect(self, wanted: ui.Connect) -> None:
-        profiles = []
-        for end in (wanted.source, wanted.target):
-            found = self._at(end.instance).ports.get(end.port)
-            if found is None:
-                raise CommandError(UNKNOWN, f"{end.instance} has no port {end.port}")
-            profiles.append(found)
+        ends = wanted.source, wanted.target
+        far = ends[0] if ends[0].instance in self._found else ends[1]
+        reached = self._at(far.instance)
+        profiles = [
+            self._own_profile(end, self._profile(far)) or self._profile(end)
+            for end in ends
+        ]
         stated = {each.name: each.text for each in wanted.properties}
         type_ = texts(profiles[0].properties).get(DATA_TYPE)
         if type_ is not None:
@@ -307,17 +337,46 @@ class Neighbours:
         name = wanted.name or "_".join(each.name for each in profiles)
         ports = [each.port_ref for each in profiles]
         profile = ConnectorProfile(name, "", ports, values(stated))
-        self._at(wanted.source.instance).connect(wanted.source.port, profile)
-        self._look_again([wanted.source.instance, wanted.target.instance])
+        reached.connect(far.port, profile)
+        self._look_again([end.instance for end in ends])
+
+    def _profile(self, address: ui.PortAddress) -> PortProfile:
+        """The profile of a port of a component that answers. Raises CommandError."""
+        found = self._at(address.instance).ports.get(address.port)
+        if found is None:
+            message = f"{address.instance} has no port {address.port}"
+            raise CommandError(UNKNOWN, message)
+        return found
+
+    def _own_profile(
+        self, address: ui.PortAddress, other: PortProfile
+    ) -> PortProfile | None:
+        """The profile of a port of this process, that which fits if several have the name."""
+        if self._own is None or address.instance in self._found:
+            return None
+        found = [
+            port.get_port_profile()
+            for port in self._own.ports_at(address.instance, address.port)
+        ]
+        there = described("", other)
+        fitting = (each for each in found if not obstacle(described("", each), there))
+        return next(fitting, next(iter(found), None))
 
     def _cut(self, name: str) -> None:
         if name not in self._ids:
             raise CommandError(UNKNOWN, f"there is no connection {name}")
         source, target, connector_id = self._ids[name]
-        silent = self._found[source.instance].component.silent
-        end = target if silent else source
+        known = self._found.get(source.instance)
+        end = target if known is None or known.component.silent else source
         self._at(end.instance).disconnect(end.port, connector_id)
         self._look_again([source.instance, target.instance])
+
+
+def _at(ports: _Ports, wanted: Any) -> Iterator[_End]:
+    """The port to which a reference leads."""
+    for reference, end in ports.get(wanted._hash(_HASHES), ()):
+        if reference._is_equivalent(wanted):
+            yield end
 
 
 def _is_first(port: ui.Port) -> bool:

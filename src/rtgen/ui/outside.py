@@ -93,7 +93,7 @@ class Outside:
             place=self.component.place,
             current=current,
             contexts=[self._context(each) for each in contexts],
-            ports=[_port(name, each) for name, each in ports.items()],
+            ports=[described(name, each) for name, each in ports.items()],
             parameters=_parameters(sets, values),
             configuration_sets=[
                 ui.ConfigurationSet(name=each, values=_values(pairs))
@@ -196,7 +196,8 @@ def explained(error: Exception) -> str:
     return str(error) if isinstance(error, NilError) else f"a call has failed: {error}"
 
 
-def _port(name: str, profile: PortProfile) -> ui.Port:
+def described(name: str, profile: PortProfile) -> ui.Port:
+    """A port of that name."""
     properties = texts(profile.properties)
     kind = _PORT_KINDS.get(properties.get("port.port_type", ""))
     return ui.Port(

@@ -56,7 +56,7 @@ def profile_now(session: Session) -> System:
         session.profile,
         components=tuple(component_now(session, each) for each in system.instances),
         connections=tuple(
-            _connection(each, known.get(each.name)) for each in system.connectors
+            _connection(each, known.get(each.name)) for each in session.connectors
         ),
         activation=tuple(
             step for step in session.profile.activation if step.instance in instances

@@ -17,6 +17,7 @@ from rtgen.recording.recorder import cdr_encoder
 from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.failures import Failure, described
 from rtgen.runtime.ports.data_ports import OutPort
+from rtgen.runtime.system.joining import Connector, instances_of
 from rtgen.runtime.system.json_printers import json_printer
 from rtgen.runtime.system.records import Record, StateRecord
 from rtgen.runtime.timing.clocks import SECOND
@@ -41,6 +42,7 @@ from rtgen.ui.runner import Runner
 from rtgen.ui.type_table import TypeTable
 
 if TYPE_CHECKING:
+    from rtgen.runtime.corba.rt_objects.publishing import RtObjects
     from rtgen.ui.neighbours import Neighbours
 
 Place = tuple[float, float]
@@ -52,7 +54,8 @@ class Session:
 
     Everything that looks at the system or changes it is done in the thread of the runner; pages
     come and go, and put commands, by `Runner.submit`. `clock` makes the clock of a system.
-    `name_servers`: the addresses of naming services whose components are shown, too.
+    `name_servers`: the addresses of naming services whose components are shown, too. `own`: the
+    components of the system as they are there; None if it does not run over CORBA.
     """
 
     def __init__(
@@ -61,6 +64,7 @@ class Session:
         file: str,
         clock: Callable[[], runtime.Clock] = runtime.SimulatedClock,
         name_servers: Sequence[str] = (),
+        own: RtObjects | None = None,
     ) -> None:
         """Raises InputError or ToolError if the system cannot be assembled.
 
@@ -88,6 +92,9 @@ class Session:
         self.runner = Runner(self.made(file), self._report, self._ended)
         self.buses: Buses
         self.history: History
+        self.own = own
+        self._across: set[str] = set()
+        """The names of connections to other processes, which `outside` tells."""
         self.outside = Neighbourhood()
         """What naming services have of other processes."""
         self._watch()
@@ -95,7 +102,7 @@ class Session:
         if name_servers:
             from rtgen.ui.neighbours import Neighbours
 
-            self.neighbours = Neighbours(name_servers, self._look_outside)
+            self.neighbours = Neighbours(name_servers, self._look_outside, own)
 
     # Systems.
 
@@ -217,7 +224,7 @@ class Session:
             types=[*self.types.nodes],
             components=components,
             connections=[
-                *(description.connection(c) for c in system.connectors),
+                *(description.connection(c) for c in self.connectors),
                 *outside.connections.values(),
             ],
             palette=self._palette,
@@ -228,6 +235,14 @@ class Session:
             systems=[*self.project.systems],
             naming=[*outside.services],
         )
+
+    @property
+    def connectors(self) -> list[Connector]:
+        """The connections within the system; `outside` has those to other processes."""
+        return [each for each in self.system.connectors if self._is_within(each)]
+
+    def _is_within(self, connector: Connector) -> bool:
+        return {*self.system.instances}.issuperset(instances_of(connector))
 
     def component(self, instance: str) -> ui.Component:
         """The description of a component, of this process or another one."""
@@ -374,7 +389,12 @@ class Session:
                 self.tell(ui.Event.of_setting(change))
             case ConnectionChange(name, connected=True):
                 connector = self.system.connector(name)
+                if not self._is_within(connector):
+                    self._across.add(name)
+                    return
                 self.tell(ui.Event.of_connected(description.connection(connector)))
+            case ConnectionChange(name) if name in self._across:
+                self._across.discard(name)
             case ConnectionChange(name):
                 self.tell(ui.Event.of_cut(name))
             case BusFrame():

@@ -21,7 +21,14 @@ def test_what_cannot_be_opened_is_reported(
     broken.write_text("<rts:RtsProfile")
     assert run(["ui", str(broken), "--no-open"]) == 2
     assert run(["ui", str(GOAL), "--no-open", "--bus", str(tmp_path / "no.toml")]) != 0
+    assert run(["ui", "--no-open", "--nameserver", "127.0.0.1:99999"]) == 2
+    corba = ["--transport", "corba", "--no-open"]
+    assert run(["ui", str(GOAL), *corba]) == 2
+    assert run(["ui", str(GOAL), *corba, "--nameserver", "127.0.0.1"]) == 2
+    assert run(["ui", "run.mcap", "--no-open", "--nameserver", "127.0.0.1"]) == 2
     err = capfd.readouterr().err
+    assert "Missing argument 'SYSTEM...', or option '--nameserver'." in err
+    assert "'127.0.0.1:99999' is not HOST or HOST:PORT." in err
     assert "Traceback" not in err
     assert "internal error" not in err
 
@@ -41,3 +48,14 @@ def test_what_is_not_installed_is_named(
     monkeypatch.setattr(command, "find_spec", lambda name: None)
     assert run(["ui", str(GOAL), "--no-open"]) == 3
     assert "pip install 'rtgen[ui]'" in capfd.readouterr().err
+
+
+def test_naming_services_need_omniorb(
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    def found(name: str) -> object:
+        return None if name == "omniORB" else name
+
+    monkeypatch.setattr(command, "find_spec", found)
+    assert run(["ui", "--no-open", "--nameserver", "127.0.0.1"]) == 3
+    assert "pip install 'rtgen[corba]'" in capfd.readouterr().err

@@ -19,6 +19,7 @@ from ui_bench import QUIET, RESULT, started_over_corba
 from rtgen.cli.ui import CommandProject
 from rtgen.runtime import RealClock
 from rtgen.runtime.corba.name_server import NameServer
+from rtgen.runtime.corba.transport import CorbaTransport
 from rtgen.ui.commands import Commands
 from rtgen.ui.outbox import Outbox
 from rtgen.ui.protocol import ui
@@ -45,17 +46,19 @@ def process(names: str) -> Iterator[subprocess.Popen[bytes]]:
 class Watcher:
     """A page without a system of its own, which follows what it is told."""
 
-    def __init__(self, names: str, *, full: bool = True) -> None:
-        project = CommandProject(QUIET, [])
-        self.session = Session(project, "", RealClock, [names])
+    def __init__(self, names: str, transport: CorbaTransport | None = None) -> None:
+        project = CommandProject(QUIET, [], transport=transport)
+        own = None if transport is None else transport.rt_objects
+        self.session = Session(project, "", RealClock, [names], own)
         self.session.runner.start()
         self._commands = Commands(self.session)
         self._number = 0
-        self.outbox = Outbox(lambda: None, full=full)
+        self.outbox = Outbox(lambda: None)
         self.components: dict[str, ui.Component] = {}
         self.connections: dict[str, ui.Connection] = {}
         self.services: list[ui.NamingService] = []
         self.results: dict[int, ui.Result] = {}
+        self.notices: list[str] = []
         self.session.runner.submit(lambda: self.session.join(self.outbox))
 
     def follow(self) -> None:
@@ -72,7 +75,7 @@ class Watcher:
                     self.components[value.instance] = value
                 case ui.EventKind.EVENT_REMOVED:
                     del self.components[value]
-                case ui.EventKind.EVENT_STATE:
+                case ui.EventKind.EVENT_STATE if value.instance in self.components:
                     self.components[value.instance].current = value.after
                 case ui.EventKind.EVENT_CONNECTED:
                     self.connections[value.name] = value
@@ -80,6 +83,8 @@ class Watcher:
                     del self.connections[value]
                 case ui.EventKind.EVENT_NAMING:
                     self.services = value
+                case ui.EventKind.EVENT_NOTICE:
+                    self.notices.append(f"{value.kind} {value.instance}")
                 case kind if kind is RESULT:
                     self.results[value.request] = value
 
@@ -222,6 +227,44 @@ def test_a_page_to_look_only_cannot_steer(page: Watcher, names: str) -> None:
     page.outbox.full = True
 
 
+def test_components_of_the_page_are_wired_with_others(
+    process: subprocess.Popen[bytes], page: Watcher, names: str
+) -> None:
+    target = ui.PortAddress(f"{names}/RefHardRh30", "InTargetVelocity")
+    source = ui.PortAddress("Own0", "velocity")
+    assert page.state(target.instance) is ui.State.STATE_ACTIVE
+    with CorbaTransport(name_server=names) as transport:
+        page = Watcher(names, transport=transport)
+        try:
+            page.until(lambda: len(page.components) == 6)
+            page.done("added", ui.AddComponent("PathFollower", "Own0"))
+            kind = ui.BindingKind.BINDING_COMPONENT
+            own = ui.Binding("Own0.rtc", kind, "Own0")
+            page.until(lambda: own in page.services[0].bindings)
+            assert [*page.components].count("Own0") == 1
+            fits = {ending(f.port): f.refused for f in page.done("ends", source).fits}
+            assert fits[TARGET] == ""
+            assert "different types" in fits["Odometry0.LocalizedPosition"]
+            fits = {ending(f.port): f.refused for f in page.done("ends", target).fits}
+            assert fits["Own0.velocity"] == ""
+            assert fits["Own0.position"] != ""
+            page.done("wire", ui.Connect(source, target))
+            wire = ("Own0.velocity", TARGET)
+            page.until(lambda: wire in page.wires())
+            assert len(page.session.whole().connections) == 11
+            refused = page.ask("wire", ui.Connect(ui.PortAddress("Own0", "x"), target))
+            assert refused.code == "UIS0003"
+            page.done("connection", page.wires()[wire])
+            page.until(lambda: wire not in page.wires())
+            page.done("wire", ui.Connect(source, target))
+            page.until(lambda: wire in page.wires())
+            page.done("removed", "Own0")
+            page.until(lambda: wire not in page.wires())
+            page.until(lambda: own not in page.services[0].bindings)
+        finally:
+            page.session.close()
+
+
 @pytest.mark.slow
 def test_a_peer_that_is_frozen_or_dead_says_so_and_blocks_nothing(
     page: Watcher, names: str, process: subprocess.Popen[bytes]
@@ -244,6 +287,7 @@ def test_a_peer_that_is_frozen_or_dead_says_so_and_blocks_nothing(
     page.until(lambda: page.session.runner.system.time > before)
     os.kill(process.pid, signal.SIGCONT)
     page.until(lambda: not silent())
+    assert {f"lost {name}", f"found {name}"} <= {*page.notices}
     process.kill()
     process.wait()
     page.until(lambda: len(silent()) == len(dead()) == 6)

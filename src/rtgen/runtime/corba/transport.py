@@ -107,6 +107,11 @@ class CorbaTransport:
         """The address of the naming service; empty without one."""
         return "" if self._naming is None else self._naming.address
 
+    @property
+    def rt_objects(self) -> RtObjects | None:
+        """The components of this process, as others see them; None without a naming service."""
+        return self._rt_objects
+
     def steered(self, system: System) -> None:
         """Let other processes watch and steer the components of a system."""
         if self._rt_objects is not None:

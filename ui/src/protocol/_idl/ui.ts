@@ -659,7 +659,7 @@ export const Ui$SentLess: CdrType<Ui$SentLess> = struct("Ui::SentLess", [
 /** Something for the timeline that is not a change of state. */
 export interface Ui$Notice {
   time: number;
-  /** overrun, error, bus, end, ... */
+  /** overrun, error, bus, lost, found, end, ... */
   kind: string;
   instance: string;
   text: string;

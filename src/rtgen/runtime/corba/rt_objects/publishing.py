@@ -77,6 +77,16 @@ class RtObjects:
             (p for p in ports if isinstance(p.end, kind) and p.end.port == name), None
         )
 
+    def own(self, reference: Any) -> RtObject | PortService | None:
+        """The component or port of this process to which a reference leads; None without one."""
+        found = self.exported.local(reference)
+        return found if isinstance(found, RtObject | PortService) else None
+
+    def ports_at(self, instance: str, port: str) -> list[PortService]:
+        """The ports of that name of a component; an InPort and an OutPort may share one."""
+        made = self._published.get(instance)
+        return [each for each in (made.ports if made else ()) if each.end.port == port]
+
     def at(self, connector: Connector) -> list[PortService]:
         """See `Ports`; the OutPort, or the first port of a service connection, first."""
         found = [

@@ -901,7 +901,7 @@ class Notice(Aggregated):
 
     time: float = 0.0
     kind: str = ""
-    """overrun, error, bus, end, ..."""
+    """overrun, error, bus, lost, found, end, ..."""
     instance: str = ""
     text: str = ""
 

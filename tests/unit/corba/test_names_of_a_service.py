@@ -1,0 +1,76 @@
+"""All names of a naming service: in order, however many they are and whatever they contain."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import closing
+from typing import Any
+
+import pytest
+
+pytest.importorskip("omniORB", reason="omniORBpy is not installed")
+
+import CosNaming
+
+from rtgen.runtime.corba.name_server import NameServer
+from rtgen.runtime.corba.naming import Naming
+from rtgen.runtime.corba.orb import Orb
+
+MANY = 250
+"""More than a naming service lists at once."""
+
+
+@pytest.fixture
+def orb() -> Iterator[Any]:
+    with closing(Orb()) as made:
+        yield made.orb
+
+
+@pytest.fixture
+def service(orb: Any) -> Iterator[tuple[Naming, Any]]:
+    """A client of a naming service, and its root."""
+    with NameServer() as server:
+        root = orb.string_to_object(f"corbaloc::{server.address}/NameService")
+        yield Naming(orb, server.address), root._narrow(CosNaming.NamingContext)
+
+
+def named(id_: str, kind: str = "") -> list[Any]:
+    return [CosNaming.NameComponent(id_, kind)]
+
+
+def paths(naming: Naming) -> list[str]:
+    return [bound.text for bound in naming.tree()]
+
+
+def test_names_come_after_their_contexts(service: tuple[Naming, Any]) -> None:
+    naming, root = service
+    host = root.bind_new_context(named("rh3", "host_cxt"))
+    inner = host.bind_new_context(named("arms"))
+    inner.bind(named("Arm0", "rtc"), root)
+    root.bind(named("A/b.c\\d", "rtc"), root)
+    assert paths(naming) == [
+        "A\\/b\\.c\\\\d.rtc",
+        "rh3.host_cxt",
+        "rh3.host_cxt/arms",
+        "rh3.host_cxt/arms/Arm0.rtc",
+    ]
+    contexts = [bound.reference is None for bound in naming.tree()]
+    assert contexts == [False, True, True, False]
+
+
+def test_all_names_are_listed_up_to_a_number(service: tuple[Naming, Any]) -> None:
+    naming, root = service
+    for number in range(MANY):
+        root.bind(named(f"{number:03}"), root)
+    assert paths(naming) == [f"{number:03}" for number in range(MANY)]
+    assert len(naming.tree(7)) == 7
+
+
+def test_a_context_that_contains_itself_is_entered_once(
+    service: tuple[Naming, Any],
+) -> None:
+    naming, root = service
+    inner = root.bind_new_context(named("inner"))
+    inner.bind_context(named("outer"), root)
+    inner.bind_context(named("self"), inner)
+    assert paths(naming) == ["inner", "inner/outer", "inner/self"]
