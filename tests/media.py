@@ -106,14 +106,15 @@ def medium_at(address: str, system: str = SYSTEM) -> Medium:
 
 
 @contextmanager
-def router(locator: str) -> Iterator[Any]:
-    """A session of Zenoh in the mode of a router, which forwards between its clients."""
+def router(locator: str, *others: str) -> Iterator[Any]:
+    """A session of Zenoh in the mode of a router, which forwards to its clients and to others."""
     import zenoh
 
     config = zenoh.Config()
     for key, value in {
         "mode": "router",
         "listen/endpoints": [locator],
+        "connect/endpoints": others,
         "scouting/multicast/enabled": False,
         "scouting/delay": 0,
     }.items():

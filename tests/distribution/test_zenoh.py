@@ -163,6 +163,32 @@ def test_a_router_that_is_started_again_is_found(
         a.close()
 
 
+def test_routers_of_robots_join_at_a_site(stack: ExitStack, locator: str) -> None:
+    """One watches a robot from the site, by its partition; it sees that robot alone."""
+    stack.enter_context(media.router(locator))
+    robots = {}
+    for name in ("site/robot1", "site/robot2"):
+        place = f"tcp/127.0.0.1:{media.free_port()}"
+        stack.enter_context(media.router(place, locator))
+        medium = ZenohMedium(name, Endpoints(connect=(place,)))
+        robots[name] = stack.enter_context(Process(medium, "a"))
+    medium = ZenohMedium("site/robot1", Endpoints(connect=(locator,)))
+    site = stack.enter_context(Process(medium, "b"))
+    site.connect("a.out", "b.in")
+
+    def arrives() -> list[float]:
+        for name, robot in robots.items():
+            robot.node("a").out.write(sample(float(name[-1])))
+        return site.node("b").take()
+
+    wait_for(arrives)
+    assert set(site.node("b").take()) == {1.0}
+    wait_for(lambda: site.transport.peers.is_elsewhere("a"))
+    description = site.transport.peers.description("a")
+    assert description is not None
+    assert list(description.out_ports) == ["out"]
+
+
 @pytest.mark.parametrize(
     ("text", "wanted"),
     [

@@ -177,6 +177,26 @@ def zenoh_pair(stack: ExitStack) -> tuple[Any, Any, str]:
     return network, plain, place
 
 
+def test_a_session_of_zenoh_that_finds_nobody_is_reported(
+    stack: ExitStack,
+    monkeypatch: pytest.MonkeyPatch,
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    from rtgen.runtime.ros2 import zenoh as networks
+
+    found, _, _ = zenoh_pair(stack)
+    stack.callback(found.close)
+    await_(found._session.info.peers_zid)
+    found._tell_if_alone()
+    assert not caplog.messages
+    monkeypatch.setattr(networks, "_SLOW", 0.05)
+    config = networks.configuration(connect=f"tcp/127.0.0.1:{free_port()}")
+    alone = networks.ZenohNetwork(RosNode("node", "/", DOMAIN), config=config)
+    stack.callback(alone.close)
+    alone._looking.join()
+    assert "no router or peer of Zenoh was found" in caplog.messages[0]
+
+
 SPEED = f"91/robot/speed/std_msgs::msg::dds_::Float32_/{FLOAT32}"
 GOAL = f"91/robot/goal/std_msgs::msg::dds_::Float32_/{FLOAT32}"
 

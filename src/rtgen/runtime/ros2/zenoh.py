@@ -37,6 +37,8 @@ from rtgen.runtime.zenoh.declared import matches
 ROUTER = "tcp/localhost:7447"
 """Where the router of rmw_zenoh is looked for."""
 
+_SLOW = 1.5
+"""Seconds after which a session that has found nobody is reported."""
 _UNBOUNDED = 1000
 """Samples that a publisher keeps for those who come later, if its history is keep all."""
 
@@ -74,6 +76,9 @@ class ZenohNetwork:
         self._closed = False
         self._kept: list[Any] = []
         self._shown_node("")
+        self._looking = threading.Timer(_SLOW, self._tell_if_alone)
+        self._looking.daemon = True
+        self._looking.start()
 
     def publisher(self, topic: RosTopic, profile: Profile) -> Publish:
         """See `RosNetwork`."""
@@ -234,9 +239,19 @@ class ZenohNetwork:
         if self._closed:
             return
         self._closed = True
+        self._looking.cancel()
         for each in reversed(self._kept):
             each.undeclare()
         self._session.close()
+
+    def _tell_if_alone(self) -> None:
+        info = self._session.info
+        if not (info.routers_zid() or info.peers_zid()):
+            log.warning(
+                "no router or peer of Zenoh was found, so no node of another process is seen: "
+                "rmw_zenoh's router is looked for at %s, unless a configuration is given",
+                ROUTER,
+            )
 
     def _key(self, topic: RosTopic) -> str:
         return ros_zenoh.key_expression(
