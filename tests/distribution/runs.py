@@ -28,6 +28,19 @@ TO_GOAL = [
 ]
 
 
+def leased(folder: Path, seconds: float) -> Path:
+    """The system with a lease of a connection."""
+    first = '<rtsExt:Properties rtsExt:name="dataport.inport.buffer.length"'
+    lease = first.replace("inport.buffer.length", "qos.lease")
+    text = SYSTEM.read_text(encoding="utf-8")
+    file = folder / "leased.xml"
+    file.write_text(
+        text.replace(first, f'{lease} rtsExt:value="{seconds}"/>{first}', 1),
+        encoding="utf-8",
+    )
+    return file
+
+
 class Wheels:
     """What the base was commanded and did, by the time stamps that the samples carry."""
 

@@ -21,7 +21,7 @@ from patience import PATIENCE
 pytest.importorskip("cyclonedds", reason="cyclonedds is not installed")
 
 from media import DOMAIN
-from runs import CONSOLE, GOAL, ROBOT, SYSTEM, TO_GOAL, WAY, Run, Wheels
+from runs import CONSOLE, GOAL, ROBOT, SYSTEM, TO_GOAL, WAY, Run, Wheels, leased
 
 from refrobots import iis, rtc
 from rtgen import runtime
@@ -388,6 +388,37 @@ def test_who_is_awaited_is_said(
     printed = capfd.readouterr().err
     assert "waiting for other processes: Navigation0, " in printed
     assert "start the process that runs it" in printed
+
+
+def test_a_process_cannot_keep_a_shorter_lease_than_its_own(
+    stack: ExitStack, partition: str, tmp_path: Path
+) -> None:
+    topic, qos = Topic("x/out", rtc.TimedDouble), Qos(lease=0.5)
+    with pytest.raises(MediumError, match=r"x/out: a lease of 0\.5 s .* is 2 s"):
+        medium(stack, partition).publisher(topic, qos)
+    made = DdsMedium(partition, domain=DOMAIN, lease=0.5)
+    stack.callback(made.close)
+    made.publisher(topic, qos).close()
+
+
+def test_a_process_that_stands_still_is_lost_after_the_lease_of_a_connection(
+    stack: ExitStack, tmp_path: Path, partition: str
+) -> None:
+    """By the file alone nobody would notice during the test."""
+    file = tmp_path / "cyclonedds.xml"
+    file.write_text(configuration(None, lease=3600), encoding="ascii")
+    watcher = DdsMedium(partition, domain=88, config=file)
+    stack.callback(watcher.close)
+    options = ["dds", "--domain", "88", "--partition", partition]
+    options += ["--transport-config", str(file)]
+    run = Run(tmp_path, options, CONSOLE, system=leased(tmp_path, 0.5))
+    stack.callback(run.kill)
+    seen: list[bool] = []
+    watcher.watch("PositionInput0/", lambda _, present: seen.append(present))
+    wait_for(lambda: seen)
+    run.process.send_signal(signal.SIGSTOP)
+    wait_for(lambda: len(seen) > 1)
+    assert seen == [True, False]
 
 
 def test_a_second_process_for_an_instance_is_to_end(stack: ExitStack) -> None:

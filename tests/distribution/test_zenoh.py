@@ -21,7 +21,7 @@ from patience import PATIENCE
 pytest.importorskip("zenoh", reason="eclipse-zenoh is not installed")
 
 import zenoh
-from runs import CONSOLE, GOAL, ROBOT, SYSTEM, TO_GOAL, WAY, Run, Wheels
+from runs import CONSOLE, GOAL, ROBOT, SYSTEM, TO_GOAL, WAY, Run, Wheels, leased
 
 from refrobots._idl.basic_data_type import TimedDouble
 from rtgen.cli import run as rtgen
@@ -164,11 +164,12 @@ def test_a_router_that_is_started_again_is_found(
 
 
 def test_routers_of_robots_join_at_a_site(stack: ExitStack, locator: str) -> None:
-    """One watches a robot from the site, by its partition; it sees that robot alone."""
-    stack.enter_context(media.router(locator))
+    """One watches a robot from the site, by its partition; the robot goes on without the site."""
+    site_router = stack.enter_context(ExitStack())
+    site_router.enter_context(media.router(locator))
     robots = {}
-    for name in ("site/robot1", "site/robot2"):
-        place = f"tcp/127.0.0.1:{media.free_port()}"
+    places = [f"tcp/127.0.0.1:{media.free_port()}" for _ in range(2)]
+    for name, place in zip(("site/robot1", "site/robot2"), places, strict=True):
         stack.enter_context(media.router(place, locator))
         medium = ZenohMedium(name, Endpoints(connect=(place,)))
         robots[name] = stack.enter_context(Process(medium, "a"))
@@ -187,6 +188,17 @@ def test_routers_of_robots_join_at_a_site(stack: ExitStack, locator: str) -> Non
     description = site.transport.peers.description("a")
     assert description is not None
     assert list(description.out_ports) == ["out"]
+    site_router.close()
+    medium = ZenohMedium("site/robot1", Endpoints(connect=(places[0],)))
+    c = stack.enter_context(Process(medium, "c"))
+    c.connect("a.out", "c.in")
+
+    def goes_on() -> list[float]:
+        robots["site/robot1"].node("a").out.write(sample(3.0))
+        return c.node("c").take()
+
+    wait_for(goes_on)
+    wait_for(lambda: site.transport.peers.is_lost("a"))
 
 
 @pytest.mark.parametrize(
@@ -389,14 +401,8 @@ def test_a_process_that_stands_still_is_lost_after_the_lease_of_a_connection(
     )
     watcher = ZenohMedium("rh3_goal", Endpoints(file, listen=(locator,)))
     stack.callback(watcher.close)
-    system = tmp_path / "leased.xml"
-    stated = '<rtsExt:Properties rtsExt:name="dataport.inport.buffer.length"'
-    lease = stated.replace("inport.buffer.length", "qos.lease")
-    text = SYSTEM.read_text(encoding="utf-8")
-    text = text.replace(stated, f'{lease} rtsExt:value="0.5"/>{stated}', 1)
-    system.write_text(text, encoding="utf-8")
     options = ["zenoh", "--connect", locator, "--transport-config", str(file)]
-    run = Run(tmp_path, options, CONSOLE, system=system)
+    run = Run(tmp_path, options, CONSOLE, system=leased(tmp_path, 0.5))
     stack.callback(run.kill)
     seen: list[bool] = []
     watcher.watch("PositionInput0/", lambda _, present: seen.append(present))

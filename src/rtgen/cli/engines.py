@@ -159,11 +159,8 @@ TAKES: dict[str, frozenset[str]] = {
 """The options that an engine takes."""
 
 
-def _dds(options: EngineOptions, partition: str, _: float | None) -> Medium:
-    """The engine of DDS, whose writers have leases of their own.
-
-    Raises ToolError, MediumError.
-    """
+def _dds(options: EngineOptions, partition: str, lease: float | None) -> Medium:
+    """The engine of DDS. Raises ToolError, MediumError."""
     try:
         from rtgen.runtime.dds.medium import DdsMedium
     except ImportError as error:
@@ -180,6 +177,7 @@ def _dds(options: EngineOptions, partition: str, _: float | None) -> Medium:
             domain=options.domain or 0,
             interface=options.interface,
             config=None if config is None else Path(config),
+            lease=lease,
         )
     except MediumError as error:
         if config is not None:

@@ -130,6 +130,14 @@ def _sent(type_: type[Any]) -> Any:
     return Policy.DataRepresentation(version == 1, version == 2)
 
 
+def participant(domain: int, lease: float | None) -> DomainParticipant:
+    """A participant; others count it as lost after the lease [s], None for its domain's."""
+    if lease is None:
+        return DomainParticipant(domain)
+    alive = Policy.Liveliness.Automatic(round(lease * _SECOND))
+    return DomainParticipant(domain, qos=DdsQos(alive))
+
+
 def condition(reader: DataReader[Any]) -> ReadCondition:
     """True while the reader has samples that were not taken."""
     return ReadCondition(reader, ANY)

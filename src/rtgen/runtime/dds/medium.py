@@ -27,6 +27,7 @@ from rtgen.runtime.distribution.medium import (
     ServiceTypes,
     Token,
     Topic,
+    check_lease,
     check_name,
 )
 
@@ -106,6 +107,8 @@ class DdsMedium:
 
     `system` is the partition; `domain` 0 to 232; `interface` by name or address, loopback by
     default; `config` a file of Cyclone DDS in place of these, with its interfaces and security.
+    `lease`: after so many seconds without a sign of life others count the process as lost, by
+    default `LEASE` or what the file says.
     """
 
     def __init__(
@@ -115,17 +118,19 @@ class DdsMedium:
         domain: int = 0,
         interface: str | None = None,
         config: Path | None = None,
+        lease: float | None = None,
     ) -> None:
         self._domain = domain
         self._closed = False
         self._open: list[Token] = []
         self._lock = threading.Lock()
         text = configuration(interface) if config is None else _read(config)
+        self._lease = LEASE if config is None and lease is None else lease
         DOMAINS.open(domain, text)
         participant: DomainParticipant | None = None
         try:
             with entities.reported(f"domain {domain}"):
-                participant = self._participant = DomainParticipant(domain)
+                participant = self._participant = entities.participant(domain, lease)
                 self._made = Entities(self._participant, system)
                 self._data = Dispatcher(self._participant, "rtgen dds data")
                 self._control = Dispatcher(self._participant, "rtgen dds control")
@@ -137,7 +142,8 @@ class DdsMedium:
             raise
 
     def publisher(self, topic: Topic, qos: Qos) -> DdsPublisher:
-        """See `Medium`."""
+        """See `Medium`. The lease of the process cannot be shortened later."""
+        check_lease(topic, qos, self._lease)
         return self._kept(DdsPublisher(self._made, topic, qos))
 
     def subscribe(self, topic: Topic, qos: Qos, on_sample: OnSample) -> DdsSubscription:

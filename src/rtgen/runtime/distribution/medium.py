@@ -230,6 +230,19 @@ def check_name(name: str) -> str:
     return name
 
 
+def check_lease(topic: Topic, qos: Qos, own: float | None) -> None:
+    """Raise MediumError for a publisher with a shorter lease than that of its process.
+
+    `own` [s] is that of the process; None if it is not known.
+    """
+    if qos.lease is not None and (own is None or qos.lease < own):
+        stated = "that of its configuration" if own is None else f"{own:g} s"
+        raise MediumError(
+            f"{topic.name}: a lease of {qos.lease:g} s is asked for, but that of the process is "
+            f"{stated}; it is set when the medium is opened"
+        )
+
+
 def representation(type_: type[Any]) -> Representation:
     """In which form samples of a type are sent, little-endian.
 

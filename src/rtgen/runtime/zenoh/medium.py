@@ -12,7 +12,6 @@ import zenoh
 
 from rtgen.runtime.distribution.medium import (
     Client,
-    MediumError,
     OnChange,
     OnRequest,
     OnSample,
@@ -22,6 +21,7 @@ from rtgen.runtime.distribution.medium import (
     Subscription,
     Token,
     Topic,
+    check_lease,
     check_name,
 )
 from rtgen.runtime.zenoh.declared import Declared
@@ -46,11 +46,8 @@ class ZenohMedium:
 
     def publisher(self, topic: Topic, qos: Qos) -> Publisher:
         """See `Medium`. The lease is that of the session, which cannot be shortened later."""
-        if qos.lease is not None and qos.lease < (own := lease_of(self._endpoints)):
-            raise MediumError(
-                f"{topic.name}: a lease of {qos.lease:g} s is asked for, but that of the session "
-                f"is {own:g} s (`Endpoints.lease` sets it)"
-            )
+        if qos.lease is not None:
+            check_lease(topic, qos, lease_of(self._endpoints))
         with reported(topic.name):
             return ZenohPublisher(self._session, self._keys, topic, qos)
 
