@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable
+from functools import cache
 from typing import Any
 
 import pytest
@@ -92,22 +93,20 @@ class Target:
         self.seen.append(v)
 
 
-def new_codec() -> Codec:
+@cache
+def codec() -> Codec:
     unit, _ = read_text(SIGNATURE, "calls.cdl")
     signature = next(d for d in unit.declarations if isinstance(d, Signature))
     return Service(unit, signature, make_tdr()).codec
 
 
-CODEC = new_codec()
-
-
 def call(name: str) -> Callable[..., Any]:
-    return next(f.call for f in CODEC.functions.values() if f.name == name)
+    return next(f.call for f in codec().functions.values() if f.name == name)
 
 
 def test_results_have_the_form_of_the_signature() -> None:
     target = Target()
-    channel = ExchangeChannel(PacketServer(Dispatcher(target, CODEC)))
+    channel = ExchangeChannel(PacketServer(Dispatcher(target, codec())))
     assert call("code")(channel, -17) == -17
     assert call("code_out")(channel, 0) == (0, 7)
     assert call("fill")(channel, 3) == (0, b"\0\1\2")
@@ -129,9 +128,9 @@ def test_a_target_has_to_have_each_function() -> None:
         twice: Any = 5
 
     with pytest.raises(TypeError, match=r"^Part lacks twice, pair$"):
-        Dispatcher(Part(), CODEC)
-    made = Dispatcher(target := Target(), CODEC)
-    assert (made.target, made.codec) == (target, CODEC)
+        Dispatcher(Part(), codec())
+    made = Dispatcher(target := Target(), codec())
+    assert (made.target, made.codec) == (target, codec())
 
 
 class Scripted:
@@ -216,8 +215,9 @@ def test_a_wrong_reply_resets_the_channel() -> None:
     assert channel.done[1:] == ["reset"]
 
 
-def test_a_oneway_call_that_fails() -> None:
+def test_a_oneway_call_that_fails(caplog: pytest.LogCaptureFixture) -> None:
     assert call("hint")(Scripted(fails=True), 1) == TIMEOUT_CODE
+    assert caplog.messages == ["sCalls.hint at line 7: no reply (E_TMOUT)"]
     with pytest.raises(ChannelError, match="no reply"):
         call("note")(Scripted(fails=True), 1)
 
@@ -281,6 +281,13 @@ def test_a_request_over_the_limit_is_refused(size: int) -> None:
         ) as caught:
             serve_message(reader, echo(10))
         assert caught.value.sub == E_NOMEM
+
+    class OnlyEcho:
+        handlers = echo(10)
+
+    assert PacketServer(OnlyEcho(), len(MESSAGE))(MESSAGE) == ECHOED
+    with pytest.raises(ChannelError, match=r"^the server closed the connection "):
+        PacketServer(OnlyEcho(), len(MESSAGE) - 1)(MESSAGE)
     assert serve_message(PacketReader(MESSAGE, len(MESSAGE)), echo(10)) == ECHOED
     with pytest.raises(ProtocolError):
         serve_message(PacketReader(MESSAGE, len(MESSAGE) - 1), echo(10))
@@ -340,7 +347,7 @@ def test_a_target_that_fails_leaves_the_call_without_reply(
         def twice(self, v: int) -> int:
             raise KeyError("no motor")
 
-    channel = ExchangeChannel(PacketServer(Dispatcher(Failing(), CODEC)))
+    channel = ExchangeChannel(PacketServer(Dispatcher(Failing(), codec())))
     with pytest.raises(ChannelError):
         call("twice")(channel, 1)
     record = caplog.records[0]
@@ -354,7 +361,7 @@ def test_a_target_that_fails_leaves_the_call_without_reply(
         def twice(self, v: int) -> int:
             raise KeyboardInterrupt
 
-    channel = ExchangeChannel(PacketServer(Dispatcher(Stopped(), CODEC)))
+    channel = ExchangeChannel(PacketServer(Dispatcher(Stopped(), codec())))
     with pytest.raises(KeyboardInterrupt):
         call("twice")(channel, 1)
 
