@@ -40,7 +40,15 @@ export function App() {
       {system ? (
         <main>
           <Palette system={system} full={full} selected={selected} select={select} />
-          <Wiring components={system.components} connections={system.connections} full={full} statistics={page.statistics} select={select} open={open} />
+          <Wiring
+            file={system.edits.file}
+            components={system.components}
+            connections={system.connections}
+            full={full}
+            statistics={page.statistics}
+            select={select}
+            open={open}
+          />
           <Panel
             system={system}
             component={component}

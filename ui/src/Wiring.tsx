@@ -1,9 +1,10 @@
 /** The graph of components and connections, changed by mouse and by keyboard. */
 
-import { Background, Controls, Handle, Position, ReactFlow, useNodesState } from "@xyflow/react";
-import type { Connection as Drawn, Edge, Node, NodeProps } from "@xyflow/react";
+import { Background, BaseEdge, ControlButton, Controls, Handle, Position, ReactFlow, getBezierPath, useNodesState } from "@xyflow/react";
+import type { Connection as Drawn, Edge, EdgeProps, Node, NodeProps, ReactFlowInstance } from "@xyflow/react";
 import { memo, useEffect, useMemo, useRef, useState } from "react";
-import { WIDTH, layout, shown, stored } from "./layout.ts";
+import { around, arrange, line, shown, stored, title, view, width } from "./layout.ts";
+import type { Arrangement, Point } from "./layout.ts";
 import type { Tab } from "./Panel.tsx";
 import type { Component, Connection, Fit, Port } from "./protocol/Ui.ts";
 import type { Statistics } from "./store.ts";
@@ -54,9 +55,9 @@ function ComponentBox({ data, selected }: NodeProps<Box>) {
       .map((port) => <PortRow key={port.name} component={component} port={port} fits={fits} />);
   const rates = component.contexts.map((each) => `${each.rate} Hz`).join(", ");
   return (
-    <div className={`box ${component.current} ${component.silent ? "silent" : ""} ${selected ? "selected" : ""}`} style={{ width: WIDTH }}>
+    <div className={`box ${component.current} ${component.silent ? "silent" : ""} ${selected ? "selected" : ""}`} style={{ width: width(component) }}>
       <div className="head" title={[component.place && component.instance, component.type, component.doc, component.silent || component.reason].filter(Boolean).join("\n")}>
-        <strong>{component.place ? component.instance.slice(component.place.length + 1) : component.instance}</strong>
+        <strong>{title(component)}</strong>
         <small>
           {component.silent ? "does not answer" : stateName(component.current)} {rates}
           {overruns > 0n && ` ${overruns} overruns`}
@@ -73,6 +74,17 @@ function ComponentBox({ data, selected }: NodeProps<Box>) {
 
 const nodeTypes = { component: ComponentBox };
 
+type Wire = Edge<{ route: readonly Point[] | undefined }, "wire">;
+
+function WireLine({ id, data, interactionWidth, ...ends }: EdgeProps<Wire>) {
+  const path = data?.route ? line(data.route) : getBezierPath(ends)[0];
+  return <BaseEdge id={id} path={path} {...(interactionWidth !== undefined && { interactionWidth })} />;
+}
+
+const edgeTypes = { wire: WireLine };
+/** Whether this page shows boxes where the layout puts them, kept when it is loaded again. */
+const ARRANGED = "rtgen arranged";
+
 interface Menu {
   instance: string;
   x: number;
@@ -81,6 +93,7 @@ interface Menu {
 
 /** What the time of the run changes is no property of the wiring, so that it is drawn again for its own changes alone. */
 export const Wiring = memo(function Wiring(props: {
+  file: string;
   components: readonly Component[];
   connections: readonly Connection[];
   full: boolean;
@@ -88,20 +101,30 @@ export const Wiring = memo(function Wiring(props: {
   select: (instance: string) => void;
   open: (tab: Tab) => void;
 }) {
-  const { components, connections, full, statistics, select, open } = props;
+  const { file, components, connections, full, statistics, select, open } = props;
   const [nodes, setNodes, onNodesChange] = useNodesState<Box>([]);
-  const [places, setPlaces] = useState<Map<string, { x: number; y: number }>>();
+  const [arrangement, setArrangement] = useState<Arrangement & { shape: string }>();
+  const [arranged, setArranged] = useState(() => sessionStorage.getItem(ARRANGED) !== "no");
+  const [flow, setFlow] = useState<ReactFlowInstance<Box, Wire>>();
+  const section = useRef<HTMLElement>(null);
+  const [size, setSize] = useState("");
+  /** Whether the view is the user's. */
+  const moved = useRef(false);
   const [picked, pick] = useState<ReadonlySet<string>>(new Set());
   const [fits, setFits] = useState<ReadonlyMap<string, string>>();
   const [menu, setMenu] = useState<Menu>();
   const drags = useRef(0);
   const opened = useRef<HTMLButtonElement>(null);
-  const shape = components.map((each) => each.instance).join("\n");
+  const shape = [file, ...components.map((each) => each.instance)].join("\n");
+
+  const placed = (component: Component): Point =>
+    (!arranged && component.placed ? shown(component.where) : arrangement?.places.get(component.instance)) ?? { x: 0, y: 0 };
 
   useEffect(() => {
     let current = true;
-    layout(components, connections).then(
-      (found) => current && setPlaces(found),
+    const { clientWidth, clientHeight } = section.current!;
+    arrange(components, connections, clientWidth / Math.max(clientHeight, 1)).then(
+      (found) => current && setArrangement({ ...found, shape }),
       (error: unknown) => store.notify(`The layout failed: ${String(error)}`),
     );
     return () => {
@@ -111,23 +134,40 @@ export const Wiring = memo(function Wiring(props: {
   }, [shape]);
 
   useEffect(() => {
-    if (!places) return;
+    if (!arrangement) return;
     setNodes((before) => {
       const known = new Map(before.map((node) => [node.id, node]));
       return components.map((component) => {
         const old = known.get(component.instance);
-        const place = component.placed ? shown(component.where) : (places.get(component.instance) ?? { x: 0, y: 0 });
         return {
           ...old,
           id: component.instance,
           type: "component" as const,
-          position: old?.dragging ? old.position : place,
+          position: old?.dragging ? old.position : placed(component),
           ariaLabel: `${component.instance}, ${component.type}, ${component.silent ? "does not answer" : stateName(component.current)}`,
           data: { component, overruns: statistics.get(component.instance)?.overruns ?? 0n, fits },
         };
       });
     });
-  }, [components, places, statistics, fits, setNodes]);
+  }, [components, arrangement, arranged, statistics, fits, setNodes]);
+
+  useEffect(() => {
+    const watching = new ResizeObserver(() => setSize(`${section.current!.clientWidth}x${section.current!.clientHeight}`));
+    watching.observe(section.current!);
+    return () => watching.disconnect();
+  }, []);
+
+  const fit = () => {
+    if (!flow || !arrangement || !components.length) return;
+    const corners = arranged ? ([{ x: 0, y: 0 }, arrangement.end] as [Point, Point]) : around(components.map((component) => ({ component, ...placed(component) })));
+    void flow.setViewport(view(corners, section.current!.clientWidth, section.current!.clientHeight));
+    moved.current = false;
+  };
+  // Boxes that are moved do not move the view.
+  useEffect(fit, [flow, arrangement, arranged]);
+  useEffect(() => {
+    if (!moved.current) fit();
+  }, [size]);
 
   useEffect(() => {
     if (menu) opened.current?.focus();
@@ -136,8 +176,10 @@ export const Wiring = memo(function Wiring(props: {
   const edges = useMemo(
     () =>
       connections.map(
-        (each): Edge => ({
+        (each): Wire => ({
           id: each.name,
+          type: "wire",
+          data: { route: arranged ? arrangement?.routes.get(each.name) : undefined },
           source: each.source.instance,
           sourceHandle: each.source.port,
           target: each.target.instance,
@@ -146,7 +188,7 @@ export const Wiring = memo(function Wiring(props: {
           ariaLabel: `connection ${each.name} from ${each.source.instance}.${each.source.port} to ${each.target.instance}.${each.target.port}`,
         }),
       ),
-    [connections, picked],
+    [connections, picked, arrangement, arranged],
   );
 
   const begin = async (instance: string, port: string) => {
@@ -173,11 +215,13 @@ export const Wiring = memo(function Wiring(props: {
 
   return (
     <section
+      ref={section}
       className="wiring"
       aria-label="Wiring"
+      aria-busy={arrangement?.shape !== shape}
       onKeyUp={(e) => {
         // Arrow keys have moved the selected boxes on this page; drags are stored when they end.
-        if (full && e.key.startsWith("Arrow") && (e.target as HTMLElement).matches(".react-flow__node"))
+        if (full && !arranged && e.key.startsWith("Arrow") && (e.target as HTMLElement).matches(".react-flow__node"))
           for (const each of nodes) if (each.selected) void place(each);
       }}
       onKeyDown={(e) => {
@@ -190,18 +234,22 @@ export const Wiring = memo(function Wiring(props: {
         }
       }}
     >
-      {places && (
+      {arrangement && (
         <ReactFlow
           nodes={nodes}
           edges={edges}
           nodeTypes={nodeTypes}
+          edgeTypes={edgeTypes}
+          onInit={setFlow}
+          onMoveStart={(event) => {
+            moved.current ||= event !== null;
+          }}
           colorMode="system"
           defaultEdgeOptions={{ interactionWidth: 16 }}
-          fitView
           fitViewOptions={{ padding: 0.06 }}
           minZoom={0.1}
           nodesConnectable={full}
-          nodesDraggable={full}
+          nodesDraggable={full && !arranged}
           deleteKeyCode={full ? ["Delete", "Backspace"] : null}
           onNodesChange={onNodesChange}
           onEdgesChange={(changes) =>
@@ -240,7 +288,21 @@ export const Wiring = memo(function Wiring(props: {
           onPaneClick={() => setMenu(undefined)}
         >
           <Background />
-          <Controls showInteractive={false} />
+          <Controls showInteractive={false}>
+            <ControlButton
+              aria-pressed={arranged}
+              aria-label="Arranged"
+              title={arranged ? "Arranged: so that lines hardly cross. Click for the places of the file, where boxes can be dragged." : "The places of the file. Click to arrange the boxes."}
+              onClick={() => {
+                setArranged(!arranged);
+                sessionStorage.setItem(ARRANGED, arranged ? "no" : "yes");
+              }}
+            >
+              <svg viewBox="0 0 32 32" aria-hidden>
+                <path d="M2 4h11v9H2zM19 4h11v9H19zM2 19h11v9H2zM19 19h11v9H19z" />
+              </svg>
+            </ControlButton>
+          </Controls>
         </ReactFlow>
       )}
       {menu && (

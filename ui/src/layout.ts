@@ -1,26 +1,87 @@
-/** Places for boxes that have none, by the layered algorithm of ELK. */
+/** Sizes of boxes, their places and the ways of connections, by the layered algorithm of ELK. */
 
-import type { ElkNode } from "elkjs/lib/elk-api";
-import type { Component, Connection, Location } from "./protocol/Ui.ts";
+import type { ElkNode, ElkPort } from "elkjs/lib/elk-api";
+import type { Component, Connection, Location, Port } from "./protocol/Ui.ts";
 
-export const WIDTH = 240;
-export const HEADER = 44;
-export const ROW = 22;
+const HEADER = 45;
+const ROW = 22;
+const END = 9;
+/** Room for a state, a rate and overruns. */
+const NARROWEST = 180;
+/** Of a label in a box, at both sides together. */
+const PADDING = 24;
 /** RT System Editor, whose places these are, has narrower boxes. */
 const SPREAD = 1.5;
+/** Below it text has less than 9 px. */
+const SMALLEST = 0.75;
+const MARGIN = 16;
+/** The buttons of the view stand there. */
+const LEFT = 52;
+
+export type Point = { x: number; y: number };
+
+export interface Arrangement {
+  places: ReadonlyMap<string, Point>;
+  /** The corners of each connection, its ends among them. */
+  routes: ReadonlyMap<string, readonly Point[]>;
+  /** Of all boxes and connections, from 0. */
+  end: Point;
+}
 
 export const shown = ({ x, y }: Location): Location => ({ x: x * SPREAD, y });
 export const stored = ({ x, y }: Location): Location => ({ x: x / SPREAD, y });
 
-export function height(component: Component): number {
-  const count = (kind: string) => component.ports.filter((port) => port.kind === kind).length;
-  return HEADER + ROW * (Math.max(count("PORT_IN"), count("PORT_OUT")) + count("PORT_SERVICE")) + 8;
+const ports = (component: Component, kind: Port["kind"]) => component.ports.filter((port) => port.kind === kind);
+
+const canvas = document.createElement("canvas").getContext("2d")!;
+const lengths = new Map<string, number>();
+
+function length(text: string, font: string): number {
+  const key = `${font} ${text}`;
+  if (!lengths.has(key)) {
+    canvas.font = `${font} 12px system-ui, sans-serif`;
+    lengths.set(key, canvas.measureText(text).width);
+  }
+  return lengths.get(key)! + PADDING;
 }
 
-export async function layout(
-  components: readonly Component[],
-  connections: readonly Connection[],
-): Promise<Map<string, { x: number; y: number }>> {
+/** What a box is headed by: of another process's component the name without its place. */
+export const title = ({ place, instance }: Component): string => (place ? instance.slice(place.length + 1) : instance);
+
+/** Of a box whose labels are not cut. */
+export function width(component: Component): number {
+  const longest = (kind: Port["kind"]) => Math.max(0, ...ports(component, kind).map((port) => length(port.name, "normal")));
+  const needed = [NARROWEST, length(title(component), "bold"), longest("PORT_IN") + longest("PORT_OUT"), longest("PORT_SERVICE")];
+  return Math.ceil(Math.max(...needed));
+}
+
+function size(component: Component): { width: number; height: number } {
+  const rows = Math.max(ports(component, "PORT_IN").length, ports(component, "PORT_OUT").length) + ports(component, "PORT_SERVICE").length;
+  return { width: width(component), height: HEADER + ROW * rows + END };
+}
+
+const entry = (instance: string, port: string) => `${instance}.${port} in`;
+const exit = (instance: string, port: string) => `${instance}.${port} out`;
+
+function ends(component: Component): ElkPort[] {
+  const { width } = size(component);
+  const [ins, outs, services] = [ports(component, "PORT_IN"), ports(component, "PORT_OUT"), ports(component, "PORT_SERVICE")];
+  const at = (row: number, right: boolean, port: Port): ElkPort => ({
+    id: (right ? exit : entry)(component.instance, port.name),
+    x: right ? width : 0,
+    y: HEADER + ROW * (row + 0.5),
+    layoutOptions: { "elk.port.side": right ? "EAST" : "WEST" },
+  });
+  const below = Math.max(ins.length, outs.length);
+  return [
+    ...ins.map((port, i) => at(i, false, port)),
+    ...outs.map((port, i) => at(i, true, port)),
+    ...services.flatMap((port, i) => [at(below + i, false, port), at(below + i, true, port)]),
+  ];
+}
+
+/** Boxes and connections in the proportion of a view; a chain that is too long for it is folded. */
+export async function arrange(components: readonly Component[], connections: readonly Connection[], aspect: number): Promise<Arrangement> {
   const { default: ELK } = await import("elkjs/lib/elk.bundled.js");
   const known = new Set(components.map((each) => each.instance));
   const graph: ElkNode = {
@@ -28,33 +89,70 @@ export async function layout(
     layoutOptions: {
       "elk.algorithm": "layered",
       "elk.direction": "RIGHT",
-      "elk.spacing.nodeNode": "40",
-      "elk.layered.spacing.nodeNodeBetweenLayers": "90",
-      "elk.layered.considerModelOrder.strategy": "NODES_AND_EDGES",
+      "elk.edgeRouting": "ORTHOGONAL",
+      "elk.aspectRatio": String(aspect),
+      "elk.spacing.nodeNode": "24",
+      "elk.layered.spacing.nodeNodeBetweenLayers": "30",
+      "elk.layered.wrapping.strategy": "MULTI_EDGE",
     },
     children: components.map((each) => ({
       id: each.instance,
-      width: WIDTH,
-      height: height(each),
-      layoutOptions: { "elk.portConstraints": "FIXED_ORDER" },
-      ports: each.ports.map((port, i) => ({
-        id: `${each.instance}.${port.name}`,
-        width: 1,
-        height: 1,
-        layoutOptions: {
-          "elk.port.side": port.kind === "PORT_OUT" ? "EAST" : "WEST",
-          "elk.port.index": String(port.kind === "PORT_OUT" ? i : each.ports.length * 2 - i),
-        },
-      })),
+      ...size(each),
+      layoutOptions: { "elk.portConstraints": "FIXED_POS" },
+      ports: ends(each),
     })),
     edges: connections
       .filter((each) => known.has(each.source.instance) && known.has(each.target.instance))
       .map((each) => ({
         id: each.name,
-        sources: [`${each.source.instance}.${each.source.port}`],
-        targets: [`${each.target.instance}.${each.target.port}`],
+        sources: [exit(each.source.instance, each.source.port)],
+        targets: [entry(each.target.instance, each.target.port)],
       })),
   };
   const placed = await new ELK().layout(graph);
-  return new Map((placed.children ?? []).map((each) => [each.id, { x: each.x ?? 0, y: each.y ?? 0 }]));
+  const corners = (placed.edges ?? []).map(({ id, sections = [] }) => {
+    const points = sections.flatMap((each) => [each.startPoint, ...(each.bendPoints ?? []), each.endPoint]);
+    return [id, points] as const;
+  });
+  return {
+    places: new Map((placed.children ?? []).map((each) => [each.id, { x: each.x ?? 0, y: each.y ?? 0 }])),
+    routes: new Map(corners),
+    end: { x: placed.width ?? 0, y: placed.height ?? 0 },
+  };
+}
+
+/** The corners of the rectangle around boxes. */
+export function around(boxes: readonly (Point & { component: Component })[]): [Point, Point] {
+  const sized = boxes.map((each) => ({ ...each, ...size(each.component) }));
+  return [
+    { x: Math.min(...sized.map((each) => each.x)), y: Math.min(...sized.map((each) => each.y)) },
+    { x: Math.max(...sized.map((each) => each.x + each.width)), y: Math.max(...sized.map((each) => each.y + each.height)) },
+  ];
+}
+
+/** A view of all between two corners, as far as its text can be read then; else of the upper left of it. */
+export function view([start, end]: [Point, Point], wide: number, high: number): Point & { zoom: number } {
+  const [across, down] = [end.x - start.x, end.y - start.y];
+  const zoom = Math.min(1, Math.max(SMALLEST, Math.min((wide - LEFT - MARGIN) / across, (high - 2 * MARGIN) / down)));
+  return {
+    x: Math.max(LEFT, (wide - across * zoom) / 2) - start.x * zoom,
+    y: Math.max(MARGIN, (high - down * zoom) / 2) - start.y * zoom,
+    zoom,
+  };
+}
+
+/** A line through corners, which are rounded. */
+export function line(points: readonly Point[]): string {
+  const towards = (from: Point, to: Point): string => {
+    const distance = Math.hypot(to.x - from.x, to.y - from.y);
+    const part = distance ? Math.min(6, distance / 2) / distance : 0;
+    return `${from.x + (to.x - from.x) * part},${from.y + (to.y - from.y) * part}`;
+  };
+  return points
+    .map((point, i) => {
+      const [before, after] = [points[i - 1], points[i + 1]];
+      if (!before) return `M${point.x},${point.y}`;
+      return after ? `L${towards(point, before)} Q${point.x},${point.y} ${towards(point, after)}` : `L${point.x},${point.y}`;
+    })
+    .join(" ");
 }

@@ -57,6 +57,9 @@ const unavailable: Page = {
   announced: "",
 };
 
+/** The first number of a channel, which each run has anew. */
+const begun = (system: SystemState | undefined) => system?.channels[0]?.id;
+
 export class Store {
   page: Page = unavailable;
   readonly tracks = new Map<number, Track>();
@@ -131,7 +134,9 @@ export class Store {
     return result;
   }
 
+  /** Asks for the samples of channels; of those that are new the server gives what they had until now. */
   watch(channels: number[]): void {
+    for (const each of channels) if (!this.watched.includes(each)) this.tracks.delete(each);
     this.watched = channels;
     void this.ask({ case: "channels", value: channels });
   }
@@ -195,7 +200,7 @@ export class Store {
         this.types.add(0, event.value.types);
         this.tracks.clear();
         this.traffic = new Traffic();
-        if (event.value.time.past || this.page.system?.time.past) this.page = { ...this.page, lines: [], statistics: new Map(), beside: new Map() };
+        if (event.value.time.past || this.page.system?.time.past || begun(event.value) !== begun(this.page.system)) this.page = { ...this.page, lines: [], statistics: new Map(), beside: new Map() };
         this.page = { ...this.page, system: event.value, notice: "" };
         if (this.wanted !== undefined) {
           const now = this.wanted;

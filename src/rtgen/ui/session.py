@@ -178,12 +178,12 @@ class Session:
         self._watched = frozenset().union(*(page.watched for page in self._pages))
 
     def watch(self, page: Outbox, channels: Sequence[int]) -> None:
-        """Give a page the samples of other channels than before."""
+        """Give a page the samples of other channels than before, and what they had until now."""
         added = frozenset(channels) - page.watched
         page.watched = frozenset(channels)
         self.watch_changed()
-        if page.past is not None:
-            page.show_more(self.history.samples(page.past, added))
+        until = self.now if page.past is None else page.past
+        page.show_more(self.history.samples(until, added))
 
     def look(self, page: Outbox, time: float) -> None:
         """Show a page the run as it was at a time [s]; negative: what happens from now on.

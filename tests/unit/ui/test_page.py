@@ -40,6 +40,7 @@ def test_states_by_keyboard(page: Any, session: Session) -> None:
 
 def test_a_box_is_moved_by_keyboard(page: Any, session: Session) -> None:
     x, y = session.places[ODOMETRY]
+    page.get_by_role("button", name="Arranged").click()
     page.get_by_label(f"{ODOMETRY}, Odometry, ACTIVE").focus()
     page.keyboard.press("Enter")
     page.locator(".box.selected").wait_for()

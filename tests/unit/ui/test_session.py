@@ -225,6 +225,17 @@ def test_samples_go_to_pages_that_watch(bench: Bench, page: Page) -> None:
     assert len(written) == 50
 
 
+def test_a_page_gets_what_a_channel_had_before_it_is_watched(
+    bench: Bench, page: Page
+) -> None:
+    page.done("time", 0.1)
+    number = dict(channels(whole(page.seen)))["PathFollower0.velocity"].id
+    page.done("channels", [number])
+    [event] = [e for e in page.seen if e.discriminator is ui.EventKind.EVENT_SAMPLES]
+    assert {s.channel for s in event.samples} == {number}
+    assert event.samples[-1].time == pytest.approx(0.099)
+
+
 def test_a_page_may_only_look(bench: Bench) -> None:
     page = bench.page(full=False)
     assert not page.events()[0].greeting.full
