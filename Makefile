@@ -29,7 +29,7 @@ endif
 endif
 endif
 
-.PHONY: demo gallery test check format lint types mypy pyright imports drift pytest test-openrtm interpreters interpreter interpreted lowest lock licences wheels ui page fuzz mutants soak bench clean
+.PHONY: demo gallery test check format lint types mypy pyright imports drift pytest test-openrtm interpreters interpreter interpreted lowest lock licences wheels ui page pictures fuzz mutants soak bench clean
 
 demo: $(VENV)/demo.stamp
 	$(BIN)/rtgen generate
@@ -156,6 +156,10 @@ page: $(VENV)/test.stamp
 	@mkdir -p build
 	@$(BIN)/python ui/build.py --browser > build/page.log 2>&1 || \
 	    { tail -5 build/page.log; echo "the tests of the page are skipped"; }
+
+# The pictures of docs/ui.md.
+pictures: page
+	RTGEN_PICTURES=yes $(BIN)/pytest -q tests/unit/ui/test_page_gallery.py
 
 bench: SCRIPTS ?= benchmarks/*.py
 bench: $(VENV)/bench.stamp

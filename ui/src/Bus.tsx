@@ -70,10 +70,10 @@ function Load({ bus }: { bus: Bus }) {
     <>
       <p>
         {bus.bit_rate > 0 && `${bus.bit_rate / 1000} kbit/s, `}
-        {last ? `load ${(last.load * 100).toFixed(1)} %, ${last.frames} frames/s` : "load not measured yet"}
+        {last ? `${bus.bit_rate > 0 ? `load ${(last.load * 100).toFixed(1)} %, ` : ""}${last.frames} frames/s` : "load not measured yet"}
         {bus.computed_load >= 0 && `, computed ${(bus.computed_load * 100).toFixed(1)} %`}
       </p>
-      <Plot source={bus.name} read={read} unit="%" label={`Load of ${bus.name} over time`} />
+      {bus.bit_rate > 0 && <Plot source={bus.name} read={read} unit="%" label={`Load of ${bus.name} over time`} />}
     </>
   );
 }

@@ -4,6 +4,12 @@ import { Naming } from "./Naming.tsx";
 import type { SystemState } from "./protocol/Ui.ts";
 import { store } from "./store.ts";
 
+/** What a system is chosen by: its name first, which is not cut then. */
+function named(file: string): string {
+  const [, folder, name] = /^(?:(.*)\/)?([^/]*?)(?:\.xml)?$/.exec(file)!;
+  return folder ? `${name} (${folder})` : name!;
+}
+
 export function Palette(props: { system: SystemState; full: boolean; selected: string; select: (instance: string) => void }) {
   const { system, full, selected, select } = props;
   const { edits } = system;
@@ -35,7 +41,9 @@ export function Palette(props: { system: SystemState; full: boolean; selected: s
           <select disabled={!full} value={system.edits.file} onChange={(e) => store.order({ case: "system", value: e.target.value })}>
             {!system.systems.includes(system.edits.file) && <option value={system.edits.file}>{system.name}</option>}
             {system.systems.map((file) => (
-              <option key={file}>{file}</option>
+              <option key={file} value={file}>
+                {named(file)}
+              </option>
             ))}
           </select>
         </label>

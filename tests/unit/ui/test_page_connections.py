@@ -27,7 +27,7 @@ def test_ports_are_wired_by_keyboard(page: Any, session: Session) -> None:
 
     assert connected()
     press(page, page.get_by_label("Odometry0, Odometry, ACTIVE"), "Shift+F10")
-    page.get_by_role("menuitem", name="Activate", exact=True).wait_for()
+    page.locator(".menu button:focus").wait_for()
     page.keyboard.press("ArrowUp")
     page.keyboard.press("Enter")
     port = page.get_by_label("Chosen port")
