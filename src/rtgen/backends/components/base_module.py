@@ -254,11 +254,12 @@ def port_profile(port: Port, attribute: str, type_: str) -> str:
         given += [doc]
     parts = {"unit": port.unit}
     if port.kind in _ADD_SERVICE:
-        parts = {"port": port.port, "instance": port.instance, **parts}
+        own = {"port": port.port, "instance": port.instance}
+        parts = {**own, "type_name": port.type_name, **parts}
     given += (
         f"{key}={string_literal(text)}"
         for key, text in parts.items()
-        if text and (key == "unit" or text != port.name)
+        if text and (key in ("type_name", "unit") or text != port.name)
     )
     return f"{function}({', '.join(given)})"
 

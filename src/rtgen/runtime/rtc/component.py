@@ -120,17 +120,26 @@ class Component:
         `interface` is its servant class; declared as a callable, since type checkers accept no
         abstract class for `type[S]`.
         """
-        provider = Provider(port, instance, cast("type[S]", interface), self)
+        known = self._type_name(port, instance)
+        provider = Provider(port, instance, cast("type[S]", interface), self, known)
         return self._add(self.providers, (port, instance), provider)
 
     def add_consumer(
         self, port: str, instance: str, interface: Callable[..., S]
     ) -> Consumer[S]:
         """Add a required interface; see `add_provider`. Raises DuplicatePortError."""
+        known = self._type_name(port, instance)
         consumer = Consumer(
-            port, instance, cast("type[S]", interface), self.instance_name
+            port, instance, cast("type[S]", interface), self.instance_name, known
         )
         return self._add(self.consumers, (port, instance), consumer)
+
+    def _type_name(self, port: str, instance: str) -> str:
+        """The name by which others know the type of an interface; empty for the scoped one."""
+        found = (
+            p for p in self.profile.ports if (p.port, p.instance) == (port, instance)
+        )
+        return next((each.type_name for each in found), "")
 
     def add_configuration(self, values: C) -> C:
         """Bind the fields of `values`, which hold the defaults, to the profile's parameters."""

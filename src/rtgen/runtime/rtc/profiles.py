@@ -35,7 +35,8 @@ class PortProfile:
     """A data port, or one interface of a service port.
 
     `kind` is `inport`, `outport`, `provider` or `consumer`; `port` and `instance` name the service
-    port and the interface's instance in it; both are empty for a data port.
+    port and the interface's instance in it; both are empty for a data port. `type_name` is the name
+    by which others know the interface's type, empty for `type`.
     """
 
     name: str
@@ -47,6 +48,7 @@ class PortProfile:
     instance: str = ""
     unit: str = ""
     description: str = ""
+    type_name: str = ""
 
 
 class _Described(Protocol):
@@ -88,12 +90,14 @@ def service_port(
     *,
     port: str = "",
     instance: str = "",
+    type_name: str = "",
     unit: str = "",
 ) -> PortProfile:
     """The profile of an interface of a service port.
 
     `python_name` is the attribute of the component, `port` the service port and `instance` the
-    instance name, each if it differs from the name.
+    instance name, each if it differs from the name; `type_name` is the name by which others know
+    the interface's type, if it is not the scoped one.
     """
     return PortProfile(
         name=name,
@@ -105,6 +109,7 @@ def service_port(
         instance=instance or name,
         unit=unit,
         description=description,
+        type_name=type_name,
     )
 
 

@@ -51,6 +51,7 @@ class Provider(Generic[S]):
     __slots__ = (
         "_component",
         "_skeleton",
+        "_type_name",
         "connections",
         "in_every_state",
         "instance",
@@ -60,10 +61,16 @@ class Provider(Generic[S]):
     )
 
     def __init__(
-        self, port: str, instance: str, interface: type[S], owner: PortOwner
+        self,
+        port: str,
+        instance: str,
+        interface: type[S],
+        owner: PortOwner,
+        type_name: str = "",
     ) -> None:
         self.port = port
         self.instance = instance
+        self._type_name = type_name
         self.interface = interface
         self.limit: int | None = None
         self.connections = 0
@@ -133,13 +140,27 @@ class Consumer(Generic[S]):
     They raise ObjectNotExist without an ACTIVE provider.
     """
 
-    __slots__ = ("_provider", "_stub", "instance", "interface", "owner", "port")
+    __slots__ = (
+        "_provider",
+        "_stub",
+        "_type_name",
+        "instance",
+        "interface",
+        "owner",
+        "port",
+    )
 
     def __init__(
-        self, port: str, instance: str, interface: type[S], owner: str
+        self,
+        port: str,
+        instance: str,
+        interface: type[S],
+        owner: str,
+        type_name: str = "",
     ) -> None:
         self.port = port
         self.instance = instance
+        self._type_name = type_name
         self.interface = interface
         self.owner = owner
         self._provider: Carrier | None = None

@@ -19,7 +19,7 @@ from rtgen.runtime.corba.rt_objects.data import (
 )
 from rtgen.runtime.corba.rt_objects.objects import Exported
 from rtgen.runtime.corba.rt_objects.ports import Offer
-from rtgen.runtime.corba.rt_objects.services import link, offers
+from rtgen.runtime.corba.rt_objects.services import link, offers, type_names
 from rtgen.runtime.corba.rt_objects.wire import (
     IN_PORT_CDR,
     OUT_PORT_CDR,
@@ -137,7 +137,7 @@ class ServiceEnd:
         self.port = port.port
         self.properties = {"port.port_type": "CorbaPort"}
         self.interfaces = [
-            PortInterfaceProfile(end.instance, end.interface._descriptor_.name, side)
+            PortInterfaceProfile(end.instance, type_names(end)[0], side)
             for side, ends in (
                 (PortInterfacePolarity.PROVIDED, port.providers),
                 (PortInterfacePolarity.REQUIRED, port.consumers),

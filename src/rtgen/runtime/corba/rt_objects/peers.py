@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from omniORB import CORBA
@@ -12,6 +12,7 @@ from rtgen.facts.connector_properties import STRICTNESS
 from rtgen.facts.openrtm_ports import RUNTIME, known_name
 from rtgen.runtime.corba.naming import is_alive
 from rtgen.runtime.corba.rt_objects.foreign import Directory
+from rtgen.runtime.corba.rt_objects.services import type_names
 from rtgen.runtime.corba.rt_objects.wire import (
     RT_OBJECT,
     ConnectorProfile,
@@ -247,20 +248,14 @@ class ServicePeer(_Peer):
         for polarity, ends, what in ways:
             offered = [i.type_name for i in found.interfaces if i.polarity == polarity]
             for end in ends:
-                name = end.interface._descriptor_.name
-                if any(offer in _names_of(name) for offer in offered):
+                names = type_names(end)
+                if any(offer in names for offer in offered):
                     partners += 1
                 else:
                     listed = ", ".join(offered) or "none"
-                    lonely.append(f"{what} of {name} for {end}; it has: {listed}")
+                    lonely.append(f"{what} of {names[0]} for {end}; it has: {listed}")
         missing = [each for each in lonely if each.startswith("provider")]
         if missing and self.properties.get(STRICTNESS) == "strict":
             raise PortTypeError(f"{self.there} has no {missing[0]}")
         if not partners:
             raise PortTypeError(f"{self.there} has no {lonely[0]}")
-
-
-def _names_of(type_name: str) -> Iterator[str]:
-    """The names under which an interface may be registered: with and without its scope."""
-    yield type_name
-    yield type_name.rpartition("::")[2]

@@ -18,9 +18,19 @@ _NONE = ("nil", "null")
 """Values of pairs that mean that a consumer stays without provider."""
 
 
+def type_names(end: Consumer[Any] | Provider[Any]) -> list[str]:
+    """The names by which others may know the type of an interface, its own first.
+
+    Besides the scoped one there is that without its scope, by which authors of many components
+    have registered their interfaces.
+    """
+    scoped: str = end.interface._descriptor_.name
+    return [*filter(None, (end._type_name, scoped, scoped.rpartition("::")[2]))]
+
+
 def descriptor(end: Consumer[Any] | Provider[Any]) -> str:
     """The name of an interface in connectors: type and instance."""
-    return f"{end.interface._descriptor_.name}.{end.instance}"
+    return f"{type_names(end)[0]}.{end.instance}"
 
 
 def offers(
@@ -30,15 +40,15 @@ def offers(
 ) -> dict[str, str]:
     """The properties of a connector that offer providers, given with their IORs.
 
-    Besides OpenRTM's two names there is that of the type without its scope, by which authors of
-    many components have registered it.
+    Besides OpenRTM's two names there are those of `type_names`.
     """
     found: dict[str, str] = {}
     for provider, ior in providers.items():
         name = descriptor(provider)
         found[f"{instance}.port.{port}.provided.{name}"] = ior
         found[f"port.{name}"] = ior
-        found.setdefault(f"port.{name.rpartition('::')[2]}", ior)
+        for other in type_names(provider):
+            found.setdefault(f"port.{other}.{provider.instance}", ior)
     return found
 
 
@@ -105,12 +115,12 @@ def _offered(
     consumer: Consumer[Any], instance: str, port: str, properties: Mapping[str, str]
 ) -> str | None:
     """What the properties name for a consumer: by a pair, else by equal names."""
-    name = descriptor(consumer)
-    selected = properties.get(f"{instance}.port.{port}.required.{name}")
+    required = f"{instance}.port.{port}.required.{descriptor(consumer)}"
+    selected = properties.get(required)
     if selected is not None:
         return properties.get(selected, selected)
-    short = name.rpartition("::")[2]
-    return properties.get(f"port.{name}", properties.get(f"port.{short}"))
+    keys = [f"port.{each}.{consumer.instance}" for each in type_names(consumer)]
+    return next((properties[key] for key in keys if key in properties), None)
 
 
 def _only_one(
