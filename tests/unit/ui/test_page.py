@@ -31,8 +31,16 @@ def test_states_by_mouse(page: Any, session: Session) -> None:
 
 
 def test_states_by_keyboard(page: Any, session: Session) -> None:
-    page.get_by_label(f"{ODOMETRY}, Odometry, ACTIVE").focus()
-    page.keyboard.press("Shift+F10")
+    box = page.get_by_label(f"{ODOMETRY}, Odometry, ACTIVE")
+
+    def has_menu() -> bool:
+        # A box that is being placed does not keep the focus.
+        box.focus()
+        page.keyboard.press("Shift+F10")
+        page.wait_for_timeout(200)
+        return bool(page.locator(".menu").is_visible())
+
+    until(page, has_menu)
     page.locator(".menu button:focus").wait_for()
     page.keyboard.press("Tab")
     page.keyboard.press("Enter")
