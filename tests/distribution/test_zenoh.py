@@ -8,9 +8,11 @@ import shutil
 import signal
 import struct
 import subprocess
+from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import media
@@ -28,6 +30,7 @@ from rtgen.cli import run as rtgen
 from rtgen.runtime.distribution.medium import MediumError, Qos, Topic
 from rtgen.runtime.zenoh import session
 from rtgen.runtime.zenoh.medium import ZenohMedium
+from rtgen.runtime.zenoh.services import ZenohService
 from rtgen.runtime.zenoh.session import Endpoints, open_session
 
 TIMED_DOUBLE = struct.Struct("<4xIId")
@@ -469,3 +472,29 @@ def test_rh3_in_three_processes_behind_a_router_survives_the_loss_of_one(
     [pose] = found
     assert abs(float(pose[0]) - GOAL[0]) < 0.05
     assert abs(float(pose[1]) - GOAL[1]) < 0.05
+
+
+class EagerSession:
+    """A session with a query that waits for its queryable."""
+
+    def declare_queryable(self, key: str, on_query: Any, *, complete: bool) -> Any:
+        query = SimpleNamespace(payload=None)
+        on_query(query)
+        return SimpleNamespace(undeclare=lambda: None)
+
+    def liveliness(self) -> Any:
+        token = SimpleNamespace(undeclare=lambda: None)
+        return SimpleNamespace(declare_token=lambda key: token)
+
+    def is_closed(self) -> bool:
+        return False
+
+
+def test_a_request_that_comes_while_its_service_is_declared_is_served() -> None:
+    requests: list[bytes] = []
+    session: Any = EagerSession()
+    service = ZenohService(
+        session, "s", lambda octets, _: requests.append(octets), Counter()
+    )
+    assert requests == [b""]
+    service.close()

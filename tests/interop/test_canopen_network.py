@@ -24,7 +24,7 @@ from rtgen.runtime import (
     SampleRecord,
     System,
 )
-from rtgen.runtime.canopen.bus.canopen_network import shared
+from rtgen.runtime.canopen.bus.canopen_network import NetworkBus, shared
 from rtgen.runtime.canopen.bus.links import open_link
 from rtgen.runtime.canopen.bus.real_link import RealLink
 from rtgen.runtime.canopen.errors import LinkError
@@ -250,3 +250,16 @@ def test_what_cannot_be_shared(network: canopen.Network, channel: str) -> None:
         pytest.raises(LinkError, match="the network is not connected"),
     ):
         open_link(RealClock(), "canopen", "unconnected")
+
+
+def test_a_network_that_is_about_to_connect_is_not_connected(
+    network: canopen.Network, channel: str
+) -> None:
+    """`Network.connect` sets the bus first; until then its notifier is a stopped one."""
+    network.disconnect()
+    network.bus = can.Bus(interface="virtual", channel=channel)
+    with pytest.raises(can.CanInitializationError, match="not connected"):
+        NetworkBus(channel)
+    network.connect()
+    with NetworkBus(channel) as joined:
+        assert joined.shared_bus is network.bus

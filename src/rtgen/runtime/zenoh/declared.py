@@ -32,6 +32,10 @@ class Declared:
         self.closed = False
         self._keeper: set[Declared] = set()
 
+    def add(self, declaration: Any) -> None:
+        """Withdraw this declaration, too, when this is closed."""
+        self._declarations.append(declaration)
+
     def kept_by(self, keeper: set[Declared]) -> Declared:
         """This, which the keeper refers to until it is closed."""
         self._keeper = keeper

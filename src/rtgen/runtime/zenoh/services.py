@@ -33,14 +33,13 @@ class ZenohService(Declared):
         on_request: OnRequest,
         served: Counter[str],
     ) -> None:
+        super().__init__(session, end=partial(served.subtract, (key,)))
         self._key = key
         self._on_request = on_request
-        queryable = session.declare_queryable(key, self._on_query, complete=True)
-        token = session.liveliness().declare_token(key)
+        # The first query may come before `declare_queryable` returns.
+        self.add(session.declare_queryable(key, self._on_query, complete=True))
+        self.add(session.liveliness().declare_token(key))
         served[key] += 1
-        super().__init__(
-            session, queryable, token, end=partial(served.subtract, (key,))
-        )
 
     def _on_query(self, query: zenoh.Query) -> None:
         if self.closed:

@@ -90,7 +90,8 @@ class NetworkBus(can.BusABC):
                 "use rtgen.runtime.canopen.bus.canopen_network.shared"
             )
         bus, notifier = network.bus, network.notifier
-        if bus is None or notifier is None:
+        # While the network connects, its notifier is still that of the bus before.
+        if bus is None or notifier is None or not _notifies_of(notifier, bus):
             raise can.CanInitializationError("the network is not connected")
         super().__init__(channel=name)
         self.channel_info = f"canopen.Network {name}"
@@ -180,6 +181,12 @@ class NetworkBus(can.BusABC):
                 del attributes["send"]
             else:
                 attributes["send"] = self._own_send
+
+
+def _notifies_of(notifier: can.Notifier, bus: can.BusABC) -> bool:
+    """Whether a notifier receives from a bus."""
+    buses = notifier.bus
+    return bus in (buses if isinstance(buses, list | tuple) else (buses,))
 
 
 class _Listener(can.Listener):
