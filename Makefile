@@ -7,7 +7,9 @@ DEMO := build/demo
 PIP := --quiet --disable-pip-version-check --no-compile
 # `make test LOCKED=1` installs the versions of this file, which a release was tested with.
 LOCK := requirements/locked.txt
-PIP += $(if $(LOCKED),--constraint $(LOCK))
+CONSTRAINT = $(if $(LOCKED),--constraint $(LOCK))
+PIP += $(CONSTRAINT)
+INSTALL = $(BIN)/python tests/environments.py $(CONSTRAINT)
 # Tests start many processes: bytecode is written once, by the first that imports something.
 unexport PYTHONDONTWRITEBYTECODE
 
@@ -29,7 +31,7 @@ endif
 endif
 endif
 
-.PHONY: demo gallery test check format lint types mypy pyright imports drift pytest test-openrtm interpreters interpreter interpreted lowest lock licences wheels ui page pictures fuzz mutants soak bench clean
+.PHONY: demo gallery test check format lint types mypy pyright imports drift pytest waits test-openrtm interpreters interpreter interpreted lowest lock licences wheels ui page pictures fuzz mutants soak bench clean
 
 demo: $(VENV)/demo.stamp
 	$(BIN)/rtgen generate
@@ -43,11 +45,11 @@ demo: $(VENV)/demo.stamp
 gallery: $(VENV)/test.stamp
 	$(BIN)/python tests/reference/gallery.py
 
-# Tests wait for clocks and processes now and then; what else is checked is done meanwhile. What is
-# the same on each interpreter, and fast, is left to the further one: `pytest` alone runs all.
-test: SELECTED = -m "not once or slow or peer or random"
-test: $(VENV)/bin/python
-	$(MAKE) --no-print-directory -j 3 pytest interpreters lint types imports drift SELECTED='$(SELECTED)'
+# Tests wait for clocks and processes now and then; what else is checked is done meanwhile. Fast tests
+# whose results do not depend on the interpreter are left to the further one.
+test: SELECTED = not once or slow or peer or random
+test: $(VENV)/uv.stamp
+	$(MAKE) --no-print-directory -j 4 pytest waits interpreters lint types imports drift SELECTED='$(SELECTED)'
 
 CHECKED = src tests benchmarks requirements editors hatch_build.py mkdocs_hooks.py ui/build.py
 
@@ -73,8 +75,18 @@ drift: $(VENV)/test.stamp
 # Each worker begins with a half of the files, so what tests of a file share is made once.
 # Assertions that show their values take time to be compiled: only what fails has them.
 pytest: $(VENV)/test.stamp page
-	$(BIN)/pytest -n 2 --dist worksteal --assert=plain $(SELECTED) || \
-	    { $(BIN)/pytest -q --last-failed --last-failed-no-failures none; exit 1; }
+	$(call PYTEST,build/pytest,-m "not waits$(SELECTION)")
+
+# Tests that wait for clocks and processes most of their time, and need no processor meanwhile.
+waits: $(VENV)/test.stamp page
+	$(call PYTEST,build/pytest-waits,-m "waits$(SELECTION)" $(shell grep -rl --include='*.py' mark.waits tests))
+
+SELECTION = $(if $(SELECTED), and ($(SELECTED)))
+
+define PYTEST
+$(BIN)/pytest -n 2 --dist worksteal --assert=plain -o cache_dir=$(1) $(2) || \
+    { $(BIN)/pytest -q -o cache_dir=$(1) --last-failed --last-failed-no-failures none; exit 1; }
+endef
 
 # The OpenRTM-aist-Python of test-openrtm, soak and bench: SITE is the folder that has its package
 # OpenRTM_aist and its .pth file.
@@ -93,7 +105,7 @@ interpreters: interpreter
 	$(MAKE) --no-print-directory interpreted
 
 # The environment of the other interpreter; one processor installs it, one that of this one.
-interpreter: $(VENV)/bin/python
+interpreter: $(VENV)/uv.stamp
 	$(BIN)/python tests/interpreters.py --install
 
 interpreted:
@@ -181,14 +193,19 @@ $(VENV)/demo.stamp: pyproject.toml $(wildcard grammars/*.lark) | $(VENV)/bin/pyt
 	$(BIN)/python -m pip install $(PIP) --editable ".[plot]"
 	touch $@
 
-$(VENV)/test.stamp: pyproject.toml $(wildcard grammars/*.lark) | $(VENV)/bin/python
-	$(BIN)/python -m pip install $(PIP) --editable ".[plot,test,check]"
+$(VENV)/test.stamp: pyproject.toml $(wildcard grammars/*.lark) | $(VENV)/uv.stamp
+	$(INSTALL) --editable ".[plot,test,check]"
 	touch $@
 
 $(VENV)/release.stamp: $(VENV)/test.stamp
-	$(BIN)/python -m pip install $(PIP) --editable ".[plot,test,check,release]"
+	$(INSTALL) --editable ".[plot,test,check,release]"
 	touch $@
 
-$(VENV)/bench.stamp: pyproject.toml $(wildcard grammars/*.lark) | $(VENV)/bin/python
-	$(BIN)/python -m pip install $(PIP) --editable ".[plot,test,check,bench]"
+$(VENV)/bench.stamp: pyproject.toml $(wildcard grammars/*.lark) | $(VENV)/uv.stamp
+	$(INSTALL) --editable ".[plot,test,check,bench]"
+	touch $@
+
+# uv installs the test environments within seconds; where it cannot be had, pip does.
+$(VENV)/uv.stamp: | $(VENV)/bin/python
+	-$(BIN)/python -m pip install $(PIP) "uv>=0.9"
 	touch $@

@@ -32,13 +32,16 @@ gc.disable()
 TESTS = Path(__file__).parent
 _FOLDERS = count()
 ONCE = (
+    "distribution",
     "golden",
     "openrtm",
     "reference",
     "ros2",
+    "transports",
     "unit/canopen",
     "unit/cdl",
     "unit/components",
+    "unit/corba",
     "unit/diff",
     "unit/eds",
     "unit/facts",
@@ -55,11 +58,10 @@ ONCE = (
     "unit/tool",
     "unit/units",
 )
-"""Folders of tests that are the same on each interpreter.
+"""Folders of tests whose results do not depend on the interpreter.
 
-OpenRTM's modules, simulated robots, the compiler with its commands, which makes findings or other
-text of text, protocols and files that are octets of octets. Transports between processes, codecs
-and the runtime are tried on each.
+The compiler and its commands, simulated robots, protocols, transports, and OpenRTM's modules. The
+codecs and the runtime, which compile Python code and use threads, are tested on each.
 """
 
 DRAWN = {seeds.seed, seeds.budget, seeds.cases}
@@ -121,9 +123,10 @@ def _turn(item: pytest.Item) -> tuple[bool, bool]:
 
 
 def pytest_collection_finish() -> None:
-    """Leave what has been collected out of garbage collections."""
+    """Leave what has been collected out of garbage collections, which are made less often."""
     gc.freeze()
     gc.enable()
+    gc.set_threshold(50_000, 20, 100)
 
 
 @pytest.fixture

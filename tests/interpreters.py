@@ -15,6 +15,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+import environments
 from seeds import commit
 
 SUPPORTED = ("3.11", "3.12", "3.13")
@@ -55,32 +56,22 @@ def find(version: str) -> str | None:
     return None
 
 
-def build(python: str, folder: Path) -> Path:
-    """The wheel of the working tree, made in that folder by the pip of an environment.
-
-    That of this one may not be there yet: both are installed at once.
-    """
-    command = [python, "-m", "pip", "wheel", "--quiet", "--no-deps"]
-    command += ["--disable-pip-version-check", "--wheel-dir", str(folder), str(ROOT)]
-    subprocess.run(command, check=True)
-    return next(folder.glob("rtgen-*.whl"))
-
-
 def make(interpreter: str, folder: Path, *, lowest: bool = False) -> None:
     """An environment of its own for an interpreter, with the wheel and the reference build.
 
     `lowest`: with the lowest versions of the requirements, which uv finds.
     """
     shutil.rmtree(folder, ignore_errors=True)
-    subprocess.run([interpreter, "-m", "venv", str(folder)], check=True)
-    python = str(folder / "bin" / "python")
+    python = environments.create(interpreter, folder)
+    wheel = environments.build_wheel(ROOT, folder)
+    requirement = f"{wheel}[plot,test]"
     if lowest:
-        install = [sys.executable, "-m", "uv", "pip", "install", "--quiet"]
-        install += ["--python", python, "--resolution", "lowest-direct"]
+        # pip has no such resolution.
+        uv = [str(environments.UV), "pip", "install", "--quiet", "--python", python]
+        uv += ["--resolution", "lowest-direct", requirement]
+        subprocess.run(uv, check=True)
     else:
-        install = [python, "-m", "pip", "install", "--quiet", "--no-compile"]
-        install += ["--disable-pip-version-check"]
-    subprocess.run([*install, f"{build(python, folder)}[plot,test]"], check=True)
+        environments.install(python, requirement)
     _install_application(python, folder)
 
 

@@ -336,6 +336,7 @@ def line_of(name: str, medium: str, program: str = "") -> Iterator[Line]:
         yield line
 
 
+@pytest.mark.waits
 @pytest.mark.parametrize("medium", ["hub", pytest.param("pty", marks=pytest.mark.slow)])
 @pytest.mark.parametrize("name", FAULTS)
 def test_a_fault_has_the_state_and_the_way_back_of_the_page(
@@ -348,6 +349,7 @@ def test_a_fault_has_the_state_and_the_way_back_of_the_page(
         fault(name, line)
 
 
+@pytest.mark.waits
 @pytest.mark.slow
 @pytest.mark.parametrize("medium", ["hub", "pty"])
 @pytest.mark.parametrize("name", FAULTS)

@@ -495,6 +495,7 @@ def test_an_interpreter_without_rtgen_is_reported(workshop: Path) -> None:
     assert "Traceback" not in completed.stderr
 
 
+@pytest.mark.waits
 @pytest.mark.slow
 @pytest.mark.longest
 def test_six_processes_drive_to_the_goal(

@@ -14,6 +14,7 @@ import zipfile
 from pathlib import Path
 
 import pytest
+from environments import build_wheel
 
 from rtgen.diagnostics.explain import rules
 from rtgen.resources import RH3_FILES, RH3_FOLDER
@@ -53,15 +54,6 @@ except ModuleNotFoundError:
 pytestmark = pytest.mark.slow
 
 
-def build(source: Path, folder: Path, **environment: str) -> Path:
-    """The wheel of a project."""
-    command = [sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps"]
-    command += ["--disable-pip-version-check", "--wheel-dir", str(folder), str(source)]
-    subprocess.run(command, check=True, env={**os.environ, **environment})
-    [wheel] = folder.glob("*.whl")
-    return wheel
-
-
 @pytest.fixture(scope="module")
 def source(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The sources of both wheels, copied: a build writes tables beside the grammars."""
@@ -77,12 +69,12 @@ def source(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def whole(source: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return build(source, tmp_path_factory.mktemp("whole"))
+    return build_wheel(source, tmp_path_factory.mktemp("whole"))
 
 
 @pytest.fixture(scope="module")
 def runtime(source: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return build(source / "runtime", tmp_path_factory.mktemp("runtime"))
+    return build_wheel(source / "runtime", tmp_path_factory.mktemp("runtime"))
 
 
 def test_a_second_build_gives_the_same_octets(
@@ -93,7 +85,7 @@ def test_a_second_build_gives_the_same_octets(
         source, tmp_path / "elsewhere", copy_function=shutil.copyfile
     )
     for first, project in ((whole, again), (runtime, again / "runtime")):
-        second = build(project, tmp_path / first.name, PYTHONHASHSEED="4711")
+        second = build_wheel(project, tmp_path / first.name, PYTHONHASHSEED="4711")
         assert second.read_bytes() == first.read_bytes()
 
 

@@ -260,6 +260,7 @@ def serial(folder: Path) -> Iterator[tuple[Board, SerialLine, list[str]]]:
         yield board, line, [f"OpaqueRpcCommunication0.{text}" for text in settings]
 
 
+@pytest.mark.waits
 @pytest.mark.slow
 @pytest.mark.parametrize("way", [tcp, serial], ids=["tcp", "pty"])
 def test_a_board_in_another_process_stops_and_goes_on(way: Any, tmp_path: Path) -> None:

@@ -34,7 +34,7 @@ CANOPEN = NAVIGATION.parent / "canopen"
 BUS = CANOPEN / "pdo_linking.toml"
 PATIENCE = 60 * SECOND
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.waits]
 
 
 @contextmanager

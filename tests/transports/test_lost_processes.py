@@ -16,7 +16,7 @@ from patience import PATIENCE
 
 from rtgen import runtime
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.waits]
 
 
 class Mortal:

@@ -27,7 +27,7 @@ from rtgen.runtime.distribution.rpc_header import OctetsClient
 
 Join = Callable[..., Medium]
 HERE = Path(__file__).parent
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.waits]
 
 
 class Peer:

@@ -266,6 +266,7 @@ def test_components_of_the_page_are_wired_with_others(
 
 
 @pytest.mark.slow
+@pytest.mark.waits
 def test_a_peer_that_is_frozen_or_dead_says_so_and_blocks_nothing(
     page: Watcher, names: str, process: subprocess.Popen[bytes]
 ) -> None:
