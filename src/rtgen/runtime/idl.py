@@ -9,6 +9,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, Final, NamedTuple, TypeAlias, TypeVar
 
+from msgspec.structs import force_setattr
+
 from rtgen.facts.primitives import Primitive
 from rtgen.runtime.marshalling.descriptors import (
     NEXT,
@@ -349,7 +351,7 @@ def _numbered(
         if isinstance(described, MemberDescriptor):
             entry = _named(described, attribute)
             if entry.id == NEXT:
-                object.__setattr__(entry, "id", following)
+                force_setattr(entry, "id", following)
         else:
             type_: Any = getattr(described, "_descriptor_", described)
             entry = MemberDescriptor(attribute, type_, attribute, following)
@@ -363,7 +365,7 @@ _E = TypeVar("_E", MemberDescriptor, BranchDescriptor, BitfieldDescriptor)
 
 def _named(entry: _E, attribute: str) -> _E:
     """The entry with its attribute, which is its name where nothing else is said."""
-    object.__setattr__(entry, "attribute", attribute)
+    force_setattr(entry, "attribute", attribute)
     if not entry.name:
-        object.__setattr__(entry, "name", attribute)
+        force_setattr(entry, "name", attribute)
     return entry

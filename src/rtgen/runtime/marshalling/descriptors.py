@@ -8,8 +8,11 @@ not look at them.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any, ClassVar, Final, Protocol, Self, TypeAlias, TypeVar
+
+import msgspec
+from msgspec.structs import force_setattr, replace
 
 from rtgen.runtime.marshalling.errors import Buffer
 from rtgen.runtime.marshalling.numeric import Numeric
@@ -148,8 +151,7 @@ class FlagsDescriptor(Named):
     bound: int
 
 
-@dataclass(frozen=True, slots=True)
-class BitfieldDescriptor:
+class BitfieldDescriptor(msgspec.Struct, frozen=True):
     """A field of a bitset: its width and the bit it begins at, the least significant being 0.
 
     `signed`: it is in two's complement; `boolean`: its one bit is a bool.
@@ -192,8 +194,7 @@ class BitsetDescriptor(Named):
     bound: int
 
 
-@dataclass(frozen=True, slots=True)
-class MemberDescriptor:
+class MemberDescriptor(msgspec.Struct, frozen=True):
     """A member of a struct: its name in the definition, its type, and its attribute in Python.
 
     `private` is meant for the state of a value.
@@ -213,8 +214,7 @@ class MemberDescriptor:
     private: bool = False
 
     def __post_init__(self) -> None:
-        if not self.attribute:
-            object.__setattr__(self, "attribute", self.name)
+        _name_attribute(self)
 
 
 @dataclass(frozen=True, slots=True)
@@ -244,8 +244,7 @@ class ExceptionDescriptor(Named):
         object.__setattr__(self, "members", _numbered(self.members, 0))
 
 
-@dataclass(frozen=True, slots=True)
-class BranchDescriptor:
+class BranchDescriptor(msgspec.Struct, frozen=True):
     """A branch of a union; `labels` are values of the discriminator in Python."""
 
     labels: tuple[int | str | bool, ...]
@@ -368,7 +367,7 @@ def _name_attribute(
     entry: BitfieldDescriptor | MemberDescriptor | BranchDescriptor,
 ) -> None:
     if not entry.attribute:
-        object.__setattr__(entry, "attribute", entry.name)
+        force_setattr(entry, "attribute", entry.name)
 
 
 _E = TypeVar("_E", MemberDescriptor, BranchDescriptor)

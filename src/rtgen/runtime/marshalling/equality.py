@@ -2,29 +2,33 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Iterable
+from typing import Any, Final
 
 from rtgen.runtime.marshalling.descriptors import (
     AliasDescriptor,
     ArrayDescriptor,
+    BranchDescriptor,
     ExceptionDescriptor,
+    MemberDescriptor,
     Named,
     SequenceDescriptor,
     StructDescriptor,
     UnionDescriptor,
 )
 
+_COLLECTIONS: Final = (AliasDescriptor, ArrayDescriptor, SequenceDescriptor)
+
 
 def holds_numpy(descriptor: Named | None) -> bool:
     """Whether a member of a struct or exception, or a branch of a union, is a numpy array."""
-    match descriptor:
-        case StructDescriptor(members=entries) | ExceptionDescriptor(members=entries):
-            types = [member.type for member in entries]
-        case UnionDescriptor(branches=branches):
-            types = [branch.type for branch in branches]
-        case _:
-            return False
-    return any(map(_is_numpy, types))
+    entries: Iterable[MemberDescriptor | BranchDescriptor] = ()
+    if isinstance(descriptor, StructDescriptor | ExceptionDescriptor):
+        entries = descriptor.members
+    elif isinstance(descriptor, UnionDescriptor):
+        entries = descriptor.branches
+    # This examines each member when its module is imported: most have a primitive type.
+    return any(type(e.type) in _COLLECTIONS and _is_numpy(e.type) for e in entries)
 
 
 def _is_numpy(type_: Any) -> bool:
