@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 import os
 import re
+import shutil
 import signal
 from functools import cache
 from itertools import count
@@ -68,11 +69,19 @@ DRAWN = {seeds.seed, seeds.budget, seeds.cases}
 """A file that uses one of them has tests with many drawn inputs."""
 
 
+MEMORY = Path("/dev/shm")
+"""A file system in memory, where there is one (Linux): tests create some 40,000 files."""
+MIN_FREE = 4 << 30
+"""Octets that must be free there."""
+
+
 @pytest.hookimpl(tryfirst=True)
 def pytest_configure(config: pytest.Config) -> None:
     """Hypothesis draws by the seed of the run, unless it is given one of its own."""
     if config.option.hypothesis_seed is None:
         config.option.hypothesis_seed = str(seeds.seed())
+    if os.access(MEMORY, os.W_OK) and shutil.disk_usage(MEMORY).free > MIN_FREE:
+        os.environ.setdefault("PYTEST_DEBUG_TEMPROOT", str(MEMORY))
 
 
 def pytest_report_header() -> str:
