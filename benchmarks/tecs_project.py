@@ -23,7 +23,7 @@ PARAMETERS = (
     "[inout] struct tagItem *it",
     "[out,size_is(m)] int64_t *w, [in] int32_t m",
 )
-MOST_LINES = 25
+MAX_LINES = 25
 """How many lines of Python a function may give in a project of 100 joins of 20 functions."""
 
 
@@ -96,7 +96,7 @@ def main() -> int:
         if joins > 7:
             importing(folder)
             print(f"import of one marshaller: {importing(folder) * 1000:.0f} ms")
-    return int((joins, functions) == (100, 20) and each > MOST_LINES)
+    return int((joins, functions) == (100, 20) and each > MAX_LINES)
 
 
 if __name__ == "__main__":

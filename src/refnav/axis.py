@@ -55,12 +55,12 @@ class Axis:
         return self.voltage * self.motor.speed_constant
 
     def torque_for(self, speed: float, dt: float) -> float:
-        """The torque by which an axis without load has this speed [rad/s] after `dt` [s]."""
+        """Return the torque by which an axis without load has this speed [rad/s] after `dt` [s]."""
         motor = self.motor
         return motor.inertia * (speed - self.speed) / dt + motor.friction * self.speed
 
     def turn(self, torque: float, dt: float) -> None:
-        """Turns on for `dt` [s]."""
+        """Turn on for `dt` [s]."""
         motor = self.motor
         top = self.top_speed
         # The motor's torque within its voltage; a load may turn it faster.
@@ -75,7 +75,7 @@ class Axis:
 
 
 def approach(distance: float, deceleration: float, dt: float) -> float:
-    """The speed at which a way of this length can be ended at rest, in steps of `dt` [s].
+    """Return the speed at which a way of this length can be ended at rest, in steps of `dt` [s].
 
     The signs are those of the way. Any units that fit each other.
     """
@@ -90,7 +90,9 @@ def approach(distance: float, deceleration: float, dt: float) -> float:
 
 
 def ramped(value: float, target: float, gain: float, loss: float) -> float:
-    """The next speed on the way to `target`: `gain` and `loss` limit the change of its amount."""
+    """Return the next speed on the way to `target`: `gain` and `loss` limit the change of its
+    amount.
+    """
     if value * target < 0.0:
         target = 0.0
     step = gain if abs(target) > abs(value) else loss

@@ -103,7 +103,7 @@ def furnish(plant: Plant, parameters: PlantRoom, folder: Path) -> None:
 
 
 def contact(plant: Plant) -> str:
-    """The condition to report while the base touches an obstacle."""
+    """Return the condition to report while the base touches an obstacle."""
     return f"contact with an obstacle at ({plant.x:.3f}, {plant.y:.3f})"
 
 
@@ -115,7 +115,7 @@ def start_of(parameters: PlantStart) -> Pose:
 
 
 def true_wheels(parameters: PlantSizes) -> TwoWheels:
-    """The wheels of the simulated base."""
+    """Return the wheels of the simulated base."""
     return TwoWheels(
         parameters.PlantWheelRadiusLeft,
         parameters.PlantWheelRadiusRight,
@@ -147,7 +147,7 @@ class BaseControl:
         self._command.start(now)
 
     def wheel_speeds(self, now: int) -> tuple[float, float]:
-        """The speeds that the left and the right wheel are to have now [ns]; in rad/s."""
+        """Return the speeds that the left and the right wheel are to have now [ns]; in rad/s."""
         parameters = self._parameters
         if (command := self._command.read_newest(now)) is not None:
             self._vx = command.data.vx

@@ -87,12 +87,12 @@ class Body:
 
 
 def on_two_wheels(sizes: TwoWheelSizes) -> Body:
-    """The body of Ref-Hard and of the Segways."""
+    """Return the body of Ref-Hard and of the Segways."""
     wheels = TwoWheels(sizes.WheelRadius, sizes.WheelRadius, sizes.WheelTread)
     return Body(wheels, sizes, goes_sideways=False)
 
 
 def on_omni_wheels(sizes: OmniWheelSizes) -> Body:
-    """The body of Omni-Wheel."""
+    """Return the body of Omni-Wheel."""
     wheels = OmniWheels(sizes.Wheels, sizes.WheelRadius, sizes.WheelDistance)
     return Body(wheels, sizes, goes_sideways=True)

@@ -65,7 +65,7 @@ class Wheel:
         self._lost = False
 
     def listen(self, now: int, parameters: PlantParameters) -> None:
-        """Takes what has come from the drive."""
+        """Take what has come from the drive."""
         status = (
             self._ports.status.read_newest() if self._ports.status.is_new() else None
         )
@@ -85,18 +85,18 @@ class Wheel:
             self._lost = True
 
     def there(self, now: int, timeout: float) -> bool:
-        """Whether the drive was heard of within the last `timeout` [s]."""
+        """Return whether the drive was heard of within the last `timeout` [s]."""
         return self.heard is not None and now - self.heard <= timeout * SECOND
 
     def drive(self, speed: float) -> None:
-        """Brings the drive to operation, and gives it a speed [rad/s]."""
+        """Bring the drive to operation, and gives it a speed [rad/s]."""
         ports = self._ports
         self._command(self.master.controlword)
         target = speed / ports.unit if self.master.enabled else 0.0
         ports.target.write(ports.target_type(Target_velocity=target))
 
     def stop(self) -> None:
-        """Lets the drive stop quickly."""
+        """Let the drive stop quickly."""
         self._command(Command.QUICK_STOP)
 
     def _command(self, word: int) -> None:
@@ -151,12 +151,12 @@ class CanopenBase:
         self._control.start(now)
 
     def stop(self) -> None:
-        """Stops all wheels."""
+        """Stop all wheels."""
         for wheel in self._wheels:
             wheel.stop()
 
     def step(self, now: int) -> tuple[float, float] | None:
-        """Drives on; the angles of both sides [rad], None while a drive is not there.
+        """Drive on; the angles of both sides [rad], None while a drive is not there.
 
         Raises RuntimeError if a drive has a fault while the base is driven.
         """

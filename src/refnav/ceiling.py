@@ -66,7 +66,7 @@ def parse(text: str, name: str) -> list[Lamp]:
 
 
 def picture(lamps: Iterable[Lamp], pose: Pose, view: View) -> bytearray:
-    """The lamps as seen by a camera at a pose."""
+    """Return the lamps as seen by a camera at a pose."""
     image = bytearray(view.width * view.height)
     along, across = cos(pose.theta), sin(pose.theta)
     for lamp in lamps:
@@ -94,7 +94,9 @@ def _draw(
 
 
 def blobs(image: bytes, view: View, brightness: int) -> list[Blob]:
-    """The spots of pixels that are at least so bright, but those cut by an edge of the picture."""
+    """Return the spots of pixels that are at least so bright, but those cut by an edge of the
+    picture.
+    """
     threshold = bytes(1 if value >= brightness else 0 for value in range(256))
     marks = image.translate(threshold)
     found: list[_Spot] = []
@@ -201,7 +203,9 @@ def recognised(
     about: Pose,
     scope: float,
 ) -> list[tuple[tuple[float, float], Lamp]]:
-    """The lamp for each spot: the nearest, within `scope` diameters of where the spot should be."""
+    """Return the lamp for each spot: the nearest, within `scope` diameters of where the spot should
+    be.
+    """
     along, across = cos(about.theta), sin(about.theta)
     pairs = []
     for ahead, left in seen:
@@ -214,7 +218,9 @@ def recognised(
 
 
 def fitted(pairs: Sequence[tuple[tuple[float, float], Lamp]]) -> Pose | None:
-    """The pose from which the lamps are seen there, by least squares; None for less than two."""
+    """Return the pose from which the lamps are seen there, by least squares; None for less than
+    two.
+    """
     count = len(pairs)
     if count < 2:
         return None

@@ -29,7 +29,7 @@ class PowerState(Enum):
 
 
 def state_of(statusword: int) -> PowerState | None:
-    """The state in a statusword; None if there is no such state."""
+    """Return the state in a statusword; None if there is no such state."""
     for state in PowerState:
         mask, value = state.value
         if statusword & mask == value:
@@ -84,7 +84,7 @@ _COMMANDS: Final = (
 
 
 def command_of(controlword: int) -> Command | None:
-    """The command that a controlword gives; None with the bit of a fault reset."""
+    """Return the command that a controlword gives; None with the bit of a fault reset."""
     for mask, command in _COMMANDS:
         if controlword & mask == command & mask:
             return command
@@ -134,7 +134,7 @@ class DriveMaster:
         self.controlword = int(Command.DISABLE_VOLTAGE)
 
     def take(self, statusword: int) -> None:
-        """Takes a statusword of the drive."""
+        """Take a statusword of the drive."""
         state = self.state = state_of(statusword)
         if state is PowerState.FAULT:
             # A rising edge resets: the bit goes up and down till the fault is gone.

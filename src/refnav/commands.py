@@ -27,7 +27,7 @@ class Command:
 
 
 def parse(line: str) -> Command | None:
-    """The command in one line of text; None if it holds nothing but a comment.
+    """Return the command in one line of text; None if it holds nothing but a comment.
 
     Raises CommandError.
     """

@@ -37,7 +37,7 @@ class ConsoleReader:
         return self._ended.is_set() and not self._lines
 
     def take(self) -> str | None:
-        """The oldest line that was not taken yet, without its end; None if there is none."""
+        """Return the oldest line that was not taken yet, without its end; None if there is none."""
         return self._lines.popleft() if self._lines else None
 
     def wait_for_end(self) -> None:

@@ -71,7 +71,7 @@ class Drive:
         self._publish()
 
     def run(self, seconds: float) -> None:
-        """Lets time pass."""
+        """Let time pass."""
         steps = min(ceil(seconds / _LONGEST), _STEPS)
         for _ in range(steps):
             self.step(min(seconds / steps, _LONGEST))
@@ -97,7 +97,7 @@ class Drive:
             self.machine.command(Command.QUICK_STOP)
 
     def fail(self, code: int) -> None:
-        """Enters the fault state for a reason from outside."""
+        """Enter the fault state for a reason from outside."""
         if self.machine.state not in (
             PowerState.FAULT_REACTION_ACTIVE,
             PowerState.FAULT,
@@ -131,7 +131,7 @@ class Drive:
     # What the axis is to do.
 
     def _wanted(self, dt: float) -> float:
-        """The torque for the next step [N m]."""
+        """Return the torque for the next step [N m]."""
         machine = self.machine
         if not machine.powered:
             self._follow_axis()
@@ -279,7 +279,7 @@ class Drive:
     # From demands to torque.
 
     def _moved(self, position: float, speed: float, dt: float) -> float:
-        """Demands a position, to be passed at a speed."""
+        """Demand a position, to be passed at a speed."""
         self._position = position
         self._speed = speed
         axis = self.axis
@@ -291,13 +291,13 @@ class Drive:
         )
 
     def _turned(self, speed: float, dt: float) -> float:
-        """Demands a speed."""
+        """Demand a speed."""
         self._speed = speed
         self._position = self.axis.angle
         return self._limit(self.axis.torque_for(speed, dt), dt)
 
     def _given(self, torque: float, dt: float) -> float:
-        """Demands a torque, of an axis that must not be faster than it may."""
+        """Demand a torque, of an axis that must not be faster than it may."""
         axis = self.axis
         self._position = axis.angle
         self._speed = axis.speed
@@ -322,7 +322,7 @@ class Drive:
         return min(torque, current * self.axis.motor.torque_constant)
 
     def _within(self, angle: float) -> float:
-        """The angle within the software's limits."""
+        """Return the angle within the software's limits."""
         objects = self._objects
         sign = self._sign(0x80)
         ends = objects.Min_position_limit, objects.Max_position_limit
@@ -354,7 +354,7 @@ class Drive:
         return self._settled * 1000.0 >= time and abs(away) <= window
 
     def _cause(self) -> int:
-        """The code of a fault that lasts, 0 for none."""
+        """Return the code of a fault that lasts, 0 for none."""
         low, high = self.axis.motor.supply
         if self.axis.voltage > high:
             return OVER_VOLTAGE
@@ -381,7 +381,7 @@ class Drive:
             self._alarm(0)
 
     def _publish(self) -> None:
-        """Shows it in the objects."""
+        """Show it in the objects."""
         objects = self._objects
         units = self._units
         axis = self.axis

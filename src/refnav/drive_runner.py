@@ -37,7 +37,7 @@ class DriveRunner:
         self.drive.remote = True
 
     def run(self) -> None:
-        """Lets the time since the last call pass."""
+        """Let the time since the last call pass."""
         for port in self._device.in_ports.values():
             # Its objects have what came.
             port.read_newest()
@@ -113,6 +113,6 @@ class SimulatedDrive(CanopenDevice):
         return RTC_OK
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
-        """One turn of the drive's loop."""
+        """Return one turn of the drive's loop."""
         self._runner.run()
         return RTC_OK

@@ -53,5 +53,5 @@ class FPaletteDevice(FPaletteDeviceBase):
         return RTC_OK
 
     def _is_event(self, name: str) -> Callable[[bytes | None, bytes], bool]:
-        """A change alone is none: the board says when there is one."""
+        """Return a change alone is none: the board says when there is one."""
         return lambda before, after: before is None and self._board.tells_first(name)

@@ -49,7 +49,7 @@ class Follower(Protocol):
     def command(
         self, here: Pose, parameters: FollowingParameters, *, sideways: bool
     ) -> Command:
-        """The velocity that follows; `sideways` says whether the body can move so."""
+        """Return the velocity that follows; `sideways` says whether the body can move so."""
 
 
 class TrackFollower:

@@ -14,7 +14,7 @@ Point = tuple[float, float]
 def free_way(
     curvature: float, points: Iterable[Point], radius: float, horizon: float
 ) -> float:
-    """The length of arc [m], at most `horizon`, that a body drives forward untouched.
+    """Return the length of arc [m], at most `horizon`, that a body drives forward untouched.
 
     The body is a circle of `radius` [m] round the origin, heading along x; `curvature` [1/m] is
     positive to the left. A point within the circle stops only a body that drives towards it.
@@ -32,7 +32,7 @@ def free_way(
 
 
 def _way_to(curvature: float, x: float, y: float, apart: float) -> float:
-    """The way to the first touch of a point outside; inf if the arc passes it."""
+    """Return the way to the first touch of a point outside; inf if the arc passes it."""
     # With s = 2 tan(way curvature / 2) / curvature touching means a s^2 - x s + apart = 0.
     a = 0.5 * (1.0 - y * curvature + 0.5 * apart * curvature * curvature)
     root = x * x - 4.0 * a * apart

@@ -21,7 +21,7 @@ class FtmdDevice(SimulatedDrive, FtmdDeviceBase):
         return RTC_OK
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
-        """One turn of the drive's loop."""
+        """Return one turn of the drive's loop."""
         code = super().on_execute(ec_id)
         celsius = self.axis.temperature
         self.objects.Driver_temperature = round(10.0 * celsius)

@@ -18,12 +18,12 @@ class Pose(NamedTuple):
 
 
 def wrap(angle: float) -> float:
-    """The same angle within [-pi, pi] [rad]."""
+    """Return the same angle within [-pi, pi] [rad]."""
     return remainder(angle, tau)
 
 
 def wrap_positive(angle: float) -> float:
-    """The same angle within [0, 2 pi), as the third phase of the interfaces has it [rad]."""
+    """Return the same angle within [0, 2 pi), as the third phase of the interfaces has it [rad]."""
     wrapped = angle % tau
     return wrapped if wrapped < tau else 0.0  # of an angle a little below 0
 
@@ -36,7 +36,8 @@ def advance(
     turn: float,
     sideways: float = 0.0,
 ) -> tuple[float, float, float]:
-    """The pose (x, y, theta) after an arc of length `distance` [m] that turns by `turn` [rad].
+    """Return the pose (x, y, theta) after an arc of length `distance` [m] that turns by `turn`
+    [rad].
 
     `sideways` [m] is what a base that can does to its left meanwhile. Exact for constant
     velocities: the chord of the arc lies at its mean heading. The heading comes back wrapped.

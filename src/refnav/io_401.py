@@ -55,7 +55,7 @@ class Board:
         self.step()
 
     def step(self) -> None:
-        """Reads the inputs and drives the outputs."""
+        """Read the inputs and drives the outputs."""
         self.events.clear()
         self._read_digital()
         self._read_analogue()
@@ -63,7 +63,7 @@ class Board:
         self._drive()
 
     def tells_first(self, name: str) -> bool:
-        """Whether an input's value is transmitted when the board becomes operational."""
+        """Return whether an input's value is transmitted when the board becomes operational."""
         if name.startswith("Analogue"):
             return bool(self._objects.Analogue_input_global_interrupt_enable)
         if name.startswith("Digital"):
@@ -111,7 +111,7 @@ class Board:
             setattr(objects, name, value)
 
     def _triggered(self, number: int, value: int) -> bool:
-        """Whether the input makes an event; the first value after the enabling does."""
+        """Return whether the input makes an event; the first value after the enabling does."""
         objects = self._objects
         transmitted = self._transmitted[number - 1]
         trigger = getattr(objects, f"Trigger_of_analogue_input_{number}")
@@ -134,7 +134,7 @@ class Board:
         )
 
     def _refer(self) -> None:
-        """Makes the angle reference of its input."""
+        """Make the angle reference of its input."""
         objects = self._objects
         value = getattr(objects, f"Analogue_input_{objects.Angle_reference_input}")
         angle = objects.Angle_reference_offset + round(
@@ -157,7 +157,7 @@ class Board:
 
 
 def converted(voltage: float) -> int:
-    """The converter's value for a voltage."""
+    """Return the converter's value for a voltage."""
     if not isfinite(voltage):
         raise ValueError(f"{voltage} is not a voltage")
     return min(max(round(voltage / FULL_SCALE * 0x7FFF), -0x8000), 0x7FFF)

@@ -28,7 +28,7 @@ class Response:
     sideways: bool = False
 
     def __call__(self, deflection: float) -> float:
-        """The output for a deflection, both within [-1, 1]."""
+        """Return the output for a deflection, both within [-1, 1]."""
         size = abs(deflection)
         if self.digital:
             return copysign(1.0, deflection) if size >= 0.5 else 0.0

@@ -19,10 +19,10 @@ class Kinematics(Protocol):
         """How many wheels are driven."""
 
     def speeds(self, vx: float, vy: float, va: float) -> tuple[float, ...]:
-        """The wheel speeds [rad/s] for a velocity of the body [m/s, m/s, rad/s]."""
+        """Return the wheel speeds [rad/s] for a velocity of the body [m/s, m/s, rad/s]."""
 
     def motion(self, turns: Sequence[float]) -> tuple[float, float, float]:
-        """The way forward and to the left [m], and the turn [rad], as the wheels turn [rad].
+        """Return the way forward and to the left [m], and the turn [rad], as the wheels turn [rad].
 
         Speeds [rad/s] give the velocity of the body.
         """
@@ -71,12 +71,14 @@ class OmniWheels:
         ]
 
     def speeds(self, vx: float, vy: float, va: float) -> tuple[float, ...]:
-        """Each wheel has the part of the velocity that is along its rolling direction."""
+        """Return each wheel has the part of the velocity that is along its rolling direction."""
         round_ = va * self._distance
         return tuple((x * vx + y * vy + round_) / self._radius for x, y in self._axes)
 
     def motion(self, turns: Sequence[float]) -> tuple[float, float, float]:
-        """The motion that fits best where the wheels contradict each other (four and more)."""
+        """Return the motion that fits best where the wheels contradict each other (four and
+        more).
+        """
         forward = sideways = total = 0.0
         for turn, (x, y) in zip(turns, self._axes, strict=True):
             forward += x * turn

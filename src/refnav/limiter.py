@@ -4,10 +4,10 @@ from __future__ import annotations
 
 
 def limited(value: float, target: float, most: float, step: float) -> float:
-    """The next value on the way to `target`.
+    """Return the next value on the way to `target`.
 
-    It is within [-most, most], unless the value before is farther out than one step, and at
-    most `step` away from `value`. `most` and `step` are not negative; all in one unit.
+    It is within [-most, most], unless the value before is farther out than one step, and at most
+    `step` away from `value`. `most` and `step` are not negative; all in one unit.
     """
     if target > most:
         target = most

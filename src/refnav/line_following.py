@@ -39,7 +39,7 @@ class Motion(Protocol):
 
 
 def regulate(distance: float, angle: float, v: float, w: float, gains: Gains) -> float:
-    """The next angular speed on a line [rad/s].
+    """Return the next angular speed on a line [rad/s].
 
     `distance` is that of the base from the line, positive to its left [m], `angle` the heading of
     the base against the line [rad]. `w` is the angular speed relative to that of the line [rad/s].
@@ -68,7 +68,7 @@ class Constant:
         """The pose does not matter."""
 
     def reference(self, v: float, w: float, gains: Gains) -> tuple[float, float]:
-        """The commanded speeds."""
+        """Return the commanded speeds."""
         return self._reference
 
 
@@ -97,7 +97,7 @@ class LineFollow:
         self._angle = remainder(theta - self._heading, tau)
 
     def reference(self, v: float, w: float, gains: Gains) -> tuple[float, float]:
-        """The commanded speed, with a correction towards the line."""
+        """Return the commanded speed, with a correction towards the line."""
         return self._speed, regulate(self.distance, self._angle, v, w, gains)
 
 
@@ -151,7 +151,7 @@ class CircleFollow:
         self._angle = remainder(theta - tangent, tau)
 
     def reference(self, v: float, w: float, gains: Gains) -> tuple[float, float]:
-        """The commanded speed, with a correction towards the circle."""
+        """Return the commanded speed, with a correction towards the circle."""
         turn = self._speed / self._radius
         return self._speed, turn + regulate(
             self._distance, self._angle, v, w - turn, gains
@@ -177,7 +177,7 @@ class Spin:
         self._angle = remainder(self._heading - pose.theta, tau)
 
     def reference(self, v: float, w: float, gains: Gains) -> tuple[float, float]:
-        """The commanded speed, or the one from which a tenth of `max_acc_w` still brakes."""
+        """Return the commanded speed, or the one from which a tenth of `max_acc_w` still brakes."""
         angle = self._angle
         braking = sqrt(0.2 * gains.max_acc_w * abs(angle) / gains.control_cycle)
         speed = self._speed if self._speed < braking else max(braking, SLOWEST_SPIN)

@@ -17,7 +17,7 @@ class MapError(ValueError):
 
 
 def text_of(folder: Path, name: str) -> str:
-    """The text of a map; file names start at `folder`. Raises MapError."""
+    """Return the text of a map; file names start at `folder`. Raises MapError."""
     try:
         with (folder / name).open(encoding="utf-8") as stream:
             text = stream.read(LARGEST + 1)
@@ -31,7 +31,7 @@ def text_of(folder: Path, name: str) -> str:
 
 
 def mistake(name: str, number: int, why: str) -> MapError:
-    """The error in a line."""
+    """Return the error in a line."""
     return MapError(f"{name}:{number}: {why}")
 
 

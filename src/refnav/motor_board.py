@@ -62,7 +62,7 @@ class MotorBoard(MotorBoardTarget):
     # The board's own loop.
 
     def turn(self) -> None:
-        """Lets the wheels turn up to now, looks at the watchdog, and sets their speeds anew."""
+        """Let the wheels turn up to now, looks at the watchdog, and sets their speeds anew."""
         parameters = self._parameters
         base = self.base
         with self._lock:
@@ -79,18 +79,18 @@ class MotorBoard(MotorBoardTarget):
                 base.drive(self._wanted, self._most, self._acceleration * dt)
 
     def note(self, kind: BoardEventKind) -> None:
-        """Makes an entry in the log."""
+        """Make an entry in the log."""
         with self._lock:
             self._note(kind)
 
     # The calls of the signature; their names are those of the CDL file.
 
     def identify(self) -> tuple[int, str]:
-        """The name and the version of the board."""
+        """Return the name and the version of the board."""
         return E_OK, NAME
 
     def setLimits(self, speed: float, acceleration: float) -> int:
-        """The greatest speed [rad/s] and acceleration [rad/s^2] of a wheel."""
+        """Return the greatest speed [rad/s] and acceleration [rad/s^2] of a wheel."""
         if not (0.0 <= speed < tau * 1e6 and 0.0 <= acceleration < tau * 1e6):
             return E_PAR
         with self._lock:
@@ -99,7 +99,7 @@ class MotorBoard(MotorBoardTarget):
         return E_OK
 
     def drive(self, speed: Sequence[float], count: int) -> tuple[int, tagWheelState]:
-        """Gives the speeds that the wheels are to have [rad/s], and feeds the watchdog."""
+        """Give the speeds that the wheels are to have [rad/s], and feeds the watchdog."""
         with self._lock:
             if count != WHEELS or not all(map(isfinite, speed)):
                 return E_PAR, self._state()
@@ -112,12 +112,12 @@ class MotorBoard(MotorBoardTarget):
             return E_OK, self._state()
 
     def getState(self) -> tuple[int, tagWheelState]:
-        """Looks at the wheels."""
+        """Look at the wheels."""
         with self._lock:
             return E_OK, self._state()
 
     def stop(self) -> None:
-        """Holds the wheels, at once and until `release`."""
+        """Hold the wheels, at once and until `release`."""
         with self._lock:
             if not self._stopped:
                 self._stopped = True
@@ -125,7 +125,7 @@ class MotorBoard(MotorBoardTarget):
                 self._note(BoardEventKind.STOPPED)
 
     def release(self) -> int:
-        """Lets the stopped wheels turn again."""
+        """Let the stopped wheels turn again."""
         with self._lock:
             if self._stopped:
                 self._stopped = False
@@ -162,5 +162,5 @@ def _time(instant: int) -> rtc.Time:
 
 
 def _wrapped(count: float) -> int:
-    """A counter of 32 bits goes round."""
+    """Return a counter of 32 bits goes round."""
     return (int(count) + 0x8000_0000) % 0x1_0000_0000 - 0x8000_0000

@@ -27,7 +27,7 @@ class MotorCoreUnitDevice(SimulatedDrive, MotorCoreUnitDeviceBase):
         return RTC_OK
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
-        """One turn of the drive's loop."""
+        """Return one turn of the drive's loop."""
         code = super().on_execute(ec_id)
         objects = self.objects
         axis = self.axis

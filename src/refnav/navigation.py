@@ -113,7 +113,7 @@ class Navigation(NavigationBase):
         self._clear()
 
     def _stuck(self, now: int) -> str:
-        """The condition to report while the base gets no nearer to its waypoint."""
+        """Return the condition to report while the base gets no nearer to its waypoint."""
         here, target = self._here, self._path[self._index]
         if here is None:
             return ""
@@ -192,7 +192,7 @@ class Navigation(NavigationBase):
         self._send(iis.TravelMode.RUN_SPIN, target, w=SPIN_SPEED)
 
     def _has_missed(self, here: Pose, target: Pose) -> bool:
-        """Whether a target has to be driven to; the goal is judged more strictly."""
+        """Return whether a target has to be driven to; the goal is judged more strictly."""
         goal = self._path[-1]
         is_goal = target[:2] == goal[:2]
         near = min(THERE, self.config.GoalTolerance) if is_goal else THERE

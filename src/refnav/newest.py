@@ -29,19 +29,23 @@ class Newest(Generic[T]):
         self._time = now
 
     def read(self, now: int) -> T | None:
-        """The oldest unread sample, None if there is none; one beyond the limit is dropped."""
+        """Return the oldest unread sample, None if there is none; one beyond the limit is
+        dropped.
+        """
         if not self._port.is_new():
             return None
         return self._checked(self._port.read(), now)
 
     def read_newest(self, now: int) -> T | None:
-        """The newest unread sample; older ones count as read, one beyond the limit is dropped."""
+        """Return the newest unread sample; older ones count as read, one beyond the limit is
+        dropped.
+        """
         if not self._port.is_new():
             return None
         return self._checked(self._port.read_newest(), now)
 
     def is_late(self, now: int) -> bool:
-        """Whether the newest sample, or the wait for the first one, is beyond the limit."""
+        """Return whether the newest sample, or the wait for the first one, is beyond the limit."""
         waited = now - self._time
         return waited > 0 and 0.0 < self._limit() * SECOND < waited
 
@@ -66,12 +70,12 @@ class Newest(Generic[T]):
 
 
 def complaints(now: int, *inputs: Newest[Any]) -> str:
-    """The condition to report for all late inputs; empty if none is late."""
+    """Return the condition to report for all late inputs; empty if none is late."""
     return "; ".join(one.complaint for one in inputs if one.is_late(now))
 
 
 def all_in_time(component: Component, now: int, *inputs: Newest[Any]) -> bool:
-    """Whether no input is late; the component reports late ones."""
+    """Return whether no input is late; the component reports late ones."""
     for one in inputs:
         if one.is_late(now):
             component.report(complaints(now, *inputs))

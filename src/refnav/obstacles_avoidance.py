@@ -21,7 +21,7 @@ ENOUGH = 0.3
 """A way shorter than this is not worth driving while there is a better one to turn to [m]."""
 TURN_STEP = pi / 12
 """Directions this far apart are looked at for a way [rad]."""
-MOST_TURNED = 8
+MAX_TURNS = 8
 """So many of them to either side: what lies behind the base no scan has seen."""
 
 
@@ -125,7 +125,7 @@ class ObstaclesAvoidance(ObstaclesAvoidanceBase):
         return speed, speed * curvature
 
     def _plan(self, asked: float) -> float:
-        """The curvature that gets on best, detours counted against it [1/m]."""
+        """Return the curvature that gets on best, detours counted against it [1/m]."""
         config = self.config
         most = 1.0 / config.min_radius
         before = asked if self._detour is None else self._detour
@@ -142,12 +142,12 @@ class ObstaclesAvoidance(ObstaclesAvoidanceBase):
         return max(tried, key=worth)
 
     def _direction(self, turn: float) -> float:
-        """The angular speed that turns to the nearest way; 0 if there is none to turn to.
+        """Return the angular speed that turns to the nearest way; 0 if there is none to turn to.
 
         A turn that is under way is not turned back, or the base would swing to and fro.
         """
         radius, points = self._radius, self._around.points
-        for step in range(1, MOST_TURNED + 1):
+        for step in range(1, MAX_TURNS + 1):
             for side in (1.0, -1.0) if turn >= 0.0 else (-1.0, 1.0):
                 if turn and side != copysign(1.0, turn):
                     continue

@@ -34,7 +34,7 @@ class DeadReckoning:
         """Of the left and the right wheel, at the pose [rad]; None before the first ones."""
 
     def update(self, angles: Sequence[float]) -> Pose:
-        """The pose after the wheels have turned to new absolute angles [rad].
+        """Return the pose after the wheels have turned to new absolute angles [rad].
 
         The first angles only set the origin. Raises IndexError if a wheel is missing.
         """

@@ -22,7 +22,7 @@ STOP = Constant(0.0, 0.0)
 
 
 def motion(path: iis.Path) -> Motion:
-    """The controller for a waypoint's mode of travel.
+    """Return the controller for a waypoint's mode of travel.
 
     RUN_FREE and RUN_WHEEL_VEL cannot be expressed by a velocity of the base, which stops, as in
     RUN_STOP. Raises ValueError for an unknown mode and for a circle of radius 0.
@@ -114,7 +114,7 @@ class PathFollower(PathFollowerBase):
         return RTC_OK
 
     def _sees(self, now: int) -> bool:
-        """Whether what the base moves by is young enough; at rest nothing is needed."""
+        """Return whether what the base moves by is young enough; at rest nothing is needed."""
         if self._target is not STOP:
             return all_in_time(self, now, self._position, self._waypoint)
         # A stop is sent once, and carried out with an eye on the position.

@@ -48,7 +48,7 @@ class Planner(Component, Generic[P]):
 
     @abstractmethod
     def _plan(self, start: Pose, waypoints: Sequence[Pose]) -> iis.TimedPath2DSeq:
-        """The path from where the base is through one or more waypoints.
+        """Return the path from where the base is through one or more waypoints.
 
         Raises UnreachableError.
         """
@@ -135,7 +135,7 @@ class Planner(Component, Generic[P]):
         return RTC_OK
 
     def _follow_state(self, now: int) -> iis.TimedState | None:
-        """The FINISH of the path that was sent, if it has come."""
+        """Return the FINISH of the path that was sent, if it has come."""
         finish = None
         while (state := self._status.read(now)) is not None:
             if state.data != iis.State.FINISH:

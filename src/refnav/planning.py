@@ -12,7 +12,7 @@ SAME_PLACE = 1e-3
 
 
 def turn_straight_turn(start: Pose, waypoints: Sequence[Pose]) -> list[Pose]:
-    """The path from `start` through the waypoints, one or more of them.
+    """Return the path from `start` through the waypoints, one or more of them.
 
     Towards each waypoint the base turns and drives straight forward; the heading of a waypoint is
     that of the straight, but after the last one the base turns to the requested heading. For n

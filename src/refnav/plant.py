@@ -106,7 +106,7 @@ class Plant:
             self.x, self.y = x, y
 
     def _is_blocked(self, x: float, y: float, way: float) -> bool:
-        """Whether the body cannot get to a point, which is at most `way` [m] away."""
+        """Return whether the body cannot get to a point, which is at most `way` [m] away."""
         # Nothing can be touched on a way shorter than the room left when it was last measured.
         self._space -= way
         if self._space > 0.0:
@@ -119,5 +119,5 @@ class Plant:
 
 
 def counted(angle: float, count: float) -> float:
-    """The angle of a wheel quantized by an encoder with this resolution [rad]."""
+    """Return the angle of a wheel quantized by an encoder with this resolution [rad]."""
     return angle // count * count

@@ -45,7 +45,7 @@ class PoseHistory:
         return self._poses[-1][1]
 
     def at(self, time: rtc.Time) -> Pose:
-        """The last pose that is not later, else the oldest; IndexError if there is none."""
+        """Return the last pose that is not later, else the oldest; IndexError if there is none."""
         stamp = (time.sec, time.nsec)
         earlier = [pose for noted, pose in self._poses if noted <= stamp]
         return earlier[-1] if earlier else self._poses[0][1]

@@ -127,7 +127,9 @@ class PositionInput(PositionInputBase):
 
 
 def _messages(command: Command) -> list[iis.TimedPose2D]:
-    """The messages for a goal (its `id` empty) or for a path (place of each waypoint in `id`)."""
+    """Return the messages for a goal (its `id` empty) or for a path (place of each waypoint in
+    `id`).
+    """
     points = command.points
     places: list[list[int]] = [[]]
     if len(points) > 1:

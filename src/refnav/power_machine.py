@@ -91,7 +91,7 @@ class PowerMachine:
         self._go(1)
 
     def command(self, controlword: int, *, faultless: bool = True) -> None:
-        """Obeys a controlword; a fault is reset only if its cause has gone."""
+        """Obey a controlword; a fault is reset only if its cause has gone."""
         reset = bool(controlword & Control.FAULT_RESET)
         rising = reset and not self._reset
         self._reset = reset

@@ -6,7 +6,7 @@ from refnav.recent import entries
 
 
 def walls_of(text: str) -> "list[tuple[float, float, float, float]]":
-    """The walls `X1 Y1 X2 Y2` [m] of a text with semicolons. Raises ValueError."""
+    """Return the walls `X1 Y1 X2 Y2` [m] of a text with semicolons. Raises ValueError."""
     walls = []
     for words in entries(text):
         if len(words) != 4:

@@ -10,7 +10,7 @@ class Recent:
         self._clock = 0
 
     def find(self, key: bytes) -> int:
-        """The place of a key, -1 if it has none."""
+        """Return the place of a key, -1 if it has none."""
         for place in range(len(self._keys)):
             if self._used[place] and self._keys[place] == key:
                 self._touch(place)
@@ -18,7 +18,7 @@ class Recent:
         return -1
 
     def take(self, key: bytes) -> int:
-        """A slot for a new key: the least recently used one."""
+        """Return a slot for a new key: the least recently used one."""
         oldest = 0
         for place in range(len(self._keys)):
             if self._used[place] < self._used[oldest]:
@@ -33,7 +33,9 @@ class Recent:
 
 
 def octets_of(digits: str) -> bytes:
-    """The 16 octets of a ucode in hexadecimal digits, the missing ones 0. Raises ValueError."""
+    """Return the 16 octets of a ucode in hexadecimal digits, the missing ones 0. Raises
+    ValueError.
+    """
     if not 0 < len(digits) <= 32:
         raise ValueError(digits + " is not a ucode of 1 to 32 hexadecimal digits")
     number = int(digits, 16)
@@ -41,6 +43,6 @@ def octets_of(digits: str) -> bytes:
 
 
 def entries(text: str) -> "list[list[str]]":
-    """The words of each entry of a text with semicolons."""
+    """Return the words of each entry of a text with semicolons."""
     parts = [part.split() for part in text.split(";")]
     return [words for words in parts if words]

@@ -45,7 +45,7 @@ class Robot(Component, Generic[P]):
 
     @abstractmethod
     def _make_body(self) -> Body:
-        """The body, by the parameters."""
+        """Return the body, by the parameters."""
 
     def on_initialize(self) -> ReturnCode_t:
         """Show where the robot is, once there is one."""

@@ -20,7 +20,7 @@ class RouteMap:
         self.links = links
 
     def nearest(self, x: float, y: float) -> int:
-        """The node nearest to a point [m]; of several the first in the file."""
+        """Return the node nearest to a point [m]; of several the first in the file."""
         return min(
             self.nodes,
             key=lambda number: hypot(
@@ -29,7 +29,7 @@ class RouteMap:
         )
 
     def cheapest(self, start: int, end: int) -> list[int]:
-        """The nodes of the cheapest way, both ends included; empty if there is no way."""
+        """Return the nodes of the cheapest way, both ends included; empty if there is no way."""
         reached = {start: start}
         waiting = [(0.0, start, start)]
         done: set[int] = set()

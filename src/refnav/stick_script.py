@@ -29,7 +29,7 @@ class Script:
         return self._ends[-1]
 
     def at(self, seconds: float) -> tuple[float, ...] | None:
-        """The values `seconds` after the start; None behind the end."""
+        """Return the values `seconds` after the start; None behind the end."""
         place = bisect_right(self._ends, seconds)
         return self._values[place] if place < len(self._values) else None
 

@@ -51,7 +51,7 @@ class Surroundings:
         return True
 
     def is_known(self, now: int) -> bool:
-        """Whether there is a scan that is young enough."""
+        """Return whether there is a scan that is young enough."""
         return self.seen and not self.scan.is_late(now)
 
     def _move(self, dt: float, v: float, w: float) -> None:

@@ -63,7 +63,7 @@ class Tracker:
         return not self._resting
 
     def interrupted(self) -> Progress:
-        """The path is given up: the waypoint reached last, stopped."""
+        """Return the path is given up: the waypoint reached last, stopped."""
         self._resting = self._reported = True
         return self._progress(stopped=True)
 
@@ -114,7 +114,7 @@ class Tracker:
         return Progress(number, stopped, self._path[number])
 
     def _reaches(self, here: Pose, parameters: TrackingParameters) -> bool:
-        """Whether the end of the present leg is reached, if there is a leg left."""
+        """Return whether the end of the present leg is reached, if there is a leg left."""
         if self._target == len(self._path):
             return False
         return self._left(here) < (parameters.near if self._last_leg else PASSED)
@@ -128,13 +128,13 @@ class Tracker:
         return (end.x - begin.x) / length, (end.y - begin.y) / length, length
 
     def _left(self, here: Pose) -> float:
-        """The remaining length of the current leg [m]; negative beyond its end."""
+        """Return the remaining length of the current leg [m]; negative beyond its end."""
         x, y, _ = self._direction()
         end = self._path[self._target]
         return (end.x - here.x) * x + (end.y - here.y) * y
 
     def _ahead(self, here: Pose, lookahead: float) -> Pose:
-        """The point of the present leg that the robot heads for."""
+        """Return the point of the present leg that the robot heads for."""
         x, y, length = self._direction()
         begin = self._path[self._target - 1]
         along = (here.x - begin.x) * x + (here.y - begin.y) * y + lookahead

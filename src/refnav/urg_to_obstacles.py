@@ -21,7 +21,8 @@ class Urg_to_Obstacles(Urg_to_ObstaclesBase):
 
 
 def points_of(scan: rtc.RangeData, spacing: float) -> list[rtc.Point2D]:
-    """The points of a scan, in the frame of the base [m]; those nearer than `spacing` thinned.
+    """Return the points of a scan, in the frame of the base [m]; those nearer than `spacing`
+    thinned.
 
     A range of 0 is not a point, whatever the least range: nothing was hit.
     """

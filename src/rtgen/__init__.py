@@ -1,7 +1,7 @@
 """rtgen: an interface compiler for robot software (IDL, CDL, EDS to Python).
 
-`compile`, `read` and `emit` are the compiler for scripts and tests (docs/api.md); they are loaded
-when they are used, since generated code imports this package for its runtime.
+`compile`, `read` and `emit` are the compiler for scripts and tests (docs/api.md). They are imported
+lazily, since generated code imports this package for its runtime.
 """
 
 from rtgen.facts.version import __version__

@@ -1,4 +1,4 @@
-"""rtgen from Python: definitions to a model, a model to files, for scripts and tests.
+"""The Python API: compile definitions to a model, and a model to files, in scripts and tests.
 
 `rtgen.compile`, `rtgen.read` and `rtgen.emit` are these functions; docs/api.md shows their use.
 """
@@ -23,7 +23,7 @@ from rtgen.project import load, with_arguments
 Paths = str | os.PathLike[str]
 
 TEXT = "text.idl"
-"""The file that declarations and findings of a text are in."""
+"""The file name in declarations and diagnostics of a source given as text."""
 
 
 def read(
@@ -33,16 +33,16 @@ def read(
     define: Mapping[str, str] | None = None,
     lowered: bool = False,
 ) -> FrontendResult:
-    """The model of definitions, and what is wrong with them.
+    """Return the model of definitions, with its diagnostics.
 
-    `source` is IDL (`str`), the path of a file or folder (`pathlib.Path`), or several paths in a
-    list, strings or not. The settings of the `rtgen.toml` around the working folder hold, if
-    there is one, but not the files that it names. `include` are further include folders,
-    `define` macros by name; `lowered` adds what lowerings make: the types and the components of
-    devices, the packages of TECS boards. Back ends need it for these.
+    `source` is IDL (`str`), the path of a file or folder (`pathlib.Path`), or a list of paths
+    (`str` or `Path`). The settings of the nearest `rtgen.toml` of the working folder apply, if
+    there is one, but not its sources. `include` are further include folders, `define` macros by
+    name; `lowered` adds what lowerings make: the types and the components of devices, the packages
+    of TECS boards. Back ends need it for these.
 
-    Raises InputError for a path that is not a definition and for a wrong `rtgen.toml`; whatever is
-    wrong in definitions is among the diagnostics.
+    Raises InputError for a path that is not a definition and for an invalid `rtgen.toml`; errors in
+    definitions are among the diagnostics.
     """
     paths: list[str] = []
     if not isinstance(source, str):
@@ -72,9 +72,9 @@ def compile(  # noqa: A001 - the name that users look for, as in re.compile
     define: Mapping[str, str] | None = None,
     lowered: bool = False,
 ) -> Model:
-    """The model of definitions; the arguments are those of `read`.
+    """Return the model of definitions; the arguments are those of `read`.
 
-    Raises InputError, whose `diagnostics` say what is wrong.
+    Raises InputError with the `diagnostics` if there are errors.
     """
     result = read(source, include=include, define=define, lowered=lowered)
     if has_errors(result.diagnostics):
@@ -85,10 +85,10 @@ def compile(  # noqa: A001 - the name that users look for, as in re.compile
 def emit(
     model: Model, *backends: str | Backend, options: Options | None = None
 ) -> Emission:
-    """The files that back ends make of a model, and their findings; writes nothing.
+    """Return the files that back ends generate from a model, and their diagnostics; writes nothing.
 
-    `backends` are back ends or the names of installed ones, without any all of them. `options`
-    are by default those of a project without `rtgen.toml`. Raises ValueError for an unknown name.
+    `backends` are back ends or names of installed ones; the default is all of them. `options`
+    default to those of a project without `rtgen.toml`. Raises ValueError for an unknown name.
     """
     installed = {backend.name: backend for backend in stage.backends()}
     unknown = [b for b in backends if isinstance(b, str) and b not in installed]

@@ -30,11 +30,11 @@ def read(
     observer: frontends.Observer | None = None,
     memo: Memo | None = None,
 ) -> FrontendResult:
-    """The model of the project's definitions, and diagnostics.
+    """Return the model of the project's definitions, and diagnostics.
 
-    `lowered`: after all lowerings, as back ends take it; else after those whose results count as
-    definitions. `also` are results of other readers, for the same model. `observer` is shown the
-    names of the definitions. `memo` has what runs before have read.
+    `lowered`: after all lowerings, as back ends expect it; else only after those whose results
+    count as definitions. `also` are results of other readers, for the same model. `observer` is
+    given the names of the definitions. `memo` caches the results of earlier runs.
     """
     settings = replace(project.reading, observer=observer, memo=memo)
     others = together([*also, *frontends.read(project.sources, settings)])
@@ -54,9 +54,10 @@ def read(
 
 
 def printed_idl(model: Model) -> dict[str, Callable[[], str]]:
-    """The texts of IDL files that may be included but are on no disk, by name.
+    """Return the texts of IDL files that can be included but are on no disk, by name.
 
-    They are those of other definitions, and of the interfaces of ROS 2 that ship with rtgen.
+    They are printed from definitions in other languages, and from the ROS 2 interfaces that ship
+    with rtgen.
     """
     shipped = {
         f"{name.rpartition('.')[0]}.idl": partial(_idl_of_shipped, name)
@@ -75,7 +76,7 @@ def _idl_of_shipped(name: str) -> str:
 
 
 def _merged(of_idl: FrontendResult, others: FrontendResult) -> FrontendResult:
-    """All definitions; an interface of ROS 2 that was read takes the place of IDL printed of it."""
+    """Merge all definitions. A ROS 2 interface that was read replaces the IDL printed from it."""
     if not any(file.name.endswith(INTERFACE_SUFFIXES) for file in others.model.files):
         return together([of_idl, others])
     from rtgen.backends.ros_idl import idl_names
@@ -93,12 +94,16 @@ def _merged(of_idl: FrontendResult, others: FrontendResult) -> FrontendResult:
 
 
 def compile_project(project: Project) -> Compilation:
-    """The artifacts of the project's definitions, and of its systems if the target has any."""
+    """Return the artifacts of the project's definitions, and of its systems if its target has
+    any.
+    """
     return emitted(project, read(project, lowered=True))
 
 
 def emitted(project: Project, result: FrontendResult) -> Compilation:
-    """The artifacts of a project's definitions, which are read and lowered, and its systems."""
+    """Return the artifacts of a project whose definitions are read and lowered, and of its
+    systems.
+    """
     if project.emitted_systems:
         from rtgen.systems import reading
 

@@ -1,4 +1,4 @@
-"""The bytes of files: those on the disk, or unsaved texts of an editor in their place; bounded."""
+"""Bounded reading of files; an editor's unsaved texts take precedence over those on the disk."""
 
 from __future__ import annotations
 
@@ -12,17 +12,19 @@ _OVERLAY: ContextVar[Mapping[str, bytes] | None] = ContextVar("overlay", default
 
 
 class UnreadableError(Exception):
-    """A file cannot be read, or is too large; the message says why."""
+    """A file that cannot be read, or is too large; the message says why."""
 
 
 def absolute_path(path: Path | str) -> str:
-    """The path from the root, without `..`; links are kept, so a file's includes lie beside it."""
+    """Return the absolute path without `..`. Links are kept: a file's includes are relative to
+    it.
+    """
     return os.path.normpath(Path.cwd() / path)
 
 
 @contextmanager
 def overlaid(contents: Mapping[str, bytes]) -> Iterator[None]:
-    """Within it `contents`, by absolute path, stand for what is on the disk."""
+    """Within the block, `contents` by absolute path replace what is on the disk."""
     token = _OVERLAY.set(contents)
     try:
         yield
@@ -31,12 +33,12 @@ def overlaid(contents: Mapping[str, bytes]) -> Iterator[None]:
 
 
 def is_file(path: Path) -> bool:
-    """Whether there is a file of that path."""
+    """Return whether the path is a file."""
     return _unsaved(path) is not None or path.is_file()
 
 
 def read_start(path: Path, limit: int | None = None) -> bytes:
-    """The first `limit` bytes of a file, or all of them. Raises OSError, ValueError."""
+    """Return up to `limit` bytes from the start of a file. Raises OSError, ValueError."""
     data = _unsaved(path)
     if data is not None:
         return data[:limit]
@@ -45,7 +47,7 @@ def read_start(path: Path, limit: int | None = None) -> bytes:
 
 
 def read_file(path: Path, limit: int) -> bytes:
-    """The bytes of a file. Raises UnreadableError, also beyond `limit` bytes."""
+    """Return the bytes of a file. Raises UnreadableError, also if there are more than `limit`."""
     try:
         data = read_start(path, limit + 1)
     except (OSError, ValueError) as error:

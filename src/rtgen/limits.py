@@ -1,13 +1,13 @@
-"""The limits of what definitions may ask for, beyond those of single files and of their syntax.
+"""Limits on what definitions may require, beyond those of single files and of their syntax.
 
-They are far above what people write, and keep every stage within seconds and 500 megabytes.
+They are far above what people write, and bound every stage to seconds and 500 megabytes.
 """
 
-MOST_LEVELS = 100
-"""The longest way from one declaration to the next through types, members and bases."""
+MAX_LEVELS = 100
+"""Maximum length of a chain of declarations that refer to each other by types, members or bases."""
 
-MOST_VALUES = 5_000
-"""The values that a struct of a TECS signature has in place, those of inner structs included."""
+MAX_VALUES = 5_000
+"""Maximum number of values in a struct of a TECS signature, including those of nested structs."""
 
-MOST_VARIABLES = 15_000
-"""The variables that the objects of a CANopen device have in all, compact ones included."""
+MAX_VARIABLES = 15_000
+"""Maximum number of variables of a CANopen device, including those of compact objects."""

@@ -1,4 +1,4 @@
-"""The findings of `rtgen lint`: those of reading and of the rules, without what is silenced."""
+"""The diagnostics of `rtgen lint`: of reading and of the lint rules, except suppressed ones."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from rtgen.project import Project, shown
 from rtgen.project.rules import UNKNOWN_CODE
 from rtgen.systems.checks import RULES as SYSTEM_RULES
 
-_READ_AND_LINTED = ("IDL", "CDL0", "EDS", "LINT")
-"""What codes of findings begin with that are found here."""
-_OF_SYSTEMS = frozenset(rule.code for rule in SYSTEM_RULES)
-"""The codes of findings about systems."""
+_PREFIXES = ("IDL", "CDL0", "EDS", "LINT")
+"""Prefixes of the codes that `rtgen lint` reports."""
+_SYSTEM_CODES = frozenset(rule.code for rule in SYSTEM_RULES)
+"""The codes of diagnostics about systems."""
 
 
 def findings(
@@ -30,11 +30,11 @@ def findings(
     ignore: Collection[str] = (),
     whole: bool = True,
 ) -> list[Diagnostic]:
-    """The findings about a result of reading that are not silenced, with their fixes, in order.
+    """Return the diagnostics of a result of reading that are not suppressed, with fixes, in order.
 
-    `of_systems` are those about the project's systems, whose texts are among the sources.
-    `select` and `ignore` are codes beside those of rtgen.toml. `whole`: the result has all files
-    of the project.
+    `of_systems` are those about the project's systems, whose texts are among the sources. `select`
+    and `ignore` are codes in addition to those of rtgen.toml. `whole`: the result contains all
+    files of the project.
     """
     found = [*result.diagnostics, *of_systems]
     active = None
@@ -49,8 +49,8 @@ def findings(
                 target=project.target,
             )
         idle = {rule.code for rule in ON_DEMAND} - selected
-        active = {c for c in rules() if c.startswith(_READ_AND_LINTED)} - idle
-        active |= _OF_SYSTEMS
+        active = {c for c in rules() if c.startswith(_PREFIXES)} - idle
+        active |= _SYSTEM_CODES
     patterns = [
         FilePattern(span, code, pattern=shown(project.root / pattern))
         for pattern, code, span in project.ignored_in_files
@@ -64,7 +64,7 @@ def findings(
 
 
 def unknown_codes(project: Project) -> Iterator[Diagnostic]:
-    """Findings for codes in rtgen.toml that no rule has."""
+    """Yield diagnostics for codes in rtgen.toml that no rule has."""
     for key, codes in (("ignore", project.ignored), ("select", project.selected)):
         yield from unknown(codes, f"[lint] {key}", codes)
     in_files = {code: span for _, code, span in project.ignored_in_files}
@@ -74,7 +74,7 @@ def unknown_codes(project: Project) -> Iterator[Diagnostic]:
 def unknown(
     codes: Iterable[str], where: str, spans: dict[str, Span] | None = None
 ) -> Iterator[Diagnostic]:
-    """Findings for codes that no rule has."""
+    """Yield diagnostics for codes that no rule has."""
     for code in codes:
         if code.upper() not in rules():
             close = similar(code)

@@ -1,4 +1,4 @@
-"""Plug-ins of installed packages, by entry points; docs/extending.md describes each group."""
+"""Plug-ins of installed packages, as entry points; docs/extending.md describes each group."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING, Any
 
 from rtgen.diagnostics import ToolError
 
-if TYPE_CHECKING:  # it takes as long to import as all that rtgen has for IDL
+if TYPE_CHECKING:  # lazily: takes as long as all imports for IDL
     from importlib import metadata
 
-_INFORMATION = (".dist-info", ".egg-info")
-"""The ends of the names of folders that describe a package."""
+_METADATA_SUFFIXES = (".dist-info", ".egg-info")
+"""Suffixes of the folders that contain a package's metadata."""
 
 
 class Group(StrEnum):
@@ -31,7 +31,7 @@ class Group(StrEnum):
 
 
 def announced(*groups: Group) -> tuple[metadata.EntryPoint, ...]:
-    """The entry points of the groups, by group and name; nothing is imported."""
+    """Return the entry points of the groups, by group and name; nothing is imported."""
     if not _may_be_announced(_search_path()):
         return ()
     from importlib import metadata
@@ -43,13 +43,13 @@ def announced(*groups: Group) -> tuple[metadata.EntryPoint, ...]:
 
 
 def loaded(group: Group) -> Iterator[tuple[str, Any]]:
-    """Each plug-in of a group with its name. Raises ToolError for one that cannot be imported."""
+    """Yield each plug-in of a group with its name. Raises ToolError if an import fails."""
     for entry in announced(group):
         yield entry.name, load(entry)
 
 
 def load(entry: metadata.EntryPoint) -> Any:
-    """What an entry point names. Raises ToolError."""
+    """Load the object of an entry point. Raises ToolError."""
     try:
         return entry.load()
     except (ImportError, AttributeError) as error:
@@ -61,7 +61,7 @@ def load(entry: metadata.EntryPoint) -> Any:
 
 
 def _search_path() -> tuple[tuple[str, int], ...]:
-    """The folders and archives that Python imports from, with the times of their last change."""
+    """Return the folders and archives that Python imports from, with their modification times."""
     found: list[tuple[str, int]] = []
     for place in sys.path:
         with suppress(OSError):
@@ -71,20 +71,20 @@ def _search_path() -> tuple[tuple[str, int], ...]:
 
 @lru_cache(maxsize=8)
 def _may_be_announced(search_path: tuple[tuple[str, int], ...]) -> bool:
-    """Whether a package may have entry points in one of the groups.
+    """Return whether a package may have entry points in one of the groups.
 
-    Looks for their names alone, which takes a tenth of the time that importlib.metadata takes to
-    read all entry points.
+    Only searches for the groups' names, which takes a tenth of the time that importlib.metadata
+    takes to read all entry points.
     """
     heads = tuple(f"[{group}]".encode() for group in Group)
     for place, _ in search_path:
         folder = Path(place)
-        if not folder.is_dir():  # an archive, whose packages importlib.metadata knows
+        if not folder.is_dir():  # an archive
             return True
         for entry in folder.iterdir():
             if entry.name == "EGG-INFO" or entry.suffix == ".egg":
                 return True
-            if entry.suffix in _INFORMATION:
+            if entry.suffix in _METADATA_SUFFIXES:
                 with suppress(OSError):
                     text = (entry / "entry_points.txt").read_bytes()
                     if any(head in text for head in heads):

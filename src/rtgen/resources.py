@@ -1,4 +1,4 @@
-"""Files that ship with rtgen: found inside the installed package or beside the source tree."""
+"""Files that ship with rtgen, in the installed package or beside the source tree."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ _FOLDERS = (_PACKAGE / "grammars", _PACKAGE.parents[1] / "grammars")
 OPENRTM_IDL = (
     *("BasicDataType.idl", "ExtendedDataTypes.idl", "InterfaceDataTypes.idl"),
 )
-"""OpenRTM's data types, each file including those before it."""
+"""OpenRTM's data types; each file comes after those that it includes."""
 
 IDL_FILES = (*OPENRTM_IDL, "Canopen.idl", "CanopenManager.idl")
-"""The IDL files that definitions may include without having them."""
+"""The IDL files that definitions may include without having a copy."""
 
 _IDL = (_PACKAGE / "idl", _PACKAGE.parents[1] / "specs" / "idl")
 
@@ -39,44 +39,48 @@ RH3_FILES = (
 """The files of the reference pipeline, which `rtgen new project --from rh3` copies."""
 
 RH3_FOLDER = "examples/rh3"
-"""Where the package has these files."""
+"""The folder of these files in the package."""
 
 
 def rh3_source(name: str) -> str:
-    """The text of one of RH3_FILES; FileNotFoundError."""
+    """Return the text of one of RH3_FILES. Raises FileNotFoundError."""
     folders = (_PACKAGE / RH3_FOLDER, _PACKAGE.parents[1])
     return _found(name, folders).read_text("utf-8")
 
 
 def grammar_file(name: str) -> Path:
-    """The path of a grammar (`idl.lark`); FileNotFoundError if there is none."""
+    """Return the path of a grammar (`idl.lark`). Raises FileNotFoundError."""
     return _found(name, _FOLDERS)
 
 
 def idl_file(name: str) -> Path:
-    """The path of an IDL file that ships with rtgen (`Canopen.idl`); FileNotFoundError."""
+    """Return the path of an IDL file that ships with rtgen (`Canopen.idl`). Raises
+    FileNotFoundError.
+    """
     return _found(name, _IDL)
 
 
 def idl_source(name: str) -> str:
-    """The text of an IDL file that ships with rtgen; FileNotFoundError."""
+    """Return the text of an IDL file that ships with rtgen. Raises FileNotFoundError."""
     return idl_file(name).read_text("utf-8")
 
 
 @cache
 def ros_interfaces() -> tuple[str, ...]:
-    """The interface files of ROS 2 that ship with rtgen (`std_msgs/msg/Header.msg`), in order."""
+    """Return the ROS 2 interface files that ship with rtgen (`std_msgs/msg/Header.msg`), in
+    order.
+    """
     files = _ROS.glob("*/*/*.*")
     return tuple(sorted(file.relative_to(_ROS).as_posix() for file in files))
 
 
 def ros_file(name: str) -> Path:
-    """The path of one of `ros_interfaces`; FileNotFoundError."""
+    """Return the path of one of `ros_interfaces`. Raises FileNotFoundError."""
     return _found(name, (_ROS,))
 
 
 def ros_source(name: str) -> str:
-    """The text of one of `ros_interfaces`; FileNotFoundError."""
+    """Return the text of one of `ros_interfaces`. Raises FileNotFoundError."""
     return ros_file(name).read_text("utf-8")
 
 

@@ -1,4 +1,4 @@
-"""The stages of a run, which an observer may follow: their times, and the file in work."""
+"""Progress of a run: an observer is notified of stages, of their files, and of results."""
 
 from __future__ import annotations
 
@@ -9,19 +9,19 @@ from typing import Final, Protocol
 
 
 class Observer(Protocol):
-    """Follows the stages of a run. Stages may lie within each other."""
+    """An observer of a run's stages, which may be nested."""
 
     def begin(self, stage: str) -> None:
-        """A stage begins."""
+        """Called when a stage begins."""
 
     def end(self) -> None:
-        """The stage that began last ends."""
+        """Called when the innermost stage ends."""
 
     def file(self, name: str) -> None:
-        """The stage begins to work on a file."""
+        """Called when the stage starts to process a file."""
 
     def note(self, text: str) -> None:
-        """What the stage has found, in a few words."""
+        """Called with a short text about the stage's result."""
 
 
 _OBSERVER: ContextVar[Observer | None] = ContextVar("observer", default=None)
@@ -29,20 +29,20 @@ _UNOBSERVED: Final = nullcontext()
 
 
 def stage(name: str) -> AbstractContextManager[None]:
-    """Within it a stage runs."""
+    """Return a context manager for the block that is a stage."""
     observer = _OBSERVER.get()
     return _UNOBSERVED if observer is None else _observed(observer, name)
 
 
 def file(name: str) -> None:
-    """The stage begins to work on a file."""
+    """Notify the observer that the stage starts to process a file."""
     observer = _OBSERVER.get()
     if observer is not None:
         observer.file(name)
 
 
 def note(text: str) -> None:
-    """The stage has found this."""
+    """Notify the observer of a stage's result, in a few words."""
     observer = _OBSERVER.get()
     if observer is not None:
         observer.note(text)
@@ -50,7 +50,7 @@ def note(text: str) -> None:
 
 @contextmanager
 def observed(observer: Observer) -> Iterator[None]:
-    """Within it `observer` follows the stages."""
+    """Within the block, `observer` is notified of stages."""
     token = _OBSERVER.set(observer)
     try:
         yield

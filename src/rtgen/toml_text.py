@@ -1,4 +1,4 @@
-"""TOML texts as their content, for whoever reports what is wrong with one."""
+"""Parses TOML and converts its errors to spans."""
 
 from __future__ import annotations
 
@@ -7,15 +7,15 @@ import tomllib
 from typing import Any
 
 from rtgen.diagnostics import Span
-from rtgen.limits import MOST_LEVELS
+from rtgen.limits import MAX_LEVELS
 
 _PLACE = re.compile(r"\s*\(at line (\d+), column (\d+)\)$")
 _PART = r"""(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+"""
-_DEEP_KEY = re.compile(rf"(?<![\w-])(?:{_PART}){{{MOST_LEVELS}}}")
+_DEEP_KEY = re.compile(rf"(?<![\w-])(?:{_PART}){{{MAX_LEVELS}}}")
 
 
 class TomlError(Exception):
-    """The text is not TOML; `span` says where."""
+    """The text is not valid TOML; `span` is the place of the error."""
 
     def __init__(self, message: str, span: Span) -> None:
         super().__init__(message)
@@ -23,21 +23,21 @@ class TomlError(Exception):
 
 
 def parse(text: str, file: str) -> dict[str, Any]:
-    """The content of a TOML text that is shown as `file`. Raises TomlError."""
+    """Return the content of a TOML text; `file` is the name in spans. Raises TomlError."""
 
     def problem(message: str, line: int, column: int) -> TomlError:
         return TomlError(message, Span(file, line, column, line, column + 1))
 
-    # The library's time grows with the square of a key's length.
+    # The library's time is quadratic in the length of a dotted key.
     if (deep := _DEEP_KEY.search(text)) is not None:
         before = text[: deep.start()].split("\n")
-        message = f"a key has more than {MOST_LEVELS} parts"
+        message = f"a key has more than {MAX_LEVELS} parts"
         raise problem(message, len(before), len(before[-1]) + 1)
     try:
         return tomllib.loads(text)
     except RecursionError:
         raise problem("nested too deeply", 1, 1) from None
-    except ValueError as error:  # also of an integer with thousands of digits
+    except ValueError as error:  # or too many digits
         message = str(error)
         if (place := _PLACE.search(message)) is not None:
             line, column = int(place[1]), int(place[2])

@@ -1,9 +1,9 @@
-"""Units of measurement: what the text of `@unit`, of an EDS or of a profile means.
+"""Units of measurement in `@unit`, in EDS files and in profiles.
 
 A text is a product of symbols with exponents, as SI and UCUM write them: `m/s^2`, `rad.s-1`,
 `kg*m²`, `0.001 rpm`, `J/(kg K)`. Units after a comma are those of several members, in their order:
-`m, rad`. pint knows the symbols. An angle is a dimension of its own here, unlike in SI, so that
-`rad/s` and `Hz` are told apart.
+`m, rad`. pint defines the symbols. Unlike in SI, an angle is a dimension here, so that `rad/s` and
+`Hz` differ.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from rtgen.facts.unit_symbols import PHRASES, SYMBOLS
 if TYPE_CHECKING:
     from pint import UnitRegistry
 
-_LONGEST: Final = 80
+_MAX_LENGTH: Final = 80
 _HIGHEST_POWER: Final = 9
 _SUPERSCRIPTS: Final = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻·⋅\u00d7", "0123456789-***")
 _TOKEN: Final = re.compile(
@@ -28,7 +28,7 @@ _TOKEN: Final = re.compile(
     r"(?:(?:\^|\*\*)?(?P<power>[+-]?\d+))?|(?P<sign>[*/.()]))\s*"
 )
 _ANGLE: Final = "radian"
-_CLOSE: Final = 1e-9
+_TOLERANCE: Final = 1e-9
 
 
 class Unit(NamedTuple):
@@ -43,7 +43,7 @@ class Unit(NamedTuple):
 
 
 class Relation(Enum):
-    """What two units have to do with each other."""
+    """How two units are related."""
 
     EQUAL = "equal"
     SCALED = "scaled"
@@ -53,15 +53,17 @@ class Relation(Enum):
 
 
 class UnitError(ValueError):
-    """The text does not denote a unit."""
+    """A text that does not denote a unit."""
 
 
 @lru_cache(1024)
 def parse(text: str) -> Unit:
-    """The unit of a text. Raises UnitError."""
+    """Parse the text of a unit. Raises UnitError."""
     plain = text.strip()
-    if len(plain) > _LONGEST:
-        raise UnitError(f"it has {len(plain)} characters, {_LONGEST} at most are read")
+    if len(plain) > _MAX_LENGTH:
+        raise UnitError(
+            f"it has {len(plain)} characters, {_MAX_LENGTH} at most are read"
+        )
     for phrase, symbol in PHRASES.items():
         plain = plain.replace(phrase, symbol)
     tokens = list(_tokens(plain.translate(_SUPERSCRIPTS)))
@@ -79,15 +81,15 @@ def parse(text: str) -> Unit:
 
 
 def parse_list(text: str) -> tuple[Unit, ...]:
-    """The units of a text with commas. Raises UnitError."""
+    """Parse units separated by commas. Raises UnitError."""
     return tuple(parse(part) for part in text.split(","))
 
 
 def relation(first: Unit, second: Unit) -> Relation:
-    """What two units have to do with each other."""
+    """Return how two units are related."""
     if first.dimension == second.dimension:
         factor, offset = conversion(first, second)
-        same = abs(factor - 1) <= _CLOSE and abs(offset) <= _CLOSE
+        same = abs(factor - 1) <= _TOLERANCE and abs(offset) <= _TOLERANCE
         return Relation.EQUAL if same else Relation.SCALED
     if _without_angle(first) == _without_angle(second):
         return Relation.ANGLE
@@ -95,15 +97,15 @@ def relation(first: Unit, second: Unit) -> Relation:
 
 
 def conversion(source: Unit, target: Unit) -> tuple[float, float]:
-    """Factor and offset: value in the target's unit = factor * value + offset."""
+    """Return factor and offset: value in the target's unit = factor * value + offset."""
     if source == target:
         return 1.0, 0.0
     offset = (source.offset - target.offset) / target.factor
-    return _short(source.factor / target.factor), round(offset, 9)
+    return _round_off(source.factor / target.factor), round(offset, 9)
 
 
-def _short(number: float) -> float:
-    """The number without the last digits that a division added: 1.8 for 1.7999999999999998."""
+def _round_off(number: float) -> float:
+    """Round off the last digits of a division: 1.7999999999999998 becomes 1.8."""
     short = float(f"{number:.12g}")
     return short if abs(short - number) <= 4 * ulp(number) else number
 
@@ -125,7 +127,7 @@ def _tokens(text: str) -> Iterator[re.Match[str]]:
 
 
 def _product(tokens: list[re.Match[str]], start: int) -> tuple[Unit, int]:
-    """Factors from a token on, up to the end or to a bracket that closes."""
+    """Parse factors from the token at `start`, up to the end or to a closing bracket."""
     made: Unit | None = None
     place, power = start, 1
     while place < len(tokens) and tokens[place].group("sign") != ")":
@@ -188,20 +190,20 @@ def _symbol(symbol: str) -> Unit:
     from pint import PintError
 
     name = SYMBOLS.get(symbol, symbol)
-    # `name in registry` would read an expression: NAN is a number there, and _ an attribute.
+    # `name in registry` would evaluate an expression: NAN is a number there, and _ an attribute.
     if name == symbol and not _registry().parse_unit_name(name):
         raise UnitError(f"the unit `{symbol}` is not known")
     try:
         return _known(name)
-    except PintError:  # pint has no mdB, for one
+    except PintError:  # for example, pint has no mdB
         raise UnitError(f"the unit `{symbol}` takes no prefix") from None
 
 
 def _known(name: str) -> Unit:
     registry = _registry()
     offset, one, two = (_in_root_units(value, name) for value in (0.0, 1.0, 2.0))
-    if abs(two - 2 * one + offset) > _CLOSE * abs(two):
-        return Unit(((name, 1.0),), 1.0)  # a logarithm: dB
+    if abs(two - 2 * one + offset) > _TOLERANCE * abs(two):
+        return Unit(((name, 1.0),), 1.0)  # a logarithmic unit: dB
     factor = _in_root_units(1.0, f"delta_{name}") if offset else one
     exponents: list[tuple[str, Any]] = list(
         registry.Quantity(1.0, name).to_root_units().unit_items()

@@ -1,4 +1,4 @@
-"""Elements as XML text."""
+"""Prints XML documents."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from typing import Protocol
 DECLARATION = '<?xml version="1.0" encoding="UTF-8" standalone="yes"?>\n'
 
 NOT_IN_XML = re.compile("[\0-\b\v\f\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
-"""The characters that XML 1.0 cannot hold in any notation."""
+"""Characters that XML 1.0 cannot represent, not even as references."""
 
 
 class XmlElement(Protocol):
-    """What is printed; names are `(namespace, local name)`."""
+    """An element to print; names are `(namespace, local name)`."""
 
     @property
     def name(self) -> tuple[str, str]: ...
@@ -26,9 +26,10 @@ class XmlElement(Protocol):
 
 
 def document(root: XmlElement, prefixes: Mapping[str, str], comment: str = "") -> str:
-    """A document; `prefixes` by namespace. Other namespaces get `ns1`, `ns2` and so on.
+    """Return a document as text; `prefixes` by namespace. Other namespaces get `ns1`, `ns2` and so
+    on.
 
-    `comment` is what stands before the root.
+    `comment` is placed before the root.
     """
     from xml.sax.saxutils import quoteattr
 

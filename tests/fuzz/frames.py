@@ -48,9 +48,9 @@ _INDICES = (
     *(0x1800, 0x1801, 0x1A00, 0x1A01, 0x6040, 0x6041, 0x6060, 0x607A, 0x60FF, 0x1F80),
 )
 _PERIODS = (0, 0, 0, 1, 3, 20, 400, 3000)
-_MOST_FRAMES = 300
+_MAX_FRAMES = 300
 """An answer is not longer than a block of segments and what else may be due."""
-_MOST_POLLS = 20_000
+_MAX_POLLS = 20_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,7 +142,7 @@ class NodeTarget(_Target):
                 now = max(due, now)
                 _hold(node.poll(now))
                 polls += 1
-                if polls > _MOST_POLLS:
+                if polls > _MAX_POLLS:
                     raise ViolationError(f"it is always due, at {due}")
             now = end
         yield node.state.name
@@ -216,5 +216,5 @@ def _known() -> NodeIndex:
 
 def _hold(frames: Iterable[Frame]) -> None:
     count = len(list(frames))
-    if count > _MOST_FRAMES:
+    if count > _MAX_FRAMES:
         raise ViolationError(f"{count} frames at once")

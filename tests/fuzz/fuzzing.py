@@ -30,7 +30,7 @@ SECONDS = 5.0
 MEMORY = 500 * 1024 * 1024
 """Address space that a worker may have, the interpreter included."""
 
-MOST_FAILURES = 100
+MAX_FAILURES = 100
 """After so many failures a run ends."""
 
 _PATIENCE = 120.0
@@ -201,7 +201,7 @@ def run(
                     progress(total)
                 for worker in workers.values():
                     worker.look()
-                if len(total.failures) >= MOST_FAILURES:
+                if len(total.failures) >= MAX_FAILURES:
                     pending.clear()
         except KeyboardInterrupt:
             for worker in workers.values():
@@ -271,7 +271,7 @@ def _work(
     for number in numbers:
         current.value = number  # type: ignore[attr-defined]
         attempt(target, number, target.make(number), report, watch)
-        if len(report.failures) >= MOST_FAILURES:
+        if len(report.failures) >= MAX_FAILURES:
             break
     report.peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
     channel.send(report)

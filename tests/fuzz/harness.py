@@ -36,7 +36,7 @@ MEGABYTES = 500
 _BASE_MEGABYTES = 400
 """What the interpreter, rtgen and its instrumentation take by themselves."""
 _LARGEST = 4096
-_MOST_KEPT = 60
+_MAX_KEPT = 60
 _SECONDS_OF_KEEPING = 60
 _DEFECT = "defect-"
 """How the names of inputs begin that once showed a defect; they stay."""
@@ -224,7 +224,7 @@ def keep(name: str) -> int:
             reached |= lines
             answers.add(answer)
             kept.append(data)
-            if len(kept) == _MOST_KEPT or time.monotonic() > end:
+            if len(kept) == _MAX_KEPT or time.monotonic() > end:
                 break
     for path in corpus(name):
         if not path.name.startswith(_DEFECT):

@@ -74,7 +74,7 @@ class Options(msgspec.Struct, frozen=True):
         return self.package.replace(".", "/")
 
     def inside(self, package: Package) -> Options:
-        """The options for a package below the project's own.
+        """Return the options for a package below the project's own.
 
         Its values are marshalled only where CORBA or an `any` carries them.
         """
@@ -114,7 +114,7 @@ class Part(msgspec.Struct, frozen=True):
 
 
 def parts(model: Model, options: Options) -> Iterator[Part]:
-    """The project's own package, and those that lowerings put below it."""
+    """Yield the project's own package, and those that lowerings put below it."""
     yield Part(model, model, options)
     for package in model.packages:
         origin = tuple(source.key for source in package.sources)
@@ -138,7 +138,7 @@ class Backend(Protocol):
         ...
 
     def emit(self, model: Model, options: Options) -> Emission:
-        """All files for the model, in a fixed order."""
+        """Return all files for the model, in a fixed order."""
         ...
 
 

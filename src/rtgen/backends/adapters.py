@@ -34,7 +34,7 @@ class AdaptersBackend:
     name = "adapters"
 
     def emit(self, model: Model, options: Options) -> Emission:
-        """All files of all adapters. The model has been checked."""
+        """Return all files of all adapters. The model has been checked."""
         return Emission(tuple(_artifacts(model, options)))
 
 
@@ -107,7 +107,7 @@ def _copied(model: Model, names: PythonNames, adapter: Adapter) -> Iterator[str]
 
 
 def _scaled(value: str, factor: float, offset: float, is_list: bool) -> str:
-    """The expression of a converted number, or of a list of converted numbers."""
+    """Return the expression of a converted number, or of a list of converted numbers."""
     each = "each" if is_list else value
     made = each if factor == 1 else f"{number_literal(factor)} * {each}"
     if offset:
@@ -116,7 +116,7 @@ def _scaled(value: str, factor: float, offset: float, is_list: bool) -> str:
 
 
 def _is_list(model: Model, struct: ScopedName, path: tuple[str, ...]) -> bool:
-    """Whether a member is a sequence or an array."""
+    """Return whether a member is a sequence or an array."""
     declaration = model.find(struct)
     assert isinstance(declaration, Struct)
     own = {member.name: model.unalias(member.type) for member in declaration.members}
@@ -153,7 +153,7 @@ def _doc(adapter: Adapter) -> str:
 def _path(
     model: Model, names: PythonNames, struct: ScopedName, path: tuple[str, ...]
 ) -> str:
-    """The members of a path as Python names them."""
+    """Return the members of a path as Python names them."""
     name, *rest = path
     declaration = model.find(struct)
     assert isinstance(declaration, Struct)

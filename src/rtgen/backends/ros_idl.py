@@ -15,7 +15,7 @@ from rtgen.model import Model
 
 
 def idl_names(model: Model) -> dict[str, str]:
-    """The interface files of a model: displayed names by the names of their IDL files."""
+    """Return the interface files of a model: displayed names by the names of their IDL files."""
     found = {}
     for declaration in model.declarations:
         path = PurePosixPath(declaration.file)
@@ -26,12 +26,12 @@ def idl_names(model: Model) -> dict[str, str]:
 
 
 def idl_files(model: Model) -> dict[str, Callable[[], str]]:
-    """The texts of the IDL files of a model's interfaces, by the name that includes them."""
+    """Return the texts of the IDL files of a model's interfaces, by the name that includes them."""
     return {name: partial(idl_of, model, name) for name in idl_names(model)}
 
 
 def idl_of(model: Model, name: str) -> str:
-    """The text of the IDL file of an interface."""
+    """Return the text of the IDL file of an interface."""
     names = idl_names(model)
     shown = names[name]
     includes = {

@@ -112,7 +112,7 @@ class RtcProfileBackend:
     name = "rtc-profile"
 
     def emit(self, model: Model, options: Options) -> Emission:
-        """The profiles of all packages; none if a component has errors."""
+        """Return the profiles of all packages; none if a component has errors."""
         packages = list(parts(model, options))
         found = [finding for part in packages for finding in check(part.model)]
         if has_errors(found):
@@ -135,7 +135,7 @@ def _profiles(part: Part) -> Iterator[Artifact]:
 
 
 def profile_text(model: Model, component: Component, options: Options) -> str:
-    """The profile of a component without errors, as XML text."""
+    """Return the profile of a component without errors, as XML text."""
     parameters = Parameters(model)
     source = source_of(model, component)
     comment = header(options.version, [source.key])
@@ -228,13 +228,13 @@ def _service_ports(model: Model, component: Component) -> list[_ServicePort]:
 
 
 def _of_interfaces(ports: Sequence[Port]) -> profile_facts.Facts:
-    """The facts of the interfaces of a service port, by their identifiers."""
+    """Return the facts of the interfaces of a service port, by their identifiers."""
     found = {port.identifier: profile_facts.of_port(port) for port in ports}
     return {identifier: facts for identifier, facts in found.items() if facts}
 
 
 def _property(facts: profile_facts.Facts) -> str:
-    """The value of the property; empty for no property."""
+    """Return the value of the property; empty for no property."""
     return profile_facts.text_from(facts) if facts else ""
 
 

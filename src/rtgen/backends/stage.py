@@ -64,14 +64,16 @@ BUILT_IN: Final = (
 
 
 def backends() -> Iterator[Backend]:
-    """All back ends. Raises ToolError for a plug-in that cannot be imported."""
+    """Yield all back ends. Raises ToolError for a plug-in that cannot be imported."""
     yield from BUILT_IN
     for _, backend in plugins.loaded(plugins.Group.BACKENDS):
         yield cast("Backend", backend)
 
 
 def printed_idl(model: Model) -> dict[str, Callable[[], str]]:
-    """The IDL files that back ends print and definitions may include: their texts by name."""
+    """Return the IDL files that back ends print and definitions may include: their texts by
+    name.
+    """
     found: dict[str, Callable[[], str]] = {}
     if model.devices or model.buses:
         from rtgen.backends.canopen import idl_file

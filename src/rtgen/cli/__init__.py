@@ -54,7 +54,7 @@ def application() -> None:
 
 
 def run(arguments: Sequence[str], *, ends: bool = False) -> int:
-    """Runs a command line and returns its exit code; nothing but that leaves it.
+    """Run a command line and returns its exit code; nothing but that leaves it.
 
     `ends`: the process ends with the command, so nothing that it made is collected as garbage.
     """
@@ -76,7 +76,7 @@ def run(arguments: Sequence[str], *, ends: bool = False) -> int:
 
 
 def _ended_by(error: BrokenPipeError) -> int:
-    """The exit code where a reader of the output has left."""
+    """Return the exit code where a reader of the output has left."""
     from rtgen.cli.common import NO, discard_unread
     from rtgen.runtime.failures import ends_run
 

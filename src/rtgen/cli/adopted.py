@@ -67,7 +67,7 @@ def adopted(path: Path, include: Sequence[Path]) -> Adopted:
 def _with_neighbours(
     path: Path, include: Sequence[Path], profile: FrontendResult
 ) -> Adopted:
-    """The component, with the IDL files near the module if they can be read.
+    """Return the component, with the IDL files near the module if they can be read.
 
     IDL files are searched in the module's folder and in a folder `idl` inside or beside it, for
     declarations of the types that the ports need.
@@ -95,7 +95,9 @@ def _with_neighbours(
 
 
 def _definitions(include: Sequence[Path], beside: Sequence[Path]) -> Project:
-    """The project extended by the IDL files of `include` and `beside`, without its adapters."""
+    """Return the project extended by the IDL files of `include` and `beside`, without its
+    adapters.
+    """
     project = load()
     files = [path for folder in include for path in sorted(folder.glob("*.idl"))]
     files += beside
@@ -121,7 +123,7 @@ def _with_types(
 
 
 def _agree(model: Model, component: Component, module: RtcProfile) -> bool:
-    """Whether a module declares exactly what rtgen would generate for the component."""
+    """Return whether a module declares exactly what rtgen would generate for the component."""
     same = (
         component.name[-1] == module.name
         and component.vendor == module.vendor

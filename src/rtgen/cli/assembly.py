@@ -103,7 +103,7 @@ def _add_all(
     settings: Sequence[SetParameter],
     report: FailureReport,
 ) -> None:
-    """Gives the system its components. Raises as `assemble` does."""
+    """Give the system its components. Raises as `assemble` does."""
     findings: list[Diagnostic] = []
     folder = Path(profile.file).absolute().parent
     for c in profile.components:
@@ -146,7 +146,7 @@ def _fill(
     transport: ProcessTransport | None,
     patience: float,
 ) -> None:
-    """Gives the system its connections and timeline. Raises as `assemble` does."""
+    """Give the system its connections and timeline. Raises as `assemble` does."""
     findings: list[Diagnostic] = []
     profile = with_definition_names(
         profile, {name: _ports(system.component(name)) for name in system.instances}
@@ -183,7 +183,7 @@ def _fill(
 
 
 def _ports(component: runtime.Component) -> InstancePorts:
-    """The port names of a component, and the types of its interfaces."""
+    """Return the port names of a component, and the types of its interfaces."""
     providers, consumers = component.providers, component.consumers
     keys = [
         *((IN, name) for name in component.in_ports),
@@ -206,7 +206,9 @@ def _ports(component: runtime.Component) -> InstancePorts:
 def _failed_end(
     system: runtime.System, connection: Connection
 ) -> tuple[Span, str | None]:
-    """The place at which to report a failed connection: the end without port, and a suggestion."""
+    """Return the place at which to report a failed connection: the end without port, and a
+    suggestion.
+    """
     for end in (connection.source, connection.target):
         if end.instance not in system.instances:
             continue
@@ -311,7 +313,7 @@ def _load_conf(sets: runtime.ConfigurationSets, file: Path) -> None:
 
 
 def _start(profile: System, system: runtime.System) -> Iterator[tuple[int, str]]:
-    """The activation times in ns; all components start at 0 unless the profile has an order.
+    """Yield the activation times in ns; all components start at 0 unless the profile has an order.
 
     At one instant, providers of services are activated before their consumers.
     """
@@ -379,7 +381,7 @@ def _performing(
 
 
 def _reporting(action: Callable[[], None]) -> Callable[[], None]:
-    """The action, with errors of the transport turned into ToolErrors."""
+    """Return the action, with errors of the transport turned into ToolErrors."""
 
     def perform() -> None:
         _raise_if_any([*_findings(CONNECTION, None, action)])
@@ -388,7 +390,7 @@ def _reporting(action: Callable[[], None]) -> Callable[[], None]:
 
 
 def _with_place(step: Step, action: Callable[[], None]) -> Callable[[], None]:
-    """The action, with errors of the runtime turned into diagnostics at the step's place."""
+    """Return the action, with errors of the runtime turned into diagnostics at the step's place."""
 
     def perform() -> None:
         findings = [*_findings(TIMELINE, step.span, action)]

@@ -17,7 +17,7 @@ if TYPE_CHECKING:  # a run from the cache needs no model
 
 
 def build(project: Project, cache: Cache | None) -> Compilation:
-    """The project's artifacts."""
+    """Return the project's artifacts."""
 
     def made() -> Compilation:
         with stages.stage("import the compiler"):
@@ -39,7 +39,7 @@ def inspect(
     *,
     as_json: bool,
 ) -> Compilation:
-    """The model of a project's definitions and of system profiles as text: one artifact.
+    """Return the model of a project's definitions and of system profiles as text: one artifact.
 
     It is kept in the cache unless there are profiles.
     """
@@ -95,7 +95,7 @@ def _inspected(
 def _checked(
     system: System, project: Project | None
 ) -> tuple[Sequence[System], Sequence[Diagnostic]]:
-    """The system with the definitions' names of ports; without a project, as it is."""
+    """Return the system with the definitions' names of ports; without a project, as it is."""
     from rtgen import compiler
     from rtgen.systems import checks, reading
 

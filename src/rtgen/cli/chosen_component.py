@@ -10,7 +10,7 @@ from rtgen.project import is_component_profile
 
 
 def chosen(model: Model, file: str, name: str | None) -> Component:
-    """The component of a file, by its name if there are several. Raises InputError."""
+    """Return the component of a file, by its name if there are several. Raises InputError."""
     from rtgen.project.rules import WHICH_COMPONENT
 
     files = {source.name for source in model.files if source.main}

@@ -43,7 +43,7 @@ class Refusal(click.ClickException):
 
 
 def _in_words(minimum: float | None, maximum: float | None, *, is_open: bool) -> str:
-    """A range in words, for help and messages (click writes `0<=x<=5`)."""
+    """Return a range in words, for help and messages (click writes `0<=x<=5`)."""
     if minimum is None:
         return "" if maximum is None else f"at most {maximum:.10g}"
     above = f"above {minimum:.10g}" if is_open else f"{minimum:.10g}"
@@ -58,7 +58,7 @@ class Place(click.types.StringParamType):
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
     ) -> str:
-        """The text. Raises click.BadParameter."""
+        """Return the text. Raises click.BadParameter."""
         text: str = super().convert(value, param, ctx)
         host, colon, port = text.rpartition(":")
         good = port.isascii() and port.isdecimal() and 0 < int(port) < _PORTS
@@ -161,7 +161,7 @@ def write_out(text: str | bytes) -> None:
 
 
 def discard_unread() -> None:
-    """Lets what is still buffered for a reader that has left go nowhere, so that exit is silent."""
+    """Let what is still buffered for a reader that has left go nowhere, so that exit is silent."""
     from rtgen.runtime.failures import has_lost_its_reader
 
     for stream in (sys.stdout, sys.stderr):
@@ -337,7 +337,7 @@ def project_of(
     node_id: int | None = None,
     target: str | None = None,
 ) -> Project:
-    """The project of the working folder, with the settings of the command line.
+    """Return the project of the working folder, with the settings of the command line.
 
     `add`: the paths are read in addition to the project's sources instead of replacing them.
     """

@@ -15,7 +15,7 @@ from rtgen.typemap.component_needs import declarations_of
 
 
 def component_idl(model: Model, component: Component) -> str:
-    """The component as IDL: includes for its types, placeholders for unknown ones, itself.
+    """Return the component as IDL: includes for its types, placeholders for unknown ones, itself.
 
     Declarations from the component's own file are written out, because including that file would
     define the component twice.
@@ -39,7 +39,7 @@ def _is_beside(declaration: Declaration, files: set[str]) -> bool:
 
 
 def _ancestors(model: Model, component: Component) -> Iterator[ScopedName]:
-    """The bases that are defined in the component's own file."""
+    """Yield the bases that are defined in the component's own file."""
     while component.base is not None:
         base = model.find(component.base)
         if not isinstance(base, Component) or base.file != component.file:
@@ -49,7 +49,7 @@ def _ancestors(model: Model, component: Component) -> Iterator[ScopedName]:
 
 
 def component_profile(model: Model, component: Component, project: Project) -> str:
-    """The component as RtcProfile (RTC.xml)."""
+    """Return the component as RtcProfile (RTC.xml)."""
     options = Options(
         package=project.package,
         skeleton_package=project.skeleton_package,

@@ -139,7 +139,7 @@ class Curves:
             self._follow(selection)
 
     def of(self, selectors: Sequence[str]) -> list[Curve]:
-        """The curves of some selectors. Raises InputError if a selector has no numbers."""
+        """Return the curves of some selectors. Raises InputError if a selector has no numbers."""
         chosen = dict.fromkeys(selectors)
         return [curve for each in chosen for curve in self._of[each].curves]
 
@@ -183,7 +183,9 @@ class Curves:
 
 
 def _inside(value: Any, label: str, path: list[str | int]) -> tuple[Any, str]:
-    """The part of a sample that a path selects, with its label; None if the sample lacks it."""
+    """Return the part of a sample that a path selects, with its label; None if the sample lacks
+    it.
+    """
     for step in path:
         label += f"[{step}]" if isinstance(step, int) else f".{step}"
         if isinstance(step, int):
@@ -195,7 +197,7 @@ def _inside(value: Any, label: str, path: list[str | int]) -> tuple[Any, str]:
 
 
 def _members(value: Any, path: list[str | int]) -> str | None:
-    """A hint for a path with a member that the sample lacks; None for other paths."""
+    """Return a hint for a path with a member that the sample lacks; None for other paths."""
     for step in path:
         if isinstance(value, dict) and isinstance(step, str) and step not in value:
             close = get_close_matches(step, value, n=1)
@@ -209,7 +211,9 @@ def _members(value: Any, path: list[str | int]) -> str | None:
 
 
 def _numbers(value: Any, label: str) -> Iterator[tuple[str, Number]]:
-    """The numbers in a sample with their labels; a time stamp beside other members is left out."""
+    """Yield the numbers in a sample with their labels; a time stamp beside other members is left
+    out.
+    """
     match value:
         case bool():
             yield label, int(value)

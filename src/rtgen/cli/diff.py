@@ -77,7 +77,7 @@ def diff(
 
 
 def _sources(versions: Sequence[str], against: str | None) -> list[Source]:
-    """The old and the new version."""
+    """Return the old and the new version."""
     if against is not None:
         if len(versions) > 1:
             raise Refusal("--against takes one argument: what to compare of both")
@@ -95,7 +95,7 @@ def _sources(versions: Sequence[str], against: str | None) -> list[Source]:
 
 
 def _asked(use: str | None, default: tuple[Break, ...]) -> tuple[Break, ...]:
-    """The classes that were asked for."""
+    """Return the classes that were asked for."""
     if use is None:
         return default
     words = [word.strip().lower() for word in use.split(",")]

@@ -12,7 +12,7 @@ _NOWHERE = "/dev/null"
 
 
 def diff(changes: Iterable[Change]) -> str:
-    """The diff from the files on disk to the generated ones."""
+    """Return the diff from the files on disk to the generated ones."""
     return "".join(map(_one, changes))
 
 

@@ -125,7 +125,7 @@ class EngineOptions:
         return [name for name in names if getattr(self, name) is not None]
 
     def open(self, system: str, lease: float | None = None) -> DistributedTransport:
-        """The transport, in the partition of the system of this name.
+        """Return the transport, in the partition of the system of this name.
 
         `lease` [s] is the shortest that connections ask for. Raises ToolError.
         """
@@ -147,7 +147,7 @@ class EngineOptions:
 
 
 def option_of(name: str) -> str:
-    """The option for the name of an argument."""
+    """Return the option for the name of an argument."""
     return f"--{name.replace('_', '-')}"
 
 
@@ -160,7 +160,7 @@ TAKES: dict[str, frozenset[str]] = {
 
 
 def _dds(options: EngineOptions, partition: str, lease: float | None) -> Medium:
-    """The engine of DDS. Raises ToolError, MediumError."""
+    """Return the engine of DDS. Raises ToolError, MediumError."""
     try:
         from rtgen.runtime.dds.medium import DdsMedium
     except ImportError as error:
@@ -196,7 +196,7 @@ def _dds(options: EngineOptions, partition: str, lease: float | None) -> Medium:
 
 
 def _zenoh(options: EngineOptions, partition: str, lease: float | None) -> Medium:
-    """The engine of Zenoh. Raises ToolError, MediumError."""
+    """Return the engine of Zenoh. Raises ToolError, MediumError."""
     try:
         from rtgen.runtime.zenoh.medium import ZenohMedium
         from rtgen.runtime.zenoh.session import Endpoints

@@ -54,7 +54,7 @@ class Factories:
         return self._targets
 
     def hint(self, type_name: str) -> str:
-        """A hint for an unknown type."""
+        """Return a hint for an unknown type."""
         close = get_close_matches(type_name, self._targets, n=1)
         if close:
             return f"did you mean {close[0]!r}?"
@@ -64,10 +64,9 @@ class Factories:
         return type_name in self._targets
 
     def __getitem__(self, type_name: str) -> Factory:
-        """The factory of a known type.
+        """Return the factory of a known type.
 
-        Raises FactoryImportError if its module cannot be imported, ToolError if it is not
-        callable.
+        Raises FactoryImportError if its module cannot be imported, ToolError if it is not callable.
         """
         target = self._targets[type_name]
         module, _, attribute = target.partition(":")
@@ -90,7 +89,7 @@ class FactoryImportError(ToolError):
 
 
 def _advice(error: BaseException, module: str) -> str | None:
-    """A hint for a failed import."""
+    """Return a hint for a failed import."""
     match error:
         case ModuleNotFoundError(name=str(missing)):
             if module == missing or module.startswith(f"{missing}."):
@@ -108,7 +107,7 @@ class _EntryPoints(configparser.ConfigParser):
 
 
 def _listed(file: Path, group: str) -> Mapping[str, str]:
-    """The entries of a group in a generated file; none if the file is missing."""
+    """Return the entries of a group in a generated file; none if the file is missing."""
     parser = _EntryPoints(delimiters=("=",), interpolation=None)
     try:
         parser.read_string(file.read_text(encoding="utf-8"))

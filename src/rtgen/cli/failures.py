@@ -165,7 +165,7 @@ class FailureReport:
         self.notice(BLOCKED.at(span, message, hint=hint))
 
     def still_blocked(self) -> dict[str, Call]:
-        """The reported calls that have still not returned, by instance."""
+        """Return the reported calls that have still not returned, by instance."""
         frames = [call.frame for call in calls_under_way()]
         known = self._blocked.items()
         return {name: call for name, call in known if call.frame in frames}
@@ -248,7 +248,7 @@ class FailureReport:
 
 
 def place(error: BaseException) -> Span | None:
-    """The last line of a user's own file that led to an exception."""
+    """Return the last line of a user's own file that led to an exception."""
     if isinstance(error, SyntaxError) and error.filename and error.lineno:
         line, column = error.lineno, max(error.offset or 1, 1)
         end = error.end_offset or 0
@@ -263,7 +263,9 @@ def place(error: BaseException) -> Span | None:
 
 
 def traceback_text(error: BaseException, form: str) -> str:
-    """The traceback: `short` has only frames in the user's own files, `full` has all frames."""
+    """Return the traceback: `short` has only frames in the user's own files, `full` has all
+    frames.
+    """
     described = TracebackException.from_exception(error, compact=True)
     if not described.stack:
         described.stack = StackSummary.from_list(_frames(error))
@@ -292,7 +294,7 @@ def _frames(error: BaseException) -> list[FrameSummary]:
 
 
 def _own(frames: list[FrameSummary]) -> list[FrameSummary]:
-    """The frames in the user's own files; else those of other packages; else all."""
+    """Return the frames in the user's own files; else those of other packages; else all."""
     for wanted in (is_users, lambda f: not (is_rtgens(f) or f.startswith(_IMPORTING))):
         found = [frame for frame in frames if wanted(frame.filename)]
         if found:
@@ -301,7 +303,7 @@ def _own(frames: list[FrameSummary]) -> list[FrameSummary]:
 
 
 def _relative(frame: FrameSummary) -> FrameSummary:
-    """The frame with its file name as messages show it."""
+    """Return the frame with its file name as messages show it."""
     _ = frame.line  # Read while the file still has its full name.
     path = Path(frame.filename)
     if path.is_absolute() and path.is_relative_to(Path.cwd()):

@@ -23,7 +23,8 @@ from rtgen.systems.rules import FOREIGN
 def named(
     profile: System, listed: str | None, languages: Mapping[str, str]
 ) -> frozenset[str]:
-    """The instances of the system's property, of the option, and of types in other languages.
+    """Return the instances of the system's property, of the option, and of types in other
+    languages.
 
     Raises InputError for an unknown instance.
     """
@@ -67,7 +68,7 @@ def require_reachable(
 def awaited(
     profile: System, outside: Collection[str], here: Collection[str]
 ) -> Sequence[ForeignComponent]:
-    """The foreign components with which this process is concerned.
+    """Return the foreign components with which this process is concerned.
 
     Those that are connected with its own; a process that runs all others takes all of them.
     """

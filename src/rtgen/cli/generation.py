@@ -35,7 +35,7 @@ class Request:
     only_diff: bool
 
     def project(self) -> Project:
-        """The project as it is now. Raises InputError, and ToolError for a target."""
+        """Return the project as it is now. Raises InputError, and ToolError for a target."""
         # The tree of a project holds what all its sources give, in every run.
         alone = self.output is not None
         project = project_of(
@@ -52,7 +52,7 @@ class Request:
 
 
 def generate_once(console: Console, request: Request) -> tuple[int, Iterable[Path]]:
-    """The exit code, and the paths of the files that the run looked for."""
+    """Return the exit code, and the paths of the files that the run looked for."""
     project = request.project()
     run = build(project, cache.default() if request.cached else None)
     looked_for = map(Path, run.dependencies)

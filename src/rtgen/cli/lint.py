@@ -31,7 +31,7 @@ from rtgen.frontends.kit.memo import Memo
 from rtgen.project import Project, shown
 from rtgen.project.rewriting import rewrite
 
-MOST_ROUNDS = 10
+MAX_ROUNDS = 10
 """How often --fix reads what it has changed, since a fix may make way for another."""
 
 
@@ -77,7 +77,7 @@ def lint(
     fixed = 0
     while fix and not has_errors(found):
         changes = changed_files(project, found)
-        if not changes or fixed >= MOST_ROUNDS:
+        if not changes or fixed >= MAX_ROUNDS:
             break
         for change in changes:
             assert change.new is not None
@@ -94,7 +94,7 @@ def lint(
 def _findings(
     project: Project, select: Sequence[str], ignore: Sequence[str], whole: bool
 ) -> tuple[list[Diagnostic], Mapping[str, str]]:
-    """The findings that are not silenced, and the texts that they are about."""
+    """Return the findings that are not silenced, and the texts that they are about."""
     from rtgen.linting import findings
     from rtgen.systems import reading
 

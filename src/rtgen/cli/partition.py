@@ -27,7 +27,7 @@ _OBSERVABLES = ("rtgen.run.pose", "rtgen.run.goal")
 def named(
     only: str | None, profile: System, outside: Collection[str] = ()
 ) -> frozenset[str]:
-    """The instances of a comma-separated list, or all of them, without those `outside`.
+    """Return the instances of a comma-separated list, or all of them, without those `outside`.
 
     Raises InputError for an unknown instance, and for a listed one that is outside.
     """
@@ -43,11 +43,11 @@ def named(
 
 
 def share(profile: System, here: Collection[str], *, data: bool = False) -> System:
-    """The components of this process, and the connections with an end there.
+    """Return the components of this process, and the connections with an end there.
 
     The order of activation is kept; properties that name observables of other processes are
-    dropped. Raises InputError for data connections to other processes, unless the transport
-    carries samples (`data`).
+    dropped. Raises InputError for data connections to other processes, unless the transport carries
+    samples (`data`).
     """
     connections = [c for c in profile.connections if _touches(c, here)]
     _raise_if_any(
@@ -89,7 +89,7 @@ def steps_here(
     *,
     data: bool = False,
 ) -> Sequence[Step]:
-    """The steps of a timeline that concern this process.
+    """Return the steps of a timeline that concern this process.
 
     Raises InputError as `share` does.
     """
@@ -116,7 +116,7 @@ def steps_here(
 def measures_here(
     measures: Sequence[Measure], here: Collection[str]
 ) -> Sequence[Measure]:
-    """The measures that only concern components of this process."""
+    """Return the measures that only concern components of this process."""
     return [
         measure
         for measure in measures
@@ -127,7 +127,9 @@ def measures_here(
 def condition_here(
     condition: Condition, here: Collection[str], *, asked: bool
 ) -> Condition:
-    """The condition, dropped if it concerns another process. Raises InputError if `asked`."""
+    """Return the condition, dropped if it concerns another process. Raises InputError if
+    `asked`.
+    """
     instance = condition.instance
     if instance is None or instance in here:
         return condition

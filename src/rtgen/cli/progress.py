@@ -77,7 +77,7 @@ class Bar:
 
 
 def progress(files: ExitStack, limit: int | None, *, quiet: bool) -> Progress:
-    """The display that suits standard error; `files` closes it."""
+    """Return the display that suits standard error; `files` closes it."""
     if quiet:
         return Silence()
     return Bar(files, limit) if sys.stderr.isatty() else Lines()

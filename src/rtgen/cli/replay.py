@@ -190,7 +190,7 @@ class _Factories(Factories):
 def _with_players(
     profile: System, course: Course, player: Replay, present: Collection[str]
 ) -> System:
-    """The system with players for the recorded components that are not present.
+    """Return the system with players for the recorded components that are not present.
 
     Components and connections are in the recorded order; what was not recorded comes last.
     """
@@ -238,7 +238,7 @@ def _reference(text: str) -> PortReference:
 
 
 def _plain(profile: System) -> System:
-    """The system without observables for the report: their components may be players."""
+    """Return the system without observables for the report: their components may be players."""
     return replace(profile, properties=())
 
 
@@ -256,7 +256,7 @@ def _player(instance: str, rate: float) -> SystemComponent:
 def _steps(
     steps: Sequence[Step], profile: System, present: Collection[str]
 ) -> Sequence[Step]:
-    """The steps of a timeline that concern the components that are present alone."""
+    """Return the steps of a timeline that concern the components that are present alone."""
     known = {
         c.name
         for c in profile.connections

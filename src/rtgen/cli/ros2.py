@@ -97,14 +97,14 @@ def join(
 
 
 def _node_name(system: str) -> str:
-    """A name of ROS made of that of a system."""
+    """Return a name of ROS made of that of a system."""
     words = "".join(c if c.isascii() and c.isalnum() else " " for c in system).split()
     name = "_".join(words) or "rtgen"
     return f"rtgen_{name}" if name[0].isdigit() else name
 
 
 def _nodes(running: runtime.System) -> dict[str, str]:
-    """The nodes of components, by instance. Raises InputError for two of one name."""
+    """Return the nodes of components, by instance. Raises InputError for two of one name."""
     nodes: dict[str, str] = {}
     for instance in running.instances:
         name = _node_name(instance)
@@ -130,7 +130,7 @@ def _joints(
     node: RosNode,
     nodes: Mapping[str, str],
 ) -> list[Joint]:
-    """The ports with their topics. Raises InputError with all that cannot be topics."""
+    """Return the ports with their topics. Raises InputError with all that cannot be topics."""
     from rtgen.runtime.ros2.ports import Joint
 
     entries = [*settings.topics, *_connected(running)]
@@ -157,7 +157,9 @@ def _joints(
 
 
 def _connected(running: runtime.System) -> Iterator[TopicEntry]:
-    """Both ends of the connections with `dataport.marshaling_type=ros2:...`, which are cut."""
+    """Yield both ends of the connections with `dataport.marshaling_type=ros2:...`, which are
+    cut.
+    """
     from rtgen.runtime.ports.data_ports import DataConnector
 
     seen = set()
@@ -218,7 +220,7 @@ def _service_joints(
     node: RosNode,
     nodes: Mapping[str, str],
 ) -> list[ServiceJoint | EventJoint]:
-    """The operations with their services, those of actions, too.
+    """Return the operations with their services, those of actions, too.
 
     Raises InputError with all that cannot be services.
     """
@@ -259,7 +261,7 @@ def _service_joints(
 
 
 def _component(instance: str, running: runtime.System) -> runtime.Component:
-    """The component of an entry. Raises LookupError."""
+    """Return the component of an entry. Raises LookupError."""
     if instance not in running.instances:
         known = ", ".join(running.instances)
         raise LookupError(f"there is no component {instance!r}; known: {known}")
@@ -267,7 +269,9 @@ def _component(instance: str, running: runtime.System) -> runtime.Component:
 
 
 def _service_port(entry: ServiceEntry, running: runtime.System) -> Any:
-    """The provider, or the consumer without a connection. Raises LookupError with the reason."""
+    """Return the provider, or the consumer without a connection. Raises LookupError with the
+    reason.
+    """
     from rtgen.runtime.services.servants import operations_of
 
     component = _component(entry.instance, running)
@@ -313,7 +317,7 @@ def _ports(running: runtime.System, instance: str) -> dict[str, Any]:
 def _network(
     kind: str, node: RosNode, settings: Ros2Settings, project: Project
 ) -> RosNetwork:
-    """The network. Raises ToolError, Ros2Error."""
+    """Return the network. Raises ToolError, Ros2Error."""
     try:
         if kind == "dds":
             from rtgen.runtime.ros2.dds import DdsNetwork

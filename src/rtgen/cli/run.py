@@ -317,7 +317,7 @@ def run(
 
 
 def _kept(folder: str | None) -> runtime.CheckpointFolder | None:
-    """The folder of checkpoints. Raises ToolError."""
+    """Return the folder of checkpoints. Raises ToolError."""
     try:
         return None if folder is None else runtime.CheckpointFolder(Path(folder))
     except runtime.CheckpointError as error:
@@ -325,12 +325,12 @@ def _kept(folder: str | None) -> runtime.CheckpointFolder | None:
 
 
 def _result(profile: System, ending: str) -> str:
-    """The default file for values."""
+    """Return the default file for values."""
     return str(_results_of(profile.name) / f"values{ending}")
 
 
 def _results_of(name: str) -> Path:
-    """The folder for results, created if missing. Raises ToolError."""
+    """Return the folder for results, created if missing. Raises ToolError."""
     results = Path("build") / name
     try:
         results.mkdir(parents=True, exist_ok=True)
@@ -342,7 +342,7 @@ def _results_of(name: str) -> Path:
 def _files(
     console: Console, folder: Path, csv_file: str | None, plot: str | None
 ) -> tuple[str, str | None]:
-    """The default files for the results of an experiment."""
+    """Return the default files for the results of an experiment."""
     name = folder.resolve().name
     results = _results_of(name)
     csv_file = csv_file or str(results / f"{name}.csv")
@@ -410,7 +410,7 @@ def _limit(condition: Condition, simulated: bool) -> int | None:
 
 
 def _end(condition: Condition, met: bool) -> tuple[str, str] | None:
-    """The report's line about a condition on a state."""
+    """Return the report's line about a condition on a state."""
     if condition.instance is None:
         return None
     return "met" if met else "not met", f"{condition.instance}={condition.state}"

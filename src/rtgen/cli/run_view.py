@@ -21,7 +21,7 @@ _POSE = 3
 
 
 def name_of(state: runtime.LifeCycleState) -> str:
-    """The name of a state in reports and conditions."""
+    """Return the name of a state in reports and conditions."""
     return state.name.removesuffix("_STATE")
 
 
@@ -148,12 +148,12 @@ class View:
         return name
 
     def sample(self) -> Sample:
-        """A sample of the current state."""
+        """Return a sample of the current state."""
         poses = tuple(self._pose(name) or _NOWHERE for name in self.poses)
         return Sample(self._running.time / SECOND, poses, self._pose(self._goal_name))
 
     def course(self, samples: Sequence[Sample]) -> Course:
-        """The samples in the form that measures are evaluated on."""
+        """Return the samples in the form that measures are evaluated on."""
         return Course(
             [sample.t for sample in samples],
             {
@@ -169,7 +169,7 @@ class View:
         end: tuple[str, str] | None,
         blocked: Mapping[str, object],
     ) -> Outcome:
-        """The outcome.
+        """Return the outcome.
 
         `end` is the result of the condition, `blocked` the calls that have not returned.
         """

@@ -62,7 +62,7 @@ class StageProgress:
         """See `stages.Observer`."""
 
     def text(self) -> str:
-        """The stages in work, outermost first, and the file in work."""
+        """Return the stages in work, outermost first, and the file in work."""
         stages = list(self._open)
         files = [stage.file for stage in stages if stage.file]
         text = ", ".join(stage.name for stage in stages)

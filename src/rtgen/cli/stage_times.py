@@ -61,7 +61,7 @@ class StageTimes:
             self._rows[self._path()].note = text
 
     def table(self) -> str:
-        """The stages with their times in ms, a stage's own stages indented below it.
+        """Return the stages with their times in ms, a stage's own stages indented below it.
 
         Empty if there was no stage.
         """

@@ -90,7 +90,9 @@ class _All:
 
 
 def _shows_progress(console: Console) -> bool:
-    """Whether somebody looks: standard error is a terminal, and no service for builds has it."""
+    """Return whether somebody looks: standard error is a terminal, and no service for builds has
+    it.
+    """
     plain = os.environ.get("CI") or os.environ.get("TERM") == "dumb"
     talks = console.form == "text" and not console.quiet
     return talks and not plain and sys.stderr.isatty()

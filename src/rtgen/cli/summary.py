@@ -84,7 +84,7 @@ class Outcome:
 
 
 def summary(outcome: Outcome) -> str:
-    """The report as text."""
+    """Return the report as text."""
     cells = [
         (r.instance, r.state, str(r.ticks), str(r.overruns), str(r.lost))
         for r in outcome.rows
@@ -106,7 +106,7 @@ def summary(outcome: Outcome) -> str:
 def table(
     header: tuple[str, ...], rows: Iterable[tuple[str, ...]], texts: Container[int]
 ) -> list[str]:
-    """A text table; the columns in `texts` are aligned left, the others right."""
+    """Return a text table; the columns in `texts` are aligned left, the others right."""
     cells = [header, *rows]
     widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
     return [

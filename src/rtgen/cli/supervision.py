@@ -83,7 +83,7 @@ class Worker:
 def divided(
     profile: System, groups: Sequence[str], outside: Sequence[str]
 ) -> list[frozenset[str]]:
-    """The groups of instances; an instance that no group names has one of its own.
+    """Return the groups of instances; an instance that no group names has one of its own.
 
     Raises InputError for an unknown instance, Refusal for one in two groups.
     """
@@ -107,7 +107,7 @@ def check_options(context: click.Context) -> None:
 
 
 def handed_on(context: click.Context) -> list[str]:
-    """The options that each process gets as they were given."""
+    """Return the options that each process gets as they were given."""
     words: list[str] = []
     for parameter in context.command.params:
         name = parameter.name or ""
@@ -136,7 +136,7 @@ def commands(
     settings: Sequence[tuple[str, str]],
     more: Sequence[str],
 ) -> list[Worker]:
-    """The processes; `settings` are pairs of an instance and the text of its `--set`."""
+    """Return the processes; `settings` are pairs of an instance and the text of its `--set`."""
     order = [c.instance for c in profile.components]
     made = []
     for group in groups:

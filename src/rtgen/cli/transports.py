@@ -40,7 +40,7 @@ class _Transport(click.Choice[str]):
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
     ) -> str:
-        """The name of a transport. Raises click.BadParameter."""
+        """Return the name of a transport. Raises click.BadParameter."""
         if value in (
             entry.name for entry in plugins.announced(plugins.Group.TRANSPORTS)
         ):
@@ -179,7 +179,7 @@ def opened(
 
 
 def _lease(profile: System) -> float | None:
-    """The shortest lease of the data connections."""
+    """Return the shortest lease of the data connections."""
     from rtgen.runtime.distribution.qos import shortest_lease
 
     return shortest_lease(
@@ -188,7 +188,7 @@ def _lease(profile: System) -> float | None:
 
 
 def _corba(carrying: TransportOptions, *, simulated: bool) -> CorbaTransport:
-    """The transport over omniORB. Raises ToolError."""
+    """Return the transport over omniORB. Raises ToolError."""
     try:
         from rtgen.runtime.corba.orb import LOOPBACK
         from rtgen.runtime.corba.transport import CorbaTransport

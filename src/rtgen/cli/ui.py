@@ -69,7 +69,7 @@ class CommandProject:
         return self._files
 
     def read(self, file: str) -> System:
-        """The system of a file or folder; without one, a system without components."""
+        """Return the system of a file or folder; without one, a system without components."""
         if not file:
             return System(
                 name="", id="", file="", abstract="", components=(), connections=()
@@ -119,7 +119,7 @@ class CommandProject:
     def assemble(
         self, profile: System, clock: runtime.Clock, failed: Callable[[Failure], None]
     ) -> runtime.System:
-        """A system with its timeline; nothing is activated before time passes."""
+        """Return a system with its timeline; nothing is activated before time passes."""
         simulated = isinstance(clock, runtime.SimulatedClock)
         report = FailureReport(self._console, FailureOptions(), simulated=simulated)
         path = Path(profile.file)
@@ -142,11 +142,11 @@ class CommandProject:
         add_component(system, component, self._factories, Path.cwd(), report)
 
     def describer(self, bus: str) -> BusDescriber:
-        """The description of a bus: the file for its channel, else the one for all."""
+        """Return the description of a bus: the file for its channel, else the one for all."""
         return _describer(self._buses, bus)
 
     def palette(self) -> Sequence[ComponentProfile]:
-        """The types whose factories are classes that can be imported."""
+        """Return the types whose factories are classes that can be imported."""
         found = []
         for name in sorted(self._factories.types):
             try:
@@ -170,7 +170,7 @@ def _session(
     name_servers: tuple[str, ...],
     transport: CorbaTransport | None,
 ) -> Session:
-    """The session of the first system. Raises InputError, ToolError."""
+    """Return the session of the first system. Raises InputError, ToolError."""
     from rtgen.ui.session import Session
 
     file = next(iter(project.systems), "")
@@ -182,7 +182,7 @@ def _session(
 
 
 def _opened(name_server: str, closing: ExitStack) -> CorbaTransport:
-    """The transport of a system whose components a naming service gets. Raises ToolError."""
+    """Return the transport of a system whose components a naming service gets. Raises ToolError."""
     from rtgen.runtime.corba.transport import CorbaTransport
 
     try:

@@ -28,7 +28,7 @@ class BusDescriber:
         self._decoder = Decoder(self._known)
 
     def bus(self, name: str) -> ui.Bus:
-        """The bus and its described nodes."""
+        """Return the bus and its described nodes."""
         bus = self._known.bus
         rate = 0 if bus is None else 1000 * bus.bit_rate
         computed = -1.0
@@ -44,7 +44,7 @@ class BusDescriber:
         return ui.Bus(name=name, bit_rate=rate, computed_load=computed, nodes=nodes)
 
     def frame(self, frame: Frame) -> ui.Frame:
-        """A frame in words, with its values."""
+        """Return a frame in words, with its values."""
         decoded = self._decoder.decode(frame)
         return ui.Frame(
             can_id=frame.can_id,
@@ -58,7 +58,7 @@ class BusDescriber:
         )
 
     def objects(self, node_id: int) -> Sequence[ui.ObjectEntry]:
-        """The objects of a node by number."""
+        """Return the objects of a node by number."""
         node = self._known.nodes.get(node_id)
         if node is None:
             return ()
@@ -75,7 +75,7 @@ class BusDescriber:
         ]
 
     def octets(self, node_id: int, number: tuple[int, int], text: str) -> bytes:
-        """The octets of a value of an object."""
+        """Return the octets of a value of an object."""
         node = self._known.nodes.get(node_id)
         thing = None if node is None else node.objects.get(number)
         if thing is None:
@@ -87,7 +87,7 @@ class BusDescriber:
             raise CommandError(BAD_VALUE, message) from error
 
     def text(self, node_id: int, number: tuple[int, int], octets: bytes) -> str:
-        """The value of an object, octets where it is not described."""
+        """Return the value of an object, octets where it is not described."""
         node = self._known.nodes.get(node_id)
         thing = None if node is None else node.objects.get(number)
         if node is None or thing is None:

@@ -78,7 +78,7 @@ def _attempt(console: Console, request: Request) -> tuple[Path, ...]:
 
 
 def _state(request: Request, known: Iterable[Path]) -> tuple[State, set[Path]]:
-    """The state of all inputs, and the sources among them."""
+    """Return the state of all inputs, and the sources among them."""
     settings = find(Path.cwd()) or Path.cwd() / FILE_NAME
     try:
         sources = {path.absolute() for path in request.project().sources}

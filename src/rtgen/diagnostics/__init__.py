@@ -1,4 +1,4 @@
-"""Findings about a user's input: one value type, made from rule records, printed elsewhere."""
+"""Diagnostics about a user's input, made from rules; `report` prints them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _HINTS = Path(__file__).with_name("hints.toml")
 
 
 class Severity(StrEnum):
-    """How bad a finding is; only an error makes a command exit with 2."""
+    """Severity of a diagnostic; only an error makes a command exit with 2."""
 
     ERROR = "error"
     WARNING = "warning"
@@ -26,11 +26,7 @@ LONGEST_TEXT = 1000
 
 
 class Span(msgspec.Struct, frozen=True, order=True):
-    """A stretch of a user's text: 1-based lines and columns (in characters), end exclusive.
-
-    `file` is the path as given on the command line, included files relative to the working
-    folder, always with `/`.
-    """
+    """A range in a user's text: 1-based lines and columns (in characters), end exclusive."""
 
     file: str
     line: int
@@ -40,14 +36,14 @@ class Span(msgspec.Struct, frozen=True, order=True):
 
 
 class Related(msgspec.Struct, frozen=True):
-    """A further place that explains a finding, such as "first declared here"."""
+    """A further place that explains a diagnostic, such as "first declared here"."""
 
     span: Span
     label: str
 
 
 class Edit(msgspec.Struct, frozen=True):
-    """Replaces the text `old`, which stands at `span`."""
+    """An edit that replaces the text `old` at `span`."""
 
     span: Span
     old: str
@@ -55,14 +51,14 @@ class Edit(msgspec.Struct, frozen=True):
 
 
 class Fix(msgspec.Struct, frozen=True):
-    """Edits that remove the cause of a finding and change no meaning."""
+    """Edits that remove the cause of a diagnostic without changing the meaning."""
 
     title: str
     edits: tuple[Edit, ...]
 
 
 class Diagnostic(msgspec.Struct, frozen=True):
-    """One finding. `span` is None only where no file can be blamed."""
+    """A diagnostic. `span` is None only if it concerns no file."""
 
     code: str
     severity: Severity
@@ -74,7 +70,7 @@ class Diagnostic(msgspec.Struct, frozen=True):
 
 
 class Rule(msgspec.Struct, frozen=True):
-    """A rule: the record behind `rtgen explain` and behind each diagnostic with its code.
+    """A rule: the source of its diagnostics and of the page of `rtgen explain`.
 
     `text` is the explanation of a plug-in's rule; rtgen's own rules have theirs in a file.
     """
@@ -103,9 +99,9 @@ class Rule(msgspec.Struct, frozen=True):
         related: Iterable[Related] = (),
         hint: str | None = None,
     ) -> Diagnostic:
-        """A finding of this rule; texts beyond LONGEST_TEXT lose their middle.
+        """Return a diagnostic of this rule; texts longer than LONGEST_TEXT are cut in the middle.
 
-        A finding without a `hint` has that of its rule in `hints.toml`, if there is one.
+        Without a `hint`, the rule's hint in `hints.toml` is used, if there is one.
         """
         if hint is None:
             hint = _hints().get(self.code)
@@ -134,7 +130,7 @@ def _shortened(text: str) -> str:
 
 
 class InputError(Exception):
-    """Input that cannot be processed further; carries its findings (at least one error)."""
+    """Input that cannot be processed further, with its diagnostics (at least one error)."""
 
     def __init__(self, diagnostics: Iterable[Diagnostic]) -> None:
         self.diagnostics = tuple(diagnostics)
@@ -157,12 +153,12 @@ class ToolError(Exception):
 
 
 def has_errors(diagnostics: Iterable[Diagnostic]) -> bool:
-    """Whether any of the findings is an error."""
+    """Return whether any diagnostic is an error."""
     return any(d.severity is Severity.ERROR for d in diagnostics)
 
 
 def in_order(diagnostics: Iterable[Diagnostic]) -> list[Diagnostic]:
-    """The findings without repetitions, sorted by place, then code."""
+    """Return the diagnostics without duplicates, sorted by place, then code."""
     unique = dict.fromkeys(diagnostics)
     nowhere = Span("", 0, 0, 0, 0)
     return sorted(unique, key=lambda d: (d.span or nowhere, d.code, d.message))

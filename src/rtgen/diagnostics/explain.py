@@ -1,4 +1,4 @@
-"""The rules behind all codes, collected from the modules that have them."""
+"""All rules by their codes, for `rtgen explain`."""
 
 from __future__ import annotations
 
@@ -39,12 +39,14 @@ MODULES = (
     "rtgen.systems.checks",
     "rtgen.systems.rules",
 )
-"""The modules of rtgen with `RULES`."""
+"""The modules of rtgen that define `RULES`."""
 
 
 @cache
 def rules() -> MappingProxyType[str, Rule]:
-    """Every rule by its code, sorted, those of plug-ins too. Raises ToolError for a broken one."""
+    """Return all rules by code, sorted, with those of plug-ins. Raises ToolError for an invalid
+    one.
+    """
     found: dict[str, Rule] = {}
     for name in MODULES:
         for rule in import_module(name).RULES:
@@ -62,10 +64,10 @@ def rules() -> MappingProxyType[str, Rule]:
 
 
 def similar(code: str) -> list[str]:
-    """The codes that someone who typed `code` may have meant."""
+    """Return the codes most similar to an unknown `code`."""
     return get_close_matches(code.upper(), rules(), n=3)
 
 
 def story(rule: Rule) -> str:
-    """The rule as Markdown."""
+    """Return the rule as Markdown."""
     return f"# {rule.code}: {rule.title}\n\n{rule.explanation.strip()}\n"

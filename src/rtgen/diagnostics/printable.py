@@ -1,4 +1,4 @@
-"""Texts of inputs without what steers a terminal."""
+"""Removes terminal control characters from texts of inputs."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ import re
 _STEERING = re.compile(
     r"[\x00-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff\ufeff\ufffe\uffff]"
 )
-"""Control characters, directions and ends of lines of Unicode, and what no encoding has."""
+"""Control and bidirectional characters, Unicode line ends, and lone surrogates."""
 
 
 def printable(text: str, keep: str = "") -> str:
-    """The text with U+FFFD in place of control characters, but for those to `keep`.
+    """Replace control characters with U+FFFD, except those in `keep`.
 
-    Directional marks and lone surrogates count as control characters, since a reader of the text
-    would see something else than what is there.
+    Directional marks and lone surrogates count as control characters, since they would change what
+    a reader of the text sees.
     """
     if text.isprintable():
         return text

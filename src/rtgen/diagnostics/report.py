@@ -1,6 +1,6 @@
-"""Printers of findings: text with source lines, JSON, SARIF 2.1.0, a code host's annotations.
+"""Printers of diagnostics: text with source lines, JSON, SARIF 2.1.0, annotations of GitHub.
 
-A printer takes findings and the texts they speak of and returns the text to print.
+A printer takes diagnostics and the texts that they refer to, and returns the text to print.
 """
 
 from __future__ import annotations
@@ -33,9 +33,9 @@ def report(
     *,
     colour: bool = False,
 ) -> str:
-    """The findings in one of FORMS, in order and without repetitions; ends with a line feed.
+    """Return the diagnostics in one of FORMS, sorted and without duplicates; ends with a line feed.
 
-    `sources` maps displayed paths to texts; what is missing there is read from the disk.
+    `sources` maps displayed paths to texts; other files are read from the disk.
     """
     found = in_order(diagnostics)
     match form:
@@ -50,7 +50,7 @@ def report(
 
 
 def summary(diagnostics: Sequence[Diagnostic]) -> str:
-    """`2 errors, 1 warning, 3 notes`; empty if there is nothing to count."""
+    """Return `2 errors, 1 warning, 3 notes`; empty without diagnostics."""
     found = in_order(diagnostics)
     counts = []
     for severity in Severity:
@@ -61,7 +61,7 @@ def summary(diagnostics: Sequence[Diagnostic]) -> str:
 
 
 def as_json(d: Diagnostic) -> dict[str, object]:
-    """A finding as a JSON object."""
+    """Return a diagnostic as a JSON object."""
     return {
         "code": d.code,
         "severity": d.severity.value,
@@ -102,14 +102,14 @@ _Paint: TypeAlias = Callable[[str, str], str]
 
 
 class _Texts:
-    """The lines of the files that findings speak of."""
+    """The lines of the files that diagnostics refer to."""
 
     def __init__(self, sources: Mapping[str, str]) -> None:
         self._sources = sources
         self._lines: dict[str, list[str]] = {}
 
     def line(self, file: str, number: int) -> str | None:
-        """The line of that number without its end, or None."""
+        """Return a line by number, without its line end; None if there is none."""
         if file not in self._lines:
             self._lines[file] = self._text(file).split("\n")
         lines = self._lines[file]
@@ -150,7 +150,7 @@ def _prefix(span: Span | None) -> str:
 
 
 def _painter(colour: bool) -> _Paint:
-    """Returns a function that applies an ANSI style, or the identity."""
+    """Return a function that applies an ANSI style, or the identity function."""
     return (
         (lambda text, style: f"\x1b[{style}m{text}\x1b[0m")
         if colour
@@ -159,7 +159,7 @@ def _painter(colour: bool) -> _Paint:
 
 
 def _excerpt(span: Span, texts: _Texts, paint: _Paint, style: str) -> list[str]:
-    """The source line of a span with a line of carets; nothing if there is no such line."""
+    """Return the source line of a span and a line of carets; empty if the line does not exist."""
     line = texts.line(span.file, span.line)
     if line is None:
         return []
@@ -181,7 +181,7 @@ def _excerpt(span: Span, texts: _Texts, paint: _Paint, style: str) -> list[str]:
 
 
 def _drawn(text: str, column: int) -> tuple[str, int]:
-    """The text as a terminal can show it, and the column after it, beginning in `column`."""
+    """Return the text as a terminal can show it, and the column after it; it begins in `column`."""
     drawn = []
     for character in text:
         if character == "\t":
@@ -287,7 +287,7 @@ def _sarif_result(d: Diagnostic, rule_index: int) -> dict[str, object]:
 
 
 def _sarif_fix(fix: Fix) -> dict[str, object]:
-    """A fix of SARIF 2.1.0, 3.55; the edits of a fix of ours are all in one file."""
+    """Return a fix as in SARIF 2.1.0, 3.55; all edits of a fix are in one file."""
     places = [_sarif_place(edit.span) for edit in fix.edits]
     change = {
         "artifactLocation": places[0]["artifactLocation"],

@@ -22,7 +22,7 @@ class Allowance:
     path: str = "*"
 
     def covers(self, change: Change) -> bool:
-        """Whether the change is allowed."""
+        """Return whether the change is allowed."""
         files = [
             p.file.partition(":")[2] or p.file for p in (change.old, change.new) if p
         ]
@@ -36,7 +36,7 @@ class Allowance:
 def allowed(
     changes: Iterable[Change], allowances: Sequence[Allowance]
 ) -> tuple[dict[Change, Allowance], list[Diagnostic]]:
-    """The allowed changes with what allows them, and findings about unused allowances."""
+    """Return the allowed changes with what allows them, and findings about unused allowances."""
     found: dict[Change, Allowance] = {}
     used = set()
     for change in changes:

@@ -14,7 +14,7 @@ from rtgen.model.can_bus import Bus, BusNode, DeviceKind
 
 
 def compare_buses(old: Version, new: Version) -> Iterator[Change]:
-    """The changes of buses."""
+    """Yield the changes of buses."""
     found = matching(
         {b.name: b for b in old.model.buses},
         {b.name: b for b in new.model.buses},
@@ -31,7 +31,7 @@ def compare_buses(old: Version, new: Version) -> Iterator[Change]:
 
 
 def _place(bus: Bus) -> Span:
-    """The beginning of the bus file."""
+    """Return the beginning of the bus file."""
     return Span(bus.file, 1, 1, 1, 2)
 
 

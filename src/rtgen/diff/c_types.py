@@ -47,12 +47,12 @@ def c_shape(type_: CType, structs: Mapping[ScopedName, ScopedName]) -> str:
 
 
 def c_text(type_: CType) -> str:
-    """A type as messages show it."""
+    """Return a type as messages show it."""
     return str(type_)
 
 
 def length_text(expression: Expression | None, names: Mapping[str, str]) -> str:
-    """An expression with the parameters named as in the new version."""
+    """Return an expression with the parameters named as in the new version."""
     match expression:
         case None:
             return "none"

@@ -23,7 +23,7 @@ from rtgen.model.tecs import (
 
 
 def compare_cells(old: Version, new: Version) -> Iterator[Change]:
-    """The changes of celltypes, composites, cells and regions."""
+    """Yield the changes of celltypes, composites, cells and regions."""
     before: dict[tuple[str, ...], Celltype | Composite] = {
         **declared(old, Celltype),
         **declared(old, Composite),
@@ -192,7 +192,7 @@ def _join(old: Join, new: Join, name: str, names: Names) -> Iterator[Change]:
 
 
 def _on_the_wire(old: Through, new: Through) -> bool:
-    """Whether an option changed that is not for tecsgen's half alone."""
+    """Return whether an option changed that is not for tecsgen's half alone."""
     options = ({o.name: o.value for o in t.options} for t in (old, new))
     before, after = options
     changed = (k for k in {**before, **after} if before.get(k) != after.get(k))

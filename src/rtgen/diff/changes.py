@@ -46,7 +46,7 @@ _ORDER = {wire: number for number, wire in enumerate(Wire)}
 
 
 def in_wire_order(wires: Iterable[Wire]) -> tuple[Wire, ...]:
-    """The wires, each once, in the order of `Wire`."""
+    """Return the wires, each once, in the order of `Wire`."""
     return tuple(sorted(set(wires), key=_ORDER.__getitem__))
 
 
@@ -115,7 +115,7 @@ def change(
     wires: Iterable[Wire] | None = None,
     breaks: Iterable[Break] | None = None,
 ) -> Change:
-    """A change with the classes and wires of its kind, unless others are given."""
+    """Return a change with the classes and wires of its kind, unless others are given."""
     return Change(
         kind=kind,
         subject=subject,

@@ -19,7 +19,7 @@ from rtgen.diff.versions import Version
 
 
 def compare(old: Version, new: Version) -> list[Change]:
-    """The changes between two versions, by code and subject."""
+    """Return the changes between two versions, by code and subject."""
     types = compare_declarations(old, new)
     found = [*types.changes]
     found += compare_interfaces(old, new, types.names)

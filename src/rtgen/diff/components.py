@@ -26,7 +26,7 @@ _DATA = (PortKind.INPORT, PortKind.OUTPORT)
 def compare_components(
     old: Version, new: Version, names: dict[ScopedName, ScopedName]
 ) -> Iterator[Change]:
-    """The changes of components and adapters."""
+    """Yield the changes of components and adapters."""
     adapters = {a.name for v in (old, new) for a in v.model.adapters}
     before, after = (
         {
@@ -53,7 +53,7 @@ def compare_components(
 
 
 def _shape(component: Component) -> object:
-    """All of a component but its name; None for one without ports."""
+    """Return all of a component but its name; None for one without ports."""
     if not component.ports:
         return None
     return (

@@ -53,7 +53,9 @@ class TypeChanges:
 
 
 def compare_declarations(old: Version, new: Version) -> TypeChanges:
-    """The changes of structs, unions, enums, bit sets, typedefs, exceptions and constants."""
+    """Return the changes of structs, unions, enums, bit sets, typedefs, exceptions and
+    constants.
+    """
     return _Declarations(old, new).compare()
 
 
@@ -243,7 +245,7 @@ def _union(declaration: Union, version: Version) -> UnionSide:
 
 
 def reachable(compared: Mapping[Pair, Compared], start: Pair) -> list[Pair]:
-    """The pairs inside a pair, itself first."""
+    """Return the pairs inside a pair, itself first."""
     seen = {start: None}
     waiting = [start]
     while waiting:

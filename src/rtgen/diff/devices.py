@@ -25,7 +25,7 @@ NumberOrRelative = int | float | NodeRelative | None
 
 
 def compare_devices(old: Version, new: Version) -> Iterator[Change]:
-    """The changes of devices; one of another file name is another device."""
+    """Yield the changes of devices; one of another file name is another device."""
     found = matching(
         {d.name: d for d in old.model.devices},
         {d.name: d for d in new.model.devices},
@@ -42,7 +42,7 @@ def compare_devices(old: Version, new: Version) -> Iterator[Change]:
 
 
 def compare_device(old: Device, new: Device) -> Iterator[Change]:
-    """The changes between two descriptions of a device."""
+    """Yield the changes between two descriptions of a device."""
     yield from _information(old, new)
     yield from _objects(old, new)
     yield from compare_pdos(old, new)
@@ -122,7 +122,7 @@ def _never(_: Object) -> None:
 
 
 def _is_pdo(variable: Variable) -> bool:
-    """Whether it is a parameter of a PDO, which is compared as such."""
+    """Return whether it is a parameter of a PDO, which is compared as such."""
     return any(
         first <= variable.index < first + PDOS
         for first in (0x1400, 0x1600, 0x1800, 0x1A00)
@@ -188,7 +188,7 @@ def _type(variable: Variable) -> str:
 
 
 def shown(value: Value | None) -> str:
-    """A value as messages show it."""
+    """Return a value as messages show it."""
     match value:
         case None:
             return "none"
@@ -204,7 +204,7 @@ def _end(limit: NumberOrRelative) -> str:
 
 
 def _is_narrower(old: NumberOrRelative, new: NumberOrRelative, sign: int) -> bool:
-    """Whether a limit moved inwards: `sign` is 1 for the low one, -1 for the high one."""
+    """Return whether a limit moved inwards: `sign` is 1 for the low one, -1 for the high one."""
     if new is None or old == new:
         return False
     if old is None or isinstance(old, NodeRelative) or isinstance(new, NodeRelative):
@@ -213,7 +213,7 @@ def _is_narrower(old: NumberOrRelative, new: NumberOrRelative, sign: int) -> boo
 
 
 def compare_pdos(old: Device, new: Device) -> Iterator[Change]:
-    """The changes of PDOs: mapping, COB-ID, times."""
+    """Yield the changes of PDOs: mapping, COB-ID, times."""
     found = matching(
         {(p.direction, p.number): p for p in old.pdos},
         {(p.direction, p.number): p for p in new.pdos},
@@ -233,7 +233,7 @@ def compare_pdos(old: Device, new: Device) -> Iterator[Change]:
 
 
 def pdo_name(device: Device, pdo: Pdo) -> str:
-    """The PDO of a device: `Drive.tpdo1`."""
+    """Return the PDO of a device: `Drive.tpdo1`."""
     return f"{device.name}.{pdo.direction}{pdo.number}"
 
 
@@ -295,7 +295,7 @@ def _communication(old: Pdo, new: Pdo, name: str) -> Iterator[Change]:
 
 
 def _identifier(cob_id: int | NodeRelative | None) -> tuple[bool, int | None]:
-    """The identifier without the valid bit, and whether it follows the node-id."""
+    """Return the identifier without the valid bit, and whether it follows the node-id."""
     relative = isinstance(cob_id, NodeRelative)
     number = cob_id.offset if isinstance(cob_id, NodeRelative) else cob_id
     return relative, None if number is None else number & ~INVALID

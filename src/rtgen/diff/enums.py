@@ -20,7 +20,7 @@ from rtgen.model import (
 
 
 def compare_enums(old: Enum, new: Enum) -> Compared:
-    """The changes of an enum; classic CDR writes 4 octets whatever the bound."""
+    """Return the changes of an enum; classic CDR writes 4 octets whatever the bound."""
     name = new.scoped
     result = Compared()
     if old.bound != new.bound:
@@ -60,7 +60,7 @@ def compare_enums(old: Enum, new: Enum) -> Compared:
 
 
 def compare_bitmasks(old: Bitmask, new: Bitmask) -> Compared:
-    """The changes of a bitmask, whose readers keep the flags they have no name for."""
+    """Return the changes of a bitmask, whose readers keep the flags they have no name for."""
     name = new.scoped
     result = Compared()
     if old.bound != new.bound:
@@ -103,7 +103,7 @@ def compare_bitmasks(old: Bitmask, new: Bitmask) -> Compared:
 
 
 def compare_bitsets(old: Bitset, new: Bitset, before: Model, after: Model) -> Compared:
-    """The changes of a bitset as a whole: its fields, their widths and places."""
+    """Return the changes of a bitset as a whole: its fields, their widths and places."""
     first, second = fields_of(old, before), fields_of(new, after)
     if first == second:
         return Compared()
@@ -123,7 +123,7 @@ def compare_bitsets(old: Bitset, new: Bitset, before: Model, after: Model) -> Co
 
 
 def fields_of(bitset: Bitset, model: Model) -> list[tuple[str | None, int, bool]]:
-    """The fields with their bits and whether they have a sign, those of the bases first."""
+    """Return the fields with their bits and whether they have a sign, those of the bases first."""
     found: list[tuple[str | None, int, bool]] = []
     if bitset.base is not None:
         base = model.find(bitset.base)
@@ -189,5 +189,5 @@ def _found(
 
 
 def _octets(bound: int) -> int:
-    """The size of a value in XCDR."""
+    """Return the size of a value in XCDR."""
     return next(size for size in (1, 2, 4, 8) if bound <= 8 * size)

@@ -30,7 +30,7 @@ _Item = TypeVar("_Item", Operation, Attribute, Parameter)
 
 
 def compare_interfaces(old: Version, new: Version, names: Names) -> Iterator[Change]:
-    """The changes of interfaces and valuetypes; renamed ones are added to `names`."""
+    """Yield the changes of interfaces and valuetypes; renamed ones are added to `names`."""
     before = {n: d for n, d in old.written.items() if isinstance(d, Interface)}
     after = {n: d for n, d in new.written.items() if isinstance(d, Interface)}
     found = matching(before, after, _shape)
@@ -51,7 +51,7 @@ def compare_interfaces(old: Version, new: Version, names: Names) -> Iterator[Cha
 
 
 def _shape(interface: Interface) -> object:
-    """All of an interface but its name; None for one without operations and attributes."""
+    """Return all of an interface but its name; None for one without operations and attributes."""
     if not (interface.operations or interface.attributes):
         return None
     return (
@@ -104,7 +104,7 @@ class _Interfaces:
         yield from self.attributes()
 
     def operations(self) -> Iterator[Change]:
-        """The changes of operations."""
+        """Yield the changes of operations."""
         found = matching(
             _by_name(self._old.operations), _by_name(self._new.operations), _signature
         )
@@ -206,7 +206,7 @@ class _Interfaces:
             yield change(kind, name, text, *spans)
 
     def attributes(self) -> Iterator[Change]:
-        """The changes of attributes."""
+        """Yield the changes of attributes."""
         before, after = _by_name(self._old.attributes), _by_name(self._new.attributes)
         found = matching(before, after, lambda _: None)
         yield from self._came_and_went(
@@ -282,7 +282,7 @@ def _by_name(items: Sequence[_Item]) -> dict[str, _Item]:
 
 
 def _reordered(old: Sequence[str], new: Sequence[str]) -> bool:
-    """Whether what both have stands in another order."""
+    """Return whether what both have stands in another order."""
     return [n for n in old if n in new] != [n for n in new if n in old]
 
 

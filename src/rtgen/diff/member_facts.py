@@ -24,7 +24,7 @@ _COMPARED_ELSEWHERE = frozenset(
 def member_facts(
     old: Documented, new: Documented, name: str
 ) -> Iterator[tuple[Kind, str]]:
-    """The changes of a member's annotations, with a message each."""
+    """Yield the changes of a member's annotations, with a message each."""
     for kind, key in (
         (kinds.MUST_UNDERSTAND, "must_understand"),
         (kinds.EXTERNAL, "external"),
@@ -47,7 +47,7 @@ def member_facts(
 def other_annotations(
     old: Documented, new: Documented, name: str
 ) -> Iterator[tuple[Kind, str]]:
-    """The annotations that rtgen makes nothing of."""
+    """Yield the annotations that rtgen makes nothing of."""
     before = {a for a in old.annotations if a.name not in _COMPARED_ELSEWHERE}
     after = {a for a in new.annotations if a.name not in _COMPARED_ELSEWHERE}
     forms = argument(old, "numeric"), argument(new, "numeric")
@@ -72,7 +72,7 @@ Limits = tuple[ConstantValue | None, ConstantValue | None]
 
 
 def limits(item: Documented) -> Limits:
-    """The least and greatest value, None for none."""
+    """Return the least and greatest value, None for none."""
     within = item.annotation("range")
     least, most = argument(item, "min"), argument(item, "max")
     if within is not None:
@@ -82,7 +82,7 @@ def limits(item: Documented) -> Limits:
 
 
 def is_narrower(old: Limits, new: Limits) -> bool:
-    """Whether a value of the old range can lie outside of the new one."""
+    """Return whether a value of the old range can lie outside of the new one."""
     least = new[0] is not None and (old[0] is None or _less(old[0], new[0]))
     most = new[1] is not None and (old[1] is None or _less(new[1], old[1]))
     return least or most
@@ -97,19 +97,19 @@ def _less(a: ConstantValue, b: ConstantValue) -> bool:
 
 
 def shown(range_: Limits) -> str:
-    """A range in words."""
+    """Return a range in words."""
     least, most = ("" if end is None else value_text(end) for end in range_)
     return f"{least}..{most}"
 
 
 def argument(item: Documented, key: str) -> ConstantValue | None:
-    """The argument of an annotation, or None."""
+    """Return the argument of an annotation, or None."""
     annotation = item.annotation(key)
     return None if annotation is None else annotation.get()
 
 
 def value_text(value: ConstantValue | None) -> str:
-    """A constant as messages show it."""
+    """Return a constant as messages show it."""
     match value:
         case None:
             return "none"

@@ -45,7 +45,7 @@ _SECTIONS: dict[str, Kind] = {
 
 
 def compare_settings(old: Version, new: Version) -> Iterator[Change]:
-    """The changes of settings; adapters are compared as part of the model."""
+    """Yield the changes of settings; adapters are compared as part of the model."""
     if not (old.settings and new.settings):
         return
     before, after = _flat(old), _flat(new)
@@ -72,7 +72,7 @@ def _flat(version: Version) -> dict[tuple[str, str], Any]:
 
 
 def _place(version: Version, key: tuple[str, str]) -> Span:
-    """The place of a key, or the beginning of the file."""
+    """Return the place of a key, or the beginning of the file."""
     found = version.places.get(key)
     if found is not None:
         return found

@@ -44,7 +44,7 @@ class Source(msgspec.Struct, frozen=True):
 
 
 def source_of(word: str, *, revision: bool = False) -> Source:
-    """The source that a word of the command line names.
+    """Return the source that a word of the command line names.
 
     A path of that name comes before a revision, unless it has to be one. Raises InputError.
     """
@@ -66,7 +66,7 @@ def source_of(word: str, *, revision: bool = False) -> Source:
 
 
 def at_revision(source: Source, path: Path) -> Source:
-    """A path of the working tree at the revision of a source. Raises InputError."""
+    """Return a path of the working tree at the revision of a source. Raises InputError."""
     assert source.repository is not None
     absolute = path.resolve()
     if not absolute.is_relative_to(source.repository):
@@ -119,7 +119,9 @@ def _relabelled(
 
 
 def _project_of_path(path: Path | None) -> Project:
-    """The project of the working folder, of a folder with rtgen.toml, or around other paths."""
+    """Return the project of the working folder, of a folder with rtgen.toml, or around other
+    paths.
+    """
     if path is None:
         project = load()
         if project.file is None:
@@ -133,7 +135,7 @@ def _project_of_path(path: Path | None) -> Project:
 
 
 def _project_at(source: Source, folder: Path) -> Project:
-    """The same in a folder that a revision was extracted to."""
+    """Return the same in a folder that a revision was extracted to."""
     here = load()
     root = here.root.resolve()
     inside = Path()
@@ -200,7 +202,7 @@ def _read(source: Source, project: Project, relabel: Relabel) -> Version:
 
 
 def _is_project(source: Source, project: Project) -> bool:
-    """Whether the source is a project, not some of its definitions."""
+    """Return whether the source is a project, not some of its definitions."""
     path = source.path
     if path is None or path.name == FILE_NAME:
         return True

@@ -13,18 +13,18 @@ from rtgen.diff.allowances import Allowance
 from rtgen.diff.changes import Break, Change, User
 
 FORMAT = "rtgen-diff/1"
-_MOST_OF_KIND = 3
+_MAX_PER_KIND = 3
 
 
 def is_asked(change: Change, use: Collection[Break]) -> bool:
-    """Whether the change is of a class that the run looks for."""
+    """Return whether the change is of a class that the run looks for."""
     return not set(use).isdisjoint(change.classes)
 
 
 def finding(
     change: Change, use: Collection[Break], allowance: Allowance | None
 ) -> Diagnostic:
-    """A change for the printers: a warning if it is of an asked class and not allowed."""
+    """Return a change for the printers: a warning if it is of an asked class and not allowed."""
     span = change.new or change.old
     related = []
     if change.new is not None and change.old is not None:
@@ -40,7 +40,7 @@ def finding(
 
 
 def classes_text(change: Change) -> str:
-    """The classes, with what breaks on the wire: `wire: CDR, PDO; source`."""
+    """Return the classes, with what breaks on the wire: `wire: CDR, PDO; source`."""
     parts = []
     for each in change.classes:
         if each is Break.WIRE:
@@ -60,11 +60,11 @@ def _hint(change: Change, allowance: Allowance | None) -> str:
 
 
 def _users_texts(users: Sequence[User]) -> Iterator[str]:
-    """The users, a few of each kind; they are in the order of kinds."""
+    """Yield the users, a few of each kind; they are in the order of kinds."""
     for kind, group in groupby(users, key=lambda user: user.kind):
         listed = [*group]
-        yield from (_user_text(user) for user in listed[:_MOST_OF_KIND])
-        if (more := len(listed) - _MOST_OF_KIND) > 0:
+        yield from (_user_text(user) for user in listed[:_MAX_PER_KIND])
+        if (more := len(listed) - _MAX_PER_KIND) > 0:
             yield f"{more} more {kind}{'s' * (more > 1)}"
 
 
@@ -78,7 +78,7 @@ def as_json(
     changes: Sequence[Change],
     allowances: Mapping[Change, Allowance],
 ) -> dict[str, Any]:
-    """The comparison as an object, in the format rtgen-diff/1."""
+    """Return the comparison as an object, in the format rtgen-diff/1."""
     return {
         "format": FORMAT,
         "old": labels[0],
@@ -91,7 +91,7 @@ def as_json(
 def counts(
     changes: Sequence[Change], allowances: Mapping[Change, Allowance]
 ) -> dict[str, int]:
-    """The number of changes that are not allowed, by class, and of those that are."""
+    """Return the number of changes that are not allowed, by class, and of those that are."""
     found = {str(each): 0 for each in Break}
     for change in changes:
         if change not in allowances:

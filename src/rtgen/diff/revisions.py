@@ -10,10 +10,10 @@ from pathlib import Path, PurePosixPath
 from rtgen.diagnostics import InputError, ToolError
 from rtgen.diff.kinds.catalogue import GIT_FAILED, NO_VERSION, TOO_LARGE
 
-MOST_FILES = 50_000
+MAX_FILES = 50_000
 """The largest number of files that are copied of a revision."""
 
-MOST_BYTES = 256 * 1024 * 1024
+MAX_BYTES = 256 * 1024 * 1024
 """The largest sum of their sizes."""
 
 _LARGEST = 32 * 1024 * 1024
@@ -28,14 +28,14 @@ _NO_DEFINITION = frozenset(
 
 
 def top_level(folder: Path) -> Path | None:
-    """The top folder of the repository around a folder; None outside of one."""
+    """Return the top folder of the repository around a folder; None outside of one."""
     result = _git(folder, "rev-parse", "--show-toplevel")
     text = result.stdout.decode("utf-8", "surrogateescape").rstrip("\n")
     return Path(text).resolve() if result.returncode == 0 and text else None
 
 
 def commit_of(repository: Path, revision: str) -> str | None:
-    """The commit that a revision names, or None."""
+    """Return the commit that a revision names, or None."""
     if revision.startswith("-") or "\0" in revision:
         return None
     name = f"{revision}^{{commit}}"
@@ -47,7 +47,7 @@ def commit_of(repository: Path, revision: str) -> str | None:
 
 
 def unknown_revision(repository: Path | None, word: str) -> InputError:
-    """The error for a word that is not a file, folder or revision."""
+    """Return the error for a word that is not a file, folder or revision."""
     message = f"{word!r} is not a file, folder or git revision"
     if repository is None:
         hint = "the working folder is in no git repository"
@@ -78,10 +78,10 @@ def extract(repository: Path, commit: str, folder: Path) -> None:
         if size <= _LARGEST and _is_wanted(path):
             chosen.append((parts[2], path, size))
     total = sum(size for _, _, size in chosen)
-    if len(chosen) > MOST_FILES or total > MOST_BYTES:
+    if len(chosen) > MAX_FILES or total > MAX_BYTES:
         message = (
             f"{commit[:12]} has {len(chosen)} files of {total} octets; "
-            f"{MOST_FILES} files and {MOST_BYTES} octets are read"
+            f"{MAX_FILES} files and {MAX_BYTES} octets are read"
         )
         raise InputError([TOO_LARGE.at(None, message, hint="give two folders instead")])
     wanted = b"".join(blob + b"\n" for blob, _, _ in chosen)

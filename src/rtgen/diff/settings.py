@@ -19,7 +19,7 @@ class DiffSettings:
 
 
 def settings() -> DiffSettings:
-    """The settings of the project of the working folder. Raises InputError."""
+    """Return the settings of the project of the working folder. Raises InputError."""
     project = load()
     if project.file is None:
         return DiffSettings()

@@ -32,7 +32,9 @@ Names = Mapping[ScopedName, ScopedName]
 
 
 def declared(version: Version, kind: type[Declared]) -> dict[ScopedName, Declared]:
-    """The declarations of a kind in the CDL files of a version, without those of C headers."""
+    """Return the declarations of a kind in the CDL files of a version, without those of C
+    headers.
+    """
     return {
         d.name: d
         for unit in version.model.tecs
@@ -42,7 +44,7 @@ def declared(version: Version, kind: type[Declared]) -> dict[ScopedName, Declare
 
 
 def compare_signatures(old: Version, new: Version) -> Iterator[Change]:
-    """The changes of signatures, structs, typedefs, enums and constants."""
+    """Yield the changes of signatures, structs, typedefs, enums and constants."""
     structs = matching(
         declared(old, TecsStruct), declared(new, TecsStruct), _struct_shape
     )
@@ -260,7 +262,7 @@ class _Signatures:
 
     @staticmethod
     def _result(type_: CType, names: Names) -> tuple[str, bool]:
-        """The octets of a result, and whether an E_RPC in it leaves the outs out."""
+        """Return the octets of a result, and whether an E_RPC in it leaves the outs out."""
         return c_shape(type_, names), is_error_code(type_)
 
     def _parameter(

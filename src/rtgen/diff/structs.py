@@ -88,7 +88,7 @@ class StructSide:
 def compare_structs(
     old: StructSide, new: StructSide, types: TypeExpressions
 ) -> Compared:
-    """The changes of a struct or exception."""
+    """Return the changes of a struct or exception."""
     return _Structs(old, new, types).compare()
 
 
@@ -260,7 +260,7 @@ class _Structs:
             self._report(kind, new, text, *spans)
 
     def _positional_id(self, old: Field, new: Field) -> bool:
-        """Whether the ids follow from places alone, and no reader looks at them."""
+        """Return whether the ids follow from places alone, and no reader looks at them."""
         written = old.member.id is not None or new.member.id is not None
         return not written and not self._mutable and not (old.optional and new.optional)
 
@@ -318,7 +318,9 @@ def struct_side(
     extensibility: Extensibility,
     is_unset: Callable[[Declaration, Member], bool],
 ) -> StructSide:
-    """The struct with its members and those of its bases, first ones first, with their ids."""
+    """Return the struct with its members and those of its bases, first ones first, with their
+    ids.
+    """
     chain = [declaration]
     while isinstance(chain[-1], Struct) and chain[-1].base is not None:
         base = find(chain[-1].base)

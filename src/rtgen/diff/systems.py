@@ -19,7 +19,7 @@ _PROPERTY_KINDS = {
 
 
 def compare_systems(old: Version, new: Version) -> Iterator[Change]:
-    """The changes of systems, which are known by their names."""
+    """Yield the changes of systems, which are known by their names."""
     found = matching(
         {s.name: s for s in old.model.systems},
         {s.name: s for s in new.model.systems},
@@ -36,7 +36,7 @@ def compare_systems(old: Version, new: Version) -> Iterator[Change]:
 
 
 def _place(system: System) -> Span:
-    """The beginning of the file of a system."""
+    """Return the beginning of the file of a system."""
     return Span(system.file, 1, 1, 1, 2)
 
 

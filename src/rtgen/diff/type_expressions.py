@@ -70,14 +70,14 @@ class TypeExpressions:
         self._old, self._new, self._names = old, new, names
 
     def compare(self, old: Type, new: Type) -> Verdict:
-        """The verdict on two types of a member, element, parameter or port."""
+        """Return the verdict on two types of a member, element, parameter or port."""
         found = self._compare(self._old.unalias(old), self._new.unalias(new))
         if found.kind is None and self._written(old) != str(new):
             return Verdict(kinds.MEMBER_ALIAS, found.wires, found.pairs)
         return found
 
     def _written(self, type_: Type) -> str:
-        """The old type in the names of the new version."""
+        """Return the old type in the names of the new version."""
         match type_:
             case NamedType(name):
                 return str(NamedType(self._names.get(name, name)))
@@ -145,7 +145,7 @@ class TypeExpressions:
 
 
 def _first(inner: Verdict, own: Verdict) -> Verdict:
-    """The inner change, or else the own one, with what breaks by either."""
+    """Return the inner change, or else the own one, with what breaks by either."""
     return Verdict(
         inner.kind or own.kind,
         inner.wires | own.wires,
@@ -163,7 +163,7 @@ def _bounds(old: int | None, new: int | None) -> Verdict:
 
 
 def _flat(type_: Type, model: Model) -> tuple[Type, tuple[int, ...]]:
-    """The element of an array of arrays, and all dimensions."""
+    """Return the element of an array of arrays, and all dimensions."""
     dimensions: tuple[int, ...] = ()
     while isinstance(type_, ArrayType):
         dimensions += type_.dimensions

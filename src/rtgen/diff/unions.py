@@ -45,14 +45,14 @@ class UnionSide:
     ids: Mapping[str, int]
 
     def selects(self, label: Label) -> Case | None:
-        """The branch of a discriminator."""
+        """Return the branch of a discriminator."""
         return (
             self.default if label == _DEFAULT else self.labels.get(label, self.default)
         )
 
 
 def union_side(union: Union, model: Model, extensibility: Extensibility) -> UnionSide:
-    """The union with its labels as numbers, texts or names of enumerators."""
+    """Return the union with its labels as numbers, texts or names of enumerators."""
     labels: dict[Label, Case] = {}
     ids = {}
     following = 1
@@ -75,7 +75,7 @@ def _plain(label: ConstantValue) -> Label:
 
 
 def _universe(union: Union, model: Model) -> set[Label] | None:
-    """All discriminators, if they can be listed."""
+    """Return all discriminators, if they can be listed."""
     type_ = model.unalias(union.switch)
     if isinstance(type_, NamedType):
         declaration = model.find(type_.name)
@@ -87,7 +87,7 @@ def _universe(union: Union, model: Model) -> set[Label] | None:
 
 
 def compare_unions(old: UnionSide, new: UnionSide, types: TypeExpressions) -> Compared:
-    """The changes of a union."""
+    """Return the changes of a union."""
     return _Unions(old, new, types).compare()
 
 
@@ -102,7 +102,7 @@ class _Unions:
 
     @staticmethod
     def _open_wires(both: set[Extensibility]) -> frozenset[Wire]:
-        """The encodings whose readers take a discriminator without a branch."""
+        """Return the encodings whose readers take a discriminator without a branch."""
         if both == {Extensibility.MUTABLE}:
             return XCDR
         if both == {Extensibility.APPENDABLE}:
@@ -172,7 +172,7 @@ class _Unions:
     def _moved(
         self, labels: Mapping[Label, None], names: Mapping[str, str]
     ) -> Iterator[tuple[Label, frozenset[Wire]]]:
-        """The discriminators that select another branch, and what breaks thereby."""
+        """Yield the discriminators that select another branch, and what breaks thereby."""
         for label in labels:
             old, new = self._old.selects(label), self._new.selects(label)
             if old is None and new is None:

@@ -37,7 +37,7 @@ class Users:
     direct: dict[str, set[User]] = field(default_factory=lambda: defaultdict(set))
 
     def of(self, name: str) -> set[User]:
-        """All users of a name, those of its users too."""
+        """Return all users of a name, those of its users too."""
         seen: set[User] = set()
         waiting = [name]
         while waiting:
@@ -49,7 +49,7 @@ class Users:
 
 
 def users_of(versions: Iterable[Version]) -> Users:
-    """The users in all versions, since what is removed was used in the old one."""
+    """Return the users in all versions, since what is removed was used in the old one."""
     users = Users()
     for version in versions:
         models = [version.model, *(p.model for p in version.model.packages)]
@@ -64,7 +64,7 @@ def users_of(versions: Iterable[Version]) -> Users:
 
 
 def with_users(changes: Iterable[Change], users: Users) -> Iterator[Change]:
-    """The changes with whom they break; compatible changes break none."""
+    """Yield the changes with whom they break; compatible changes break none."""
     for each in changes:
         if each.classes == (Break.COMPATIBLE,):
             yield replace(each, users=())
@@ -85,7 +85,7 @@ _OF_PORTS = "DIF032"
 
 
 def _names_of(each: Change) -> Iterator[str]:
-    """The names by which users refer to the subject: itself, and what it is part of."""
+    """Yield the names by which users refer to the subject: itself, and what it is part of."""
     subject = each.subject.partition("(")[0]
     yield subject
     if "." in subject and not each.kind.code.startswith(_OF_PORTS):
@@ -116,7 +116,7 @@ def _of_components(model: Model, users: Users) -> None:
 
 
 def _named(type_: Type, model: Model) -> Iterator[str]:
-    """The names in a type expression, those behind typedefs too."""
+    """Yield the names in a type expression, those behind typedefs too."""
     match type_:
         case NamedType(name):
             yield "::".join(name)
@@ -163,7 +163,7 @@ def _of_boards(model: Model, users: Users) -> None:
 
 
 def _structs(signature: Signature) -> Iterator[str]:
-    """The tags of the structs that functions of a signature transfer."""
+    """Yield the tags of the structs that functions of a signature transfer."""
     for function in signature.functions:
         for type_ in (function.returns, *(p.type for p in function.parameters)):
             inner = resolve(type_)

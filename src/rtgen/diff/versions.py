@@ -59,13 +59,13 @@ class Version:
         }
 
     def has_headers(self, name: ScopedName) -> bool:
-        """Whether classic CDR lacks the type, so that `to_cdr` writes XCDR1."""
+        """Return whether classic CDR lacks the type, so that `to_cdr` writes XCDR1."""
         return self.cdr.has_headers(NamedType(name))
 
     def has_xcdr(self, name: ScopedName) -> bool:
-        """Whether XCDR has the type."""
+        """Return whether XCDR has the type."""
         return self.representations.missing(NamedType(name)) is None
 
     def is_xcdr2(self, declaration: Struct | Union) -> bool:
-        """Whether `to_cdr` writes XCDR2."""
+        """Return whether `to_cdr` writes XCDR2."""
         return self.representations.is_xcdr2(declaration)

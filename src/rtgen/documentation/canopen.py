@@ -23,7 +23,7 @@ def listed(content: Content) -> None:
 
 
 def devices(content: Content) -> Iterator[tuple[str, Page]]:
-    """The name and the page of each device."""
+    """Yield the name and the page of each device."""
     for device in content.model.devices:
         page = Page(content.places.page(Kind.DEVICE, device.name), device.name)
         _add_device(content, page, device)
@@ -31,7 +31,7 @@ def devices(content: Content) -> Iterator[tuple[str, Page]]:
 
 
 def buses(content: Content) -> Iterator[tuple[str, Page]]:
-    """The name and the page of each bus."""
+    """Yield the name and the page of each bus."""
     for bus in content.model.buses:
         page = Page(content.places.page(Kind.BUS, bus.name), bus.name)
         _add_bus(content, page, bus)
@@ -115,7 +115,7 @@ def _add_pdo(page: Page, d: Device, pdo: Pdo) -> None:
 
 
 def _bit_map(fields: list[tuple[int, int, str]]) -> str:
-    """The octets of a PDO, a row for each: bit 7 on the left, as data sheets draw them."""
+    """Return the octets of a PDO, a row for each: bit 7 on the left, as data sheets draw them."""
     if not fields:
         return ""
     size = -(-fields[-1][1] // 8)

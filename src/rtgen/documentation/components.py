@@ -25,7 +25,7 @@ _STATES = (
 
 
 def listed(content: Content) -> list[Component]:
-    """The components; they get their pages."""
+    """Return the components; they get their pages."""
     models = (content.model, *(p.model for p in content.model.packages))
     found: dict[str, Component] = {}
     for model in models:
@@ -38,7 +38,7 @@ def listed(content: Content) -> list[Component]:
 
 
 def pages(content: Content, components: list[Component]) -> Iterator[tuple[str, Page]]:
-    """The name and the page of each component."""
+    """Yield the name and the page of each component."""
     for component in components:
         name = component.name[-1]
         page = Page(content.places.page(Kind.COMPONENT, name), name)
@@ -99,7 +99,7 @@ def _port(content: Content, here: str, c: Component, port: Port) -> tuple[object
 
 
 def _peers(content: Content, here: str, c: Component, port: Port) -> Markdown:
-    """The ports of other components that systems connect with a port."""
+    """Return the ports of other components that systems connect with a port."""
     found: dict[str, None] = {}
     names = (
         {port.name} if port.kind in (PortKind.INPORT, PortKind.OUTPORT) else {port.port}

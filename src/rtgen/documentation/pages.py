@@ -33,11 +33,11 @@ class Content:
     extensibility: Extensibility
 
     def representations(self, *, xcdr2: bool) -> Representations:
-        """The representations of types, where no annotation says it in CDR or in XCDR2."""
+        """Return the representations of types, where no annotation says it in CDR or in XCDR2."""
         return Representations(self.model, xcdr2, self.extensibility)
 
     def source(self, file: str, span: Span) -> Markdown:
-        """The file and line of a definition, relative to the project."""
+        """Return the file and line of a definition, relative to the project."""
         return code(f"{self.keys.get(file, file)}:{span.line}")
 
 

@@ -32,7 +32,7 @@ class Places:
         self._taken: set[str] = set()
 
     def page(self, kind: Kind, name: str, path: str = "") -> str:
-        """A page of its own, as a path without suffix; the same for the same name.
+        """Return a page of its own, as a path without suffix; the same for the same name.
 
         The path is made of `path`, by default the name.
         """
@@ -42,7 +42,7 @@ class Places:
         return self._places[kind, name][0]
 
     def section(self, kind: Kind, name: str, page: str) -> str:
-        """An anchor on a page."""
+        """Return an anchor on a page."""
         anchor = self._free(f"{page}#{_plain(name)}").partition("#")[2]
         self._places[kind, name] = (page, anchor)
         return anchor
@@ -50,7 +50,7 @@ class Places:
     def link(
         self, kind: Kind, name: str, here: str, label: object | None = None
     ) -> Markdown:
-        """A link from the page `here`, or the name alone where it is described nowhere."""
+        """Return a link from the page `here`, or the name alone where it is described nowhere."""
         shown = code(name) if label is None else text(label)
         place = self._places.get((kind, name))
         if place is None:
@@ -58,12 +58,14 @@ class Places:
         return link(self._way(place, here, ".md"), shown)
 
     def way(self, kind: Kind, name: str, here: str) -> str:
-        """The address of the built page, from the built page `here`; empty if there is none."""
+        """Return the address of the built page, from the built page `here`; empty if there is
+        none.
+        """
         place = self._places.get((kind, name))
         return "" if place is None else self._way(place, here, ".html")
 
     def type(self, type_: Type, here: str) -> Markdown:
-        """A type expression whose names are links."""
+        """Return a type expression whose names are links."""
         match type_:
             case NamedType(name):
                 return self.link(Kind.TYPE, "::".join(name), here)
@@ -96,7 +98,7 @@ class Places:
 
 
 def _plain(name: str) -> str:
-    """The name as a part of a path or an anchor."""
+    """Return the name as a part of a path or an anchor."""
     made = _NOT_IN_PATHS.sub("-", name.replace("::", "-"))[:_LONGEST].strip("-")
     # `index` is the page of a folder.
     return made if made and made.lower() != "index" else f"{made or 'x'}-"

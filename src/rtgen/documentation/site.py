@@ -35,7 +35,7 @@ def site(
     xcdr2: bool = False,
     extensibility: str = "final",
 ) -> list[File]:
-    """The files of a site; the same model gives the same files.
+    """Return the files of a site; the same model gives the same files.
 
     `model` is the result of all lowerings. `xcdr2` and `extensibility` are the project's defaults.
     """
@@ -85,7 +85,7 @@ def site(
 
 
 def _keys(model: Model) -> dict[str, str]:
-    """The displayed path of each file to that relative to the project."""
+    """Return the displayed path of each file to that relative to the project."""
     models = (model, *(package.model for package in model.packages))
     files = {f.name: f.key for each in models for f in each.files}
     files |= {d.file: d.key for d in model.devices}
@@ -107,7 +107,7 @@ def _entries(pages: Iterable[_Listed]) -> Iterable[str]:
 
 
 def _settings(title: str, chapters: Mapping[str, Sequence[_Listed]]) -> str:
-    """The settings of MkDocs. JSON is YAML, and quotes any text."""
+    """Return the settings of MkDocs. JSON is YAML, and quotes any text."""
     navigation: list[dict[str, object]] = [{"Overview": "index.md"}]
     for chapter, pages in chapters.items():
         entries = [{name: f"{page.path}.md"} for name, page in pages]

@@ -20,7 +20,7 @@ def listed(content: Content) -> None:
 def pages(
     content: Content, components: list[Component]
 ) -> Iterator[tuple[str, Page, File]]:
-    """The name, the page and the picture of each system."""
+    """Yield the name, the page and the picture of each system."""
     for system in content.systems:
         page = Page(content.places.page(Kind.SYSTEM, system.file), system.name)
         picture = _picture(content, page, system, components)

@@ -44,7 +44,7 @@ _SIZES = {
 
 
 def listed(content: Content) -> list[tuple[TecsUnit, Signature]]:
-    """The signatures; they get their pages."""
+    """Return the signatures; they get their pages."""
     found: dict[str, tuple[TecsUnit, Signature]] = {}
     for unit in content.model.tecs:
         for declaration in unit.declarations:
@@ -58,7 +58,7 @@ def listed(content: Content) -> list[tuple[TecsUnit, Signature]]:
 def pages(
     content: Content, signatures: Sequence[tuple[TecsUnit, Signature]]
 ) -> Iterator[tuple[str, Page]]:
-    """The name and the page of each signature."""
+    """Yield the name and the page of each signature."""
     for unit, signature in signatures:
         name = signature.scoped
         page = Page(content.places.page(Kind.SIGNATURE, name), name)

@@ -46,7 +46,7 @@ _WORDS: dict[type[Declaration], str] = {
 
 
 def listed(content: Content) -> dict[str, list[Declaration]]:
-    """The declarations that pages of types describe, by module; they get their anchors."""
+    """Return the declarations that pages of types describe, by module; they get their anchors."""
     found: dict[str, list[Declaration]] = {}
     for declaration in content.model.declarations:
         if not isinstance(declaration, Component | Home):
@@ -62,7 +62,7 @@ def listed(content: Content) -> dict[str, list[Declaration]]:
 def pages(
     content: Content, modules: dict[str, list[Declaration]]
 ) -> Iterator[tuple[str, Page]]:
-    """The name and the page of each module."""
+    """Yield the name and the page of each module."""
     for module, declarations in modules.items():
         path = content.places.page(Kind.TYPE, f"module {module}")
         page = Page(path, module if module == GLOBAL else f"Module {module}")
@@ -211,7 +211,7 @@ def _operation(content: Content, here: str, o: Operation) -> tuple[object, ...]:
 
 
 def _components(content: Content, d: Declaration, kind: PortKind) -> list[str]:
-    """The components with a port of a kind for an interface."""
+    """Return the components with a port of a kind for an interface."""
     return [
         c.name[-1]
         for c in content.model.declarations

@@ -1,8 +1,8 @@
-"""The values that `[adapter.NAME] set` gives to members."""
+"""Constants for members in `[adapter.NAME] set` of rtgen.toml."""
 
 from __future__ import annotations
 
 from typing import TypeAlias
 
 AdapterConstant: TypeAlias = bool | int | float | str | tuple[str, ...]
-"""A truth value, a number, a text, or texts of a sequence."""
+"""A boolean, number, text, or a sequence of texts."""

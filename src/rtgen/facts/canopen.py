@@ -1,4 +1,4 @@
-"""CANopen's data types, times, texts and identifiers (CiA 301)."""
+"""Data types, times, texts and identifiers of CANopen (CiA 301)."""
 
 from __future__ import annotations
 
@@ -10,7 +10,9 @@ NMT: Final = 0x000
 SYNC: Final = 0x080
 TIME: Final = 0x100
 EMERGENCY: Final = 0x080
-"""To be added to the node-id, as SDO_RESPONSE to ERROR_CONTROL are (CiA 301, table 40)."""
+"""Bases of COB-IDs, to which the node-id is added: this one, and SDO_RESPONSE to ERROR_CONTROL (CiA
+301, table 40).
+"""
 SDO_RESPONSE: Final = 0x580
 SDO_REQUEST: Final = 0x600
 ERROR_CONTROL: Final = 0x700
@@ -20,36 +22,36 @@ LSS_REQUEST: Final = 0x7E5
 MAX_NODE_ID: Final = 127
 
 INVALID: Final = 1 << 31
-"""Flag of the COB-ID of a PDO, SDO or EMCY: it does not exist."""
+"""Flag of the COB-ID of a PDO, SDO or EMCY: the object does not exist or is not valid."""
 NO_RTR: Final = 1 << 30
-"""Flag of a TPDO's COB-ID: it does not answer remote frames."""
+"""Flag of a TPDO's COB-ID: no remote frames are answered."""
 EXTENDED: Final = 1 << 29
-"""Flag of a COB-ID: it is a CAN identifier of 29 bits."""
+"""Flag of a COB-ID: the CAN identifier has 29 bits."""
 
 RPDO_COMMUNICATION: Final = 0x1400
 RPDO_MAPPING: Final = 0x1600
 TPDO_COMMUNICATION: Final = 0x1800
 TPDO_MAPPING: Final = 0x1A00
 PDOS: Final = 512
-"""How many PDOs of one direction there can be."""
+"""Maximum number of PDOs per direction."""
 MAX_SYNC_CYCLIC: Final = 240
-"""The greatest transmission type of a synchronous PDO (CiA 301, table 55)."""
+"""Highest transmission type of a synchronous PDO (CiA 301, table 55)."""
 
 MILLISECOND: Final = 1_000_000
-"""Nanoseconds in the unit of heartbeat and event times."""
+"""Unit of heartbeat and event times, in nanoseconds."""
 INHIBIT_UNIT: Final = 100_000
-"""Nanoseconds in the unit of inhibit times, 100 us."""
+"""Unit of inhibit times (100 us), in nanoseconds."""
 
 
 def can_id_of(cob_id: int) -> int:
-    """The CAN identifier of a COB-ID with flags."""
+    """Return the CAN identifier of a COB-ID with flags."""
     return cob_id & (0x1FFFFFFF if cob_id & EXTENDED else 0x7FF)
 
 
 class DataType(IntEnum):
     """The basic data types and their codes (CiA 301, table 44).
 
-    VISIBLE_CHAR is not of CiA 301: RTC-CANopen uses the code for a character.
+    VISIBLE_CHAR is not in CiA 301: RTC-CANopen uses its code for a character.
     """
 
     BOOLEAN = 0x01
@@ -86,26 +88,26 @@ Kind: TypeAlias = Literal[
     "u8", "u16", "u24", "u32", "u40", "u48", "u56", "u64",
     "r32", "r64",
 ]  # fmt: skip
-"""A class of values: an integer or a real of that many bits, text, octets, or a time."""
+"""A class of values: an integer or a real of a number of bits, text, octets, or a time."""
 
 SIGNED_KINDS: Final[Mapping[Kind, int]] = {
     "i8": 8, "i16": 16, "i24": 24, "i32": 32,
     "i40": 40, "i48": 48, "i56": 56, "i64": 64,
 }  # fmt: skip
-"""The kinds of signed integers and their widths in bits."""
+"""Widths in bits of the kinds of signed integers."""
 
 UNSIGNED_KINDS: Final[Mapping[Kind, int]] = {
     "u8": 8, "u16": 16, "u24": 24, "u32": 32,
     "u40": 40, "u48": 48, "u56": 56, "u64": 64,
 }  # fmt: skip
-"""The kinds of unsigned integers and their widths in bits."""
+"""Widths in bits of the kinds of unsigned integers."""
 
 KIND_BITS: Final[Mapping[Kind, int]] = {
     "bool": 1, "char": 8, "r32": 32, "r64": 64,
     "time_of_day": 48, "time_difference": 48,
     **SIGNED_KINDS, **UNSIGNED_KINDS,
 }  # fmt: skip
-"""The kinds of fixed width, in bits as in a PDO; over SDO a truth value takes an octet."""
+"""Widths in bits of the kinds of fixed width, as in a PDO; over SDO a boolean takes an octet."""
 
 KINDS: Final[Mapping[DataType, Kind]] = {
     DataType.BOOLEAN: "bool",
@@ -140,17 +142,17 @@ KINDS: Final[Mapping[DataType, Kind]] = {
 SIGNED: Final[Mapping[DataType, int]] = {
     t: SIGNED_KINDS[k] for t, k in KINDS.items() if k in SIGNED_KINDS
 }
-"""The signed integer types and their widths in bits."""
+"""Widths in bits of the signed integer types."""
 
 UNSIGNED: Final[Mapping[DataType, int]] = {
     t: UNSIGNED_KINDS[k] for t, k in KINDS.items() if k in UNSIGNED_KINDS
 }
-"""The unsigned integer types and their widths in bits."""
+"""Widths in bits of the unsigned integer types."""
 
 BITS: Final[Mapping[DataType, int]] = {
     t: KIND_BITS[k] for t, k in KINDS.items() if k in KIND_BITS
 }
-"""The types of fixed width, in bits as in a PDO; over SDO a BOOLEAN takes an octet."""
+"""Widths in bits of the types of fixed width, as in a PDO; over SDO a BOOLEAN takes an octet."""
 
 REAL_CODES: Final[Mapping[Kind, str]] = {"r32": "<f", "r64": "<d"}
 """The `struct` formats of reals."""
@@ -160,10 +162,10 @@ WIDE_ENCODING: Final = "utf-16-le"
 
 
 def visible_octets(text: str) -> bytes:
-    """A VISIBLE_STRING as it is sent: ASCII by CiA 301, else Latin-1, as many devices have it.
+    """Encode a VISIBLE_STRING: ASCII by CiA 301, else Latin-1, which many devices use.
 
-    UTF-8 where there are other characters, or Latin-1 would be read back as UTF-8. Raises
-    UnicodeEncodeError for half a character (a surrogate).
+    UTF-8 for characters outside of Latin-1, and where Latin-1 would be decoded as UTF-8. Raises
+    UnicodeEncodeError for a lone surrogate.
     """
     try:
         octets = text.encode("latin-1")
@@ -173,7 +175,7 @@ def visible_octets(text: str) -> bytes:
 
 
 def visible_text(octets: bytes) -> str:
-    """The text of a VISIBLE_STRING: UTF-8 if it is valid UTF-8, else Latin-1."""
+    """Decode a VISIBLE_STRING: UTF-8 if it is valid UTF-8, else Latin-1."""
     try:
         return octets.decode("utf-8")
     except UnicodeDecodeError:
@@ -183,14 +185,14 @@ def visible_text(octets: bytes) -> str:
 DAY: Final = 86_400_000
 """Milliseconds in a day."""
 EPOCH_DAYS: Final = 5113
-"""1984-01-01, where TIME_OF_DAY and TIME begin, in days since 1970-01-01."""
+"""1984-01-01, the epoch of TIME_OF_DAY and TIME, in days since 1970-01-01."""
 EPOCH: Final = EPOCH_DAYS * DAY
-"""1984-01-01 in milliseconds since 1970-01-01."""
+"""The epoch in milliseconds since 1970-01-01."""
 MAX_DAYS: Final = 0xFFFF
 MILLISECONDS: Final = (1 << 28) - 1
-"""The bits of a time that are milliseconds; the other four of its first 32 are reserved."""
+"""Mask of the milliseconds in a time; the other four of its first 32 bits are reserved."""
 
 
 def milliseconds_of(raw: int) -> int:
-    """The milliseconds of a TIME_DIFFERENCE (48 bits; CiA 301, 7.1.6.6)."""
+    """Return the milliseconds of a TIME_DIFFERENCE (48 bits; CiA 301, 7.1.6.6)."""
     return (raw >> 32) * DAY + (raw & MILLISECONDS)

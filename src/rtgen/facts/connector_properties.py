@@ -1,6 +1,6 @@
-"""Properties of connectors by OpenRTM's names: which exist, and which values they take.
+"""Properties of connectors: their names and values, as in OpenRTM-aist 2.0.
 
-RTC 1.0 leaves them to implementations; these are OpenRTM-aist 2.0's.
+RTC 1.0 leaves them to implementations.
 """
 
 from __future__ import annotations
@@ -70,18 +70,20 @@ IO_MODES: Final[Mapping[str, Subscription]] = {
 """Subscription types for the values of `dataport.io_mode` (OpenRTM 2)."""
 
 OWN_PORT: Final = "rtgen.own_port"
-"""Property of a connector with an end, `INSTANCE.PORT`, that only the behaviour defines."""
+"""Property of a connector with a port, `INSTANCE.PORT`, that only the behaviour defines."""
 
 OVERRIDE: Final = "rtgen.openrtm."
-"""Prefix of properties that only apply to the target openrtm."""
+"""Prefix of properties that apply to the target openrtm only."""
 
 STRICTNESS: Final = "port.connection.strictness"
 MARSHALING: Final = "dataport.marshaling_type"
 ROS_TOPIC: Final = "dataport.ros2.topic"
-"""Topic of a connector whose data go as a message of ROS 2 (OpenRTM-aist's ROS2Transport)."""
+"""Topic of a connector whose data are sent as ROS 2 messages (OpenRTM-aist's ROS2Transport)."""
 ON_LOSS: Final = "port.connection.on_loss"
 DATA_ON_LOSS: Final = "dataport.qos.on_loss"
-"""What becomes of a component whose peer's process is lost, of service and data connectors."""
+"""What happens to a component that has lost the process of a peer; of data and service
+connectors.
+"""
 PUSH_RATE: Final = "dataport.publisher.push_rate"
 
 _IO_MODE = "dataport.io_mode"
@@ -92,10 +94,10 @@ _PREFIXES = ("dataport.", "port.")
 _INTEGER = re.compile(r"[0-9]{1,18}")
 
 IGNORED: Final = (_ADDRESS_PREFIX, "rtgen.")
-"""Prefixes of properties ignored by the embedded runtime: addresses and other targets."""
+"""Prefixes of properties that the embedded runtime ignores: addresses, and other targets."""
 
 Check: TypeAlias = Callable[[str], str | None]
-"""Returns the expected form of an invalid property text; None for a valid one."""
+"""Function that returns the expected form of an invalid property text; None for a valid one."""
 
 
 def _one_of(*words: str) -> Check:
@@ -143,7 +145,7 @@ def _text(_: str) -> None:
 
 
 _SECONDS = _number("a time in seconds, 0 or more", positive=False)
-_OF_BUFFERS: Mapping[str, Check] = {
+_BUFFER_PROPERTIES: Mapping[str, Check] = {
     "length": _integer(1),
     "write.full_policy": _one_of(*FullPolicy),
     "write.timeout": _SECONDS,
@@ -165,7 +167,7 @@ DATA: Final[Mapping[str, Check]] = {
     **{
         f"dataport.{end}buffer.{key}": check
         for end in _ENDS
-        for key, check in _OF_BUFFERS.items()
+        for key, check in _BUFFER_PROPERTIES.items()
     },
     ROS_TOPIC: _text,
     "dataport.serializer.cdr.endian": _byte_orders,
@@ -174,7 +176,7 @@ DATA: Final[Mapping[str, Check]] = {
     "dataport.fan_out": _integer(1),
     "dataport.allow_dup_connection": _flag,
 }
-"""The properties of data connectors, as OpenRTM takes them."""
+"""The properties of data connectors in OpenRTM."""
 
 QOS: Final[Mapping[str, Check]] = {
     "dataport.qos.reliability": _one_of("reliable", "best_effort"),
@@ -185,34 +187,36 @@ QOS: Final[Mapping[str, Check]] = {
     "dataport.qos.lease": _number("a time in seconds, above 0", positive=True),
     DATA_ON_LOSS: _one_of("continue", "error"),
 }
-"""Quality of service between processes, in the words of DDS 1.4, 2.2.3."""
+"""Quality of service between processes, named as in DDS 1.4, 2.2.3."""
 
 STATED_DATA: Final[Mapping[str, Check]] = {**DATA, **QOS}
-"""The properties that a system file can state for data connectors."""
+"""The properties of data connectors that a system file can have."""
 
 EMBEDDED_DATA: Final[Mapping[str, Check]] = {
     **STATED_DATA,
     "dataport.dataflow_type": _one_of(*Dataflow),
 }
-"""The same for the embedded runtime, which has no `duplex`, but QoS between processes."""
+"""The properties of data connectors in the embedded runtime: no `duplex`, but QoS between
+processes.
+"""
 
 SERVICE: Final[Mapping[str, Check]] = {
     STRICTNESS: _one_of("strict", "best_effort"),
     ON_LOSS: _one_of("continue", "error"),
 }
-"""The properties of service connectors, beside the pairs of interfaces."""
+"""The properties of service connectors, besides the pairs of interfaces."""
 
 
 def violation(table: Mapping[str, Check], key: str, text: str) -> str | None:
-    """The expected form of a property in the table; None if the text is valid.
+    """Return the expected form of a property in the table; None if the text is valid.
 
-    Surrounding space is ignored.
+    Leading and trailing space is ignored.
     """
     return table[key](text.strip())
 
 
 def subscriptions(properties: Mapping[str, str]) -> dict[str, Subscription]:
-    """The properties that name a subscription, with it; valid values only."""
+    """Return the subscription of each property that names a valid one."""
     found: dict[str, Subscription] = {}
     for key in (_IO_MODE, _SUBSCRIPTION_TYPE):
         text = properties.get(key, "").strip()
@@ -222,27 +226,27 @@ def subscriptions(properties: Mapping[str, str]) -> dict[str, Subscription]:
 
 
 def is_contradictory(properties: Mapping[str, str]) -> bool:
-    """Whether `dataport.io_mode` and `dataport.subscription_type` mean different subscriptions."""
+    """Return whether `dataport.io_mode` and `dataport.subscription_type` contradict each other."""
     return len(set(subscriptions(properties).values())) > 1
 
 
 def lacks_push_rate(properties: Mapping[str, str]) -> bool:
-    """Whether a connection is periodic, but no property says at which rate."""
+    """Return whether a connection is periodic, but has no push rate."""
     periodic = Subscription.PERIODIC in subscriptions(properties).values()
     return periodic and PUSH_RATE not in properties
 
 
 def is_pair(key: str) -> bool:
-    """Whether a property of a service connector gives a consumer its provider."""
+    """Return whether a property of a service connector pairs a consumer with a provider."""
     return ".required." in key
 
 
 def own_properties(pairs: Iterable[tuple[str, str]]) -> dict[str, str]:
-    """The properties of OpenRTM among those of a connector in a file."""
+    """Return those of a connector's properties that are OpenRTM's."""
     return {key: text for key, text in pairs if not is_foreign(key)}
 
 
 def is_foreign(key: str) -> bool:
-    """Whether a property is none of OpenRTM's: an editor's own, or an address it has saved."""
+    """Return whether a property is not OpenRTM's: an editor's own, or an address that it saved."""
     own = key.startswith(_PREFIXES) or is_pair(key)
     return not own or key.startswith(_ADDRESS_PREFIX)

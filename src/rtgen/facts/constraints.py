@@ -1,8 +1,4 @@
-"""Constraints of configuration parameters: tree of an RtcProfile, text form, evaluation.
-
-The text form is that of `conf.__constraints__.<name>` in a component of OpenRTM-aist: `100`,
-`x>=5`, `0<=x<=10`, `(a,b,c)`, `x<1,x>=2` (one for each item), `{k1:0<x<1,k2:x>=3}`.
-"""
+"""Constraints of configuration parameters: tree as in an RtcProfile, text form, evaluation."""
 
 from __future__ import annotations
 
@@ -30,7 +26,7 @@ class Operator(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
-    """`x < 5`; equality is also between texts, the rest between numbers only."""
+    """`x < 5`; equality also compares texts, other operators only numbers."""
 
     operator: Operator
     literal: str
@@ -46,7 +42,7 @@ class Between:
 
 @dataclass(frozen=True, slots=True)
 class AllOf:
-    """Both bounds of an interval that is open at one end or at both."""
+    """Both bounds of an interval that is open at one or both ends."""
 
     items: tuple[Comparison, ...]
 
@@ -80,7 +76,7 @@ Constraint: TypeAlias = Unit | ItemConstraints | KeyConstraints
 
 
 class ConstraintError(ValueError):
-    """A constraint text that cannot be read."""
+    """A constraint text that is not valid."""
 
 
 _MIRRORED = {
@@ -99,7 +95,7 @@ _INCLUSIVE = (Operator.GREATER_OR_EQUAL, Operator.LESS_OR_EQUAL)
 
 
 def parse(text: str) -> Constraint | None:
-    """The tree of a constraint text; None for an empty one. Raises ConstraintError."""
+    """Parse a constraint text; None for an empty one. Raises ConstraintError."""
     text = _SPACE.sub("", text)
     if not text:
         return None
@@ -112,7 +108,7 @@ def parse(text: str) -> Constraint | None:
 
 
 def interval(lower: str | None, upper: str | None) -> Unit | None:
-    """The inclusive interval between two numbers, either of which may be missing."""
+    """Return the inclusive interval between two numbers, either of which may be missing."""
     if lower is not None and upper is not None:
         return Between(lower, upper)
     if lower is not None:
@@ -123,13 +119,13 @@ def interval(lower: str | None, upper: str | None) -> Unit | None:
 
 
 def enumeration(values: Sequence[str]) -> Unit:
-    """One of the values."""
+    """Return the constraint that allows only these values."""
     items = tuple(Comparison(Operator.EQUAL, value) for value in values)
     return items[0] if len(items) == 1 else AnyOf(items)
 
 
 def text_of(constraint: Constraint) -> str:
-    """The text form; `parse` gives the same tree again."""
+    """Return the text form, from which `parse` makes the same tree."""
     match constraint:
         case Comparison(Operator.EQUAL, literal):
             return literal
@@ -149,7 +145,7 @@ def text_of(constraint: Constraint) -> str:
 
 
 def is_enumeration(constraint: Constraint | None) -> bool:
-    """Whether the constraint names the values that are allowed."""
+    """Return whether the constraint lists the allowed values."""
     match constraint:
         case AnyOf() | Comparison(Operator.EQUAL):
             return True
@@ -160,7 +156,7 @@ def is_enumeration(constraint: Constraint | None) -> bool:
 
 
 def is_range(constraint: Constraint | None) -> bool:
-    """Whether the constraint bounds a value at both ends."""
+    """Return whether the constraint bounds a value at both ends."""
     match constraint:
         case Between() | AllOf():
             return True
@@ -171,7 +167,9 @@ def is_range(constraint: Constraint | None) -> bool:
 
 
 def literals(constraint: Constraint) -> list[tuple[Operator | None, str]]:
-    """Every literal with its operator, in order; None marks the ends of a closed interval."""
+    """Return every literal with its operator, in order; None for the bounds of a closed
+    interval.
+    """
     match constraint:
         case Comparison(operator, literal):
             return [(operator, literal)]
@@ -186,10 +184,10 @@ def literals(constraint: Constraint) -> list[tuple[Operator | None, str]]:
 
 
 def check_literals(constraint: Constraint, type_: str, *, numeric: bool) -> None:
-    """Checks that the literals fit values of the type: numbers, or what has no order.
+    """Check that the literals fit values of the type: numbers, or a type without an order.
 
-    Keyed constraints are not checked: the values of keys have types of their own.
-    Raises ConstraintError.
+    Keyed constraints are not checked, because the values of keys have types of their own. Raises
+    ConstraintError.
     """
     if isinstance(constraint, KeyConstraints):
         return
@@ -201,10 +199,11 @@ def check_literals(constraint: Constraint, type_: str, *, numeric: bool) -> None
 
 
 def allows(constraint: Constraint, values: Sequence[Value]) -> bool:
-    """Whether a parameter meets the constraint; `values` are its items, one for a scalar.
+    """Return whether a parameter meets the constraint; `values` are its items, one for a scalar.
 
-    A unit holds for each item; of a list of constraints each holds for the item at its place.
-    Keyed constraints belong to structured values, which no parameter has here: they are met.
+    A constraint on one value applies to each item; in a list of constraints, each applies to the
+    item at its position. Keyed constraints are for structured values, which no parameter has here:
+    they count as met.
     """
     match constraint:
         case KeyConstraints():
@@ -257,7 +256,7 @@ def _equals(literal: str, value: Value) -> bool:
 
 
 def _comparable(literal: str, value: int | float | Decimal) -> int | float | Decimal:
-    """The number of a literal, so that comparing it with the value is exact."""
+    """Return the number of a literal in a type that compares exactly with the value."""
     number = float(literal)
     if isfinite(number) and _INTEGER.fullmatch(literal):
         return int(literal)
@@ -265,7 +264,7 @@ def _comparable(literal: str, value: int | float | Decimal) -> int | float | Dec
 
 
 def _split(text: str) -> list[str]:
-    """The parts between commas that stand outside brackets."""
+    """Split at commas outside of brackets."""
     parts = [""]
     depth = 0
     for character in text:

@@ -1,4 +1,4 @@
-"""The communication RTC of TECS boards: its names, parameters and defaults (RTM-TECS, 5.2)."""
+"""Communication RTC of TECS boards: names, parameters and defaults (RTM-TECS, 5.2)."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ from dataclasses import dataclass
 from typing import Final
 
 FIRST_PORT: Final = 8931
-"""The TCP port of the first join, as tecsgen has it."""
+"""The TCP port of the first join, as in tecsgen."""
 
 TIMEOUT: Final = 1.0
-"""How long a call may take [s], where nothing else is said."""
+"""Default time-out of a call [s]."""
 
 LONGEST_TIMEOUT: Final = 1e6
-"""The greatest time-out [s]."""
+"""Maximum time-out [s]."""
 
 COMPONENT: Final = "OpaqueRpcCommunication"
 """The type of the component."""
@@ -24,7 +24,7 @@ RATE: Final = 10.0
 """Cycles a second [Hz]."""
 
 PORT: Final = "service"
-"""The service port; its one interface is `OpaqueRpc`."""
+"""The service port, whose only interface is `OpaqueRpc`."""
 
 INSTANCE: Final = "communication"
 """The instance name of the interface."""
@@ -34,7 +34,7 @@ PORT_DESCRIPTION: Final = "The channel, for one marshaller."
 
 @dataclass(frozen=True, slots=True)
 class CommunicationParameter:
-    """A configuration parameter; `constraint` is written as in RTC.xml."""
+    """A configuration parameter; `constraint` has the text form of RTC.xml."""
 
     name: str
     default: str | float

@@ -1,4 +1,4 @@
-"""Names of components and ports on OpenRTM: one name space for all ports of a component.
+"""Names of components and ports in OpenRTM: all ports of a component share one name space.
 
 OpenRTM only keeps the part of a name after its last dot (`PortBase.setOwner`).
 """
@@ -9,11 +9,11 @@ from collections.abc import Iterable, Mapping
 from typing import Final, TypeAlias
 
 KIND: Final = "rtc"
-"""The kind of the name of a component in a naming service: `Arm0.rtc`."""
+"""The kind in the name of a component in a naming service: `Arm0.rtc`."""
 RUNTIME: Final = "rtgen.runtime"
-"""The property of components that tells those of rtgen, whose OutPorts make connections."""
+"""Property of components that marks those of rtgen, whose OutPorts establish connections."""
 FOREIGN: Final = "rtgen.foreign"
-"""The property of a system that lists the instances that rtgen does not run."""
+"""Property of a system with the instances that rtgen does not run."""
 
 IN, OUT, SERVICE = "in", "out", "service"
 
@@ -24,20 +24,20 @@ _SUFFIXES: Final = {IN: "", OUT: "_out", SERVICE: "_service"}
 
 
 def foreign_instances(properties: Iterable[tuple[str, str]]) -> list[str]:
-    """The instances that the properties of a system name as foreign, in their order."""
+    """Return the instances listed as foreign in the properties of a system, in order."""
     stated = dict(properties).get(FOREIGN, "")
     return [name.strip() for name in stated.split(",") if name.strip()]
 
 
 def known_name(name: str) -> str:
-    """The name that OpenRTM uses for a port registered as `name`."""
+    """Return OpenRTM's name of a port registered as `name`."""
     return name.rpartition(".")[2]
 
 
 def registered_names(
     keys: Iterable[Key], chosen: Mapping[Key, str] | None = None
 ) -> dict[Key, str]:
-    """Registration names for ports, unique in OpenRTM's name space."""
+    """Return registration names of ports that are unique in OpenRTM's name space."""
     listed = list(dict.fromkeys(keys))
     names: dict[Key, str] = {}
     for way, suffix in _SUFFIXES.items():

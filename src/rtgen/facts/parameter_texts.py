@@ -1,4 +1,4 @@
-"""Values of configuration parameters as text, as profiles, `.conf` files and tools write them."""
+"""Text form of configuration parameters in profiles, `.conf` files and tools."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from typing import Any, Final
 
 TRUE: Final = ("true", "1", "yes", "on")
 FALSE: Final = ("false", "0", "no", "off")
-"""The words for truth values, in any case."""
+"""The words for true and false, in any case."""
 
 _INTEGER = re.compile(r"[+-]?[0-9]{1,40}")
 _NOT_IN_NUMBERS = re.compile(r"[^ -~]|_")
 
 
 def boolean(text: str) -> bool:
-    """The truth value of a text. Raises ValueError."""
+    """Parse a boolean. Raises ValueError."""
     word = text.strip().lower()
     if word not in TRUE + FALSE:
         raise ValueError("it must be true or false")
@@ -23,14 +23,14 @@ def boolean(text: str) -> bool:
 
 
 def integer(text: str) -> int:
-    """The decimal integer of a text. Raises ValueError."""
+    """Parse a decimal integer. Raises ValueError."""
     if not _INTEGER.fullmatch(text.strip()):
         raise ValueError("it must be a decimal integer")
     return int(text)
 
 
 def number(text: str) -> float:
-    """The number of a text; `nan` and `inf` are numbers, too. Raises ValueError."""
+    """Parse a number; `nan` and `inf` are numbers, too. Raises ValueError."""
     try:
         return float("" if _NOT_IN_NUMBERS.search(text) else text)
     except ValueError:
@@ -38,14 +38,14 @@ def number(text: str) -> float:
 
 
 def items(text: str) -> list[str]:
-    """The items of a sequence: between commas, trimmed; none in a blank text."""
+    """Split a sequence at commas and trim its items; none in a blank text."""
     return [item.strip() for item in text.split(",")] if text.strip() else []
 
 
 def text_of(value: Any) -> str:
-    """The text of a value: a truth value, number, text, octets, or a list of these.
+    """Return the text of a value: a boolean, number, text, octets, or a list of these.
 
-    Raises ValueError for others, and for lists whose items a text cannot hold.
+    Raises ValueError for other values, and for lists whose items cannot be written as one text.
     """
     match value:
         case bool():

@@ -1,8 +1,4 @@
-"""The primitive types: names, `struct` codes, sizes, alignments, ranges and type code kinds.
-
-OMG IDL 4.2, 7.4.1.4.4.2 and 7.4.13 (names and ranges); CORBA 3.3 part 2, table 9.1 (sizes and
-alignments) and table 9.2 (kinds of type codes).
-"""
+"""Primitive types: names, `struct` codes, sizes, alignments, ranges and type code kinds."""
 
 from __future__ import annotations
 
@@ -62,7 +58,7 @@ NUMBERS: Final[Mapping[str, Scalar]] = {
     Primitive.FLOAT: Scalar("f", 4, 4),
     Primitive.DOUBLE: Scalar("d", 8, 8),
 }
-"""The types whose values `struct` packs as they are."""
+"""The types whose values `struct` packs without conversion."""
 
 SCALARS: Final[Mapping[str, Scalar]] = {
     **NUMBERS,
@@ -70,15 +66,15 @@ SCALARS: Final[Mapping[str, Scalar]] = {
     Primitive.CHAR: Scalar("c", 1, 1),
     Primitive.LONG_DOUBLE: Scalar("16s", 16, 8),
 }
-"""All types of fixed size, as octets where `struct` has no code of the type.
+"""All types of fixed size; the code is one of octets where `struct` has none for the type.
 
-`wchar` has none: GIOP 1.2 sends a length and two octets (CORBA 3.3 part 2, 9.3.1.6), XCDR a 16-bit
-unit (DDS-XTypes 1.3, 7.4.1).
+`wchar` is missing: GIOP 1.2 sends a length and two octets (CORBA 3.3 part 2, 9.3.1.6), XCDR a
+16-bit unit (DDS-XTypes 1.3, 7.4.1).
 """
 
 
 def integer_range(scalar: Scalar) -> tuple[int, int]:
-    """The least and the greatest value of an integer type."""
+    """Return the minimum and the maximum of an integer type."""
     bits = 8 * scalar.size
     if scalar.code.isupper():
         return 0, (1 << bits) - 1
@@ -88,14 +84,16 @@ def integer_range(scalar: Scalar) -> tuple[int, int]:
 INTEGER_RANGES: Final[Mapping[str, tuple[int, int]]] = {
     name: integer_range(scalar) for name, scalar in INTEGERS.items()
 }
-"""The least and the greatest value of each integer type."""
+"""The minimum and the maximum of each integer type."""
 
 FLOAT_LIMITS: Final[Mapping[str, float]] = {
     Primitive.FLOAT: (2.0 - 2.0**-23) * 2.0**127,
     Primitive.DOUBLE: float("inf"),
     Primitive.LONG_DOUBLE: float("inf"),
 }
-"""The greatest finite value of a floating point type, if Python's `float` goes beyond it."""
+"""The greatest finite value of a floating-point type whose range is less than that of Python's
+`float`.
+"""
 
 OCTET_TYPES: Final = frozenset((Primitive.OCTET, Primitive.UINT8))
 """The types whose sequences and arrays are `bytes` in Python."""
@@ -121,5 +119,5 @@ TYPE_CODE_KINDS: Final[Mapping[str, int]] = {
 }
 """`TCKind` of the types whose type code has no parameters (CORBA 3.3 part 2, table 9.2).
 
-`null` is not a type of IDL. `int8` and `uint8` have no kind in CORBA.
+`null` is not an IDL type. `int8` and `uint8` have no kind in CORBA.
 """

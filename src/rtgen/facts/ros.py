@@ -1,4 +1,4 @@
-"""Interface files of ROS 2."""
+"""Kinds of ROS 2 interface files, and the interfaces derived from actions."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ from collections.abc import Sequence
 from typing import Final
 
 INTERFACE_KINDS: Final = {".msg": "msg", ".srv": "srv", ".action": "action"}
-"""The kinds of interface by suffix; each stands in a folder of that name."""
+"""The kinds of interface by suffix, which are also the names of their folders."""
 INTERFACE_SUFFIXES: Final = tuple(INTERFACE_KINDS)
 
 EVENTS_SUFFIX: Final = "_Events"
-"""Of the interface by which the server of an action sends feedback and status."""
+"""Suffix of the interface by which an action server sends feedback and status."""
 ACTION_SERVICES: Final = {
     "send_goal": "{}_SendGoal",
     "cancel_goal": "action_msgs/srv/CancelGoal",
@@ -20,9 +20,11 @@ ACTION_TOPICS: Final = {
     "feedback": "{}_FeedbackMessage",
     "status": "action_msgs/msg/GoalStatusArray",
 }
-"""What `NAME/_action/` holds, by name, with its types; `{}` is the action (`lab/action/Go`)."""
+"""The topics and services below `NAME/_action/` with their types; `{}` is the action
+(`lab/action/Go`).
+"""
 
 
 def is_interface(name: Sequence[str]) -> bool:
-    """Whether a scoped name is that of a message of ROS 2 (`std_msgs::msg::Header`)."""
+    """Return whether a scoped name is that of a ROS 2 message (`std_msgs::msg::Header`)."""
     return len(name) == 3 and name[1] in INTERFACE_KINDS.values()

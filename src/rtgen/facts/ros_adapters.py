@@ -1,6 +1,6 @@
-"""Pairs of data of RT-Middleware and messages of ROS 2 that adapters convert, with their units.
+"""Pairs of RT-Middleware data and ROS 2 messages that adapters convert, with their units.
 
-Data of RT-Middleware are known by the last part of their name, so `RTC::TimedPose2D` and
+The last part of its name identifies a type of RT-Middleware, so `RTC::TimedPose2D` and
 `IIS::TimedPose2D` are converted alike.
 """
 
@@ -44,9 +44,9 @@ _MAP: Final = {
 
 
 class Pair(NamedTuple):
-    """A pair: the unit of each member that is converted, None without; `stamped`: it has a time.
+    """A pair with the unit of each converted member (None without one); `stamped`: it has a time.
 
-    `read` and `write` are functions of `rtgen.runtime.ros2.conversions`: from ROS, and to it.
+    `read` and `write` are functions of `rtgen.runtime.ros2.conversions`: from and to ROS.
     """
 
     rtm: str
@@ -99,7 +99,7 @@ PAIRS: Final = (
 
 
 def pair_of(source: str, target: str) -> tuple[Pair, bool] | None:
-    """The pair of two scoped names, and whether ROS is the target; None for others."""
+    """Return the pair of two scoped names, and whether ROS is the target; None without one."""
     for pair in PAIRS:
         if target == pair.ros and source.rpartition("::")[2] == pair.rtm:
             return pair, True

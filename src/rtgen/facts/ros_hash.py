@@ -27,9 +27,9 @@ _IDS: Final[Mapping[str, int]] = {
     Primitive.OCTET: 16,
 }
 _STRING, _BOUNDED_STRING = 17, 21
-"""Of wide strings, one more."""
+"""Type ids of type_description_interfaces/msg/FieldType; those of wide strings are one higher."""
 _ARRAY, _BOUNDED_SEQUENCE, _SEQUENCE = 48, 96, 144
-"""Identifiers of type_description_interfaces/msg/FieldType: of elements, and added to them."""
+"""Added to the type id of the elements."""
 _VERSION: Final = "RIHS01_"
 
 
@@ -42,24 +42,26 @@ class Element(NamedTuple):
 
 
 def primitive(name: str) -> Element | None:
-    """A primitive type by its IDL name; None if ROS 2 has none."""
+    """Return a primitive type by its IDL name; None if ROS 2 has none."""
     return Element(_IDS[name]) if name in _IDS else None
 
 
 def string(bound: int | None, *, wide: bool) -> Element:
-    """A string."""
+    """Return the element for strings."""
     return Element((_BOUNDED_STRING if bound else _STRING) + wide, bound or 0)
 
 
 def nested(name: str) -> Element:
-    """Another message."""
+    """Return the element for another message."""
     return Element(_NESTED, nested=name)
 
 
 def field_type(
     element: Element, *, array: int | None = None, sequence: int | None = None
 ) -> dict[str, Any]:
-    """The FieldType of a field: of `array` elements, or a sequence of at most so many (0: any)."""
+    """Return the FieldType of a field: `array` elements, or a sequence of up to `sequence` (0:
+    any).
+    """
     added = 0
     if array is not None:
         added = _ARRAY
@@ -76,7 +78,7 @@ def field_type(
 def description(
     name: str, fields: Iterable[tuple[str, dict[str, Any]]]
 ) -> dict[str, Any]:
-    """The IndividualTypeDescription of a type, of its fields' names and types."""
+    """Return the IndividualTypeDescription of a type with fields of these names and types."""
     return {
         "type_name": name,
         "fields": [{"name": key, "type": type_} for key, type_ in fields],
@@ -84,7 +86,7 @@ def description(
 
 
 def rihs01(whole: dict[str, Any], referenced: Mapping[str, dict[str, Any]]) -> str:
-    """The hash of a description with those of all types that it refers to, by their names."""
+    """Return the hash of a description and of those of all types that it refers to, by name."""
     import json
 
     described = {

@@ -1,7 +1,7 @@
-"""`marshaling_type=ros2:PACKAGE/TYPE`: which data of RT-Middleware goes as which message.
+"""`marshaling_type=ros2:PACKAGE/TYPE`: the ROS 2 message for each type of RT-Middleware.
 
 The types and pairs are those of OpenRTM-aist 2.0 (ROS2Transport, ROS2Serializer), and the pairs of
-adapters. Data are known by the last part of their name.
+adapters. The last part of its name identifies a type of RT-Middleware.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from rtgen.facts.ros_adapters import PAIRS
 
 PREFIX: Final = "ros2:"
 DEFAULT_TOPIC: Final = "chatter"
-"""OpenRTM's topic of connectors without `dataport.ros2.topic`."""
+"""OpenRTM's default topic, for connectors without `dataport.ros2.topic`."""
 
 _MARSHALING: Final = re.compile(r"ros2:([a-z][a-z0-9_]*)/(?:msg/)?([A-Z]\w*)", re.ASCII)
 
@@ -65,16 +65,16 @@ def _conversions() -> dict[tuple[str, str], Conversion]:
 
 
 CONVERSIONS: Final = _conversions()
-"""By the last part of the name of the data, and the message (`std_msgs/msg/Float32`)."""
+"""Conversions by the last part of the data's name, and by message (`std_msgs/msg/Float32`)."""
 
 
 def parse(text: str) -> str | None:
-    """The message of a marshaling type, `std_msgs/msg/Float32`; None for another form."""
+    """Return the message of a marshaling type, `std_msgs/msg/Float32`; None for another form."""
     match = _MARSHALING.fullmatch(text)
     return None if match is None else f"{match[1]}/msg/{match[2]}"
 
 
 def messages_for(scoped: str) -> tuple[str, ...]:
-    """The messages that data of a scoped name can go as."""
+    """Return the messages as which data of a scoped name can be sent."""
     name = scoped.rpartition("::")[2]
     return tuple(ros for rtm, ros in CONVERSIONS if rtm == name)

@@ -1,7 +1,7 @@
-"""Names that ROS 2 gives to topics, services and types on the wire.
+"""Names of ROS 2 topics, services and types on the wire.
 
-ROS 2 design, "Topic and Service name mapping to DDS"; rmw_cyclonedds and rmw_zenoh as of Jazzy.
-Names of ROS are fully qualified (`/robot/scan`), types as ROS writes them (`std_msgs/msg/String`).
+ROS 2 design, "Topic and Service name mapping to DDS"; rmw_cyclonedds and rmw_zenoh as of Jazzy. ROS
+names are fully qualified (`/robot/scan`), types are written as in ROS (`std_msgs/msg/String`).
 """
 
 from __future__ import annotations
@@ -13,16 +13,16 @@ from typing import Final, NamedTuple
 TOPIC: Final = "rt"
 REQUEST: Final = "rq"
 REPLY: Final = "rr"
-"""Prefixes of DDS topics: of data, of requests and of replies."""
+"""Prefixes of DDS topics: of data, requests and replies."""
 
 DISCOVERY_TOPIC: Final = "ros_discovery_info"
 """The DDS topic of rmw_dds_common/msg/ParticipantEntitiesInfo; it has no prefix."""
 DISCOVERY_TYPE: Final = "rmw_dds_common/msg/ParticipantEntitiesInfo"
 GID_SIZE: Final = 16
-"""Octets of an identifier of the middleware, in Jazzy."""
+"""Length of a middleware identifier in octets (Jazzy)."""
 
-LONGEST: Final = 248
-"""Characters of a fully qualified name: 255 of a DDS topic without prefix and suffix."""
+MAX_NAME_LENGTH: Final = 248
+"""Maximum length of a fully qualified name: DDS allows 255 characters with prefix and suffix."""
 _PART: Final = re.compile(r"[A-Za-z_][A-Za-z0-9_]*", re.ASCII)
 _TYPE: Final = re.compile(
     r"(?P<package>[a-z][a-z0-9_]*)/(?:(?P<kind>msg|srv|action)/)?(?P<name>[A-Z]\w*)",
@@ -33,12 +33,12 @@ _REQUEST_HEADER: Final = struct.Struct("<Qq")
 
 
 def violation(name: str) -> str | None:
-    """Why a text is not a name of a topic or service: relative to a namespace, or with `/` first.
+    """Return why a text is not the name of a topic or service, relative or with a leading `/`.
 
-    None for a valid one. `~` and `{substitutions}` are not taken.
+    None for a valid name. `~` and `{substitutions}` are not accepted.
     """
-    if len(name) > LONGEST:
-        return f"is longer than {LONGEST} characters"
+    if len(name) > MAX_NAME_LENGTH:
+        return f"is longer than {MAX_NAME_LENGTH} characters"
     parts = name.removeprefix("/").split("/")
     if not all(_PART.fullmatch(part) for part in parts):
         return "consists of words of letters, digits and _ between single /"
@@ -48,7 +48,7 @@ def violation(name: str) -> str | None:
 
 
 def qualified(name: str, namespace: str = "/") -> str:
-    """The name with its namespace (`scan` in `/robot`: `/robot/scan`). Raises ValueError."""
+    """Qualify a name with its namespace (`scan` in `/robot`: `/robot/scan`). Raises ValueError."""
     space = namespace.strip("/")
     whole = (
         name if name.startswith("/") else f"/{space}/{name}" if space else f"/{name}"
@@ -59,17 +59,19 @@ def qualified(name: str, namespace: str = "/") -> str:
 
 
 def dds_topic(name: str) -> str:
-    """The DDS topic of a topic: `/scan` is `rt/scan`."""
+    """Return the DDS topic of a topic: `/scan` is `rt/scan`."""
     return TOPIC + name
 
 
 def dds_service_topics(name: str) -> tuple[str, str]:
-    """The DDS topics of a service: `/add` has `rq/addRequest` and `rr/addReply`."""
+    """Return the DDS topics of a service: `/add` has `rq/addRequest` and `rr/addReply`."""
     return f"{REQUEST}{name}Request", f"{REPLY}{name}Reply"
 
 
 def parse_type(text: str) -> str | None:
-    """The full name of a type, `std_msgs/msg/String` of `std_msgs/String`; None for other texts."""
+    """Return the full name of a type: `std_msgs/msg/String` for `std_msgs/String`; None for
+    others.
+    """
     match = _TYPE.fullmatch(text)
     if match is None:
         return None
@@ -77,16 +79,16 @@ def parse_type(text: str) -> str | None:
 
 
 def dds_type(name: str) -> str:
-    """The type in DDS: `std_msgs/msg/String` is `std_msgs::msg::dds_::String_`.
+    """Return the type's name in DDS: `std_msgs/msg/String` is `std_msgs::msg::dds_::String_`.
 
-    The same for services, of whose requests `add/srv/Two_Request` is one.
+    Also for services, whose requests are named like `add/srv/Two_Request`.
     """
     *scope, last = name.split("/")
     return "::".join((*scope, "dds_", f"{last}_"))
 
 
 def ros_type(name: str) -> str | None:
-    """The inverse of `dds_type`; None for types that ROS has not named."""
+    """Return the inverse of `dds_type`; None for a type without a ROS name."""
     match name.split("::"):
         case [package, kind, "dds_", last] if last.endswith("_"):
             return f"{package}/{kind}/{last[:-1]}"
@@ -94,7 +96,7 @@ def ros_type(name: str) -> str | None:
 
 
 def user_data(type_hash: str, **more: str) -> bytes:
-    """USER_DATA of a reader or writer: `typehash=RIHS01_...;` behind other keys."""
+    """Return USER_DATA of a reader or writer: `typehash=RIHS01_...;` after other keys."""
     return b"".join(
         f"{key}={value};".encode()
         for key, value in {**more, "typehash": type_hash}.items()
@@ -102,48 +104,46 @@ def user_data(type_hash: str, **more: str) -> bytes:
 
 
 def participant_data(enclave: str = "/") -> bytes:
-    """USER_DATA of a participant: `enclave=/;`."""
+    """Return USER_DATA of a participant: `enclave=/;`."""
     return f"enclave={enclave};".encode()
 
 
 def parse_user_data(data: bytes) -> dict[str, str]:
-    """The pairs of USER_DATA; malformed pairs are left out."""
+    """Parse the pairs of USER_DATA; malformed pairs are skipped."""
     pairs = (part.partition("=") for part in data.decode("ascii", "replace").split(";"))
     return {key: value for key, equals, value in pairs if equals and key}
 
 
 def type_hash_of(data: bytes) -> str | None:
-    """The hash of USER_DATA, if there is a valid one."""
+    """Return the type hash in USER_DATA; None without a valid one."""
     found = parse_user_data(data).get("typehash", "")
     return found if _HASH.fullmatch(found) else None
 
 
 def endpoint_id(gid: bytes) -> str:
-    """`clientid` or `serviceid` of USER_DATA: hexadecimal octets with dots, as rmw_cyclonedds.
+    """Return `clientid` or `serviceid` of USER_DATA: hexadecimal octets with dots, as
+    rmw_cyclonedds.
 
-    The first octet is two characters wide, filled by a space.
+    The first octet is padded to two characters with a space.
     """
     first, *rest = gid
     return ".".join((f"{first:2x}", *(f"{octet:x}" for octet in rest)))
 
 
 class RequestId(NamedTuple):
-    """What a request and its reply begin with: a number of the client, and one of the request."""
+    """Start of a request and its reply: a number of the client, and one of the request."""
 
     client: int
     sequence: int
 
 
 def request_header(request: RequestId) -> bytes:
-    """The 16 octets of rmw_cyclonedds, behind the encapsulation header; little endian."""
+    """Return rmw_cyclonedds's 16 octets after the encapsulation header; little-endian."""
     return _REQUEST_HEADER.pack(*request)
 
 
 def parse_request(payload: bytes) -> tuple[RequestId, bytes]:
-    """Header and body of a request or reply; the body begins at offset 16 of the CDR stream.
-
-    `payload` has no encapsulation header. Raises ValueError for one that is too short.
-    """
+    """Split a request or reply into header and body; the body is at offset 16 of the CDR stream."""
     if len(payload) < _REQUEST_HEADER.size:
         raise ValueError(f"{len(payload)} octets are not a request")
     return (

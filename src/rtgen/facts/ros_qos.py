@@ -1,4 +1,4 @@
-"""Quality of service of ROS 2: policies with the numbers of rmw, and the profiles (rmw, Jazzy)."""
+"""ROS 2 quality of service: policies with the numbers of rmw, and rmw's profiles (Jazzy)."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Liveliness(IntEnum):
 
 
 class Profile(NamedTuple):
-    """A profile. `deadline`, `lifespan` and `lease` in nanoseconds, None for none."""
+    """A QoS profile. `deadline`, `lifespan` and `lease` are in nanoseconds, None for none."""
 
     depth: int = 10
     reliability: Reliability = Reliability.RELIABLE
@@ -59,8 +59,9 @@ PROFILES: Final = {
     "map": Profile(1, durability=Durability.TRANSIENT_LOCAL),
     "action_status": Profile(1, durability=Durability.TRANSIENT_LOCAL),
 }
-"""`rmw_qos_profile_*`; `clock` is rclcpp's, `rosout` rcl's, `static_tf` tf2_ros's, `map` nav2's,
-`action_status` rcl_action's."""
+"""`rmw_qos_profile_*`; others are from rclcpp (`clock`), rcl (`rosout`), tf2_ros (`static_tf`),
+nav2 (`map`) and rcl_action (`action_status`).
+"""
 
 GRAPH: Final = Profile(1, durability=Durability.TRANSIENT_LOCAL)
-"""Of `ros_discovery_info` (writers)."""
+"""The profile of the writers of `ros_discovery_info`."""

@@ -13,15 +13,15 @@ NODE, PUBLISHER, SUBSCRIPTION, SERVICE, CLIENT = "NN", "MP", "MS", "SS", "SC"
 """Kinds of entities in tokens."""
 
 _DEFAULT: Final = Profile(42)
-"""What rmw_zenoh leaves out of tokens (qos.cpp)."""
+"""The profile whose values rmw_zenoh omits from tokens (qos.cpp)."""
 _SECOND: Final = 10**9
 _ATTACHMENT: Final = struct.Struct(f"<qqB{GID_SIZE}s")
 
 
 class Entity(NamedTuple):
-    """What a token of a publisher, subscription, service or client says about it.
+    """Content of the token of a publisher, subscription, service or client.
 
-    `type` is that of a topic, or of a service itself (`std_srvs/srv/Trigger`).
+    `type` is that of a topic, or of the service itself (`std_srvs/srv/Trigger`).
     """
 
     kind: str
@@ -32,7 +32,7 @@ class Entity(NamedTuple):
 
 
 class Node(NamedTuple):
-    """A node, with the session that it is in and its number there."""
+    """A node, with its session and its number in it."""
 
     domain: int
     session: str
@@ -43,7 +43,7 @@ class Node(NamedTuple):
 
 
 class Attachment(NamedTuple):
-    """What goes with each sample, request and reply. `time` in nanoseconds since 1970."""
+    """Attachment of each sample, request and reply. `time` is in nanoseconds since 1970."""
 
     sequence: int
     time: int
@@ -51,22 +51,22 @@ class Attachment(NamedTuple):
 
 
 def key_expression(domain: int, name: str, type_: str, type_hash: str) -> str:
-    """`<domain>/<name>/<type>/<hash>` of a topic or a service."""
+    """Return `<domain>/<name>/<type>/<hash>` for a topic or a service."""
     return f"{domain}/{name.strip('/')}/{dds_type(type_)}/{type_hash}"
 
 
 def mangled(name: str) -> str:
-    """A name as one part of a token: `/` is `%`."""
+    """Escape a name for use as one part of a token: `/` becomes `%`."""
     return name.replace("/", "%") or "%"
 
 
 def node_token(node: Node) -> str:
-    """The liveliness token of a node."""
+    """Return the liveliness token of a node."""
     return "/".join((*_node(node, node.number), NODE, *_place(node)))
 
 
 def entity_token(node: Node, number: int, entity: Entity) -> str:
-    """The liveliness token of an entity; `number` differs from those of others in its session."""
+    """Return the liveliness token of an entity; `number` is unique in its session."""
     parts = (
         *_node(node, number),
         entity.kind,
@@ -88,9 +88,9 @@ def _place(node: Node) -> tuple[str, ...]:
 
 
 def qos_text(qos: Profile) -> str:
-    """`reliability:durability:history,depth:deadline:lifespan:liveliness,lease`.
+    """Return `reliability:durability:history,depth:deadline:lifespan:liveliness,lease`.
 
-    Each duration is `seconds,nanoseconds`; defaults of rmw_zenoh are left out.
+    Each duration is `seconds,nanoseconds`; rmw_zenoh's defaults are omitted.
     """
 
     def differs(key: str) -> str:
@@ -113,7 +113,7 @@ def qos_text(qos: Profile) -> str:
 
 
 def parse_qos(text: str) -> Profile:
-    """The inverse of `qos_text`. Raises ValueError."""
+    """Parse the text made by `qos_text`. Raises ValueError."""
     reliability, durability, history, deadline, lifespan, liveliness = text.split(":")
     kept, depth = history.split(",")
     alive, *lease = liveliness.split(",")
@@ -139,14 +139,14 @@ def _duration(parts: list[str]) -> int | None:
 
 
 def attachment(value: Attachment) -> bytes:
-    """The 33 octets of an attachment. Raises ValueError for a gid of another size."""
+    """Encode an attachment (33 octets). Raises ValueError for a gid of another size."""
     if len(value.gid) != GID_SIZE:
         raise ValueError(f"a gid has {GID_SIZE} octets")
     return _ATTACHMENT.pack(value.sequence, value.time, GID_SIZE, value.gid)
 
 
 def parse_attachment(octets: bytes) -> Attachment:
-    """The inverse of `attachment`. Raises ValueError."""
+    """Decode an attachment. Raises ValueError."""
     if len(octets) != _ATTACHMENT.size or octets[16] != GID_SIZE:
         raise ValueError("is not an attachment of rmw_zenoh")
     sequence, time, _, gid = _ATTACHMENT.unpack(octets)

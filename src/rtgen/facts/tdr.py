@@ -1,7 +1,7 @@
-"""TDR, the data representation of TECS RPC: C's basic types, their letters and widths.
+"""TDR, the data representation of TECS RPC: letters and widths of C's basic types.
 
-A letter is that of the `struct` module for a type of fixed size, or one whose width the TDR
-defines (`k` short, `n` int, `l` long, `p` intptr_t), or `w` for 128 bits. Upper case: unsigned.
+A letter is that of the `struct` module for a type of fixed size, one whose width the TDR defines
+(`k` short, `n` int, `l` long, `p` intptr_t), or `w` for 128 bits. Upper case: unsigned.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import Final
 
 
 class Scalar(StrEnum):
-    """C's basic types as CDL and C headers name them; the value is the canonical spelling."""
+    """C's basic types by their names in CDL and C headers; the value is the canonical spelling."""
 
     VOID = "void"
     BOOL = "bool_t"
@@ -71,7 +71,7 @@ LETTERS: Final[Mapping[Scalar, str]] = {
     Scalar.FLOAT32: "f",
     Scalar.DOUBLE64: "d",
 }
-"""The letter of each type that has a value."""
+"""The letter of each type that has values."""
 
 INTEGERS: Final = frozenset(
     s for s in LETTERS if s not in (Scalar.BOOL, Scalar.FLOAT32, Scalar.DOUBLE64)
@@ -81,10 +81,10 @@ INTEGERS: Final = frozenset(
 UNSIGNED: Final = frozenset(
     s for s in INTEGERS if LETTERS[s].isupper() and s is not Scalar.CHAR
 )
-"""The unsigned integer types; whether `char_t` is signed is the compiler's choice."""
+"""The unsigned integer types; the compiler decides whether `char_t` is signed."""
 
 BITS: Final[Mapping[str, int]] = {"b": 8, "h": 16, "i": 32, "q": 64, "w": 128}
-"""The widths of integers of fixed size by their letters in lower case."""
+"""Widths of integers of fixed size, by letters in lower case."""
 
 WIDTH_NAMES: Final[Mapping[str, str]] = {
     "k": "short_bits",
@@ -92,7 +92,7 @@ WIDTH_NAMES: Final[Mapping[str, str]] = {
     "l": "long_bits",
     "p": "intptr_bits",
 }
-"""The letters of integers whose width the TDR defines, with the TDR's name of it."""
+"""Letters of integers whose width the TDR defines, with the TDR's name for it."""
 
 STRUCT_CODES: Final[Mapping[int, str]] = {16: "h", 32: "i", 64: "q"}
-"""The `struct` code of a signed integer of a width that a TDR can define."""
+"""The `struct` code of a signed integer, by the widths that a TDR can define."""

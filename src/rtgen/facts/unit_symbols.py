@@ -1,4 +1,4 @@
-"""Symbols of units that data sheets, EDS files and IDL comments use and SI does not."""
+"""Symbols of units that data sheets, EDS files and IDL comments use and SI does not define."""
 
 from __future__ import annotations
 
@@ -48,7 +48,9 @@ SYMBOLS: Final[Mapping[str, str]] = {
     "%": "percent",
     "‰": "permille",
 }
-"""The definition of each symbol by pint's names; `Nm` or `U` mean something else there."""
+"""Definitions of symbols in pint's names; some, such as `Nm` and `U`, mean something else in
+pint.
+"""
 
 PHRASES: Final[Mapping[str, str]] = {
     "deg C": "degC",
@@ -59,4 +61,4 @@ PHRASES: Final[Mapping[str, str]] = {
     "deg F": "degF",
     "°F": "degF",
 }
-"""Units of more than one word or sign, each as one symbol."""
+"""Units written with several words or signs, and a single symbol for each."""

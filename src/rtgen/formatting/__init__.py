@@ -47,7 +47,7 @@ DEFAULT = Options()
 
 
 def format_text(text: str, language: Language, options: Options = DEFAULT) -> str:
-    """The text in its form. Raises LexicalError where it is not made of tokens.
+    """Return the text in its form. Raises LexicalError where it is not made of tokens.
 
     Line ends are `\\n`, in the text and in the result.
     """
@@ -57,7 +57,7 @@ def format_text(text: str, language: Language, options: Options = DEFAULT) -> st
 def changed_text(
     text: str, language: Language, options: Options, lines: tuple[int, int] | None
 ) -> str:
-    """The text with its `edits`. Raises LexicalError."""
+    """Return the text with its `edits`. Raises LexicalError."""
     parts: list[str] = []
     done = 0
     for edit in edits(text, language, options, lines):
@@ -101,7 +101,7 @@ def edits(
 
 
 def _offsets(text: str, lines: tuple[int, int]) -> tuple[int, int]:
-    """The offsets of the beginning of the first line and of the end of the last one."""
+    """Return the offsets of the beginning of the first line and of the end of the last one."""
     ends = [0, *(match.end() for match in re.finditer("\n", text)), len(text) + 1]
     first, last = (min(number, len(ends) - 1) for number in lines)
     return ends[first - 1], ends[last]

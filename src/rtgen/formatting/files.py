@@ -33,7 +33,7 @@ class Content:
     line_end: str
 
     def encoded(self, text: str) -> bytes:
-        """Another text as bytes of the same form."""
+        """Return another text as bytes of the same form."""
         return self.mark + text.replace("\n", self.line_end).encode(self.codec)
 
 
@@ -59,7 +59,7 @@ def content(data: bytes, language: Language | None, kcode: str = "auto") -> Cont
 
 
 def _is_kept(data: bytes, codec: str) -> bool:
-    """Whether the bytes become text and again the same bytes."""
+    """Return whether the bytes become text and again the same bytes."""
     try:
         return data.decode(codec).encode(codec) == data
     except UnicodeError:
@@ -74,7 +74,7 @@ def format_bytes(
     kcode: str = "auto",
     lines: tuple[int, int] | None = None,
 ) -> bytes:
-    """The content of the file `name` in its form; `lines`: only what is within them.
+    """Return the content of the file `name` in its form; `lines`: only what is within them.
 
     Raises InputError where the file has no form or is not made of tokens, ToolError where its
     formatter is not installed.

@@ -68,7 +68,7 @@ class Layout:
         self._flat_until = 0
 
     def run(self) -> list[Line]:
-        """The lines, in order."""
+        """Return the lines, in order."""
         index = 0
         while index < len(self._tokens):
             token = self._tokens[index]
@@ -244,18 +244,18 @@ class Layout:
         return any(each.mark == "{" for each in self._spacing.brackets)
 
     def _is_value(self) -> bool:
-        """Whether a `{` here begins an initialiser."""
+        """Return whether a `{` here begins an initialiser."""
         return self._last is not None and self._last.text == "=" and bool(self._pieces)
 
     def _is_closed(self) -> bool:
-        """Whether the statement so far is the end of a block, and comments."""
+        """Return whether the statement so far is the end of a block, and comments."""
         for piece in reversed(self._pieces):
             if piece.column is None:
                 return piece.text == "}" and not self._spacing.brackets
         return False
 
     def _between(self, token: Token) -> None:
-        """Ends a line behind annotations or specifiers, and behind a closed block."""
+        """End a line behind annotations or specifiers, and behind a closed block."""
         if not self._pieces or self._spacing.brackets:
             return
         if self._is_closed():
@@ -274,7 +274,7 @@ class Layout:
             self._labelled = labelled
 
     def _is_ahead(self, token: Token) -> bool:
-        """Whether the statement has had annotations or specifiers only."""
+        """Return whether the statement has had annotations or specifiers only."""
         if self._words or (token.kind is Kind.MARK and token.text in ("(", ";", ",")):
             return False
         return any(p.closes in ("[", "(") or p.text[0] == "@" for p in self._pieces)
@@ -325,7 +325,7 @@ class Layout:
         return False
 
     def _is_followed_by_greater(self, token: Token) -> bool:
-        """Whether a `<` that is alone in its line would become an angle string."""
+        """Return whether a `<` that is alone in its line would become an angle string."""
         end = self._text.find(";", token.start)
         return ">" in self._text[token.start : end if end >= 0 else None]
 
@@ -353,7 +353,7 @@ class Layout:
         return None
 
     def _closes_templates(self, index: int) -> bool:
-        """Whether a `>>` closes two templates, and is not a shift in a bound."""
+        """Return whether a `>>` closes two templates, and is not a shift in a bound."""
         brackets = self._spacing.brackets
         if [each.mark for each in brackets[-2:]] != ["<", "<"]:
             return False
@@ -410,7 +410,7 @@ class Layout:
         return False
 
     def _end_of_short(self, index: int) -> int | None:
-        """The number behind the `}` of a block that may stand in one line."""
+        """Return the number behind the `}` of a block that may stand in one line."""
         follower = self._tokens[index + 1]
         if follower.text == "}" and follower.kind is Kind.MARK:
             return index + 2
@@ -451,6 +451,6 @@ class Layout:
 
 
 def _stripped(text: str) -> str:
-    """A comment or directive without blanks at its end, where they have no meaning."""
+    """Return a comment or directive without blanks at its end, where they have no meaning."""
     bare = text.rstrip(" \t\r\f\v")
     return text if bare.endswith("\\") else bare

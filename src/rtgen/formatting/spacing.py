@@ -62,7 +62,7 @@ class Spacing:
         self._label = False
 
     def copy(self) -> Spacing:
-        """The same state, for looking ahead."""
+        """Return the same state, for looking ahead."""
         other = copy(self)
         other._base = copy(self._base)
         other.brackets = [copy(each) for each in self.brackets]
@@ -85,7 +85,7 @@ class Spacing:
     def space(
         self, token: Token, *, closes_templates: bool = False, is_block: bool = False
     ) -> bool:
-        """Whether a space stands before the token; takes the token in.
+        """Return whether a space stands before the token; takes the token in.
 
         `closes_templates`: it is a `>>` that does; `is_block`: it opens a block of statements.
         """

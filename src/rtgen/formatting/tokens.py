@@ -118,7 +118,7 @@ _BRACES = re.compile(r'"(?:[^"\\\n]|\\.)*+"|//[^\n]*+|/\*.*?\*/|[{}]', re.DOTALL
 
 
 def tokens(text: str, language: Language) -> list[Token]:
-    """The tokens of a text, and one for its end. Raises LexicalError."""
+    """Return the tokens of a text, and one for its end. Raises LexicalError."""
     found: list[Token] = []
     scan = _SCANNERS[language].match
     position = breaks = 0
@@ -158,7 +158,7 @@ def tokens(text: str, language: Language) -> list[Token]:
 
 
 def _directive(text: str, start: int, breaks: int, language: Language) -> Token:
-    """A preprocessor line; with `#if 0`, also the lines that it leaves out."""
+    """Return a preprocessor line; with `#if 0`, also the lines that it leaves out."""
     match = _DIRECTIVES[language].match(text, start)
     assert match is not None
     if text.startswith("/*", match.end()):

@@ -38,14 +38,14 @@ _SECONDS = 30
 
 
 def is_available() -> bool:
-    """Whether tombi is installed."""
+    """Return whether tombi is installed."""
     return _program() is not None
 
 
 def changed_text(
     text: str, name: str, options: Options, lines: tuple[int, int] | None
 ) -> str:
-    """The text in its form; `lines`: only hunks within them, first to last, from 1.
+    """Return the text in its form; `lines`: only hunks within them, first to last, from 1.
 
     Raises InputError for a text that is not TOML, ToolError without tombi.
     """
@@ -65,7 +65,7 @@ def _values(text: str, name: str) -> dict[str, Any]:
 
 
 def _is_same(before: dict[str, Any], new: str, name: str) -> bool:
-    """Whether a text has these values, in this order."""
+    """Return whether a text has these values, in this order."""
     try:
         return repr(toml_text.parse(new, name)) == repr(before)
     except toml_text.TomlError:
@@ -109,7 +109,7 @@ def _program() -> str | None:
 
 
 def _within(text: str, new: str, lines: tuple[int, int]) -> str:
-    """The text with those hunks of a change that begin or end within the lines."""
+    """Return the text with those hunks of a change that begin or end within the lines."""
     old_lines, new_lines = text.splitlines(True), new.splitlines(True)
     matcher = difflib.SequenceMatcher(None, old_lines, new_lines, autojunk=False)
     parts: list[str] = []

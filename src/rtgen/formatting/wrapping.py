@@ -151,12 +151,14 @@ class _Wrapping:
 def wrapped(
     pieces: Sequence[Piece], indent: int, frame: Frame, first: int | None = None
 ) -> list[str]:
-    """The lines of a statement that is indented by `indent`; the first one begins at `first`."""
+    """Return the lines of a statement that is indented by `indent`; the first one begins at
+    `first`.
+    """
     return _Wrapping(pieces, indent, frame).lines(indent if first is None else first)
 
 
 def moved(comment: str, column: int, target: int) -> str:
-    """A comment of several lines whose beginning moves from one column to another.
+    """Return a comment of several lines whose beginning moves from one column to another.
 
     The stars of a documentation comment stand below each other; other lines keep their distance,
     where they can.

@@ -64,7 +64,7 @@ class Frontend(Protocol):
 
 
 def key_of(path: Path, root: Path) -> str:
-    """The path for generated text: relative to the project, else the name alone."""
+    """Return the path for generated text: relative to the project, else the name alone."""
     try:
         return path.resolve().relative_to(root.resolve()).as_posix()
     except ValueError:

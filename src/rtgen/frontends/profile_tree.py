@@ -31,12 +31,14 @@ class ProfileTree(NamedTuple):
 
 
 def sink() -> Findings:
-    """An empty collection of diagnostics about one profile."""
+    """Return an empty collection of diagnostics about one profile."""
     return Findings(TOO_MANY)
 
 
 def read(path: Path, file: str, report: Callable[[Diagnostic], None]) -> bytes | None:
-    """The bytes of a profile displayed as `file`; None if it cannot be read, which is reported."""
+    """Return the bytes of a profile displayed as `file`; None if it cannot be read, which is
+    reported.
+    """
     try:
         return files.read_file(path, _MAX_BYTES)
     except UnreadableError as error:
@@ -45,7 +47,7 @@ def read(path: Path, file: str, report: Callable[[Diagnostic], None]) -> bytes |
 
 
 def parse(data: bytes, file: str, report: Callable[[Diagnostic], None]) -> ProfileTree:
-    """The tree of a profile's bytes; `file` is the path for messages."""
+    """Return the tree of a profile's bytes; `file` is the path for messages."""
     text = data.decode("utf-8", errors="replace")
     try:
         if file.lower().endswith(YAML_SUFFIXES):

@@ -196,7 +196,7 @@ def _mapping(form: _Form, element: Element) -> dict[str, Any]:
 
 
 def _date(text: str) -> object:
-    """The parts of a date; those unknown to rtshell only if present."""
+    """Return the parts of a date; those unknown to rtshell only if present."""
     found = _DATE.fullmatch(text)
     if found is None:
         return text
@@ -205,7 +205,7 @@ def _date(text: str) -> object:
 
 
 def _key(form: _Form, name: tuple[str, str], inside: str) -> str:
-    """The key of a name; `inside` is the namespace of the element that has it."""
+    """Return the key of a name; `inside` is the namespace of the element that has it."""
     namespace, local = name
     key = local[:1].lower() + local[1:]
     for prefix, known in form.namespaces.items():
@@ -224,7 +224,7 @@ def _is_many(form: _Form, parent: str, local: str) -> bool:
 
 
 def parse(text: str, file: str) -> Element:
-    """The tree of a profile in YAML, with the places of the YAML.
+    """Return the tree of a profile in YAML, with the places of the YAML.
 
     Raises InputError with one located diagnostic.
     """
@@ -242,7 +242,7 @@ def parse(text: str, file: str) -> Element:
 
 
 def _element(form: _Form, name: tuple[str, str], node: Node, depth: int) -> Element:
-    """An element. Raises YamlError for what is not a profile."""
+    """Return an element. Raises YamlError for what is not a profile."""
     namespace, local = name
     content = node.content
     if depth > _MAX_DEPTH:
@@ -278,7 +278,7 @@ def _element(form: _Form, name: tuple[str, str], node: Node, depth: int) -> Elem
 
 
 def _items(content: Mapping[str, Node], local: str) -> Iterator[tuple[str, Node]]:
-    """The keys and values of an element, without the level around conditions."""
+    """Yield the keys and values of an element, without the level around conditions."""
     for key, value in content.items():
         inner = value.content
         if local == "targets" and key == _CONDITION and isinstance(inner, Mapping):
@@ -299,7 +299,7 @@ def _split(form: _Form, key: str, span: Span, inside: str) -> tuple[str, str]:
 
 
 def _text(text: str, name: str, node: Node) -> str:
-    """A text that XML can represent. Raises YamlError."""
+    """Return a text that XML can represent. Raises YamlError."""
     from rtgen.xml_text import NOT_IN_XML
 
     if NOT_IN_XML.search(text):

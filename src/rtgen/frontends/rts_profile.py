@@ -184,7 +184,7 @@ class _Reader:
     def _configuration(
         self, element: Element, places: dict[tuple[str, str], Span]
     ) -> Iterator[tuple[str, tuple[tuple[str, str], ...]]]:
-        """The configuration sets; records the places of their values in `places`."""
+        """Yield the configuration sets; records the places of their values in `places`."""
         for values in element.all(RTS, "ConfigurationSets"):
             set_id = self._required(values, "id")
             pairs = []
@@ -220,7 +220,9 @@ class _Reader:
             return default
 
     def _instance(self, element: Element) -> str | None:
-        """The instance that an element refers to; None, with a diagnostic, if it is missing."""
+        """Return the instance that an element refers to; None, with a diagnostic, if it is
+        missing.
+        """
         instance = self._required(element, "instanceName")
         if instance is None:
             return None
@@ -359,7 +361,7 @@ class _Reader:
         )
 
     def _resolved(self, steps: list[Activation], span: Span) -> tuple[Activation, ...]:
-        """The steps in their sequence, each after those that it waits for."""
+        """Return the steps in their sequence, each after those that it waits for."""
         started: list[Activation] = []
         waiting = steps
         while waiting:
@@ -386,7 +388,9 @@ def _document(element: Element) -> ProfileElement:
 
 
 def _part_of_id(id_: str, prefix: str, index: int) -> str:
-    """A part of a profile's id, `prefix:part0:part1...:version`, or with dots for the colons."""
+    """Return a part of a profile's id, `prefix:part0:part1...:version`, or with dots for the
+    colons.
+    """
     head, _, rest = id_.partition(":")
     body, _, _ = rest.rpartition(":")
     parts = body.split(":") if ":" in body else body.split(".")

@@ -67,7 +67,7 @@ def _each(
     *given: Hashable,
     fits: Callable[[FrontendResult], bool] = lambda _: True,
 ) -> FrontendResult:
-    """The files, none of which depends on another one that is read.
+    """Return the files, none of which depends on another one that is read.
 
     A result depends on the files that it lists, and on `given`; it is kept if it `fits`.
     """
@@ -85,7 +85,7 @@ def _each(
 
 
 def _is_found(result: FrontendResult) -> bool:
-    """Whether no file is missing, of which a hint may say what else is in its folder."""
+    """Return whether no file is missing, of which a hint may say what else is in its folder."""
     return all(each.sha256 is not None for each in result.dependencies)
 
 
@@ -187,7 +187,8 @@ def read_idl(
     needed: Sequence[str] = (),
     printed: Mapping[str, Callable[[], str]] | None = None,
 ) -> FrontendResult:
-    """The IDL files of the paths, a `text`, and files `named` or `needed` by other definitions.
+    """Return the IDL files of the paths, a `text`, and files `named` or `needed` by other
+    definitions.
 
     `needed` are names of IDL files that ship with rtgen. `printed` are texts of IDL files that
     exist only when they are included, by name.
@@ -219,5 +220,5 @@ def read_idl(
 
 
 def ending_with(paths: Sequence[Path], suffixes: Sequence[str]) -> list[Path]:
-    """The paths with one of the suffixes, in any case."""
+    """Return the paths with one of the suffixes, in any case."""
     return [path for path in paths if path.suffix.lower() in suffixes]

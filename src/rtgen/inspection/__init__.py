@@ -1,1 +1,1 @@
-"""Output of `rtgen inspect`: JSON of a model, and text made from it."""
+"""Output of `rtgen inspect`: JSON of a model, and a text form of it."""

@@ -1,4 +1,4 @@
-"""A CANopen network for a reader: as part of `rtgen-inspect/1`, or as lines of text."""
+"""Output of `rtgen inspect` for a CANopen network: JSON (`rtgen-inspect/1`) and text."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _Numbered: TypeAlias = Sequence[tuple[tuple[int, int], Any]]
 
 
 def declaration(bus: Bus) -> Json:
-    """The network; times of messages are in seconds, `response` is null where it has no bound."""
+    """Return the network as JSON; times in seconds, `response` is null if unbounded."""
     sent = messages(bus)
     return {
         "kind": "bus",
@@ -94,13 +94,13 @@ def _by_object(numbered: _Numbered) -> Mapping[str, Any]:
 
 
 def _written(number: tuple[int, int]) -> str:
-    """An object as bus files have it: `6040`, `6401:1`."""
+    """Return an object as in bus files: `6040`, `6401:1`."""
     index, subindex = number
     return f"{index:04X}:{subindex:X}" if subindex else f"{index:04X}"
 
 
 def lines(bus: Bus) -> Iterator[str]:
-    """The network for people: its nodes with what is written to them, and its messages."""
+    """Yield the network as text: its nodes with their configuration, and its messages."""
     yield f"bus {bus.name}: {bus.bit_rate} kbit/s, manager {bus.manager}"
     for node in bus.nodes:
         yield f"  node {node.id} {node.name}: {node.kind.module}"

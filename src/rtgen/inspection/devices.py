@@ -1,4 +1,4 @@
-"""A CANopen device for a reader: as part of `rtgen-inspect/1`, or as lines of text."""
+"""Output of `rtgen inspect` for a CANopen device: JSON (`rtgen-inspect/1`) and text."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Json: TypeAlias = dict[str, Any]
 
 
 def declaration(d: Device) -> Json:
-    """The device; the data types that DummyUsage allows as gaps come first among its objects."""
+    """Return the device as JSON; the gap types of DummyUsage come first among its objects."""
     info = d.info
     return {
         "kind": "device",
@@ -98,7 +98,7 @@ def _entry(entry: PdoEntry) -> Json:
 
 
 def value_of(value: Value | None, node_id: int | None) -> Any:
-    """A value as JSON has it: octets as hexadecimal digits, NaN and infinities as text."""
+    """Return a value as JSON: octets as hexadecimal digits, NaN and infinities as text."""
     match resolved(value, node_id):
         case bytes() as octets:
             return octets.hex()
@@ -111,7 +111,7 @@ def value_of(value: Value | None, node_id: int | None) -> Any:
 
 
 def lines(d: Device) -> Iterator[str]:
-    """The device for people: a line for each variable and each PDO."""
+    """Yield the device as text: a line for each variable and each PDO."""
     node = "" if d.node_id is None else f" (node {d.node_id})"
     yield f"device {d.name}{node}"
     for thing in d.objects:

@@ -1,4 +1,4 @@
-"""The resolved model for a reader: as JSON (`rtgen-inspect/1`) or as a tree of text."""
+"""Output of `rtgen inspect` for a model: JSON (`rtgen-inspect/1`) or a text tree."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ Json: TypeAlias = dict[str, Any]
 
 
 def inspect(model: Model, diagnostics: Sequence[Diagnostic]) -> Json:
-    """The model and the findings as one JSON object."""
+    """Return the model and the diagnostics as one JSON object."""
     declarations = [_declaration(d, model) for d in defined(model.declarations)]
     return {
         "format": FORMAT,
@@ -70,7 +70,7 @@ def inspect(model: Model, diagnostics: Sequence[Diagnostic]) -> Json:
 
 
 def _of_other_languages(model: Model) -> Iterator[Json]:
-    """The declarations of CDL, EDS and bus files, whose modules are loaded where needed."""
+    """Yield the declarations of CDL, EDS and bus files; their modules are imported lazily."""
     if model.tecs:
         from rtgen.inspection import tecs
 
@@ -86,7 +86,7 @@ def _of_other_languages(model: Model) -> Iterator[Json]:
 
 
 def defined(declarations: Iterable[Declaration]) -> list[Declaration]:
-    """The declarations without forward declarations."""
+    """Return the declarations without forward declarations."""
     return [
         d
         for d in declarations
@@ -95,7 +95,7 @@ def defined(declarations: Iterable[Declaration]) -> list[Declaration]:
 
 
 def json_text(model: Model, diagnostics: Sequence[Diagnostic]) -> str:
-    """The same as text, indented."""
+    """Return the result of `inspect` as indented text."""
     return indented_json.dumps(inspect(model, diagnostics)) + "\n"
 
 
@@ -281,7 +281,7 @@ def _system(s: System) -> Json:
 
 
 def _ros(d: Struct, model: Model) -> Json:
-    """The hash of a type that an interface file of ROS 2 defines."""
+    """Return the hash of a type that a ROS 2 interface file defines."""
     if not d.file.lower().endswith(INTERFACE_SUFFIXES):
         return {}
     from rtgen.layouts.ros_types import type_hash
@@ -345,7 +345,7 @@ _ESCAPES = {
 
 
 def _character(value: str, wide: bool) -> str:
-    """A character literal (OMG IDL 4.2, table 7-9)."""
+    """Return a character literal (OMG IDL 4.2, table 7-9)."""
     if value in _ESCAPES:
         text = _ESCAPES[value]
     elif " " <= value <= "~":
@@ -356,7 +356,7 @@ def _character(value: str, wide: bool) -> str:
 
 
 def tree(model: Model) -> str:
-    """The model for people: one line for each declaration and member, by file."""
+    """Return the model as text: one line for each declaration and member, by file."""
     from rtgen.inspection import buses, devices, tecs
 
     lines: list[str] = []

@@ -1,4 +1,4 @@
-"""JSON of a TECS unit, for `rtgen.inspection.models`."""
+"""JSON and text of a TECS unit, for `rtgen.inspection.models`."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ _KINDS: dict[type[TecsDeclaration], str] = {
 
 
 def shown(units: Iterable[TecsUnit]) -> list[TecsDeclaration]:
-    """The declarations of CDL files, each once; those of C headers are left out."""
+    """Return the declarations of CDL files, each once, without those of C headers."""
     found: dict[tuple[type, ScopedName, object], TecsDeclaration] = {}
     for unit in units:
         for d in unit.declarations:
@@ -54,7 +54,7 @@ def shown(units: Iterable[TecsUnit]) -> list[TecsDeclaration]:
 
 
 def declaration(d: TecsDeclaration) -> Json:
-    """A declaration as the JSON of `rtgen-inspect/1`."""
+    """Return a declaration as the JSON of `rtgen-inspect/1`."""
     head = {
         "kind": _KINDS[type(d)],
         "name": d.scoped,
@@ -125,7 +125,7 @@ def _member(m: TecsMember) -> Json:
 
 
 def _sizes(sizes: Sizes) -> Json:
-    """`string` is true without a length, else the length as text."""
+    """Return size specifiers; `string` is true without a length, else the length as text."""
     return {
         "size_is": _text(sizes.size_is),
         "max_size": sizes.max_size,
@@ -219,7 +219,7 @@ def _value(value: object) -> object:
 
 
 def lines(d: TecsDeclaration) -> Iterator[str]:
-    """A declaration for people: a line for it, and one for each of its parts."""
+    """Yield a declaration as text: a line for it, and one for each of its parts."""
     head = f"{_KINDS[type(d)]} {d.scoped}"
     match d:
         case TecsConst():

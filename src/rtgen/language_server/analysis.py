@@ -36,8 +36,8 @@ from rtgen.model import Model
 from rtgen.project import AVAILABLE_TARGETS, Project, behaviours, shown
 from rtgen.systems import reading
 
-_MOST_OF_SETTINGS = 1024 * 1024
-_MOST_OF_HEADER = 1024 * 1024
+_MAX_SETTINGS_BYTES = 1024 * 1024
+_MAX_HEADER_BYTES = 1024 * 1024
 
 
 class SupersededError(Exception):
@@ -155,7 +155,7 @@ def emitted(
     *,
     is_superseded: Callable[[], bool] = lambda: False,
 ) -> Analysis:
-    """The analysis with the findings of the back ends.
+    """Return the analysis with the findings of the back ends.
 
     Raises SupersededError when `is_superseded`.
     """
@@ -181,7 +181,7 @@ def _with_systems(
     findings: list[Diagnostic],
     memo: Memo,
 ) -> FrontendResult:
-    """The result with the project's systems, whose findings are added."""
+    """Return the result with the project's systems, whose findings are added."""
     if not project.systems:
         return result
     read = [_system(project, path, memo) for path in project.systems]
@@ -210,10 +210,12 @@ def _texts(
     before: Analysis | None,
     snapshot: Snapshot,
 ) -> dict[str, Text]:
-    """The texts that were read: those of open documents, or of before if they are unchanged."""
+    """Return the texts that were read: those of open documents, or of before if they are
+    unchanged.
+    """
     sources = dict(result.sources)
     if project.file is not None:
-        data = read_start(project.file, _MOST_OF_SETTINGS)
+        data = read_start(project.file, _MAX_SETTINGS_BYTES)
         sources[shown(project.file)] = data.decode("utf-8", "replace")
     texts = {}
     for name, source in sources.items():
@@ -230,7 +232,7 @@ def _add_unread(collector: Collector, texts: dict[str, Text]) -> None:
     for file in collector.files:
         if file not in texts:
             try:
-                data = read_start(Path(file), _MOST_OF_HEADER)
+                data = read_start(Path(file), _MAX_HEADER_BYTES)
             except (OSError, ValueError):
                 continue
             texts[file] = Text(data.decode("utf-8", "replace"))
@@ -262,14 +264,14 @@ def _add_others(
 
 
 def problems_of(error: InputError | ToolError) -> tuple[Diagnostic, ...]:
-    """The findings of a project that cannot be loaded."""
+    """Return the findings of a project that cannot be loaded."""
     if isinstance(error, InputError):
         return error.diagnostics
     return (Diagnostic("", Severity.ERROR, error.message, hint=error.hint),)
 
 
 def files_of(analysis: Analysis) -> set[str]:
-    """The absolute paths of the files that an analysis speaks of."""
+    """Return the absolute paths of the files that an analysis speaks of."""
     return {absolute_path(file) for file in analysis.texts} | set(analysis.index.files)
 
 

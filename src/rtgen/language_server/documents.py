@@ -19,7 +19,7 @@ from rtgen.files import absolute_path
 from rtgen.language_server.text import UTF_16, Shift, Shifts, Text
 from rtgen.project import FILE_NAME
 
-MOST_CHARACTERS = 8 * 1024 * 1024
+MAX_CHARACTERS = 8 * 1024 * 1024
 """The text of a larger document is not kept; what is on the disk counts."""
 
 
@@ -51,14 +51,14 @@ _DECLARED = re.compile(
 
 
 def language_of(path: str) -> Language | None:
-    """The language of a file by its name."""
+    """Return the language of a file by its name."""
     if Path(path).name == FILE_NAME:
         return Language.PROJECT
     return _SUFFIXES.get(Path(path).suffix.lower())
 
 
 def path_of(uri: str) -> str | None:
-    """The absolute path of a document; None for one that is in no file."""
+    """Return the absolute path of a document; None for one that is in no file."""
     if not uri.startswith("file:"):
         return None
     path = to_fs_path(uri)
@@ -66,13 +66,13 @@ def path_of(uri: str) -> str | None:
 
 
 def uri_of(path: str) -> str:
-    """The address of a file."""
+    """Return the address of a file."""
     uri: str | None = from_fs_path(path)
     assert uri is not None, "an absolute path has an address"
     return uri
 
 
-MOST_EDITS = 64
+MAX_EDITS = 64
 """How many edits are kept one by one; those before count as one."""
 
 
@@ -88,7 +88,7 @@ class Document:
     edits: tuple[tuple[Text, Shift], ...] = ()
 
     def shift_from(self, text: Text) -> Shift | Shifts:
-        """The edits since the text was the document's, or what they come to."""
+        """Return the edits since the text was the document's, or what they come to."""
         if text is self.text:
             return Shifts(())
         for number, (before, _) in enumerate(self.edits):
@@ -129,7 +129,7 @@ class Documents:
         """Keep a document; None for one of no known language, or too large a one."""
         path = path_of(uri)
         language = None if path is None else language_of(path)
-        if path is None or language is None or len(source) > MOST_CHARACTERS:
+        if path is None or language is None or len(source) > MAX_CHARACTERS:
             return None
         document = Document(uri, path, language, version, Text(source))
         self._open[path] = document
@@ -155,11 +155,11 @@ class Documents:
                 text = Text(change.text)
                 shift = Shift.between(before.source, text.source)
             edits.append((before, shift))
-        if len(text.source) > MOST_CHARACTERS:
+        if len(text.source) > MAX_CHARACTERS:
             self.close(uri)
             return None
         changed = replace(
-            document, version=version, text=text, edits=tuple(edits[-MOST_EDITS:])
+            document, version=version, text=text, edits=tuple(edits[-MAX_EDITS:])
         )
         self._open[document.path] = changed
         return changed
@@ -170,12 +170,12 @@ class Documents:
         return None if path is None else self._open.pop(path, None)
 
     def of(self, uri: str) -> Document | None:
-        """The document of an address, if it is open."""
+        """Return the document of an address, if it is open."""
         path = path_of(uri)
         return None if path is None else self._open.get(path)
 
     def at(self, path: str) -> Document | None:
-        """The document of a file, if it is open."""
+        """Return the document of a file, if it is open."""
         return self._open.get(path)
 
     @property
@@ -184,7 +184,7 @@ class Documents:
         return tuple(self._open.values())
 
     def snapshot(self) -> Snapshot:
-        """The open documents as of now."""
+        """Return the open documents as of now."""
         documents = self.all
         return Snapshot(
             {document.path: document.data for document in documents},

@@ -61,7 +61,7 @@ class _Protocol(LanguageServerProtocol):
             self.writer.write(b"Content-Length: %d\r\n\r\n" % len(body) + body)
 
     def structure_message(self, data: dict[str, Any]) -> Any:
-        """The message of parsed JSON; a malformed request is answered with an error."""
+        """Return the message of parsed JSON; a malformed request is answered with an error."""
         try:
             return super().structure_message(data)
         except JsonRpcException as error:
@@ -244,7 +244,7 @@ def _collect() -> None:
 
 
 def make_server(debounce: float = DEBOUNCE) -> Server:
-    """A server with all features."""
+    """Return a server with all features."""
     server = Server(debounce)
     _add_documents(server)
     _add_names(server)

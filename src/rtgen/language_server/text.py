@@ -59,7 +59,9 @@ class Text:
         return len(self._starts)
 
     def offset(self, position: Position, encoding: PositionEncodingKind) -> int:
-        """The offset of a position; one beyond the end of a line or of the text is that end."""
+        """Return the offset of a position; one beyond the end of a line or of the text is that
+        end.
+        """
         line = max(position.line, 0)
         if line >= len(self._starts):
             return len(self.source)
@@ -77,7 +79,7 @@ class Text:
         return end
 
     def position(self, offset: int, encoding: PositionEncodingKind) -> Position:
-        """The position of an offset."""
+        """Return the position of an offset."""
         line = bisect_right(self._starts, offset) - 1
         start = self._starts[line]
         if self._ascii or encoding == UTF_32:
@@ -86,7 +88,7 @@ class Text:
         return Position(line, len(text) if text.isascii() else _UNITS[encoding](text))
 
     def range(self, start: int, end: int, encoding: PositionEncodingKind) -> Range:
-        """The range of [start, end)."""
+        """Return the range of [start, end)."""
         return Range(self.position(start, encoding), self.position(end, encoding))
 
     @cached_property
@@ -95,12 +97,12 @@ class Text:
         return tuple(self._starts)
 
     def offsets(self, span: Span) -> tuple[int, int]:
-        """The start and the end of a span of rtgen, within the text."""
+        """Return the start and the end of a span of rtgen, within the text."""
         start = self._place(span.line, span.column)
         return start, max(start, self._place(span.end_line, span.end_column))
 
     def span(self, file: str, start: int, end: int) -> Span:
-        """The span of [start, end) in a file."""
+        """Return the span of [start, end) in a file."""
         rows = self._rows
         line, last = (max(bisect_right(rows, place), 1) for place in (start, end))
         return Span(
@@ -110,14 +112,14 @@ class Text:
     def replaced(
         self, range_: Range, new: str, encoding: PositionEncodingKind
     ) -> tuple[Text, Shift]:
-        """The text with a range replaced; a range that ends before it starts is empty."""
+        """Return the text with a range replaced; a range that ends before it starts is empty."""
         start = self.offset(range_.start, encoding)
         end = max(start, self.offset(range_.end, encoding))
         text = Text(self.source[:start] + new + self.source[end:])
         return text, Shift(start, end, start + len(new))
 
     def _line(self, line: int) -> tuple[int, int]:
-        """A line without its end."""
+        """Return a line without its end."""
         start = self._starts[line]
         last = line + 1 == len(self._starts)
         end = len(self.source) if last else self._starts[line + 1]
@@ -145,7 +147,7 @@ class Shift:
 
     @staticmethod
     def between(old: str, new: str) -> Shift:
-        """The change that makes `new` of `old`."""
+        """Return the change that makes `new` of `old`."""
         if old == new:
             return Shift(len(old), len(old), len(new))
         start = _common(old, new, min(len(old), len(new)), forwards=True)
@@ -154,7 +156,7 @@ class Shift:
         return Shift(start, len(old) - end, len(new) - end)
 
     def forward(self, start: int, end: int) -> tuple[int, int] | None:
-        """The place of [start, end) after the edit; None if the edit has touched it."""
+        """Return the place of [start, end) after the edit; None if the edit has touched it."""
         if end <= self.start:
             return start, end
         if start >= self.old:
@@ -163,14 +165,14 @@ class Shift:
         return None
 
     def around(self, start: int, end: int) -> tuple[int, int]:
-        """The place of a larger stretch, which the edit may lie in."""
+        """Return the place of a larger stretch, which the edit may lie in."""
         by = self.new - self.old
         first = start if start <= self.start else max(start + by, self.start)
         last = end if end < self.old and end <= self.start else max(end + by, first)
         return first, last
 
     def back(self, offset: int) -> int:
-        """The offset before the edit; within the edit, where it began."""
+        """Return the offset before the edit; within the edit, where it began."""
         if offset <= self.start:
             return offset
         if offset >= self.new:
@@ -210,7 +212,7 @@ _CHUNK = 4096
 
 
 def _common(old: str, new: str, most: int, *, forwards: bool) -> int:
-    """The number of characters at the start, or else at the end, that two texts share."""
+    """Return the number of characters at the start, or else at the end, that two texts share."""
 
     def same(low: int, high: int) -> bool:
         if forwards:

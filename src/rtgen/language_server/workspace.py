@@ -70,7 +70,7 @@ class Workspace:
     # Projects
 
     def key_of(self, path: str) -> ProjectKey:
-        """The project of a file, which may have to be loaded."""
+        """Return the project of a file, which may have to be loaded."""
         with self._lock:
             known = self._keys.get(path)
         if known is not None:
@@ -94,7 +94,7 @@ class Workspace:
         return key
 
     def _around(self, folder: Path) -> ProjectKey | None:
-        """The project around a folder whose settings have been right before."""
+        """Return the project around a folder whose settings have been right before."""
         with self._lock:
             for parent in (folder, *folder.parents):
                 key = ProjectKey(str(parent))
@@ -103,7 +103,7 @@ class Workspace:
         return None
 
     def _is_foreign(self, path: str) -> bool:
-        """Whether a file of a common suffix, as .toml, is of another tool."""
+        """Return whether a file of a common suffix, as .toml, is of another tool."""
         document = self.documents.at(path)
         with overlaid({} if document is None else {path: document.data}):
             return Path(path).name != FILE_NAME and not is_definition(Path(path))
@@ -114,7 +114,7 @@ class Workspace:
             self._keys.clear()
 
     def open_projects(self) -> set[ProjectKey]:
-        """The projects of the open documents."""
+        """Return the projects of the open documents."""
         return {self.key_of(document.path) for document in self.documents.all}
 
     # Analyses
@@ -183,7 +183,7 @@ class Workspace:
         return self._by_file(key, (*state.problems, *made.findings, *made.emitting))
 
     def _moved(self, finding: Diagnostic, analysis: Analysis) -> Diagnostic | None:
-        """A finding of an analysis at its place of now; None if the place was edited."""
+        """Return a finding of an analysis at its place of now; None if the place was edited."""
         span = finding.span
         if span is None:
             return finding
@@ -210,20 +210,20 @@ class Workspace:
         return by_file
 
     def analysis(self, path: str) -> Analysis | None:
-        """The last analysis of a file's project."""
+        """Return the last analysis of a file's project."""
         key = self.key_of(path)
         with self._lock:
             state = self._states.get(key)
         return None if state is None else state.analysis
 
     def analyses(self) -> list[Analysis]:
-        """The last analyses of all projects."""
+        """Return the last analyses of all projects."""
         with self._lock:
             states = list(self._states.values())
         return [state.analysis for state in states if state.analysis is not None]
 
     def text_of(self, path: str) -> Text | None:
-        """The present text of a file: that of the editor, else that of the last analysis."""
+        """Return the present text of a file: that of the editor, else that of the last analysis."""
         document = self.documents.at(path)
         if document is not None:
             return document.text
@@ -234,7 +234,9 @@ class Workspace:
         return None
 
     def view(self, uri: str) -> View | None:
-        """A document with what is known of it; None if it is not open, or of another tool."""
+        """Return a document with what is known of it; None if it is not open, or of another
+        tool.
+        """
         document = self.documents.of(uri)
         if document is None:
             return None
@@ -245,7 +247,7 @@ class Workspace:
     # Places
 
     def range_of(self, place: Place) -> Range | None:
-        """The place of a name as of now; None if it is being edited."""
+        """Return the place of a name as of now; None if it is being edited."""
         file = place.file
         document = self.documents.at(file.path)
         if document is None:
@@ -256,12 +258,12 @@ class Workspace:
         return document.text.range(*moved, self.documents.encoding)
 
     def location_of(self, place: Place) -> Location | None:
-        """The place of a name with its file."""
+        """Return the place of a name with its file."""
         found = self.range_of(place)
         return None if found is None else Location(uri_of(place.file.path), found)
 
     def range_of_span(self, span: Span, text: Text) -> Range:
-        """The range of a span in a text."""
+        """Return the range of a span in a text."""
         return text.range(*text.offsets(span), self.documents.encoding)
 
 
@@ -295,15 +297,15 @@ class View:
         return self.document.shift_from(self.file.text)
 
     def offset(self, position: Position) -> int:
-        """The offset of a position in the text of now."""
+        """Return the offset of a position in the text of now."""
         return self.text.offset(position, self.workspace.documents.encoding)
 
     def range(self, start: int, end: int) -> Range:
-        """The range of [start, end) of the text of now."""
+        """Return the range of [start, end) of the text of now."""
         return self.text.range(start, end, self.workspace.documents.encoding)
 
     def occurrence(self, position: Position) -> tuple[Occurrence, Range] | None:
-        """The name at a position, and its range as of now."""
+        """Return the name at a position, and its range as of now."""
         if self.file is None:
             return None
         shift = self.shift
@@ -316,7 +318,7 @@ class View:
         return found, self.range(*moved)
 
     def occurrences(self) -> Iterator[tuple[int, int, Occurrence]]:
-        """The names of the document that the edits have not touched, as of now."""
+        """Yield the names of the document that the edits have not touched, as of now."""
         shift = self.shift
         for each in () if self.file is None else self.file.occurrences:
             moved = shift.forward(each.start, each.end)
@@ -324,7 +326,7 @@ class View:
                 yield *moved, each
 
     def definitions(self) -> Iterator[tuple[int, int, int, int, Definition]]:
-        """The definitions in the document as of now: name and all of it."""
+        """Yield the definitions in the document as of now: name and all of it."""
         shift = self.shift
         for each in () if self.file is None else self.file.definitions:
             moved = shift.forward(each.start, each.end)
@@ -334,7 +336,7 @@ class View:
 
 
 def _loaded(key: ProjectKey) -> Project:
-    """The project of a key. Raises InputError, ToolError."""
+    """Return the project of a key. Raises InputError, ToolError."""
     project = load(Path(key.root))
     if not key.file:
         return project

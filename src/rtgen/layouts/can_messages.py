@@ -43,7 +43,7 @@ Writings: TypeAlias = Mapping[tuple[str, int], Writing]
 
 
 def identifier_of(pdo: Pdo, node: BusNode) -> int | None:
-    """The CAN identifier of a valid PDO."""
+    """Return the CAN identifier of a valid PDO."""
     if not pdo.valid or pdo.cob_id is None:
         return None
     cob_id = resolved(pdo.cob_id, node.id)
@@ -52,10 +52,10 @@ def identifier_of(pdo: Pdo, node: BusNode) -> int | None:
 
 
 def messages(bus: Bus, writings: Writings | None = None) -> list[Message]:
-    """The messages of nodes, their proxies and the manager.
+    """Return the messages of nodes, their proxies and the manager.
 
-    An RPDO without a link is sent by the node's proxy: a synchronous one once per SYNC, others
-    by inhibit time, `writings`, or else the bus file's `event`.
+    An RPDO without a link is sent by the node's proxy: a synchronous one once per SYNC, others by
+    inhibit time, `writings`, or else the bus file's `event`.
     """
     found = [_host("NMT", NMT, 2, SPORADIC)] if bus.nodes else []
     if bus.sync:
@@ -77,7 +77,7 @@ def messages(bus: Bus, writings: Writings | None = None) -> list[Message]:
 
 
 def _services(node: BusNode) -> Iterator[Message]:
-    """The messages of a node other than PDOs: supervision, emergencies, SDO."""
+    """Yield the messages of a node other than PDOs: supervision, emergencies, SDO."""
     name, can_id = node.name, ERROR_CONTROL + node.id
     if period := heartbeat(node):
         yield Message(f"{name} heartbeat", can_id, 1, _nanoseconds(period / 1000))

@@ -48,7 +48,7 @@ class StartWrite(msgspec.Struct, frozen=True):
 
 
 def start_up(node: BusNode) -> tuple[StartWrite, ...]:
-    """The writes to a node: values of the bus file, and those that differ from the defaults.
+    """Return the writes to a node: values of the bus file, and those that differ from the defaults.
 
     The period of its heartbeat is written in any case.
 
@@ -61,7 +61,7 @@ def start_up(node: BusNode) -> tuple[StartWrite, ...]:
 
 
 def configuration(kind: DeviceKind) -> tuple[StartWrite, ...]:
-    """The writes of a description's own configuration, with the mappings of the kind.
+    """Return the writes of a description's own configuration, with the mappings of the kind.
 
     For a node outside of networks. Values without octets are left out: in a network they are
     EDS0805.
@@ -78,7 +78,7 @@ def configuration(kind: DeviceKind) -> tuple[StartWrite, ...]:
 
 
 def _writable(variable: Variable) -> Variable:
-    """The variable, without its configured value if that cannot be sent."""
+    """Return the variable, without its configured value if that cannot be sent."""
     value = resolved(variable.value, 0)
     try:
         if value is not None:
@@ -89,7 +89,7 @@ def _writable(variable: Variable) -> Variable:
 
 
 def configured(kind: DeviceKind) -> Device:
-    """The device configured by its description, with the mappings of its kind."""
+    """Return the device configured by its description, with the mappings of its kind."""
     own, common = kind.described or kind.device, kind.device
     mappings = {pdo.mapping for pdo in common.pdos}
     by_index = {o.index: o for o in common.objects if o.index in mappings}
@@ -133,7 +133,7 @@ class _StartUp:
         return wanted and not variable.flags & _NOT_ON_DOWNLOAD
 
     def writes(self) -> Iterator[StartWrite]:
-        """All writes, in order."""
+        """Yield all writes, in order."""
         of_pdos = {
             i for pdo in self._device.pdos for i in (pdo.communication, pdo.mapping)
         }
@@ -197,7 +197,7 @@ class _StartUp:
             yield self._write(count, f"{name} maps {used}")
 
     def _of(self, index: int) -> list[Variable]:
-        """The writes of an object that differ from its defaults."""
+        """Return the writes of an object that differ from its defaults."""
         return [v for (of, _), v in self._changed.items() if of == index]
 
     def _write(
@@ -221,7 +221,9 @@ def _order(variable: Variable) -> tuple[float, int]:
 
 
 def concise_dcf(writes: Iterable[StartWrite]) -> bytes:
-    """The writes as the octets of object 1F22h (CiA 302-3): their count, then each of them."""
+    """Return the writes as the octets of object 1F22h (CiA 302-3): their count, then each of
+    them.
+    """
     entries = list(writes)
     parts = [struct.pack("<I", len(entries))]
     for write in entries:

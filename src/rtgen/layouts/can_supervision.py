@@ -13,17 +13,19 @@ _PERIODS = 3
 
 
 def heartbeat(node: BusNode) -> int:
-    """The period of a node's heartbeat."""
+    """Return the period of a node's heartbeat."""
     return _number(node, _HEARTBEAT)
 
 
 def guard_time(node: BusNode) -> int:
-    """The period at which a node without heartbeat is polled."""
+    """Return the period at which a node without heartbeat is polled."""
     return 0 if heartbeat(node) else _number(node, _GUARD_TIME)
 
 
 def heartbeat_timeout(node: BusNode) -> int:
-    """The time without heartbeat or guarding answer after which a node is lost; 0: unsupervised."""
+    """Return the time without heartbeat or guarding answer after which a node is lost; 0:
+    unsupervised.
+    """
     period = heartbeat(node) or guard_time(node)
     if period and node.heartbeat_timeout is not None:
         return round(node.heartbeat_timeout * 1000)

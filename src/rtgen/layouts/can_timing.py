@@ -18,9 +18,9 @@ import msgspec
 
 NANOSECONDS = 1_000_000_000
 
-_MOST_STEPS = 20_000
+_MAX_STEPS = 20_000
 """The largest number of iterations for a message; a bus that needs more counts as overloaded."""
-_MOST_ROUNDS = 200
+_MAX_ROUNDS = 200
 """The largest number of rounds until jitters that depend on responses are stable."""
 
 
@@ -63,30 +63,32 @@ class Timing(msgspec.Struct, frozen=True):
 
 
 def frame_bits(octets: int, extended: bool = False) -> int:
-    """The most bits of a data frame, stuff bits and the gap of three bits after it included."""
+    """Return the most bits of a data frame, stuff bits and the gap of three bits after it
+    included.
+    """
     fixed = 54 if extended else 34
     stuffed = fixed + 8 * octets
     return stuffed + 13 + (stuffed - 1) // 4
 
 
 def bit_time(bit_rate: int) -> int:
-    """The time of a bit, rounded up; the rate is in kbit/s."""
+    """Return the time of a bit, rounded up; the rate is in kbit/s."""
     return -(-1_000_000 // bit_rate)
 
 
 def load(messages: Sequence[Message], bit_rate: int) -> float:
-    """The worst-case utilization of the bus by the messages; above 1 it is overloaded."""
+    """Return the worst-case utilization of the bus by the messages; above 1 it is overloaded."""
     return sum(_transmission(m, bit_rate) / m.period for m in messages)
 
 
 def response_times(messages: Sequence[Message], bit_rate: int) -> Iterator[Timing]:
-    """The worst case of each message, the most urgent first; the rate is in kbit/s.
+    """Yield the worst case of each message, the most urgent first; the rate is in kbit/s.
 
     A response time extends from the event that triggers a message to the end of its frame.
     """
     ordered = sorted(messages, key=lambda m: m.priority)
     delays = _Delays(ordered, bit_rate)
-    for _ in range(_MOST_ROUNDS):
+    for _ in range(_MAX_ROUNDS):
         if not delays.improve():
             break
     else:
@@ -149,7 +151,7 @@ class _Delays:
         self.responses = [None] * len(self._messages)
 
     def _arriving(self, place: int) -> _Arriving | None:
-        """The arrival of a message at arbitration; None if its delay is unbounded."""
+        """Return the arrival of a message at arbitration; None if its delay is unbounded."""
         message = self._messages[place]
         queued = self._waits[message.queue] if message.queue else 0
         jitter = _sum(self._jitters[place], queued)
@@ -166,7 +168,7 @@ class _Delays:
         return _response(own, interference, self._blocking[place], self._bit)
 
     def _queue_wait(self, queue: str, arriving: list[_Arriving | None]) -> int | None:
-        """The longest wait of the last message of a queue for arbitration.
+        """Return the longest wait of the last message of a queue for arbitration.
 
         Each message is in the queue once at most: otherwise there is no bound.
         """
@@ -180,7 +182,7 @@ class _Delays:
         blocking = max(*costs, self._blocking[last])
         before = blocking + sum(costs) - min(costs)
         wait = before
-        for _ in range(_MOST_STEPS):
+        for _ in range(_MAX_STEPS):
             longer = before + _demand(higher, wait + self._bit)
             if longer == wait:
                 break
@@ -215,7 +217,7 @@ def _transmission(message: Message, bit_rate: int) -> int:
 def _response(
     message: _Arriving, interference: Sequence[_Arriving], blocking: int, bit: int
 ) -> int | None:
-    """The longest response among the instances of a busy period."""
+    """Return the longest response among the instances of a busy period."""
     period, jitter, own = message
     urgent = [*interference, message]
     steps = 0
@@ -223,7 +225,7 @@ def _response(
     while (longer := blocking + _demand(urgent, busy)) != busy:
         busy = longer
         steps += 1
-        if steps > _MOST_STEPS:
+        if steps > _MAX_STEPS:
             return None
     instances = _ceiling(busy + jitter, period)
     worst = waiting = 0
@@ -234,7 +236,7 @@ def _response(
             waiting = longer
             steps += 1
         steps += 1
-        if steps > _MOST_STEPS:
+        if steps > _MAX_STEPS:
             return None
         response = jitter + waiting - instance * period + own
         worst = max(worst, response)
@@ -242,7 +244,7 @@ def _response(
 
 
 def _demand(messages: Sequence[_Arriving], time: int) -> int:
-    """The bus time that messages demand within an interval."""
+    """Return the bus time that messages demand within an interval."""
     return sum(_ceiling(time + jitter, period) * c for period, jitter, c in messages)
 
 

@@ -27,7 +27,9 @@ class CanValueError(ValueError):
 
 
 def octets(data_type: int, value: Value) -> bytes:
-    """The octets of a value. Raises CanValueError for one that its data type does not have."""
+    """Return the octets of a value. Raises CanValueError for one that its data type does not
+    have.
+    """
     if isinstance(value, bytes):
         return value
     try:

@@ -40,7 +40,7 @@ from rtgen.model.graphs import in_circles, leading_to
 
 _DYNAMIC = frozenset((Primitive.ANY, Primitive.TYPE_CODE, Primitive.VALUE_BASE))
 
-MOST_LOOPS = 12
+MAX_LOOPS = 12
 """The largest depth of sequences nested without a struct or union between."""
 
 
@@ -96,7 +96,7 @@ class CdrTypes:
         return leading_to(self._uses, found)
 
     def _leaves_of(self, type_: Type) -> list[Type]:
-        """The named and basic types that a type consists of."""
+        """Return the named and basic types that a type consists of."""
         found = self._leaves.get(type_)
         if found is None:
             plain = self._model.unalias(type_)
@@ -111,11 +111,11 @@ class CdrTypes:
         return found
 
     def is_recursive(self, name: ScopedName) -> bool:
-        """Whether values of the struct or union can contain values of the same type."""
+        """Return whether values of the struct or union can contain values of the same type."""
         return name in self._recursive
 
     def is_unset(self, holder: Declaration, entry: Member | Case) -> bool:
-        """Whether a member is None until it is set.
+        """Return whether a member is None until it is set.
 
         The type of an `@external` member can be recursive, or defined after the member.
         """
@@ -132,11 +132,11 @@ class CdrTypes:
         )
 
     def holds_dynamic(self, name: ScopedName) -> bool:
-        """Whether values of the struct or union contain one marshalled by its descriptor."""
+        """Return whether values of the struct or union contain one marshalled by its descriptor."""
         return name in self._dynamic
 
     def is_dynamic(self, type_: Type) -> bool:
-        """Whether values of the type contain one marshalled by its descriptor."""
+        """Return whether values of the type contain one marshalled by its descriptor."""
         found = self._are_dynamic.get(type_)
         if found is None:
             found = self._are_dynamic[type_] = any(
@@ -147,7 +147,9 @@ class CdrTypes:
         return found
 
     def has_headers(self, type_: Type) -> bool:
-        """Whether XCDR1 puts headers before members in the type: optional ones, mutable types'."""
+        """Return whether XCDR1 puts headers before members in the type: optional ones, mutable
+        types'.
+        """
         if not self._headed:
             return False
         found = self._have_headers.get(type_)
@@ -189,7 +191,7 @@ class CdrTypes:
         return isinstance(declaration, Valuetype | ValueBox)
 
     def check(self, type_: Type) -> int:
-        """The minimum number of octets of a value. Raises NotMarshalledError."""
+        """Return the minimum number of octets of a value. Raises NotMarshalledError."""
         found = self._octets.get(type_)
         if found is None:
             found = self._octets[type_] = self._check(type_)
@@ -261,13 +263,13 @@ class CdrTypes:
         )
 
     def _check_loops(self, type_: Type) -> None:
-        if self._loops(type_) > MOST_LOOPS:
+        if self._loops(type_) > MAX_LOOPS:
             raise NotMarshalledError(
-                f"sequences are nested more than {MOST_LOOPS} deep: put a struct between"
+                f"sequences are nested more than {MAX_LOOPS} deep: put a struct between"
             )
 
     def _loops(self, type_: Type) -> int:
-        """The nesting depth of loops in a codec of the type."""
+        """Return the nesting depth of loops in a codec of the type."""
         type_ = self._model.unalias(type_)
         match type_:
             case SequenceType(element):
@@ -280,7 +282,7 @@ class CdrTypes:
         return 0
 
     def _is_fixed(self, type_: Type) -> bool:
-        """Whether values have a fixed size, so that sequences need no loop."""
+        """Return whether values have a fixed size, so that sequences need no loop."""
         type_ = self._model.unalias(type_)
         match type_:
             case PrimitiveType(kind):
@@ -295,12 +297,12 @@ class CdrTypes:
 
 
 def enum_code(declaration: Enum) -> str:
-    """The `struct` code of enumerators: four octets, signed where one is negative."""
+    """Return the `struct` code of enumerators: four octets, signed where one is negative."""
     return "i" if any(member.value < 0 for member in declaration.members) else "I"
 
 
 def bit_count(model: Model, bitset: Bitset) -> int:
-    """The number of bits of a bitset, including its bases."""
+    """Return the number of bits of a bitset, including its bases."""
     count = sum(field.bits for field in bitset.members)
     if bitset.base is not None:
         base = model.find(bitset.base)

@@ -33,9 +33,9 @@ _WIDEST = 8
 _WIDEST_IN_XCDR2 = 4
 _HEADER = 4
 """Octets of the header of an appendable struct in XCDR2 (DHEADER)."""
-_MOST_ELEMENTS = 4096
+_MAX_ELEMENTS = 4096
 """An array of more structs is not measured."""
-_MOST_DEPTH = 64
+_MAX_DEPTH = 64
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,7 +88,7 @@ class _Measure:
         self._depth = 0
 
     def members(self, struct: Struct) -> Iterator[MemberPlace]:
-        """The members with their places, those of bases first."""
+        """Yield the members with their places, those of bases first."""
         start = self._begin(struct, 0)
         offset = start
         for holder, member in self._all(struct):
@@ -103,7 +103,7 @@ class _Measure:
 
     def _all(self, struct: Struct) -> Iterator[tuple[Struct, Member]]:
         bases = [struct]
-        while (base := bases[-1].base) is not None and len(bases) < _MOST_DEPTH:
+        while (base := bases[-1].base) is not None and len(bases) < _MAX_DEPTH:
             found = self._model.find(base)
             assert isinstance(found, Struct)
             bases.append(found)
@@ -121,14 +121,14 @@ class _Measure:
         return offset
 
     def _size(self, type_: Type) -> int | None:
-        """The size of a value that stands at an aligned place."""
+        """Return the size of a value that stands at an aligned place."""
         return self._after(0, type_)
 
     def _aligned(self, offset: int, type_: Type) -> int:
         return offset + -offset % self._alignment(type_)
 
     def _alignment(self, type_: Type) -> int:
-        """The alignment of the first octet of a value."""
+        """Return the alignment of the first octet of a value."""
         type_ = self._model.unalias(type_)
         match type_:
             case PrimitiveType(kind) if kind in SCALARS:
@@ -148,7 +148,7 @@ class _Measure:
     def _named_alignment(self, name: tuple[str, ...]) -> int:
         match self._model.find(name):
             case Struct() as struct:
-                if self._begin(struct, 0) != 0 or self._depth > _MOST_DEPTH:
+                if self._begin(struct, 0) != 0 or self._depth > _MAX_DEPTH:
                     return _HEADER
                 first = next(self._all(struct), None)
                 if first is None or first[1].optional:
@@ -173,7 +173,7 @@ class _Measure:
         return isinstance(self._model.unalias(type_), PrimitiveType)
 
     def _after(self, offset: int, type_: Type) -> int | None:
-        """The offset behind a value; None if its length varies."""
+        """Return the offset behind a value; None if its length varies."""
         type_ = self._model.unalias(type_)
         start = self._aligned(offset, type_)
         match type_:
@@ -197,7 +197,7 @@ class _Measure:
             begin = self._aligned(start, plain)
             end = self._after(begin, plain)
             return None if end is None else begin + count * (end - begin)
-        if count > _MOST_ELEMENTS:
+        if count > _MAX_ELEMENTS:
             return None
         offset: int | None = start
         for _ in range(count):
@@ -221,7 +221,7 @@ class _Measure:
                     if offset is None or member.optional or member.external:
                         offset = None
                         break
-                    if self._depth > _MOST_DEPTH:
+                    if self._depth > _MAX_DEPTH:
                         offset = None
                         break
                     offset = self._after(offset, member.type)
@@ -231,5 +231,5 @@ class _Measure:
 
 
 def _octets(bits: int) -> int:
-    """The octets of an integer that holds so many bits."""
+    """Return the octets of an integer that holds so many bits."""
     return next(size for size in (1, 2, 4, 8) if bits <= 8 * size or size == 8)

@@ -87,7 +87,7 @@ class PdoLayout(msgspec.Struct, frozen=True):
 
 
 def layout(mapped: Sequence[Mapped]) -> PdoLayout:
-    """The layout of a mapping. Raises PdoLayoutError."""
+    """Return the layout of a mapping. Raises PdoLayoutError."""
     bits = sum(entry.bits for entry in mapped)
     if bits > MAX_BITS:
         raise PdoLayoutError(f"{bits} bits; a PDO has up to {MAX_BITS}")
@@ -137,7 +137,7 @@ def _kind(entry: Mapped) -> Kind:
 
 
 def _slot(size: int, field: PdoField | None) -> Slot:
-    """The slot of a field, or of a gap, that begins and ends at an octet."""
+    """Return the slot of a field, or of a gap, that begins and ends at an octet."""
     if field is None:
         return _gap(size)
     parts: tuple[Part, ...]

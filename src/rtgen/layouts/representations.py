@@ -45,7 +45,9 @@ class Representations:
         self._names = {d.name for d in model.declarations}
 
     def extensibility(self, declaration: Struct | Union) -> Extensibility:
-        """The extensibility of a struct or union; unannotated: its base's, or the default."""
+        """Return the extensibility of a struct or union; unannotated: its base's, or the
+        default.
+        """
         written = any(a.name in _EXTENSIBILITIES for a in declaration.annotations)
         if written or declaration.name not in self._names:
             return declaration.extensibility
@@ -56,7 +58,7 @@ class Representations:
         return self._extensibility
 
     def is_xcdr2(self, declaration: Struct | Union) -> bool:
-        """Whether `to_cdr` returns XCDR2; False for types outside of the model."""
+        """Return whether `to_cdr` returns XCDR2; False for types outside of the model."""
         annotation = declaration.annotation("data_representation")
         if annotation is not None:
             value = annotation.get() or annotation.get("allowed_kinds")
@@ -71,7 +73,7 @@ class Representations:
         return self._xcdr2
 
     def missing(self, type_: Type) -> str | None:
-        """The part of the type that XCDR cannot represent, or None."""
+        """Return the part of the type that XCDR cannot represent, or None."""
         return self._missing(type_, set())
 
     def _missing(self, type_: Type, seen: set[ScopedName]) -> str | None:
@@ -98,7 +100,7 @@ class Representations:
 
 
 def member_types(declaration: Struct | Union) -> list[Type]:
-    """The types of the members and the base, or of the branches."""
+    """Return the types of the members and the base, or of the branches."""
     if isinstance(declaration, Union):
         return [case.type for case in declaration.cases]
     types = [member.type for member in declaration.members]

@@ -23,12 +23,12 @@ EVENT_INFO: Final = ("service_msgs", "msg", "ServiceEventInfo")
 
 
 def type_name(name: ScopedName) -> str:
-    """The name as ROS 2 writes it: `std_msgs/msg/Header`."""
+    """Return the name as ROS 2 writes it: `std_msgs/msg/Header`."""
     return "/".join(name)
 
 
 def type_hash(model: Model, struct: Struct) -> str:
-    """The hash of a message (`RIHS01_...`). Raises ValueError for types that ROS 2 lacks."""
+    """Return the hash of a message (`RIHS01_...`). Raises ValueError for types that ROS 2 lacks."""
     referenced: dict[str, Struct] = {}
     _collect(model, struct, referenced)
     described = {name: _individual(each) for name, each in referenced.items()}
@@ -36,10 +36,10 @@ def type_hash(model: Model, struct: Struct) -> str:
 
 
 def service_hash(model: Model, request: Struct, response: Struct) -> str:
-    """The hash of the service of two messages, with that of its events (REP 2016).
+    """Return the hash of the service of two messages, with that of its events (REP 2016).
 
-    Raises ValueError for types that ROS 2 lacks, and if service_msgs/msg/ServiceEventInfo is
-    not in the model.
+    Raises ValueError for types that ROS 2 lacks, and if service_msgs/msg/ServiceEventInfo is not in
+    the model.
     """
     structs = {
         each.name: each for each in model.declarations if isinstance(each, Struct)

@@ -50,13 +50,13 @@ SPELLINGS = {
 
 
 def signature_digest(unit: TecsUnit, signature: Signature) -> str:
-    """The digest of a signature, in lower-case hexadecimal digits."""
+    """Return the digest of a signature, in lower-case hexadecimal digits."""
     text = signature_text(unit, signature)
     return sha256(text.encode()).hexdigest()[:DIGITS]
 
 
 def signature_text(unit: TecsUnit, signature: Signature) -> str:
-    """The input of the digest: one line for each function."""
+    """Return the input of the digest: one line for each function."""
     writer = _Writer(unit)
     return "".join(f"{writer.function(f)}\n" for f in signature.functions)
 
@@ -130,7 +130,7 @@ def _specifiers(sizes: Sizes) -> Iterator[str]:
 
 
 def _length(expression: Expression | None) -> str:
-    """The constant length, or the parameters of its expression; empty without a length."""
+    """Return the constant length, or the parameters of its expression; empty without a length."""
     if isinstance(expression, Literal):
         value = expression.value
         return str(int(value) if isinstance(value, bool | float) else value)

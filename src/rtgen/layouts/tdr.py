@@ -262,7 +262,7 @@ class SignatureLayout(msgspec.Struct, frozen=True):
 
 
 def kinds(node: Node) -> tuple[tuple[str, int], ...]:
-    """The letters of a node of fixed size with their repeat counts."""
+    """Return the letters of a node of fixed size with their repeat counts."""
     match node:
         case Basic():
             return (("16s" if node.kind in "wW" else node.kind, 1),)
@@ -284,7 +284,7 @@ def kinds(node: Node) -> tuple[tuple[str, int], ...]:
 
 
 def is_fixed(node: Node) -> bool:
-    """Whether the size of a value depends on no other value."""
+    """Return whether the size of a value depends on no other value."""
     match node:
         case Record():
             return node.fixed
@@ -296,7 +296,9 @@ def is_fixed(node: Node) -> bool:
 
 
 def references(expression: Expression | None) -> Iterator[str]:
-    """The names of parameters or members in an expression, members of a struct's value aside."""
+    """Yield the names of parameters or members in an expression, members of a struct's value
+    aside.
+    """
     match expression:
         case Reference(name):
             yield name
@@ -315,7 +317,7 @@ def references(expression: Expression | None) -> Iterator[str]:
 
 
 def sizes_of(node: Node) -> tuple[Expression, ...]:
-    """The expressions that the layout of a value depends on, `size` before `count`."""
+    """Return the expressions that the layout of a value depends on, `size` before `count`."""
     match node:
         case Counted(element, size, count):
             own = (size,) if count is size else (size, count)
@@ -326,7 +328,7 @@ def sizes_of(node: Node) -> tuple[Expression, ...]:
 
 
 def capacity(node: Node) -> Expression | None:
-    """The expression for how many elements or units the caller can hold."""
+    """Return the expression for how many elements or units the caller can hold."""
     match node:
         case Counted(size=size):
             return size
@@ -336,6 +338,6 @@ def capacity(node: Node) -> Expression | None:
 
 
 def is_known(node: Node, items: Iterable[Item]) -> bool:
-    """Whether the capacity follows from the values of these items."""
+    """Return whether the capacity follows from the values of these items."""
     names = {item.name for item in items}
     return all(name in names for name in references(capacity(node)))

@@ -35,7 +35,7 @@ from rtgen.layouts.tdr import (
     references,
     sizes_of,
 )
-from rtgen.limits import MOST_LEVELS, MOST_VALUES
+from rtgen.limits import MAX_LEVELS, MAX_VALUES
 from rtgen.model.c_types import (
     BinaryExpression,
     CArrayType,
@@ -67,14 +67,14 @@ _TEXT_UNITS = frozenset("bBhHiIqQ")
 
 
 def layout_of(unit: TecsUnit, signature: Signature) -> SignatureLayout:
-    """The layout of all functions; raises TransferError."""
+    """Return the layout of all functions; raises TransferError."""
     nodes = _Nodes(unit)
     functions = tuple(_function(nodes, f) for f in signature.functions)
     return SignatureLayout(signature, functions, tuple(nodes.records.values()))
 
 
 def problems(unit: TecsUnit, signature: Signature) -> Iterator[TransferError]:
-    """The functions that OpaqueRPC cannot transfer, with at most one problem each."""
+    """Yield the functions that OpaqueRPC cannot transfer, with at most one problem each."""
     nodes = _Nodes(unit)
     for function in signature.functions:
         try:
@@ -120,7 +120,7 @@ def _function(nodes: _Nodes, function: TecsFunction) -> FunctionLayout:
 
 
 def is_error_code(type_: CType) -> bool:
-    """Whether tecsgen treats the type as an error code, by its written name."""
+    """Return whether tecsgen treats the type as an error code, by its written name."""
     return isinstance(type_, CTypedefType) and type_.name in (("ER",), ("ER_INT",))
 
 
@@ -203,7 +203,9 @@ def _is_bound_only(item: Item) -> bool:
 
 
 def _is_reserved(item: Item, arguments: Sequence[Item]) -> bool:
-    """Whether the server must reserve memory for an out before the call, and knows its size."""
+    """Return whether the server must reserve memory for an out before the call, and knows its
+    size.
+    """
     if item.direction is not TecsDirection.OUT:
         return False
     return capacity(item.node) is not None and is_known(item.node, arguments)
@@ -226,7 +228,7 @@ def _is_kept(item: Item, outs: Sequence[Item], items: Sequence[Item]) -> bool:
 
 
 def _value(item: Item, flag: bool) -> list[Field | Step]:
-    """The steps of a value, after its flag if it is nullable."""
+    """Return the steps of a value, after its flag if it is nullable."""
     if item.nullable and flag:
         body = _steps(_value(item, flag=False))
         return [Field(Role.FLAG, item), Branch(item, body)]
@@ -249,7 +251,7 @@ def _reply_value(item: Item) -> list[Field | Step]:
 
 
 def _steps(*parts: Sequence[Field | Step]) -> tuple[Step, ...]:
-    """All parts, with consecutive fields merged into runs."""
+    """Return all parts, with consecutive fields merged into runs."""
     steps: list[Step] = []
     fields: list[Field] = []
     for part in parts:
@@ -278,7 +280,7 @@ class _Nodes:
         self.records: dict[tuple[str, ...], Record] = {}
 
     def parameter(self, parameter: TecsParameter) -> Item:
-        """The item of a parameter."""
+        """Return the item of a parameter."""
         type_ = parameter.type
         if parameter.direction is TecsDirection.RECEIVE:
             inner = resolve(type_)
@@ -329,7 +331,7 @@ class _Nodes:
         )
 
     def plain(self, type_: CType, span: Span) -> Node:
-        """The node of a type without sizes; a pointer has the node of its target."""
+        """Return the node of a type without sizes; a pointer has the node of its target."""
         match resolve(type_):
             case CPointerType(target):
                 return self.plain(target, span)
@@ -362,8 +364,8 @@ class _Nodes:
             raise TransferError(span, f"struct {scoped} contains itself")
         if tag not in self._structs:
             raise TransferError(span, f"struct {scoped} is declared without members")
-        if len(self._open) == MOST_LEVELS:
-            reason = f"structs that hold each other for more than {MOST_LEVELS} levels"
+        if len(self._open) == MAX_LEVELS:
+            reason = f"structs that hold each other for more than {MAX_LEVELS} levels"
             raise TransferError(span, reason)
         struct = self._structs[tag]
         self._open.add(tag)
@@ -381,8 +383,8 @@ class _Nodes:
         _check_members(struct, ordered)
         steps = _steps([s for item in ordered for s in _value(item, flag=False)])
         values = sum(self._values(item.node) for item in items)
-        if values > MOST_VALUES:
-            reason = f"struct {scoped} has more than {MOST_VALUES:,} values in place"
+        if values > MAX_VALUES:
+            reason = f"struct {scoped} has more than {MAX_VALUES:,} values in place"
             hint = "put less into it, or a size_is array in place of a long one"
             raise TransferError(span, reason, hint)
         self._counts[tag] = values
@@ -390,7 +392,7 @@ class _Nodes:
         return self.records[tag]
 
     def _values(self, node: Node) -> int:
-        """The number of values with a position of their own in messages with the node."""
+        """Return the number of values with a position of their own in messages with the node."""
         match node:
             case Record(struct):
                 return self._counts[struct.name]

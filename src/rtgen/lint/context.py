@@ -45,7 +45,7 @@ class Context:
         return [d for d in self.model.declarations if self.is_given(d.file)]
 
     def is_given(self, name: str) -> bool:
-        """Whether a file was given (not only included), or is part of one that was."""
+        """Return whether a file was given (not only included), or is part of one that was."""
         file = self.files.get(name)
         return file is not None and (
             file.main
@@ -62,7 +62,7 @@ class Context:
 
 
 def fields(declaration: Declaration) -> Iterator[Member | Case]:
-    """The members of a struct or exception, or the branches of a union."""
+    """Yield the members of a struct or exception, or the branches of a union."""
     match declaration:
         case Struct(members=members) | ExceptionDecl(members=members):
             yield from members

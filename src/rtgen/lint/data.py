@@ -58,7 +58,7 @@ def any_in_ports(context: Context) -> Iterator[Diagnostic]:
 def _any_in(
     context: Context, type_: Type, seen: set[ScopedName]
 ) -> Member | Case | None:
-    """The field that is, or contains, an `any`."""
+    """Return the field that is, or contains, an `any`."""
     while isinstance(type_, SequenceType | ArrayType):
         type_ = type_.element
     plain = context.model.unalias(type_)

@@ -89,5 +89,5 @@ def _with_equal_names(device: Device) -> list[list[Variable]]:
 
 
 def _is_count(device: Device, variable: Variable) -> bool:
-    """Whether it is sub-index 0 of an object with further sub-indices."""
+    """Return whether it is sub-index 0 of an object with further sub-indices."""
     return not variable.subindex and device.find(variable.index, 1) is not None

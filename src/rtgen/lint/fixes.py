@@ -34,13 +34,13 @@ class Text:
         self._starts = [0, *(m.end() for m in re.finditer("\n", text))]
 
     def offset(self, line: int, column: int) -> int:
-        """The offset of a line and column, both from 1; the end of the text beyond it."""
+        """Return the offset of a line and column, both from 1; the end of the text beyond it."""
         if line > len(self._starts):
             return len(self.text)
         return min(self._starts[line - 1] + column - 1, len(self.text))
 
     def span(self, file: str, start: int, end: int) -> Span:
-        """The span of [start, end)."""
+        """Return the span of [start, end)."""
         places: list[int] = []
         for offset in (start, end):
             line = bisect_right(self._starts, offset)
@@ -48,13 +48,13 @@ class Text:
         return Span(file, *places)
 
     def range(self, span: Span) -> tuple[int, int]:
-        """The offsets of a span."""
+        """Return the offsets of a span."""
         return self.offset(span.line, span.column), self.offset(
             span.end_line, span.end_column
         )
 
     def line(self, offset: int) -> tuple[int, int]:
-        """The range of the line at an offset, with its end."""
+        """Return the range of the line at an offset, with its end."""
         number = bisect_right(self._starts, offset)
         return self._starts[number - 1], self.offset(number + 1, 1)
 
@@ -87,7 +87,7 @@ def _fraction(text: str, start: int, end: int, d: Diagnostic) -> Replacement | N
 
 
 def _item(text: str, start: int, end: int, d: Diagnostic) -> Replacement | None:
-    """An item of a list that is left out, with the comma before it."""
+    """Return an item of a list that is left out, with the comma before it."""
     before = _BEFORE.search(text, 0, start)
     return None if before is None else (before.start(), end, "")
 
@@ -126,7 +126,7 @@ def _include(text: str, start: int, end: int, d: Diagnostic) -> Replacement | No
 
 
 def _suppression(text: str, start: int, end: int, d: Diagnostic) -> Replacement | None:
-    """The code that has no effect, with its comment if that has no other."""
+    """Return the code that has no effect, with its comment if that has no other."""
     opens, closes = text.rfind("[", 0, start) + 1, text.find("]", end)
     if text[opens:start].strip():
         return text.rfind(",", 0, start), end, ""
@@ -170,7 +170,9 @@ CODES = frozenset(_FIXES)
 def attached(
     found: Iterable[Diagnostic], sources: Mapping[str, str]
 ) -> list[Diagnostic]:
-    """The findings, each with its fix if it has one; `sources` are texts by displayed path."""
+    """Return the findings, each with its fix if it has one; `sources` are texts by displayed
+    path.
+    """
     texts: dict[str, Text] = {}
     result = []
     for d in found:
@@ -196,7 +198,9 @@ def _with_fix(d: Diagnostic, text: Text) -> Diagnostic:
 
 
 def applied(text: str, edits: Sequence[Edit]) -> str:
-    """The text with edits; one that overlaps an earlier one, or finds another text, is left out."""
+    """Return the text with edits; one that overlaps an earlier one, or finds another text, is left
+    out.
+    """
     lines = Text(text)
     parts: list[str] = []
     done = 0

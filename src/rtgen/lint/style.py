@@ -76,7 +76,7 @@ def naming(context: Context) -> Iterator[Diagnostic]:
 
 
 def _style(name: str) -> str | None:
-    """The style of a name; None if a single word fits several."""
+    """Return the style of a name; None if a single word fits several."""
     if name.islower() and "_" not in name:
         return None
     fitting = [style for style, form in _STYLES.items() if form.fullmatch(name)]
@@ -88,7 +88,7 @@ def _style(name: str) -> str | None:
 
 
 def _kinds(context: Context) -> dict[tuple[str, str], Named]:
-    """The names of each file, by kind."""
+    """Return the names of each file, by kind."""
     found: dict[tuple[str, str], Named] = {}
     for declaration in context.declarations:
         for kind, name, span in _named(declaration):

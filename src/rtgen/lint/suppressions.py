@@ -52,10 +52,10 @@ def suppressed(
     active: Collection[str] | None,
     whole: bool = False,
 ) -> list[Diagnostic]:
-    """The findings that are left, and one for each suppression that has suppressed none.
+    """Return the findings that are left, and one for each suppression that has suppressed none.
 
-    `known` are the codes of all rules; `active` those of which findings would have been found,
-    None if that cannot be said. `whole`: `sources` are all files that the patterns may be for.
+    `known` are the codes of all rules; `active` those of which findings would have been found, None
+    if that cannot be said. `whole`: `sources` are all files that the patterns may be for.
     """
     comments = {
         name: _in_text(name, text)
@@ -95,7 +95,7 @@ def _is_suppressed(
 
 
 def _in_text(name: str, text: str) -> dict[int, list[_Suppression]]:
-    """The suppressions of a file, by the line that they hold for."""
+    """Return the suppressions of a file, by the line that they hold for."""
     suffix = name[name.rfind(".") :].lower() if "." in name else ""
     marks = _MARKS.get(suffix, _OTHER_MARKS)
     found: dict[int, list[_Suppression]] = {}

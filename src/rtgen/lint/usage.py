@@ -52,7 +52,7 @@ def includes(context: Context) -> Iterator[Diagnostic]:
 
 
 def _brought(context: Context, name: str) -> set[str]:
-    """The names and macros that a file provides, with its own includes."""
+    """Return the names and macros that a file provides, with its own includes."""
     files: dict[str, None] = {}
     pending = [name]
     while pending:
@@ -72,7 +72,7 @@ def _brought(context: Context, name: str) -> set[str]:
 
 
 def _include_of(context: Context, file: SourceFile, included: str) -> Span | None:
-    """The place of the directive."""
+    """Return the place of the directive."""
     text = context.sources.get(file.name, "")
     name = PurePosixPath(included).name
     for match in _INCLUDE.finditer(text):

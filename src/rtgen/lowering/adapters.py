@@ -54,7 +54,7 @@ _HELD: Final = {
 
 
 def lower(model: Model, settings: Settings) -> Lowered:
-    """The model with the project's adapters and their components."""
+    """Return the model with the project's adapters and their components."""
     entries = settings.adapters
     if not entries:
         return Lowered(model)
@@ -147,7 +147,7 @@ class _Maker:
     entry: AdapterEntry
 
     def adapter(self) -> Adapter:
-        """The adapter. Raises InputError."""
+        """Return the adapter. Raises InputError."""
         entry = self.entry
         taken = any(d.name == (entry.name,) for d in self.model.declarations)
         if taken or not _NAME.fullmatch(entry.name):
@@ -199,7 +199,7 @@ class _Maker:
         target: Struct,
         path: tuple[str, ...],
     ) -> None:
-        """Copies a struct member by member, if one of its members is converted."""
+        """Copy a struct member by member, if one of its members is converted."""
         self._type(target, path)
         known = next((k for k in copies if path[: len(k)] == k), None)
         if known is None:
@@ -221,7 +221,7 @@ class _Maker:
         to_ros: bool,
         constants: tuple[tuple[tuple[str, ...], AdapterConstant], ...],
     ) -> Adapter:
-        """The adapter of a pair of RT-Middleware and ROS 2."""
+        """Return the adapter of a pair of RT-Middleware and ROS 2."""
         rtm, ros = (source, target) if to_ros else (target, source)
         for struct, units in ((rtm, pair.rtm_units), (ros, pair.ros_units)):
             for path, unit in units.items():
@@ -245,7 +245,7 @@ class _Maker:
     def _constant(
         self, target: Struct, path: str, value: AdapterConstant
     ) -> tuple[tuple[str, ...], AdapterConstant]:
-        """A member with its value, if that fits."""
+        """Return a member with its value, if that fits."""
         names = tuple(path.split("."))
         if not _takes(self._type(target, names), value):
             shown = list(value) if isinstance(value, tuple) else value
@@ -288,7 +288,9 @@ class _Maker:
         return conversion
 
     def _unit(self, struct: Struct, path: tuple[str, ...]) -> str | None:
-        """The unit of a member of known type: that of `@unit`, or the only one in its comment."""
+        """Return the unit of a member of known type: that of `@unit`, or the only one in its
+        comment.
+        """
         *outer, name = path
         if outer:
             inner = self._type(struct, tuple(outer))
@@ -318,7 +320,7 @@ class _Maker:
         raise self._error(ADAPTER_TYPE, f"no struct {scoped!r}", hint)
 
     def _members(self, struct: Struct) -> Iterator[Member]:
-        """The members of a struct, inherited ones first."""
+        """Yield the members of a struct, inherited ones first."""
         if struct.base is not None:
             base = self.model.find(struct.base)
             assert isinstance(base, Struct)
@@ -329,7 +331,7 @@ class _Maker:
         return self.model.unalias(member.type), member.optional
 
     def _type(self, struct: Struct, path: tuple[str, ...]) -> Type:
-        """The type of a member, of a member of a member, and so on."""
+        """Return the type of a member, of a member of a member, and so on."""
         members = {member.name: member for member in self._members(struct)}
         name, *rest = path
         if name not in members:
@@ -362,7 +364,7 @@ class _Maker:
 
 
 def _is_equal(first: str, second: str) -> bool:
-    """Whether two texts denote one unit."""
+    """Return whether two texts denote one unit."""
     return first == second or _conversion_between(first, second) == (1.0, 0.0)
 
 
@@ -383,14 +385,14 @@ def _conversion_between(source: str, target: str) -> tuple[float, float] | None:
 
 
 def _is_real(model: Model, type_: Type) -> bool:
-    """Whether it is a real number, or a sequence or array of real numbers."""
+    """Return whether it is a real number, or a sequence or array of real numbers."""
     if isinstance(type_, SequenceType | ArrayType):
         type_ = model.unalias(type_.element)
     return isinstance(type_, PrimitiveType) and type_.kind in FLOAT_LIMITS
 
 
 def _include(name: tuple[str, ...]) -> str | None:
-    """A hint for a struct that ships with rtgen and that no definition includes."""
+    """Return a hint for a struct that ships with rtgen and that no definition includes."""
     message = "/".join(name)
     if f"{message}.msg" in ros_interfaces():
         return f'#include "{message}.idl" in a definition'
@@ -403,7 +405,7 @@ def _include(name: tuple[str, ...]) -> str | None:
 
 
 def _takes(type_: Type, value: AdapterConstant) -> bool:
-    """Whether a member of the type can have the value."""
+    """Return whether a member of the type can have the value."""
     if isinstance(type_, SequenceType):
         if not isinstance(value, tuple) or not isinstance(type_.element, StringType):
             return False
@@ -421,7 +423,7 @@ def _takes(type_: Type, value: AdapterConstant) -> bool:
 
 
 def _holds(to: Type, from_: Type) -> bool:
-    """Whether the one type represents every number of the other."""
+    """Return whether the one type represents every number of the other."""
     if not (isinstance(to, PrimitiveType) and isinstance(from_, PrimitiveType)):
         return False
     if to.kind is Primitive.DOUBLE and from_.kind is Primitive.FLOAT:

@@ -49,7 +49,7 @@ _ENTRIES: Final = {
 
 
 def lower(model: Model, settings: Settings) -> Lowered:
-    """The model with the form of each sequence and array, and diagnostics of `@numeric`."""
+    """Return the model with the form of each sequence and array, and diagnostics of `@numeric`."""
     forms = _Forms(model, settings)
     declarations = tuple(map(forms.declaration, model.declarations))
     if any(a is not b for a, b in zip(declarations, model.declarations, strict=True)):
@@ -65,7 +65,7 @@ class _Forms:
         self.findings: list[Diagnostic] = []
 
     def declaration(self, declaration: Declaration) -> Declaration:
-        """The declaration with the forms of its members; itself where all are lists."""
+        """Return the declaration with the forms of its members; itself where all are lists."""
         if isinstance(declaration, Typedef | ValueBox):
             return self._entry(declaration)
         attribute = _ENTRIES.get(type(declaration))
@@ -78,7 +78,7 @@ class _Forms:
         return replace(declaration, **cast("Any", {attribute: entries}))
 
     def _entry(self, entry: _E) -> _E:
-        """A member, a branch, a typedef or a boxed value."""
+        """Return a member, a branch, a typedef or a boxed value."""
         wanted: Numeric | None = None
         type_ = entry.type
         annotation = entry.annotation("numeric")
@@ -94,7 +94,7 @@ class _Forms:
         return entry if formed is entry.type else replace(entry, type=formed)
 
     def _formed(self, type_: Type, wanted: Numeric | None) -> Type:
-        """The type with its form, which is `wanted` if that is given."""
+        """Return the type with its form, which is `wanted` if that is given."""
         match type_:
             case MapType(value=value):
                 inner = self._formed(value, None)
@@ -108,7 +108,7 @@ class _Forms:
         return type_
 
     def _usual(self, type_: SequenceType | ArrayType) -> Numeric:
-        """The form of the project, where the type can have it and gains by it."""
+        """Return the form of the project, where the type can have it and gains by it."""
         if not self._can_be(type_, self._default):
             return "list"
         if self._default == "array":
@@ -118,7 +118,7 @@ class _Forms:
         return self._default
 
     def _can_be(self, type_: Type, form: Numeric) -> bool:
-        """Whether values of the type can have the form."""
+        """Return whether values of the type can have the form."""
         if not isinstance(type_, SequenceType | ArrayType):
             return False
         element = self._model.unalias(type_.element)
@@ -130,7 +130,7 @@ class _Forms:
         return isinstance(element, NamedType) and self._is_record(element)
 
     def _is_record(self, type_: Type) -> bool:
-        """Whether values are structs of numbers that follow each other without a gap."""
+        """Return whether values are structs of numbers that follow each other without a gap."""
         scalars = list(self._scalars(type_, 0))
         if not scalars or None in scalars:
             return False

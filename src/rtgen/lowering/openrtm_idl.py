@@ -13,7 +13,9 @@ _DECLARED = re.compile(r"\b(?:struct|union|interface)\s+(\w+)\s*[:{]")
 
 
 def needed_idl(profiles: Sequence[RtcProfile]) -> list[str]:
-    """The files that profiles name, or that declare OpenRTM's types of data ports, by name."""
+    """Return the files that profiles name, or that declare OpenRTM's types of data ports, by
+    name.
+    """
     types = [port.type for profile in profiles for port in profile.data_ports]
     parts = [type_.split("::") for type_ in types]
     names = {p[-1] for p in parts if len(p) == 1 or p[-2] == "RTC"}
@@ -34,7 +36,7 @@ def _files(profile: RtcProfile) -> Iterator[str]:
 
 
 def type_names(profile: RtcProfile) -> set[str]:
-    """The last parts of the types of all ports."""
+    """Return the last parts of the types of all ports."""
     return {type_.replace(".", "::").split("::")[-1] for type_ in _types(profile)}
 
 
@@ -45,7 +47,9 @@ def _types(profile: RtcProfile) -> Iterator[str]:
 
 
 def declared_in(path: Path) -> set[str]:
-    """The structs, unions and interfaces that an IDL file likely declares; none if unreadable."""
+    """Return the structs, unions and interfaces that an IDL file likely declares; none if
+    unreadable.
+    """
     try:
         return set(_DECLARED.findall(path.read_text("utf-8", "replace")))
     except OSError:

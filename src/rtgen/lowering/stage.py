@@ -47,7 +47,7 @@ class Lowering(msgspec.Struct, frozen=True):
         return self.module.removeprefix("rtgen.lowering.").partition(".")[0]
 
     def __call__(self, model: Model, settings: Settings) -> Lowered:
-        """The lowered model; the model itself if it has nothing to lower."""
+        """Return the lowered model; the model itself if it has nothing to lower."""
         if not self.needed(model, settings):
             return Lowered(model)
         lower: Lower = import_module(self.module).lower
@@ -95,18 +95,20 @@ LOWERINGS: Final = (
 
 
 def lowerings(*, complete: bool) -> tuple[Lowering, ...]:
-    """The lowerings of rtgen; unless `complete`, those whose results count as definitions."""
+    """Return the lowerings of rtgen; unless `complete`, those whose results count as
+    definitions.
+    """
     return tuple(each for each in LOWERINGS if complete or each.definitions)
 
 
 def needed_idl(model: Model, *, complete: bool) -> list[str]:
-    """The names of the IDL files of rtgen whose types the lowerings use, each once."""
+    """Return the names of the IDL files of rtgen whose types the lowerings use, each once."""
     names = (name for each in lowerings(complete=complete) for name in each.idl(model))
     return list(dict.fromkeys(names))
 
 
 def lowered(model: Model, settings: Settings, *, complete: bool = True) -> Lowered:
-    """The model after the lowerings, each applied to the result of the previous one.
+    """Return the model after the lowerings, each applied to the result of the previous one.
 
     Raises ToolError for a plug-in that cannot be imported.
     """

@@ -65,7 +65,7 @@ from rtgen.model.types import (
     Type,
 )
 
-if TYPE_CHECKING:  # many classes, which most commands do not need
+if TYPE_CHECKING:  # imported lazily: many classes, which most commands do not need
     from rtgen.model.can_bus import Bus
     from rtgen.model.canopen import Device
     from rtgen.model.rtc_profile import RtcProfile
@@ -131,9 +131,9 @@ class SourceFile(msgspec.Struct, frozen=True, kw_only=True):
     """A file that was read.
 
     `name` is the displayed path (as in spans), `key` the path for generated text (relative to the
-    project or to the include folder, never absolute), `sha256` of its content. `includes` are the
-    names of directly included files, in order. `main`: the file was given, not only included. A
-    file included inside a scope has its includer in `belongs_to`.
+    project or to the include folder, never absolute), `sha256` the hash of its content. `includes`
+    are the names of directly included files, in order. `main`: the file was given, not only
+    included. A file that is included inside a scope has its includer in `belongs_to`.
     """
 
     name: str
@@ -170,7 +170,7 @@ class Model(msgspec.Struct, frozen=True, dict=True):
         return self._by_name[name]
 
     def bases(self, declaration: Interface | Valuetype) -> list[Interface | Valuetype]:
-        """All direct and indirect bases, each once and after its own bases."""
+        """Return all direct and indirect bases, each once and after its own bases."""
         found: dict[ScopedName, Interface | Valuetype] = {}
         waiting = [*reversed(declaration.bases)]
         while waiting:
@@ -186,7 +186,7 @@ class Model(msgspec.Struct, frozen=True, dict=True):
         return [*found.values()]
 
     def unalias(self, type_: Type) -> Type:
-        """The type behind typedefs; never a NamedType that refers to a Typedef."""
+        """Return the type behind typedefs; never a NamedType that refers to a Typedef."""
         while isinstance(type_, NamedType):
             declaration = self._by_name[type_.name]
             if not isinstance(declaration, Typedef):
@@ -195,18 +195,18 @@ class Model(msgspec.Struct, frozen=True, dict=True):
         return type_
 
     def of_file(self, name: str) -> Iterable[Declaration]:
-        """The declarations in a file, by its displayed path."""
+        """Return the declarations in a file, by its displayed path."""
         return (d for d in self.declarations if d.file == name)
 
 
 class Package(msgspec.Struct, frozen=True, kw_only=True):
-    """Declarations with names of their own, in a package `name` below the project's.
+    """Declarations that are generated in a package `name` below the project's.
 
-    `types` maps the displayed path of a file to the module that has what it declares, where the
-    package has not; `conversions` to the package below the project's that has its conversions to
-    a middleware. `sources` are the files that decide the package. `any_values`: values of the
-    types travel in an `any`. `profiles` maps names of components to the paths of their profiles in
-    the package's folder; other profiles stand beside their components.
+    `types` maps the displayed path of a file to the module with its declarations, if that is not in
+    this package; `conversions` to the package below the project's with its conversions to a
+    middleware. `sources` are the files that the package depends on. `any_values`: values of the
+    types are sent in an `any`. `profiles` maps names of components to the paths of their profiles
+    in the package's folder; other profiles are beside their components.
     """
 
     name: str
@@ -219,7 +219,7 @@ class Package(msgspec.Struct, frozen=True, kw_only=True):
 
     @property
     def own(self) -> Model:
-        """The model without what other modules have."""
+        """The model without the declarations that are in other modules."""
         return replace(
             self.model,
             files=tuple(f for f in self.model.files if f.name not in self.types),

@@ -1,8 +1,8 @@
 """C types and expressions in component descriptions (CDL).
 
 tecsgen distinguishes types as *written* (`ER`): a use of a typedef is a `CTypedefType`, which
-`resolve` looks through. Expressions stay open until a call (`size_is`, `count_is`, `string`) or
-until the C compiler evaluates them; all others are constants, evaluated to a `Literal`.
+`resolve` replaces by its target. Expressions in calls (`size_is`, `count_is`, `string`) and in
+`C_EXP` are not evaluated; all others are constants, evaluated to a `Literal`.
 """
 
 from __future__ import annotations
@@ -127,14 +127,14 @@ CType: TypeAlias = (
 
 
 def resolve(type_: CType) -> CType:
-    """The type behind typedefs; never a `CTypedefType`. Qualifiers of the typedef are dropped."""
+    """Resolve typedefs; never returns a `CTypedefType`. Qualifiers of the typedef are dropped."""
     while isinstance(type_, CTypedefType):
         type_ = type_.target
     return type_
 
 
 def _declared(type_: CType, inner: str = "") -> str:
-    """A type in C syntax without a name: `int16_t(*)[2]` is a pointer to an array."""
+    """Return a type in C syntax without a name: `int16_t(*)[2]` is a pointer to an array."""
     match type_:
         case CPointerType(target=target):
             qualifiers = " const" * type_.const + " volatile" * type_.volatile

@@ -32,7 +32,7 @@ class DeviceKind(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def kind_of(device: Device) -> DeviceKind:
-    """The default kind of a device without a bus file: no settings, a port for each PDO."""
+    """Return the default kind of a device without a bus file: no settings, a port for each PDO."""
     return DeviceKind(
         name=device.name,
         module=device.name,

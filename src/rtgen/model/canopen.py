@@ -86,7 +86,7 @@ class NodeRelative(msgspec.Struct, frozen=True):
     offset: int
 
     def of(self, node_id: int) -> int:
-        """The number for a node-id."""
+        """Return the number for a node-id."""
         return node_id + self.offset
 
     def __str__(self) -> str:
@@ -101,7 +101,7 @@ Value: TypeAlias = int | float | str | bytes | NodeRelative
 
 
 def resolved(value: Value | None, node_id: int | None) -> Value | None:
-    """The value for a node-id; without one, a relative value is left unchanged."""
+    """Return the value for a node-id; without one, a relative value is left unchanged."""
     if isinstance(value, NodeRelative) and node_id is not None:
         return value.of(node_id)
     return value

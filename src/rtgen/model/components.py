@@ -15,9 +15,9 @@ from rtgen.model.spelling import Unspelled
 from rtgen.model.types import ScopedName, Type
 
 NO_DATE = "1970-01-01T00:00:00+00:00"
-NO_SYSTEM_DATE = "1970-01-01T00:00:00"
-"""Without a zone, which dates of rtsprofile's YAML do not have."""
 """Default date, since profiles require one and the clock is never read."""
+NO_SYSTEM_DATE = "1970-01-01T00:00:00"
+"""The default date of systems, without a zone, as in rtsprofile's YAML."""
 
 
 class PortKind(StrEnum):
@@ -95,7 +95,7 @@ class Component(Declaration, frozen=True, kw_only=True):
 
     @property
     def is_foreign(self) -> bool:
-        """Whether its profile names another language than Python, so that others run it."""
+        """Whether its profile names another language than Python, so that rtgen does not run it."""
         return not self.language.lower().startswith("python")
 
     @property
@@ -110,9 +110,9 @@ class Adapter(msgspec.Struct, frozen=True, kw_only=True):
     """Copies members from one struct to another; implemented by the component `name`.
 
     `copies` are pairs of target member and source member, each as a path of member names.
-    `conversion` is a function of `rtgen.runtime.ros2.conversions` that fills the target in their
-    place; `stamps`: the time of the target is that of the conversion. `constants` are members of
-    the target with their values.
+    Alternatively, `conversion` is a function of `rtgen.runtime.ros2.conversions` that fills the
+    target; `stamps`: the target's time is that of the conversion. `constants` are values for
+    members of the target.
     """
 
     name: str
@@ -200,9 +200,9 @@ class System(Unspelled, frozen=True, eq=False, kw_only=True):
     """A system of components from an RtsProfile; `activation` in its order.
 
     `places` has the places of its properties. `created` and `updated` are dates as xsd:dateTime;
-    `key` and `sha256` are as in SourceFile, `folder` is the path from the output folder to that
-    of the file. `document` is the file's content, whose parts without a field here are written
-    again when the system is saved.
+    `key` and `sha256` are as in SourceFile, `folder` is the path from the output folder to that of
+    the file. `document` is the file's content; elements without a field here are kept when the
+    system is saved.
     """
 
     spelling = frozenset({"places", "document"})

@@ -12,7 +12,7 @@ from rtgen.diagnostics import Span
 from rtgen.model.types import ScopedName, Type
 
 OPAQUE = "opaque"
-"""The annotation of a struct or interface known by name only."""
+"""The annotation of a struct or interface of which only the name is known."""
 
 
 class EnumeratorName(msgspec.Struct, frozen=True):
@@ -32,7 +32,7 @@ class Annotation(msgspec.Struct, frozen=True):
     arguments: tuple[tuple[str, ConstantValue], ...] = ()
 
     def get(self, key: str = "value") -> ConstantValue | None:
-        """The argument of that name, or None."""
+        """Return the argument of that name, or None."""
         return dict(self.arguments).get(key)
 
 
@@ -44,7 +44,7 @@ class Documented(msgspec.Struct, frozen=True, kw_only=True):
     annotations: tuple[Annotation, ...] = ()
 
     def annotation(self, name: str) -> Annotation | None:
-        """The first annotation of that name, or None."""
+        """Return the first annotation of that name, or None."""
         return next((a for a in self.annotations if a.name == name), None)
 
 

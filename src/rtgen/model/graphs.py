@@ -1,4 +1,4 @@
-"""Graph algorithms on references, in linear time."""
+"""Graph algorithms in linear time: strongly connected components, cycles, reachability."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ Node = TypeVar("Node", bound=Hashable)
 
 
 def groups(edges: Mapping[Node, Collection[Node]]) -> Iterator[list[Node]]:
-    """The strongly connected components, each after those it refers to.
+    """Yield the strongly connected components, each after those it refers to.
 
-    A node outside of cycles is a group of one. Tarjan's algorithm, without recursion; targets
-    that are not keys of `edges` are ignored.
+    A node outside of cycles is a group of one. Tarjan's algorithm, without recursion; targets that
+    are not keys of `edges` are ignored.
     """
     order: dict[Node, int] = {}
     lowest: dict[Node, int] = {}
@@ -48,7 +48,7 @@ def groups(edges: Mapping[Node, Collection[Node]]) -> Iterator[list[Node]]:
 
 
 def in_circles(edges: Mapping[Node, Collection[Node]]) -> Iterator[Node]:
-    """The nodes on a cycle."""
+    """Yield the nodes on a cycle."""
     for group in groups(edges):
         if len(group) > 1 or group[0] in edges[group[0]]:
             yield from group
@@ -57,7 +57,7 @@ def in_circles(edges: Mapping[Node, Collection[Node]]) -> Iterator[Node]:
 def leading_to(
     edges: Mapping[Node, Iterable[Node]], wanted: Collection[Node]
 ) -> set[Node]:
-    """The wanted nodes, and all nodes from which one of them is reachable."""
+    """Return the wanted nodes, and all nodes from which one of them is reachable."""
     users: dict[Node, list[Node]] = {}
     for node, others in edges.items():
         for other in others:

@@ -1,4 +1,4 @@
-"""The elements of a profile's file, for what rtgen keeps without a meaning of its own."""
+"""XML elements of a profile that rtgen keeps without interpreting them."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ class ProfileElement(msgspec.Struct, frozen=True, kw_only=True):
     text: str = ""
 
     def get(self, namespace: str, local_name: str) -> str:
-        """An attribute's value, empty if it is missing."""
+        """Return an attribute's value, empty if it is missing."""
         return self.attributes.get((namespace, local_name), "")
 
     def all(self, local_name: str) -> Iterator[ProfileElement]:
-        """The children of that local name, in order."""
+        """Return the children of that local name, in order."""
         return (child for child in self.children if child.name[1] == local_name)

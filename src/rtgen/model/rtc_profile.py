@@ -84,8 +84,8 @@ class ProfileServicePort(msgspec.Struct, frozen=True, kw_only=True):
 class RtcProfile(msgspec.Struct, frozen=True, kw_only=True):
     """Content of `rtc:RtcProfile`; `format_version` of the profile, `version` of the component.
 
-    `rate` is in Hz, None if not given. `implements`: a component of this name in the definitions is
-    the same one, which the profile describes anew.
+    `rate` is in Hz, None if not given. `implements`: the profile replaces the component of this
+    name in the definitions.
     """
 
     file: str

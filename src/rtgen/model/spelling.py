@@ -1,4 +1,4 @@
-"""Values that are equal whatever their places or their spelling."""
+"""Base class of values that are compared without their places or spelling."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import msgspec
 
 
 class Unspelled(msgspec.Struct, frozen=True, eq=False):
-    """A value whose fields in `spelling` do not count when it is compared."""
+    """A value whose comparison ignores the fields listed in `spelling`."""
 
     spelling: ClassVar[frozenset[str]] = frozenset()
 

@@ -24,14 +24,14 @@ DATA_KINDS = (PortKind.INPORT, PortKind.OUTPORT)
 
 
 class Known(msgspec.Struct, frozen=True):
-    """A component's definition, and the model that contains its types."""
+    """The definition of a component, and the model with its types."""
 
     component: Component
     model: Model
 
 
 def known_components(models: Iterable[Model]) -> dict[str, Known]:
-    """The components of models by type name; the first of each name is used."""
+    """Return the components of models by type name; the first of each name is used."""
     found: dict[str, Known] = {}
     for model in models:
         for declaration in model.declarations:
@@ -52,11 +52,11 @@ class Pair(msgspec.Struct, frozen=True):
 def service_pairs(
     connection: Connection, ends: Mapping[str, Known]
 ) -> tuple[list[Pair], list[tuple[PortReference, Port]]]:
-    """Matches the consumers of a service connector with its providers, as the runtime does.
+    """Match the consumers of a service connector with its providers, as the runtime does.
 
-    The provider selected by a property; else the one whose interface is, or derives from, the
-    consumer's, with the same instance name; else the only one of the interface, if the consumer
-    is the only one, too.
+    A consumer's provider is the one selected by a property; else the one whose interface is, or
+    derives from, the consumer's, with the same instance name; else the only one of the interface,
+    if the consumer is the only one, too.
     """
     named = dict(connection.properties)
     pairs: list[Pair] = []
@@ -86,20 +86,20 @@ def service_pairs(
 
 
 def interface_key(end: PortReference, port: Port) -> str:
-    """The name of an interface of a service port in a connector's properties."""
+    """Return the name of an interface of a service port in a connector's properties."""
     polarity = "provided" if port.kind is PortKind.PROVIDER else "required"
     type_name = port.type_name or port.type
     return f"{end.instance}.port.{end.port}.{polarity}.{type_name}.{port.instance}"
 
 
 def interfaces(end: PortReference, ends: Mapping[str, Known]) -> list[Port]:
-    """The interfaces of the service port at one end."""
+    """Return the interfaces of the service port at one end."""
     ports = ends[end.instance].component.ports
     return [p for p in ports if p.kind not in DATA_KINDS and p.port == end.port]
 
 
 def _serves(model: Model, provider: Port, consumer: Port) -> bool:
-    """Whether the provider's interface is, or derives from, the consumer's."""
+    """Return whether the provider's interface is, or derives from, the consumer's."""
     type_ = model.unalias(provider.type)
     served = [type_]
     if isinstance(type_, NamedType):

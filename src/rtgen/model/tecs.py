@@ -189,10 +189,7 @@ class Celltype(TecsDeclaration, frozen=True, kw_only=True):
 
 
 class TextPiece(msgspec.Struct, frozen=True):
-    """A piece of a concatenated string: it starts at `offset` of the text, and came from `span`.
-
-    The span is that of the text between the quotes, on one line of the source.
-    """
+    """A piece of a concatenated string: it starts at `offset` of the text, `span` is its source."""
 
     offset: int
     span: Span
@@ -205,7 +202,7 @@ class PluginArgument(msgspec.Struct, frozen=True):
     pieces: tuple[TextPiece, ...]
 
     def span_of(self, start: int, end: int) -> Span:
-        """The place of `text[start:end]` in the source; of its first piece where it has several."""
+        """Return the source of `text[start:end]`; of its first piece if there are several."""
         piece = self.pieces[0]
         for candidate in self.pieces:
             if candidate.offset <= start:
@@ -308,7 +305,7 @@ class TecsUnit(msgspec.Struct, frozen=True):
         raise KeyError(name)
 
     def joins_through(self, plugin: str) -> tuple[tuple[Cell, Join], ...]:
-        """The joins through a plug-in of that name, in order of the text."""
+        """Return the joins through a plug-in of that name, in order of the text."""
         return tuple(
             (cell, join)
             for cell in self.declarations

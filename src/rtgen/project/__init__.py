@@ -1,4 +1,4 @@
-"""A project: `rtgen.toml`, the files it names, the cache, and the tree that it owns."""
+"""A project: `rtgen.toml`, its source files, the cache, and the output folders."""
 
 from rtgen.project.kinds import FILE_NAME, is_bus_file, is_component_profile, is_system
 from rtgen.project.loading import (

@@ -1,4 +1,4 @@
-"""Checks behaviours, files of the user, for names that the definitions lack (any more)."""
+"""Checks the user's behaviour modules for uses of ports that the definitions do not have."""
 
 from __future__ import annotations
 
@@ -19,11 +19,9 @@ _CLASS = re.compile(r"^class \w+\(([^)]*)\):", re.M)
 
 
 def check(project: Project, artifacts: Sequence[Artifact]) -> list[Diagnostic]:
-    """Diagnostics for the modules in the folders of skeletons.
+    """Return diagnostics for the modules in the folders of skeletons.
 
-    Raises ToolError if one is unreadable.
-
-    `artifacts` are those of the current definitions.
+    `artifacts` are those of the current definitions. Raises ToolError for an unreadable module.
     """
     with stages.stage("check behaviours"):
         return [*_findings(project, artifacts)]
@@ -56,7 +54,7 @@ def _findings(project: Project, artifacts: Sequence[Artifact]) -> Iterator[Diagn
 
 
 def _modules(project: Project, artifacts: Sequence[Artifact]) -> Mapping[str, str]:
-    """The texts of the modules beside skeletons, by displayed path."""
+    """Return the texts of the modules beside skeletons, by displayed path."""
     folders = {project.skeletons}
     for artifact in artifacts:
         if artifact.owner is Owner.USER:
@@ -73,9 +71,9 @@ def _modules(project: Project, artifacts: Sequence[Artifact]) -> Mapping[str, st
 
 
 def _ports(file: str, text: str, base: str) -> Iterator[Diagnostic]:
-    """Uses of ports that are neither in the generated base nor made by the module.
+    """Yield uses of ports that neither the generated base nor the module defines.
 
-    Only if both classes have no further base, which might define a port.
+    Nothing if one of the classes has another base, which might define the port.
     """
     if _CLASS.findall(base) != ["Component"] or any(
         "," in parents for parents in _CLASS.findall(text)
@@ -95,7 +93,7 @@ def _ports(file: str, text: str, base: str) -> Iterator[Diagnostic]:
 
 
 def _nearest(word: str, candidates: Iterable[str]) -> str | None:
-    # Loaded only when there is something to report.
+    # imported lazily, for reports only
     from rtgen.frontends.kit.suggestions import nearest
 
     return nearest(word, sorted(candidates))

@@ -1,8 +1,8 @@
 """Cache of complete runs: artifacts by their inputs.
 
-The key covers the tool and the options; an entry lists all files that the run read or searched
-for, which must be unchanged. An entry is a JSON text after a line with its hash: damaged entries
-are ignored, and so are those that another user can have written.
+The key covers the tool and the options. An entry lists all files that the run read or searched for;
+it is valid while they are unchanged. An entry is a JSON text after a line with its hash. Damaged
+entries are ignored, and so are those that another user may have written.
 """
 
 from __future__ import annotations
@@ -31,14 +31,14 @@ _FORMAT = "rtgen-run/3"
 _LIBRARIES = {"artifacts": ("jinja2", "lark")}
 """Libraries whose versions affect the output."""
 
-_MOST_ENTRIES = 128
-_MOST_BYTES = 64 * 1024 * 1024
+_MAX_ENTRIES = 128
+_MAX_BYTES = 64 * 1024 * 1024
 _PACKAGE = Path(__file__).parents[1]
 _NOT_COMPILER = frozenset({"__pycache__", "cli", "runtime"})
 
 
 class Cache:
-    """A folder of entries, bounded in number and size; concurrent runs may share it."""
+    """A folder of entries, bounded in number and size; concurrent runs can share it."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
@@ -49,7 +49,7 @@ class Cache:
         plugins: Sequence[metadata.EntryPoint],
         made: str = "artifacts",
     ) -> str:
-        """The hash of everything except the definitions that affects the output."""
+        """Return the hash of everything except the definitions that affects the output."""
         content = [
             _FORMAT,
             made,
@@ -97,7 +97,7 @@ class Cache:
         return sha256(json.dumps(content).encode()).hexdigest()
 
     def kept(self, key: str, make: Callable[[], Compilation]) -> Compilation:
-        """The entry of a key; else what `make` gives, which is stored unless it has errors."""
+        """Return the entry of a key; else the result of `make`, stored unless it has errors."""
         with stages.stage("cache"):
             found = self.load(key)
             stages.note("miss" if found is None else "hit")
@@ -109,7 +109,7 @@ class Cache:
         return found
 
     def load(self, key: str) -> Compilation | None:
-        """The entry of a key, if it exists and its dependencies are unchanged."""
+        """Return the entry of a key, if it exists and its dependencies are unchanged."""
         file = self._file(key)
         try:
             if not (_is_own(self._folder) and _is_own(file)):
@@ -124,7 +124,7 @@ class Cache:
         if any(_hash_of(Path(path)) != digest for path, digest in dependencies.items()):
             return None
         with contextlib.suppress(OSError):
-            os.utime(file)  # the entries used last are kept
+            os.utime(file)  # for `_trim`
         return Compilation(
             artifacts=tuple(
                 Artifact(path, text, tuple(origin), Owner(owner))
@@ -143,7 +143,9 @@ class Cache:
             "inputs": dict(run.inputs),
             "diagnostics": [_diagnostic_entry(d) for d in run.diagnostics],
             "dependencies": dict(run.dependencies),
-            "sources": {f: t for f, t in run.sources.items() if f in _files_told(run)},
+            "sources": {
+                f: t for f, t in run.sources.items() if f in _files_in_diagnostics(run)
+            },
         }
         payload = json.dumps(entry).encode()
         file = self._file(key)
@@ -173,12 +175,12 @@ class Cache:
         size = 0
         for number, (_, bytes_, file) in enumerate(sorted(found, reverse=True)):
             size += bytes_
-            if number >= _MOST_ENTRIES or size > _MOST_BYTES:
+            if number >= _MAX_ENTRIES or size > _MAX_BYTES:
                 file.unlink(missing_ok=True)
 
 
 def default() -> Cache:
-    """The user's cache: `RTGEN_CACHE_DIR`, or the system's cache folder."""
+    """Return the user's cache: `RTGEN_CACHE_DIR`, or the system's cache folder."""
     folder = os.environ.get("RTGEN_CACHE_DIR")
     if not folder:
         from platformdirs import user_cache_dir
@@ -188,16 +190,16 @@ def default() -> Cache:
 
 
 def _is_own(path: Path, *, sole_writer: bool = True) -> bool:
-    """Whether a path is this user's, and nobody else can write to it. Raises OSError."""
-    if sys.platform == "win32":  # folders of a user's profile are the user's there
+    """Return whether only this user can write to a path. Raises OSError."""
+    if sys.platform == "win32":  # user profiles are private
         return True
     status = path.stat()
     shared = sole_writer and status.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
     return status.st_uid == os.geteuid() and not shared
 
 
-def _files_told(run: Compilation) -> set[str]:
-    """The files whose lines appear in diagnostics."""
+def _files_in_diagnostics(run: Compilation) -> set[str]:
+    """Return the files with lines that diagnostics show."""
     spans = [d.span for d in run.diagnostics]
     spans += [related.span for d in run.diagnostics for related in d.related]
     return {span.file for span in spans if span is not None}
@@ -232,7 +234,7 @@ def _hash_of_files(files: Iterator[Path]) -> str:
 
 
 def _compiler_files() -> Iterator[Path]:
-    """rtgen's own files that affect the output."""
+    """Yield the files of rtgen that affect the output."""
     yield from _files_below(_PACKAGE, skip=_NOT_COMPILER)
     beside = _PACKAGE.parent.parent / "grammars"
     if not (_PACKAGE / "grammars").is_dir() and beside.is_dir():
@@ -240,7 +242,7 @@ def _compiler_files() -> Iterator[Path]:
 
 
 def _plugin_files(entry: metadata.EntryPoint) -> Iterator[Path]:
-    """The files of a plug-in's package."""
+    """Yield the files of a plug-in's package."""
     spec = find_spec(entry.module.partition(".")[0])
     if spec is not None:
         for folder in spec.submodule_search_locations or ():

@@ -1,4 +1,4 @@
-"""The result of a run of the compiler: what is written, and what it depends on."""
+"""Result of a run of the compiler: the artifacts, and what they depend on."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from rtgen.diagnostics import Diagnostic, has_errors
 class Compilation(msgspec.Struct, frozen=True):
     """The result of a run: artifacts (none if there are errors), and their inputs.
 
-    `inputs` maps the key of each file read to its sha256; `dependencies` maps the path of each
-    file looked for to its sha256, or to None where it was missing. `sources` are the texts of
-    the files that diagnostics refer to, by their displayed paths.
+    `inputs` maps the key of each file read to its sha256; `dependencies` maps the path of each file
+    searched for to its sha256, or to None if it was missing. `sources` are the texts of the files
+    in diagnostics, by displayed path.
     """
 
     artifacts: tuple[Artifact, ...]

@@ -25,11 +25,11 @@ _KEY = re.compile(r"\s*(\"[^\"]*\"|'[^']*'|[\w-]+)\s*=")
 _MACRO = re.compile(r"[A-Za-z_]\w*", re.ASCII)
 
 Check = Callable[[Any], str | None]
-"""Returns the error in a value, or None."""
+"""Function that returns the error in a value, or None."""
 
 
 def is_macro(name: str) -> bool:
-    """Whether the name is a valid macro name."""
+    """Return whether the name is a valid macro name."""
     return _MACRO.fullmatch(name) is not None
 
 
@@ -49,7 +49,7 @@ def _flag(value: Any) -> str | None:
 
 
 def macros(value: list[str] | dict[str, str | int]) -> dict[str, str]:
-    """Macros by name, from texts `NAME` or `NAME=VALUE` as in `-D`, or from a table."""
+    """Parse macros `NAME` or `NAME=VALUE` as in `-D`, or a table of them."""
     if isinstance(value, dict):
         return {name: str(item) for name, item in value.items()}
     pairs = (text.partition("=") for text in value)
@@ -124,12 +124,12 @@ def _adapter(value: Any) -> str | None:
 
 
 def _is_pair(value: Any) -> bool:
-    """Whether it is a list of two texts."""
+    """Return whether the value is a list of two texts."""
     return isinstance(value, list) and [type(each) for each in value] == [str, str]
 
 
 def _is_constant(value: Any) -> bool:
-    """Whether it is a text, a number, a truth value or a list of texts."""
+    """Return whether the value is a text, a number, a boolean or a list of texts."""
     if isinstance(value, list):
         return all(isinstance(each, str) for each in value)
     return isinstance(value, bool | int | float | str)
@@ -145,7 +145,7 @@ def _ros_name(value: Any) -> str | None:
 
 
 class _Problem(str):
-    """A problem of an entry of a table, with the key of the entry."""
+    """An error in an entry of a table, with the key of the entry."""
 
     entry: str
 
@@ -156,7 +156,7 @@ class _Problem(str):
 
 
 def _ros_topics(value: Any) -> str | None:
-    """Topics by port; each a name, or a table with a profile."""
+    """Check topics by port; each is a name, or a table with a profile."""
     if not isinstance(value, dict):
         return "must be a table of INSTANCE.PORT to topics"
     for port, entry in value.items():
@@ -192,7 +192,7 @@ def _ros_topics(value: Any) -> str | None:
 
 
 def _ros_names(dots: int, form: str, what: str, value: Any) -> str | None:
-    """Services by operation, or actions by port."""
+    """Check services by operation, or actions by port."""
     if not isinstance(value, dict):
         return f"must be a table of {form} to {what}s"
     for key, name in value.items():
@@ -220,7 +220,7 @@ def _breaks(value: Any) -> str | None:
 
 
 def _allowances(value: Any) -> str | None:
-    """Breaks that are allowed: tables of texts."""
+    """Check the allowed breaks: tables of texts."""
     fine = isinstance(value, list) and all(
         isinstance(each, dict)
         and {"code", "reason"} <= each.keys() <= {"code", "reason", "name", "path"}
@@ -270,55 +270,55 @@ SCHEMA: dict[str, dict[str, Check] | Check] = {
     "lint": {"ignore": _texts, "select": _texts, "per-file-ignores": _patterns},
     "plugin": _table,
 }
-"""Section to its keys, or to the check for each value of a section with free keys."""
+"""The keys of each section, or the check for the values of a section with free keys."""
 
 
 @dataclass(frozen=True, slots=True)
 class Settings:
-    """The validated content of an rtgen.toml, and its text."""
+    """The validated content of an rtgen.toml, with its text."""
 
     name: str
     source: str
     content: dict[str, Any]
 
     def text(self, section: str, key: str, default: str) -> str:
-        """A string of the file, or the default."""
+        """Return a string, or the default."""
         value: str = self.content.get(section, {}).get(key, default)
         return value
 
     def texts(self, section: str, key: str) -> list[str]:
-        """A list of strings of the file, or an empty one."""
+        """Return a list of strings, empty if missing."""
         value: list[str] = self.content.get(section, {}).get(key, [])
         return value
 
     def number(self, section: str, key: str, default: int) -> int:
-        """A number of the file, or the default."""
+        """Return a number, or the default."""
         value: int = self.content.get(section, {}).get(key, default)
         return value
 
     def flag(self, section: str, key: str) -> bool:
-        """A boolean of the file; false where it is not given."""
+        """Return a boolean, false if missing."""
         value: bool = self.content.get(section, {}).get(key, False)
         return value
 
     def table(self, section: str) -> dict[str, str]:
-        """A section of the file, its values as text; or an empty one."""
+        """Return a section with its values as texts, empty if missing."""
         value = self.content.get(section, {})
         return {name: str(item) for name, item in value.items()}
 
     def tables(self, section: str) -> dict[str, dict[str, Any]]:
-        """The tables in a section of the file, by name; or an empty one."""
+        """Return the tables in a section by name, empty if missing."""
         value: dict[str, dict[str, Any]] = self.content.get(section, {})
         return value
 
     def macros(self) -> dict[str, str]:
-        """The macros of `[sources] define`."""
+        """Return the macros of `[sources] define`."""
         return macros(self.content.get("sources", {}).get("define", []))
 
     def span(
         self, section: str, key: str | None = None, item: str | None = None
     ) -> Span:
-        """The place of a section, of a key in it, or of a string in the key's value."""
+        """Return the place of a section, of a key in it, or of a string in the key's value."""
         current = ""
         lines = self.source.split("\n")
         for number, line in enumerate(lines, start=1):
@@ -341,7 +341,7 @@ class Settings:
         return self._span(1, 0, "")
 
     def table_span(self, section: str, key: str, number: int) -> Span:
-        """The place of `[[section.key]]`, by number; of the section if written otherwise."""
+        """Return the place of `[[section.key]]`, by number; of the section if written otherwise."""
         header = re.compile(rf"\s*\[\[\s*({section}\s*\.\s*{key})\s*\]\]")
         found = (
             self._span(line, match.start(1), match[1])
@@ -371,7 +371,7 @@ class Settings:
         return Span(self.name, line, start + 1, line, start + 1 + max(len(text), 1))
 
     def check_paths(self, root: Path) -> Iterator[Diagnostic]:
-        """Diagnostics for missing paths of `[sources]`."""
+        """Yield diagnostics for missing paths of `[sources]`."""
         for key in ("paths", "include"):
             for path in self.texts("sources", key):
                 if not (root / path).exists():
@@ -381,7 +381,7 @@ class Settings:
 
 
 def read(file: Path, name: str) -> Settings:
-    """Parse the settings in the file, shown as `name`. Raises InputError."""
+    """Read and validate the file; `name` is its displayed path. Raises InputError."""
     try:
         data = read_start(file)
     except OSError as error:

@@ -1,4 +1,4 @@
-"""Kinds of files in a project, by suffix and first octets."""
+"""Kinds of files in a project, by suffix and by their first octets."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ SUFFIXES = (".idl", ".cdl", ".eds", ".dcf", *INTERFACE_SUFFIXES)
 XML_DEVICES = (".xdd", ".xdc", ".xpd")
 
 _BUS = re.compile(rb"^[ \t]*(\[[ \t]*bus[ \t]*\]|bus[ \t]*[.=])", re.MULTILINE)
-_MOST_OF_BUS = 1024 * 1024
+_MAX_BUS_BYTES = 1024 * 1024
 _PROFILES = {
     ".xml": re.compile(rb"<(\w+:)?RtcProfile[\s>]"),
     **dict.fromkeys((".yaml", ".yml"), re.compile(rb"^rtcProfile\s*:", re.MULTILINE)),
 }
-_MOST_OF_PROLOG = 64 * 1024
+_MAX_PROLOG_BYTES = 64 * 1024
 _SYSTEMS = {
     ".xml": re.compile(rb"<(\w+:)?RtsProfile[\s>]"),
     **dict.fromkeys((".yaml", ".yml"), re.compile(rb"^rtsProfile\s*:", re.MULTILINE)),
@@ -32,7 +32,7 @@ _SYSTEMS = {
 
 
 def is_definition(path: Path) -> bool:
-    """Whether a front end reads the file, or it is a system."""
+    """Return whether the file is read by a front end, or is a system."""
     return (
         path.name.lower().endswith((*SUFFIXES, *plugin_suffixes()))
         or is_bus_file(path)
@@ -43,19 +43,19 @@ def is_definition(path: Path) -> bool:
 
 @cache
 def plugin_suffixes() -> tuple[str, ...]:
-    """The suffixes that front ends of plug-ins read. Raises ToolError for a broken plug-in."""
+    """Return the suffixes of plug-ins' front ends. Raises ToolError for an invalid plug-in."""
     return tuple(
         s for _, f in plugins.loaded(plugins.Group.FRONTENDS) for s in f.suffixes
     )
 
 
 def is_component_profile(path: Path) -> bool:
-    """Whether the file describes a component (RtcProfile, in XML or YAML), and nothing else."""
+    """Return whether the file describes a component only (RtcProfile, in XML or YAML)."""
     return _begins_as(path, _PROFILES)
 
 
 def is_system(path: Path) -> bool:
-    """Whether it describes a system (RtsProfile, in XML or YAML), and is not an other such file."""
+    """Return whether the file describes a system only (RtsProfile, in XML or YAML)."""
     return _begins_as(path, _SYSTEMS)
 
 
@@ -64,17 +64,17 @@ def _begins_as(path: Path, forms: Mapping[str, re.Pattern[bytes]]) -> bool:
     if form is None:
         return False
     try:
-        head = read_start(path, _MOST_OF_PROLOG)
+        head = read_start(path, _MAX_PROLOG_BYTES)
     except OSError:
         return False
     return form.search(head.replace(b"\0", b"")) is not None
 
 
 def is_bus_file(path: Path) -> bool:
-    """Whether it is a TOML file with a table `[bus]`."""
+    """Return whether the file is TOML with a table `[bus]`."""
     if path.suffix.lower() != ".toml" or path.name == FILE_NAME:
         return False
     try:
-        return _BUS.search(read_start(path, _MOST_OF_BUS)) is not None
+        return _BUS.search(read_start(path, _MAX_BUS_BYTES)) is not None
     except OSError:
         return False

@@ -1,4 +1,4 @@
-"""The project: what `rtgen.toml` and the command line say, checked, as one value."""
+"""The project as one validated value, from `rtgen.toml` and the command line."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from rtgen.project import file as project_file
 
 TARGETS = ("embedded", "openrtm", "small", "typescript", "dds")
-"""The platforms of components that rtgen.toml can name."""
+"""The targets that `rtgen.toml` can name."""
 
 AVAILABLE_TARGETS = ("embedded", "openrtm", "small", "typescript")
 """The targets that this version implements."""
@@ -42,7 +42,7 @@ SYSTEMS_TARGET = "openrtm"
 """The target that generates files for systems."""
 
 PRELUDES = ("kernel", "none")
-"""Declarations that CDL files have without an import: TOPPERS' scalar types, or none."""
+"""Declarations that CDL files can use without an import: TOPPERS' scalar types, or none."""
 
 KCODES = ("auto", "euc", "sjis", "utf8", "none")
 """The encodings of CDL files."""
@@ -54,14 +54,14 @@ class Project(msgspec.Struct, frozen=True, kw_only=True):
     """The inputs and outputs of a run.
 
     `root` is the absolute folder of rtgen.toml (else the working folder), which the keys of inputs
-    are relative to. `sources`, `systems` and `include` are paths as they are shown to the user.
-    `output` and `skeletons` are absolute, and neither may lead out of `base`. `tecs_path` are the
-    folders of the environment's TECSPATH, which imports of CDL are looked for in at last;
-    `tecs_corba`: whether services of TECS boards can be called over CORBA. `node_id` is the
-    node that devices are read for. `systems` are the RtsProfiles among the sources, which are not
-    definitions. `ignored_in_files` has pattern, code and place of each entry of `[lint]
-    per-file-ignores`, its patterns relative to `root`. `form` is `[fmt]`; `plugins` has the options
-    of plug-ins, `[plugin.NAME]`.
+    are relative to. `sources`, `systems` and `include` are displayed paths. `output` and
+    `skeletons` are absolute, and must be below `base`. `tecs_path` are the folders of the
+    environment's TECSPATH, which imports of CDL are searched for in last; `tecs_corba`: whether
+    services of TECS boards can be called over CORBA. `node_id` is the node that devices are read
+    for. `systems` are the RtsProfiles among the sources, which are not definitions.
+    `ignored_in_files` has pattern, code and place of each entry of `[lint] per-file-ignores`; its
+    patterns are relative to `root`. `form` is `[fmt]`; `plugins` has the options of plug-ins,
+    `[plugin.NAME]`.
     """
 
     root: Path
@@ -152,31 +152,33 @@ class Project(msgspec.Struct, frozen=True, kw_only=True):
 
     @property
     def ignored(self) -> dict[str, Span]:
-        """The codes in `[lint] ignore`, and where they stand."""
+        """The codes in `[lint] ignore`, with their places."""
         return {code: span for key, code, span in self.lint if key == "ignore"}
 
     @property
     def selected(self) -> dict[str, Span]:
-        """The codes in `[lint] select`, and where they stand."""
+        """The codes in `[lint] select`, with their places."""
         return {code: span for key, code, span in self.lint if key == "select"}
 
     @property
     def import_folders(self) -> tuple[Path, Path]:
-        """The folders that make the generated package and the skeletons importable."""
+        """The folders from which the generated package and the skeletons are importable."""
         skeletons = self.skeletons.parent if self.skeleton_package else self.skeletons
         return (self.output, skeletons)
 
     @property
     def skeleton_path(self) -> str:
-        """The way from the output folder to the folder that makes skeletons importable."""
+        """The relative path from the output folder to the folder from which skeletons are
+        imported.
+        """
         output, skeletons = self.import_folders
         return Path(os.path.relpath(skeletons, output)).as_posix()
 
 
 def load(start: Path | None = None) -> Project:
-    """The project around the folder `start` (default: the working folder).
+    """Load the project around the folder `start` (default: the working folder).
 
-    Raises InputError if rtgen.toml is wrong. Without rtgen.toml: package `robots`, output folder
+    Raises InputError if rtgen.toml is invalid. Without rtgen.toml: package `robots`, output folder
     `generated`, skeletons in `src`, no sources.
     """
     folder = (start or Path()).absolute()
@@ -278,12 +280,12 @@ def with_arguments(
     node_id: int | None = None,
     target: str | None = None,
 ) -> Project:
-    """The project as the command line changes it: other sources, more includes, other folders.
+    """Return the project as changed by the command line's arguments.
 
-    `add`: the paths are read beside what rtgen.toml names, not in place of it; without, the
-    project's adapters are left out, since their types need not be there. Systems alone are read
-    with the definitions and adapters of rtgen.toml.
-    Raises InputError where a path is not a definition file.
+    `add`: the paths are added to the sources of rtgen.toml instead of replacing them; otherwise the
+    project's adapters are dropped, since their types may be missing. Systems alone are read with
+    the definitions and adapters of rtgen.toml. Raises InputError for a path that is not a
+    definition file.
     """
     changes = project
     if output is not None:
@@ -319,7 +321,7 @@ def with_arguments(
 
 
 def _with_files(project: Project, paths: Iterable[Path]) -> Project:
-    """The project with the files that are named, or stand below the folders that are."""
+    """Return the project with these files and folders as its sources."""
     found = list(files(paths, skip=project.output))
     systems = [path for path in found if is_system(path)]
     sources = [path for path in found if path not in systems]
@@ -327,7 +329,7 @@ def _with_files(project: Project, paths: Iterable[Path]) -> Project:
 
 
 def require_sources(project: Project) -> None:
-    """Raises InputError if there is nothing to read."""
+    """Raise InputError if there is nothing to read."""
     if project.sources:
         return
     if project.file is None:
@@ -340,9 +342,9 @@ def require_sources(project: Project) -> None:
 
 
 def load_around(path: Path) -> Project:
-    """The project of the working folder; where that has no rtgen.toml, that around `path`.
+    """Load the project of the working folder; if that has no rtgen.toml, the one around `path`.
 
-    Raises InputError if rtgen.toml is wrong.
+    Raises InputError if rtgen.toml is invalid.
     """
     project = load()
     if project.file is not None:
@@ -352,7 +354,7 @@ def load_around(path: Path) -> Project:
 
 
 def find(folder: Path) -> Path | None:
-    """The nearest rtgen.toml in the absolute folder or above it."""
+    """Return the nearest rtgen.toml in the absolute folder or above it."""
     for parent in (folder, *folder.parents):
         file = parent / FILE_NAME
         if is_file(file):
@@ -361,7 +363,7 @@ def find(folder: Path) -> Path | None:
 
 
 def shown_path(path: Path) -> Path:
-    """The path relative to the working folder (absolute on another drive)."""
+    """Return the path relative to the working folder (absolute on another drive)."""
     try:
         return Path(os.path.relpath(path))
     except ValueError:
@@ -369,12 +371,12 @@ def shown_path(path: Path) -> Path:
 
 
 def shown(path: Path) -> str:
-    """The path as messages show it."""
+    """Return the path as displayed in messages."""
     return shown_path(path).as_posix()
 
 
 def _tecs_path() -> tuple[Path, ...]:
-    """The folder that TECSPATH names, and the folders in it."""
+    """Return the folder that TECSPATH names, and its subfolders."""
     name = os.environ.get("TECSPATH")
     if not name or not Path(name).is_dir():
         return ()
@@ -387,7 +389,7 @@ def _normal(path: Path) -> Path:
 
 
 def files(paths: Iterable[Path], skip: Path) -> Iterator[Path]:
-    """The definition files: those named, and those below the folders named, sorted, each once."""
+    """Yield the definition files given, and those below the given folders, sorted and unique."""
     seen: set[Path] = set()
     for path in paths:
         found = _below(path, skip) if path.is_dir() else [path]
@@ -421,11 +423,9 @@ def _check_kind(path: Path, target: str) -> Diagnostic | None:
     if path.is_dir() or is_definition(path):
         return None
     if path.suffix.lower() == ".toml" and path.name != FILE_NAME:
-        return None  # named as a bus file: its reader says what is wrong with it
+        return None  # given as a bus file: its reader reports errors
     if path.suffix.lower() == ".cde":
-        return (
-            None  # CDL as the editor tecscde writes it, beside a CDL file of that name
-        )
+        return None  # written by the editor tecscde
     if path.suffix.lower() in XML_DEVICES:
         hint = (
             "this is a CANopen device in XML (CiA 311): export it as an EDS, with CANopenEditor "

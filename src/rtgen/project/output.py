@@ -1,8 +1,8 @@
 """The output folder: the only code that writes what rtgen generates.
 
-A plan lists what a run would change; `write` carries it out. A file is written beside its place
-and moved onto it, so whenever a run ends, each file is either the old one or the new one. The
-manifest is written before the files it names, so no file is ever made that no manifest knows.
+A plan lists what a run would change; `write` carries it out. A file is written to a temporary file
+and moved into place, so whenever a run ends, each file is either the old or the new one. The
+manifest is written before the files that it names, so every generated file is in a manifest.
 """
 
 from __future__ import annotations
@@ -48,9 +48,10 @@ _FORBIDDEN = frozenset('\\:*?"<>|').union(map(chr, range(32)), "\x7f")
 
 
 class Change(msgspec.Struct, frozen=True):
-    """A file that differs: its bytes now (None: not there) and then (None: no longer made).
+    """A file that differs: its bytes now (None: missing) and afterwards (None: no longer
+    generated).
 
-    `obstacle` says that something other than a regular file is in its place.
+    `obstacle` describes what is in its place, if that is not a regular file.
     """
 
     path: Path
@@ -62,9 +63,9 @@ class Change(msgspec.Struct, frozen=True):
 class Plan(msgspec.Struct, frozen=True):
     """The changes that a run would make to the disk.
 
-    `changes` are rtgen's own files in the order of writing, `skeletons` a user's, `strays` files
-    that rtgen neither makes nor made, `leftovers` files of a killed run, `barren` the folders
-    that become empty, innermost first.
+    `changes` are rtgen's own files in the order of writing, `skeletons` the user's, `strays` files
+    that rtgen neither generates nor generated, `leftovers` temporary files of a killed run,
+    `barren` the folders that become empty, innermost first.
     """
 
     changes: tuple[Change, ...]
@@ -83,10 +84,7 @@ class Plan(msgspec.Struct, frozen=True):
 def plan(
     project: Project, artifacts: Sequence[Artifact], inputs: Mapping[str, str]
 ) -> Plan:
-    """The changes after which the tree holds the artifacts; inputs are given as key to sha256.
-
-    Raises InputError if a file would leave its folder, ToolError if the disk fails.
-    """
+    """Return the changes that make the folder match the artifacts; `inputs` maps keys to sha256."""
     with stages.stage("compare with the tree"):
         return _plan(project, artifacts, inputs)
 
@@ -145,14 +143,14 @@ def _plan(
 def write(
     project: Project, artifacts: Sequence[Artifact], inputs: Mapping[str, str]
 ) -> Plan:
-    """Makes the tree hold the artifacts and returns what was done.
+    """Make the folder match the artifacts; return what was done.
 
-    Raises as `plan` does, in which case nothing was written, and ToolError if the disk
-    fails on the way.
+    Raises as `plan` does, before anything is written, and ToolError if the disk fails while
+    writing.
     """
     with _disk_failures():
         if not project.output.is_dir():
-            _check(project, artifacts)  # before the folder is made
+            _check(project, artifacts)  # checked before the folder is made
             project.output.mkdir(parents=True, exist_ok=True)
         with _lock(project.output):
             planned = plan(project, artifacts, inputs)
@@ -173,7 +171,7 @@ def _apply(project: Project, planned: Plan) -> None:
     for folder in dict.fromkeys(change.path.parent for change in wanted):
         folder.mkdir(parents=True, exist_ok=True)
     manifest = project.output / MANIFEST
-    # What a power failure takes of other files, the next run makes again.
+    # Other files lost in a power failure are generated again by the next run.
     lasting = {manifest, *(skeleton.path for skeleton in planned.skeletons)}
     for change in wanted:
         if change.new is not None:
@@ -191,7 +189,7 @@ def _place(project: Project, artifact: Artifact) -> Path:
 def _manifest(
     own: Iterable[Artifact], wanted: Mapping[str, bytes], inputs: Mapping[str, str]
 ) -> bytes:
-    """The text of the manifest."""
+    """Return the content of the manifest."""
     content: dict[str, object] = {
         "format": _FORMAT,
         "generator": f"rtgen {__version__}",
@@ -208,7 +206,7 @@ def _manifest(
 
 
 def _former(output: Path) -> list[str]:
-    """The files that the manifest on the disk names; none if it is missing or damaged."""
+    """Return the files named by the manifest on the disk; none if it is missing or damaged."""
     file = output / MANIFEST
     if not file.is_file():
         return []
@@ -221,7 +219,7 @@ def _former(output: Path) -> list[str]:
 
 
 def _check_paths(artifacts: Iterable[Artifact]) -> Iterator[Diagnostic]:
-    """Findings for paths that leave the folder or that two artifacts share."""
+    """Yield diagnostics for paths outside of the folder, and for paths of two artifacts."""
     files: dict[tuple[Owner, str], Artifact] = {}
     folders: dict[tuple[Owner, str], Artifact] = {}
     for artifact in artifacts:
@@ -250,7 +248,9 @@ def _check_paths(artifacts: Iterable[Artifact]) -> Iterator[Diagnostic]:
 
 
 def _is_ignored(path: str, wanted: Mapping[str, bytes]) -> bool:
-    """Whether a `.gitignore` among the files to be made names it, as what other tools make."""
+    """Return whether a generated `.gitignore` lists the path, as it does for other tools'
+    output.
+    """
     parts = PurePosixPath(path).parts
     for depth in range(len(parts)):
         text = wanted.get("/".join((*parts[:depth], IGNORED)))
@@ -278,7 +278,7 @@ def _name_problem(path: str) -> Rule | None:
 
 
 def _check(project: Project, artifacts: Sequence[Artifact]) -> None:
-    """Raise InputError if a file would leave its folder, or cannot have its name."""
+    """Raise InputError if a file would be outside of its folder, or its name is impossible."""
     findings = [*_check_paths(artifacts)]
     if findings:
         raise InputError(findings)
@@ -299,7 +299,7 @@ def _check(project: Project, artifacts: Sequence[Artifact]) -> None:
 def _check_links(
     project: Project, folder: Path, paths: list[str]
 ) -> Iterator[Diagnostic]:
-    """Findings for links on the way from the folder to each path, and for the folder itself."""
+    """Yield diagnostics for links on the path from the folder to each file, and for the folder."""
     if not paths:
         return
     if not Path(os.path.realpath(folder)).is_relative_to(
@@ -327,9 +327,9 @@ def _check_links(
 def _check_foreign(
     differences: Mapping[str, list[Change]], known: Sequence[str]
 ) -> Iterator[Diagnostic]:
-    """Findings for files that rtgen would overwrite, and that it never made.
+    """Yield diagnostics for files that rtgen would overwrite but did not generate.
 
-    rtgen's own are in the manifest; where that is lost, their headers tell.
+    rtgen's own files are in the manifest; if that is lost, their headers identify them.
     """
     for path in sorted(set(differences).difference(known)):
         for change in differences[path]:
@@ -346,8 +346,10 @@ def _upto(parts: Sequence[str]) -> range:
 
 
 def _tree(output: Path) -> tuple[set[str], set[str], list[Path]]:
-    """The content of the output folder without bytecode: files and links, folders, and what a
-    killed run left half written."""
+    """Return the files, folders and leftovers in the output folder, without bytecode.
+
+    Links count as files; leftovers are temporary files of a killed run.
+    """
     there: set[str] = set()
     found: set[str] = set()
     temporary = []
@@ -396,8 +398,7 @@ def _read(path: Path) -> bytes | None:
 
 
 def _write_whole(path: Path, data: bytes, *, lasting: bool) -> None:
-    """Writes a file so that its place never holds a part of it; `lasting`: nor after a crash of
-    the system."""
+    """Write a file atomically; `lasting`: also in case of a crash of the system."""
     temporary = path.with_name(f"{_TEMPORARY[0]}{os.getpid()}{_TEMPORARY[1]}")
     try:
         with temporary.open("xb") as stream:
@@ -407,7 +408,7 @@ def _write_whole(path: Path, data: bytes, *, lasting: bool) -> None:
                 os.fsync(stream.fileno())
         if data.startswith(_SCRIPT):
             mode = stat.S_IMODE(temporary.stat().st_mode)
-            # Who may read a script may run it.
+            # Files that can be read can be executed if they are scripts.
             temporary.chmod(mode | (mode & _READABLE) >> 2)
         temporary.replace(path)
     except BaseException:
@@ -416,7 +417,7 @@ def _write_whole(path: Path, data: bytes, *, lasting: bool) -> None:
 
 
 def _remove_barren(folder: Path) -> None:
-    """Removes a folder in which bytecode at most is left."""
+    """Remove a folder that contains nothing but bytecode."""
     bytecode = folder / _BYTECODE
     if bytecode.is_dir() and not bytecode.is_symlink():
         shutil.rmtree(bytecode)
@@ -434,7 +435,7 @@ def _sync_folder(folder: Path) -> None:
 
 @contextlib.contextmanager
 def _lock(folder: Path) -> Iterator[None]:
-    """One run at a time writes below the folder; the lock ends with its process."""
+    """Lock the folder for one writing run at a time; the lock ends with its process."""
     if sys.platform == "win32":
         yield
         return
@@ -442,7 +443,7 @@ def _lock(folder: Path) -> Iterator[None]:
 
     descriptor = os.open(folder, os.O_RDONLY)
     try:
-        # Some network file systems have no locks: then runs are on their own.
+        # Some network file systems have no locks: concurrent runs are then not prevented.
         with contextlib.suppress(OSError):
             fcntl.flock(descriptor, fcntl.LOCK_EX)
         yield
@@ -455,6 +456,6 @@ def _disk_failures() -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        file = error.filename2 or error.filename  # of a move, where it was to go
+        file = error.filename2 or error.filename  # the target of a move
         name = shown(Path(file)) if isinstance(file, str) else "the output folder"
         raise ToolError(f"{name}: {error.strerror or error}") from error

@@ -1,4 +1,4 @@
-"""Replaces files that a user owns: whole or not at all, behind links, with their permissions."""
+"""Atomically replaces files of the user, following links and keeping permissions."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from rtgen.project.loading import shown
 
 
 def rewrite(path: Path, data: bytes) -> None:
-    """Replace the content of a file, or of the file that a link leads to. Raises ToolError."""
+    """Replace the content of a file, or of a link's target. Raises ToolError."""
     try:
         target = path.resolve(strict=True)
         temporary = target.with_name(f".{target.name}.{os.getpid()}.rtgen")

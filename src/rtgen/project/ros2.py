@@ -1,4 +1,4 @@
-"""`[ros2]` of rtgen.toml: the node that a system is, and which ports are topics."""
+"""`[ros2]` of rtgen.toml: the node that a system becomes, and the ports that are topics."""
 
 from __future__ import annotations
 
@@ -15,8 +15,7 @@ if TYPE_CHECKING:
 
 
 class TopicEntry(msgspec.Struct, frozen=True, kw_only=True):
-    """A port (`INSTANCE.PORT`) with its topic; `span` is the place in rtgen.toml, None if
-    a connection says so.
+    """A port (`INSTANCE.PORT`) with its topic; `span` is None if a connection specifies the topic.
 
     `message` is that of `marshaling_type` (`std_msgs/msg/Float32`); None for the port's own type.
     """
@@ -49,11 +48,11 @@ class ActionEntry(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Ros2Settings(msgspec.Struct, frozen=True, kw_only=True):
-    """`[ros2]`. None: the name of the system, ROS_DOMAIN_ID, loopback, rmw_zenoh's configuration.
+    """`[ros2]`. None: name of the system, ROS_DOMAIN_ID, loopback, rmw_zenoh's configuration.
 
-    `zenoh` is the path of a configuration of Zenoh, relative to the project; `interfaces`: write
-    interface files of ROS 2; `managed_nodes`: each component is a node with the services of life
-    cycle and parameters.
+    `zenoh` is the path of a Zenoh configuration, relative to the project; `interfaces`: write ROS 2
+    interface files; `managed_nodes`: each component is a node with the services of life cycle and
+    parameters.
     """
 
     node: str | None = None
@@ -69,7 +68,7 @@ class Ros2Settings(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def ros2_settings(settings: Settings) -> Ros2Settings:
-    """The section of a validated rtgen.toml."""
+    """Return the section of a validated rtgen.toml."""
     section = settings.content.get("ros2", {})
     rest = {
         key: value

@@ -98,13 +98,13 @@ class Log:
     def events(
         self, wanted: Callable[[Mapping[str, str]], bool] = lambda entry: True
     ) -> Iterator[Event]:
-        """All events in order; `wanted` is given `event`, `instance` and `port`."""
+        """Return all events in order; `wanted` is given `event`, `instance` and `port`."""
         if self.mcap is None:
             return (event for event in self._lines() if wanted(event))
         return self._decoded(self.mcap, wanted)
 
     def heads(self) -> Iterator[Event]:
-        """Each event without what it holds; samples of MCAP with the name of their `type`."""
+        """Yield each event without what it holds; samples of MCAP with the name of their `type`."""
         if self.mcap is None:
             yield from self._lines()
             return
@@ -177,12 +177,12 @@ def _head(channel: Channel) -> Event:
 
 
 def _is_shared(head: Event) -> bool:
-    """Whether the events of a channel have their instances inside."""
+    """Return whether the events of a channel have their instances inside."""
     return "instance" not in head and "bus" not in head
 
 
 def _written(inside: Event) -> Event:
-    """An event as a log has it: with a reason only where there is one."""
+    """Return an event as a log has it: with a reason only where there is one."""
     if inside.get("reason") == "":
         return {key: value for key, value in inside.items() if key != "reason"}
     return inside

@@ -32,7 +32,7 @@ class NoJsonError(TypeError):
 
 
 def json_form(descriptor: Descriptor) -> tuple[dict[str, Any], Convert]:
-    """The JSON Schema of a type, and what converts values of it. Raises NoJsonError."""
+    """Return the JSON Schema of a type, and what converts values of it. Raises NoJsonError."""
     if isinstance(descriptor, LinkDescriptor):
         raise NoJsonError("a recursive type")
     match plain(descriptor):

@@ -52,7 +52,7 @@ class LiveService:
 
 
 def services_of(system: System) -> Iterator[LiveService]:
-    """The services of all components.
+    """Yield the services of all components.
 
     `/INSTANCE/activate` and so on, and `/INSTANCE/PORT/INTERFACE/OPERATION`, the interface by the
     name of its instance in the port.
@@ -75,7 +75,7 @@ def _life_cycle(
 
 
 def _operations(instance: str, provider: Provider[Any]) -> Iterator[LiveService]:
-    """The operations whose arguments and results have a form in JSON."""
+    """Yield the operations whose arguments and results have a form in JSON."""
     try:
         calls = calls_of(provider.interface)
     except ServiceError:
@@ -148,7 +148,7 @@ def _member_names(type_: Any) -> list[str]:
 
 
 def _object(payload: bytes) -> dict[str, Any]:
-    """The JSON object of a request. Raises RefusedError."""
+    """Return the JSON object of a request. Raises RefusedError."""
     if len(payload) > _LONGEST:
         raise RefusedError(f"a request of {len(payload)} octets")
     try:

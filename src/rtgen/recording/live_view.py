@@ -39,7 +39,7 @@ PORT: Final = 8765
 
 _PERIOD: Final = SECOND // 50
 """How often requests are carried out, in the system's time [ns]."""
-_MOST_WAITING: Final = 100
+_MAX_WAITING: Final = 100
 _BACKLOG: Final = 1024
 """Messages that wait for a client before the oldest are dropped."""
 _PATIENCE: Final = 5.0
@@ -47,7 +47,7 @@ _PATIENCE: Final = 5.0
 
 
 def _is_own(host: str) -> bool:
-    """Whether a server can listen at that address of this machine, at some port."""
+    """Return whether a server can listen at that address of this machine, at some port."""
     try:
         family, kind, _, _, address = socket.getaddrinfo(
             host, 0, type=socket.SOCK_STREAM
@@ -78,7 +78,7 @@ class LiveView:
         from foxglove.websocket import Capability
 
         self._system = system
-        self._waiting: queue.Queue[_Request] = queue.Queue(_MOST_WAITING)
+        self._waiting: queue.Queue[_Request] = queue.Queue(_MAX_WAITING)
         self._closed = False
         listener: Any = _Listener(self)
         context = Context()
@@ -127,7 +127,7 @@ class LiveView:
     def _carry_out(self) -> None:
         self._server.broadcast_time(self.recorder.now)
         # No more at a time: clients that go on asking must not hold the run up.
-        for _ in range(_MOST_WAITING):
+        for _ in range(_MAX_WAITING):
             request = self._next()
             if request is None:
                 return
@@ -147,7 +147,7 @@ class LiveView:
     # Parameters; in threads of the server.
 
     def parameters(self, names: Sequence[str]) -> list[Parameter]:
-        """The parameters of these names, all without names; unknown ones are left out."""
+        """Return the parameters of these names, all without names; unknown ones are left out."""
         wanted = frozenset(names)
         return [
             self._parameter(instance, name)
@@ -227,7 +227,7 @@ class LiveView:
         return Service(service.name, schema=schema, handler=handle)
 
     def _called(self, service: LiveService, payload: bytes) -> bytes:
-        """The reply of a service. Raises RefusedError."""
+        """Return the reply of a service. Raises RefusedError."""
         reply = self._submit(service.prepare(payload))
         try:
             found: bytes = reply.result(_PATIENCE)
@@ -279,7 +279,7 @@ class _Listener:
     def on_get_parameters(
         self, client: Client, names: list[str], request_id: str | None = None
     ) -> list[Parameter]:
-        """The parameters of these names, all if there are none."""
+        """Return the parameters of these names, all if there are none."""
         return self._view.parameters(names)
 
     def on_set_parameters(
@@ -293,7 +293,7 @@ class _Listener:
 
 
 def _native(value: Any) -> Any:
-    """A value of a parameter as JSON has it."""
+    """Return a value of a parameter as JSON has it."""
     match value:
         case Enum():
             return value.name

@@ -42,7 +42,7 @@ class Channel:
     metadata: tuple[tuple[str, str], ...]
 
     def get(self, key: str) -> str:
-        """An entry of the metadata; empty if there is none."""
+        """Return an entry of the metadata; empty if there is none."""
         return dict(self.metadata).get(key, "")
 
 
@@ -93,7 +93,7 @@ class McapFile:
             return stream.tell() > 0 and stream.read() == MAGIC
 
     def messages(self) -> Iterator[Message]:
-        """All messages of whole chunks, in the order of the file."""
+        """Yield all messages of whole chunks, in the order of the file."""
         from mcap.records import Channel as ChannelRecord
         from mcap.records import Message as MessageRecord
         from mcap.records import Schema as SchemaRecord
@@ -120,7 +120,7 @@ class McapFile:
                         yield Message(channel, record.log_time, record.data)
 
     def _unpacked(self, stream: BinaryIO) -> Iterator[McapRecord]:
-        """The records with those of whole chunks in place of the chunks."""
+        """Yield the records with those of whole chunks in place of the chunks."""
         from mcap.records import Chunk
 
         for record in _records(stream):
@@ -164,7 +164,7 @@ def _channel(record: Any, schema: Any) -> Channel:
 
 
 def _records(stream: BinaryIO) -> Iterator[McapRecord]:
-    """The whole records that follow, up to the end of the data."""
+    """Yield the whole records that follow, up to the end of the data."""
     from mcap import records
     from mcap.data_stream import ReadDataStream
     from mcap.exceptions import McapError
@@ -212,7 +212,7 @@ def _content(chunk: Chunk) -> bytes:
 
 
 def _decompressed(compression: str, data: bytes, most: int) -> bytes:
-    """The first octets, at most `most`. Raises ValueError."""
+    """Return the first octets, at most `most`. Raises ValueError."""
     if compression == "zstd":
         import zstandard
 

@@ -276,7 +276,7 @@ def _compressor(compression: str) -> Callable[[bytes], bytes]:
 
 
 def _octets(record: Any) -> bytes:
-    """A record as it stands in the file."""
+    """Return a record as it stands in the file."""
     from mcap.data_stream import RecordBuilder
 
     builder: Any = RecordBuilder()
@@ -286,7 +286,7 @@ def _octets(record: Any) -> bytes:
 
 
 def _index_record(channel: int, index: array[int]) -> tuple[bytes, bytes]:
-    """The times and offsets of a channel's messages in a chunk, as a record."""
+    """Return the times and offsets of a channel's messages in a chunk, as a record."""
     pairs = struct.pack(f"<{len(index)}Q", *index)
     return _INDEX.pack(_INDEX_OPCODE, 6 + len(pairs), channel, len(pairs)), pairs
 

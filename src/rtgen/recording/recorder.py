@@ -250,12 +250,12 @@ class Recorder:
 
 
 def topic_of(instance: str, port: str) -> str:
-    """The topic of a port."""
+    """Return the topic of a port."""
     return f"/{instance}/{port}"
 
 
 def cdr_encoder(type_: Any) -> Encoder | None:
-    """Encodes values of a type as payloads with an encapsulation header; None if XCDR has none.
+    """Encode values of a type as payloads with an encapsulation header; None if XCDR has none.
 
     Version 1 of XCDR, version 2 if the type asks for it (DDS-XTypes 1.3, 7.6.3.1).
     """

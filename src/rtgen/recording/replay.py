@@ -44,7 +44,9 @@ class Course:
     through: bool = True
 
     def beginning(self, present: Collection[str]) -> list[messages.Connection]:
-        """The connections at the start that a component has that is present, in their order."""
+        """Return the connections at the start that a component has that is present, in their
+        order.
+        """
         return [
             connection
             for time, connection in self.connections
@@ -56,7 +58,7 @@ class Course:
     def changes(
         self, present: Collection[str]
     ) -> Iterator[tuple[int, messages.Connection]]:
-        """All changes of data connections between components that are present and others."""
+        """Yield all changes of data connections between components that are present and others."""
         for time, connection in self.connections:
             if self._is_between(connection, present):
                 yield time, connection
@@ -139,7 +141,9 @@ class Replay:
                 system.at(time, self._changing(connection))
 
     def properties(self, connection: messages.Connection) -> dict[str, str]:
-        """The properties of a connection with a player; one that reads takes every sample."""
+        """Return the properties of a connection with a player; one that reads takes every
+        sample.
+        """
         if _ends(connection)[0][0] in self._present:
             return {"dataport.allow_dup_connection": "YES"}
         return {each.name: each.value for each in connection.properties}
@@ -195,7 +199,7 @@ class Replay:
     # Samples
 
     def _of_ports(self) -> Iterator[_Sample]:
-        """The samples of the players' ports in the order of the recording."""
+        """Yield the samples of the players' ports in the order of the recording."""
         for message in self._course.file.messages():
             channel = message.channel
             if channel.get("kind") == "sample":

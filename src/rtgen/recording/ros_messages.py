@@ -51,7 +51,8 @@ class _NoMessageError(Exception):
 
 
 def message_text(descriptor: StructDescriptor) -> str | None:
-    """The text of a message and of those that it contains; None if it is not a message of ROS 2.
+    """Return the text of a message and of those that it contains; None if it is not a message of
+    ROS 2.
 
     Messages are structs that are named as rosidl names them (`std_msgs::msg::Header`) and have
     members that interface files can declare. Strings of 16-bit characters are left out, for which
@@ -122,7 +123,7 @@ def _element(descriptor: Descriptor, found: dict[str, str]) -> str:
 
 
 def message_model(name: str, text: str) -> Model:
-    """The declarations of a schema. Raises SchemaError."""
+    """Return the declarations of a schema. Raises SchemaError."""
     findings = Findings()
     messages: list[Message] = []
     for number, section in enumerate(re.split(r"^={80}\n", text, flags=re.MULTILINE)):
@@ -148,7 +149,9 @@ def message_model(name: str, text: str) -> Model:
 
 
 def _scoped(text: str, package: str = "") -> ScopedName | None:
-    """The scoped name of `Name`, `package/Name` or `package/msg/Name`; None if it is not a name."""
+    """Return the scoped name of `Name`, `package/Name` or `package/msg/Name`; None if it is not a
+    name.
+    """
     words = text.split("/")
     if len(words) == 1:
         words.insert(0, package)

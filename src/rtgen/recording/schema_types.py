@@ -68,7 +68,7 @@ _LONGEST = 1 << 20
 
 
 def type_of(schema: Schema) -> type[DataType]:
-    """The type that a schema names, with classes of its own. Raises SchemaError.
+    """Return the type that a schema names, with classes of its own. Raises SchemaError.
 
     No repository id is registered, so that types of generated code stay as they are.
     """
@@ -126,7 +126,7 @@ class Types:
         self._under_way: set[ScopedName] = set()
 
     def named(self, name: ScopedName, wanted: str = "") -> Descriptor:
-        """The descriptor of a declaration. Raises SchemaError."""
+        """Return the descriptor of a declaration. Raises SchemaError."""
         made = self._made.get(name)
         if made is not None:
             return made
@@ -203,7 +203,7 @@ class Types:
         raise SchemaError(f"{name} is not a type of data")
 
     def _members(self, struct: Struct) -> tuple[MemberDescriptor, ...]:
-        """The members, those of the bases first."""
+        """Return the members, those of the bases first."""
         found: list[Member] = []
         at: Struct | None = struct
         while at is not None:
@@ -289,7 +289,7 @@ def _numbered(
 
 
 def _label(switch: Descriptor, label: Any) -> int | str | bool:
-    """A label as Python has it: an enumerator by its member."""
+    """Return a label as Python has it: an enumerator by its member."""
     while isinstance(switch, AliasDescriptor):
         switch = switch.target
     if isinstance(label, EnumeratorName) and isinstance(switch, EnumDescriptor):

@@ -80,7 +80,9 @@ class Schema:
 
 
 def schema_of(descriptor: Descriptor) -> Schema:
-    """The schema of a struct or union. Raises TypeError for a type without IDL of its own."""
+    """Return the schema of a struct or union. Raises TypeError for a type without IDL of its
+    own.
+    """
     described: Any = plain(descriptor)
     if isinstance(described, StructDescriptor):
         message = ros_messages.message_text(described)
@@ -113,7 +115,7 @@ class _Declarations:
         return NamedType(name)
 
     def type(self, descriptor: Descriptor) -> Type:
-        """The type expression of a member or element."""
+        """Return the type expression of a member or element."""
         match descriptor:
             case PrimitiveDescriptor(name):
                 return PrimitiveType(Primitive(name))

@@ -96,18 +96,18 @@ class _Xcdr:
     if TYPE_CHECKING:
 
         def to_xcdr2(self, little_endian: bool = True) -> bytes:
-            """The value as an XCDR2 body; raises CdrError."""
+            """Return the value as an XCDR2 body; raises CdrError."""
 
         @classmethod
         def from_xcdr2(cls, data: Buffer, little_endian: bool = True) -> Self:
-            """The value of an XCDR2 body; raises CdrError."""
+            """Return the value of an XCDR2 body; raises CdrError."""
 
         def to_xcdr1(self, little_endian: bool = True) -> bytes:
-            """The value as an XCDR1 body; raises CdrError."""
+            """Return the value as an XCDR1 body; raises CdrError."""
 
         @classmethod
         def from_xcdr1(cls, data: Buffer, little_endian: bool = True) -> Self:
-            """The value of an XCDR1 body; raises CdrError."""
+            """Return the value of an XCDR1 body; raises CdrError."""
 
     else:
         to_xcdr1 = _COMPILED["to_xcdr1"]
@@ -127,7 +127,7 @@ class _Number(_Xcdr):
         _register(cls)
 
     def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The number as an unsigned integer; raises CdrError."""
+        """Return the number as an unsigned integer; raises CdrError."""
         try:
             size = self._octet_count()
             return self.to_number().to_bytes(size, "little" if little_endian else "big")
@@ -136,7 +136,7 @@ class _Number(_Xcdr):
 
     @classmethod
     def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of an unsigned integer; raises CdrError."""
+        """Return the value of an unsigned integer; raises CdrError."""
         try:
             octets = bytes(memoryview(data))
             if len(octets) != cls._octet_count():
@@ -152,12 +152,12 @@ class _Number(_Xcdr):
         return next(n for n in (1, 2, 4, 8) if cls._descriptor_.bound <= 8 * n)
 
     def to_number(self) -> int:
-        """The number on the wire. Raises ValueError for one that has too many bits."""
+        """Return the number on the wire. Raises ValueError for one that has too many bits."""
         raise NotImplementedError
 
     @classmethod
     def from_number(cls, number: int) -> Self:
-        """The value of a number on the wire. Raises ValueError."""
+        """Return the value of a number on the wire. Raises ValueError."""
         raise NotImplementedError
 
 
@@ -171,12 +171,14 @@ class Enumeration(_Number, IntEnum):
         return 4
 
     def to_number(self) -> int:
-        """The number of the member, a negative one in two's complement of 32 bits."""
+        """Return the number of the member, a negative one in two's complement of 32 bits."""
         return int(self) & _WORD
 
     @classmethod
     def from_number(cls, number: int) -> Self:
-        """The member of that number, a negative one in two's complement; raises ValueError."""
+        """Return the member of that number, a negative one in two's complement; raises
+        ValueError.
+        """
         if number >> 31 and cls._descriptor_.code == "i":
             number -= _WORD + 1
         return cls(number)
@@ -188,12 +190,12 @@ class Flags(_Number, IntFlag):
     _descriptor_: ClassVar[FlagsDescriptor]
 
     def to_number(self) -> int:
-        """The flags, each at its position; raises ValueError."""
+        """Return the flags, each at its position; raises ValueError."""
         return flags_number(self, self._descriptor_.bound)
 
     @classmethod
     def from_number(cls, number: int) -> Self:
-        """The flags of a number; raises ValueError."""
+        """Return the flags of a number; raises ValueError."""
         return cls(flags_number(number, cls._descriptor_.bound))
 
 
@@ -203,7 +205,7 @@ class Bitset(_Number, msgspec.Struct, frozen=True, gc=False):
     _descriptor_: ClassVar[BitsetDescriptor]
 
     def to_number(self) -> int:
-        """The fields side by side, the first one lowest; raises ValueError."""
+        """Return the fields side by side, the first one lowest; raises ValueError."""
         number = 0
         for bits in self._descriptor_.fields:
             number |= bits.packed(getattr(self, bits.attribute)) << bits.position
@@ -211,7 +213,7 @@ class Bitset(_Number, msgspec.Struct, frozen=True, gc=False):
 
     @classmethod
     def from_number(cls, number: int) -> Self:
-        """The fields of a number; raises ValueError."""
+        """Return the fields of a number; raises ValueError."""
         flags_number(number, cls._descriptor_.bound)
         return cls(*(f.unpacked(number) for f in cls._descriptor_.fields))
 
@@ -229,11 +231,11 @@ class Aggregated(_Xcdr, msgspec.Struct, gc=False):
     if TYPE_CHECKING:
 
         def to_cdr(self, little_endian: bool = True) -> bytes:
-            """The value as a CDR body; raises CdrError."""
+            """Return the value as a CDR body; raises CdrError."""
 
         @classmethod
         def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-            """The value of a CDR body; raises CdrError."""
+            """Return the value of a CDR body; raises CdrError."""
 
         def _snapshot_(self) -> Self: ...
 
@@ -245,7 +247,8 @@ class Aggregated(_Xcdr, msgspec.Struct, gc=False):
         _write_ = _COMPILED["_write_"]
 
     def key_hash(self) -> bytes:
-        """The 16 octets that identify a DDS instance; raises CdrError if the type has no key.
+        """Return the 16 octets that identify a DDS instance; raises CdrError if the type has no
+        key.
 
         DDSI-RTPS 2.5, 9.6.4.8, of the key in XCDR2 (DDS-XTypes 1.3, 7.6.8).
         """
@@ -263,7 +266,7 @@ class Union(Aggregated):
         value: Any
 
     def _selected_(self, name: str) -> Any:
-        """The value, if the discriminator selects the branch of that name (as in IDL)."""
+        """Return the value, if the discriminator selects the branch of that name (as in IDL)."""
         branch = self._descriptor_.branch(self.discriminator)
         if branch is None or branch.name != name:
             raise AttributeError(f"{self.discriminator!r} does not select {name}")
@@ -278,11 +281,11 @@ class UserException(Exception):
     if TYPE_CHECKING:
 
         def to_cdr(self, little_endian: bool = True) -> bytes:
-            """The value as a CDR body; raises CdrError."""
+            """Return the value as a CDR body; raises CdrError."""
 
         @classmethod
         def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-            """The value of a CDR body; raises CdrError."""
+            """Return the value of a CDR body; raises CdrError."""
 
     else:
         to_cdr = _COMPILED["to_cdr"]
@@ -321,19 +324,19 @@ class AliasCodec(Generic[_T]):
 
         @classmethod
         def to_cdr(cls, value: _T, little_endian: bool = True) -> bytes:
-            """The value as a CDR body; raises CdrError."""
+            """Return the value as a CDR body; raises CdrError."""
 
         @classmethod
         def from_cdr(cls, data: Buffer, little_endian: bool = True) -> _T:
-            """The value of a CDR body; raises CdrError."""
+            """Return the value of a CDR body; raises CdrError."""
 
         @classmethod
         def to_xcdr2(cls, value: _T, little_endian: bool = True) -> bytes:
-            """The value as an XCDR2 body; raises CdrError."""
+            """Return the value as an XCDR2 body; raises CdrError."""
 
         @classmethod
         def from_xcdr2(cls, data: Buffer, little_endian: bool = True) -> _T:
-            """The value of an XCDR2 body; raises CdrError."""
+            """Return the value of an XCDR2 body; raises CdrError."""
 
     else:
 

@@ -45,7 +45,7 @@ class Failure:
 
 
 def log_failure(failure: Failure) -> None:
-    """Reports a failure to the logger `rtgen.runtime`: the traceback once, not for each tick."""
+    """Report a failure to the logger `rtgen.runtime`: the traceback once, not for each tick."""
     if failure.error is not None and ends_run(failure.error):
         log.info("%s", failure)  # The run raises it.
         return
@@ -62,7 +62,7 @@ def log_failure(failure: Failure) -> None:
 
 
 def ends_run(error: BaseException) -> bool:
-    """Whether an exception ends the run.
+    """Return whether an exception ends the run.
 
     KeyboardInterrupt, the debugger's `quit`, and a print to a pipe whose reader has left.
     """
@@ -75,7 +75,7 @@ def ends_run(error: BaseException) -> bool:
 
 
 def has_lost_its_reader(stream: TextIO | None) -> bool:
-    """Whether a stream is a pipe without a reader; False if the system cannot tell."""
+    """Return whether a stream is a pipe without a reader; False if the system cannot tell."""
     if stream is None or not hasattr(select, "poll"):
         return False
     poll = select.poll()

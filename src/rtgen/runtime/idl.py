@@ -108,12 +108,12 @@ def sequence(
 def array(
     element: Described, *dimensions: int, numeric: Numeric = "list"
 ) -> ArrayDescriptor:
-    """An array, with its form in Python; dimensions outermost first."""
+    """Return an array, with its form in Python; dimensions outermost first."""
     return ArrayDescriptor(_descriptor(element), dimensions, numeric)
 
 
 def dtype(class_: Any) -> Any:
-    """The numpy dtype of a generated struct of numbers, padding of its layout included.
+    """Return the numpy dtype of a generated struct of numbers, padding of its layout included.
 
     Raises TypeError for a struct with other members, ImportError without numpy.
     """
@@ -123,7 +123,9 @@ def dtype(class_: Any) -> Any:
 
 
 def zeros(type_: Any, *shape: int) -> Any:
-    """The numpy array of zeros of a scalar type of numpy, or of a generated struct of numbers."""
+    """Return the numpy array of zeros of a scalar type of numpy, or of a generated struct of
+    numbers.
+    """
     import numpy
 
     described = hasattr(type_, "_descriptor_")
@@ -138,7 +140,7 @@ def map_(key: Described, value: Described, bound: int | None = None) -> MapDescr
 def link(
     name: str, target: Callable[[], Described], repository_id: str | None = None
 ) -> LinkDescriptor:
-    """A type inside its own definition, or ahead of it."""
+    """Return a type inside its own definition, or ahead of it."""
     return LinkDescriptor(_id(name, repository_id), name, lambda: _descriptor(target()))
 
 
@@ -153,7 +155,9 @@ def member(
     external: bool = False,
     private: bool = False,
 ) -> MemberDescriptor:
-    """A member with `name` in the definition, if that is not its attribute, or with traits."""
+    """Return a member with `name` in the definition, if that is not its attribute, or with
+    traits.
+    """
     return MemberDescriptor(
         name,
         _descriptor(type_),
@@ -170,7 +174,7 @@ def member(
 def struct(
     name: str, traits: Traits = _USUAL, /, **members: Described
 ) -> StructDescriptor:
-    """A struct: its members by their attributes, in order, behind those of its base."""
+    """Return a struct: its members by their attributes, in order, behind those of its base."""
     inherited = () if traits.base is None else traits.base._descriptor_.members
     return StructDescriptor(
         _id(name, traits.repository_id),
@@ -186,7 +190,7 @@ def struct(
 def exception(
     name: str, traits: Traits = _USUAL, /, **members: Described
 ) -> ExceptionDescriptor:
-    """A user exception."""
+    """Return a user exception."""
     return ExceptionDescriptor(
         _id(name, traits.repository_id),
         name,
@@ -203,7 +207,9 @@ def value(
     /,
     **state: Described,
 ) -> ValueDescriptor:
-    """A valuetype: its own state, its bases, and what it is: custom, abstract, truncatable."""
+    """Return a valuetype: its own state, its bases, and what it is: custom, abstract,
+    truncatable.
+    """
     described = tuple(base._descriptor_ for base in bases)
     return ValueDescriptor(
         _id(name, repository_id), name, _members(state), described, modifier
@@ -211,7 +217,7 @@ def value(
 
 
 def box(name: str, type_: Described, repository_id: str | None = None) -> BoxDescriptor:
-    """A boxed value."""
+    """Return a boxed value."""
     return BoxDescriptor(_id(name, repository_id), name, _descriptor(type_))
 
 
@@ -221,7 +227,7 @@ def alias(
     repository_id: str | None = None,
     representation: int = 0,
 ) -> AliasDescriptor:
-    """A typedef."""
+    """Return a typedef."""
     return AliasDescriptor(
         _id(name, repository_id),
         name,
@@ -238,7 +244,7 @@ def case(
     member_id: int = NEXT,
     external: bool = False,
 ) -> BranchDescriptor:
-    """A branch of a union; `labels` are values of the discriminator."""
+    """Return a branch of a union; `labels` are values of the discriminator."""
     return BranchDescriptor(
         labels, default, name, _descriptor(type_), "", member_id, external
     )
@@ -247,7 +253,7 @@ def case(
 def union(
     name: str, switch: Described, traits: Traits = _USUAL, /, **cases: BranchDescriptor
 ) -> UnionDescriptor:
-    """A union: its discriminator and its branches by their attributes, in order."""
+    """Return a union: its discriminator and its branches by their attributes, in order."""
     return UnionDescriptor(
         _id(name, traits.repository_id),
         name,
@@ -267,7 +273,7 @@ def bits(
     boolean: bool = False,
     name: str = "",
 ) -> BitfieldDescriptor:
-    """A field of a bitset; its lowest bit is at `position`."""
+    """Return a field of a bitset; its lowest bit is at `position`."""
     return BitfieldDescriptor(name, width, position, signed, boolean)
 
 
@@ -278,7 +284,7 @@ def bitset(
     /,
     **fields: BitfieldDescriptor,
 ) -> BitsetDescriptor:
-    """A bitset of so many bits, with its fields by their attributes."""
+    """Return a bitset of so many bits, with its fields by their attributes."""
     named = tuple(_named(field, attribute) for attribute, field in fields.items())
     return BitsetDescriptor(_id(name, repository_id), name, named, bound)
 
@@ -290,7 +296,7 @@ def enum(
     bound: int = 32,
     repository_id: str | None = None,
 ) -> None:
-    """Describes an enum, whose class body cannot; `names` are those that Python lacks."""
+    """Describe an enum, whose class body cannot; `names` are those that Python lacks."""
     members = tuple(
         ((names or {}).get(attribute, attribute), int(number))
         for attribute, number in class_.__members__.items()
@@ -305,7 +311,7 @@ def flags(
     bound: int = 32,
     repository_id: str | None = None,
 ) -> None:
-    """Describes a bitmask of so many bits."""
+    """Describe a bitmask of so many bits."""
     members = tuple(
         ((names or {}).get(attribute, attribute), int(flag).bit_length() - 1)
         for attribute, flag in class_.__members__.items()
@@ -319,7 +325,7 @@ def _bind(class_: Any, descriptor: EnumDescriptor | FlagsDescriptor) -> None:
 
 
 def _id(name: str, own: str | None) -> str:
-    """The repository id, by default that of the name (CORBA 3.3 part 1, 14.7.1)."""
+    """Return the repository id, by default that of the name (CORBA 3.3 part 1, 14.7.1)."""
     if own is not None:
         return own
     return f"IDL:{name.replace('::', '/')}:1.0"
@@ -344,7 +350,9 @@ def _members(members: Mapping[str, Described]) -> tuple[MemberDescriptor, ...]:
 def _numbered(
     members: Mapping[str, Described], inherited: tuple[MemberDescriptor, ...] = ()
 ) -> tuple[MemberDescriptor, ...]:
-    """The inherited members and these with their ids: none has to be made twice at import."""
+    """Return the inherited members and these with their ids: none has to be made twice at
+    import.
+    """
     entries = [*inherited]
     following = inherited[-1].id + 1 if inherited else 0
     for attribute, described in members.items():
@@ -364,7 +372,7 @@ _E = TypeVar("_E", MemberDescriptor, BranchDescriptor, BitfieldDescriptor)
 
 
 def _named(entry: _E, attribute: str) -> _E:
-    """The entry with its attribute, which is its name where nothing else is said."""
+    """Return the entry with its attribute, which is its name where nothing else is said."""
     force_setattr(entry, "attribute", attribute)
     if not entry.name:
         force_setattr(entry, "name", attribute)

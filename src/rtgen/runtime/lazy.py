@@ -10,7 +10,7 @@ from typing import Any
 def lazy_names(
     package: str, modules: Mapping[str, Sequence[str]]
 ) -> Callable[[str], Any]:
-    """The `__getattr__` of a package.
+    """Return the `__getattr__` of a package.
 
     `modules` has the names that each module defines, by its name relative to the package: `Name`,
     or `Name as Other`.

@@ -19,28 +19,28 @@ _DEBUGGER = (f"{os.sep}pdb.py", f"{os.sep}bdb.py")
 
 
 def shown(file: str) -> str:
-    """The file as shown in messages: relative to the working folder if it is below."""
+    """Return the file as shown in messages: relative to the working folder if it is below."""
     folder = f"{Path.cwd()}{os.sep}"
     return file.removeprefix(folder).replace(os.sep, "/")
 
 
 def is_rtgens(file: str) -> bool:
-    """Whether a file belongs to rtgen."""
+    """Return whether a file belongs to rtgen."""
     return file.startswith(_RTGEN)
 
 
 def is_users(file: str) -> bool:
-    """Whether a file belongs to the user."""
+    """Return whether a file belongs to the user."""
     return not (file.startswith((_RTGEN, "<")) or file.startswith(_INSTALLED))
 
 
 def is_debugger(frame: FrameType) -> bool:
-    """Whether a frame belongs to the debugger."""
+    """Return whether a frame belongs to the debugger."""
     return frame.f_code.co_filename.endswith(_DEBUGGER)
 
 
 def users_frame(frames: Sequence[FrameType]) -> FrameType:
-    """The first frame of the user; else the first outside rtgen; else the first."""
+    """Return the first frame of the user; else the first outside rtgen; else the first."""
     for wanted in (is_users, lambda file: not is_rtgens(file)):
         for frame in frames:
             if wanted(frame.f_code.co_filename):

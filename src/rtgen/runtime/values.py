@@ -24,14 +24,14 @@ _T = TypeVar("_T")
 
 
 def encoded(descriptor: Any, value: object, little_endian: bool) -> bytes:
-    """The body of a value, written by its descriptor; raises CdrError."""
+    """Return the body of a value, written by its descriptor; raises CdrError."""
     from rtgen.runtime.marshalling import dynamic
 
     return dynamic.encoded(descriptor, value, little_endian)
 
 
 def decoded(descriptor: Any, data: Buffer, little_endian: bool) -> Any:
-    """The value of a body, read by its descriptor; raises CdrError."""
+    """Return the value of a body, read by its descriptor; raises CdrError."""
     from rtgen.runtime.marshalling import dynamic
 
     return dynamic.decoded(descriptor, data, little_endian)
@@ -45,17 +45,17 @@ class Dynamic:
     _descriptor_: ClassVar[Any]
 
     def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
+        """Return the value as a CDR body; raises CdrError."""
         return encoded(self.described(), self, little_endian)
 
     @classmethod
     def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
+        """Return the value of a CDR body; raises CdrError."""
         value: Self = decoded(cls._descriptor_, data, little_endian)
         return value
 
     def described(self) -> Any:
-        """The descriptor of the value."""
+        """Return the descriptor of the value."""
         return self._descriptor_
 
     def _snapshot_(self) -> Self:
@@ -99,7 +99,7 @@ class DynamicValue(Dynamic):
             raise AttributeError(name) from None
 
     def described(self) -> Descriptor:
-        """The descriptor of the value."""
+        """Return the descriptor of the value."""
         return self.type
 
     def __deepcopy__(self, memo: dict[int, Any]) -> DynamicValue:
@@ -115,7 +115,7 @@ class DynamicUnion(Dynamic):
     value: Any
 
     def described(self) -> Descriptor:
-        """The descriptor of the value."""
+        """Return the descriptor of the value."""
         return self.type
 
 
@@ -145,7 +145,9 @@ class Box(Dynamic):
 
 
 def implementation(cls: type[_T]) -> type[_T]:
-    """A class decorator: values of the valuetype that `cls` derives from are made as `cls`."""
+    """Return a class decorator: values of the valuetype that `cls` derives from are made as
+    `cls`.
+    """
     descriptor = cls._descriptor_  # type: ignore[attr-defined]
     register(cls, descriptor)
     return cls
@@ -169,7 +171,7 @@ class DynamicState(Value):
             raise AttributeError(name) from None
 
     def described(self) -> ValueDescriptor:
-        """The descriptor of the value."""
+        """Return the descriptor of the value."""
         return self.type
 
 
@@ -183,7 +185,7 @@ class DynamicBox(Box):
         self.value = value
 
     def described(self) -> BoxDescriptor:
-        """The descriptor of the value."""
+        """Return the descriptor of the value."""
         return self.type
 
 

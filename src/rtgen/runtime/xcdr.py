@@ -47,12 +47,12 @@ class Representation(IntEnum):
 def representation_of(
     type_: type[DataType], version: int = 2, little_endian: bool = True
 ) -> Representation:
-    """The representation of values of the type in a version of XCDR and a byte order."""
+    """Return the representation of values of the type in a version of XCDR and a byte order."""
     return Representation(identifier(type_._descriptor_, version, little_endian))
 
 
 def serialize(value: DataType, representation: Representation) -> bytes:
-    """The payload of a value: header, body, and padding to a multiple of 4 octets.
+    """Return the payload of a value: header, body, and padding to a multiple of 4 octets.
 
     Raises CdrError, also if the extensibility of the type requires another representation.
     """
@@ -65,7 +65,7 @@ def serialize(value: DataType, representation: Representation) -> bytes:
 
 
 def deserialize(type_: type[_T], payload: Buffer) -> _T:
-    """The value of a payload; raises CdrError."""
+    """Return the value of a payload; raises CdrError."""
     octets = _octets(type_, payload)
     if len(octets) < 4:
         raise CdrError(_name(type_), "the encapsulation header is truncated")
@@ -94,14 +94,14 @@ def _check_kind(type_: type[DataType], representation: Representation) -> None:
 
 
 def encode(type_: Any, value: object, version: int, little_endian: bool) -> bytes:
-    """The body of a value of a generated type or typedef; raises CdrError."""
+    """Return the body of a value of a generated type or typedef; raises CdrError."""
     function = compiled("to_cdr", type_._descriptor_, Format(version))
     body: bytes = function(value, little_endian)
     return body
 
 
 def decode(type_: Any, data: Buffer, version: int, little_endian: bool) -> Any:
-    """The value of a body; raises CdrError."""
+    """Return the value of a body; raises CdrError."""
     function = compiled("from_cdr", type_._descriptor_, Format(version))
     return function(type_, data, little_endian)
 

@@ -1,1 +1,1 @@
-"""What `rtgen new` makes: the first files of a project, and of its parts."""
+"""`rtgen new`: the first files of a project, and of its parts."""

@@ -1,4 +1,4 @@
-"""The names that a starter is made with."""
+"""Names for the parts of a starter, in their forms."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Names:
 
 
 def names(given: str) -> Names:
-    """The forms of a name. Raises InputError for one that a language could not have."""
+    """Return the forms of a name. Raises InputError for one that is invalid in a language."""
     fault = _fault(given)
     if fault is not None:
         hint = "use ASCII letters, digits, '_' and '-', beginning with a letter"

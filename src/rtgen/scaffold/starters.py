@@ -18,7 +18,7 @@ from rtgen.scaffold.rules import NO_PROJECT
 from rtgen.scaffold.systems import system_of
 
 VENDOR = "example"
-"""The vendor of what is made, for the user to replace."""
+"""Vendor in new components, for the user to replace."""
 
 FIRST = "Scaler"
 """The component of a new project."""
@@ -34,7 +34,7 @@ class File:
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Where the parts of a project stand: its packages, and the folders of its files."""
+    """Where the parts of a project are placed: its packages, and the folders of its files."""
 
     package: str
     behaviours: str
@@ -44,7 +44,7 @@ class Place:
 
     @property
     def values(self) -> Mapping[str, str]:
-        """What templates insert for the project."""
+        """Variables of templates about the project."""
         return {
             "package": self.package,
             "behaviours": self.behaviours,
@@ -52,12 +52,12 @@ class Place:
         }
 
     def behaviour_module(self, module: str) -> str:
-        """The dotted name of a behaviour's module."""
+        """Return the dotted name of a behaviour's module."""
         return f"{self.behaviours}.{module}" if self.behaviours else module
 
 
 def place_of(project: Project) -> Place:
-    """Where new parts of a project go: the first folder among its sources, and `skeletons`.
+    """Return the place of new parts: the first folder among the project's sources, and `skeletons`.
 
     Raises InputError without a project, or without such a folder.
     """
@@ -84,7 +84,7 @@ def place_of(project: Project) -> Place:
 
 
 def component(name: Names, place: Place) -> list[File]:
-    """A component with a data port each way and a parameter, its behaviour and a test."""
+    """Return a component with a data port each way and a parameter, its behaviour and a test."""
     return _files(
         "component",
         {
@@ -100,7 +100,7 @@ def component(name: Names, place: Place) -> list[File]:
 
 
 def device(name: Names, place: Place) -> list[File]:
-    """A CANopen device with a PDO each way, a bus with it, its behaviour and a test."""
+    """Return a CANopen device with a PDO each way, a bus with it, its behaviour and a test."""
     return _files(
         "device",
         {
@@ -118,7 +118,7 @@ def device(name: Names, place: Place) -> list[File]:
 
 
 def board(name: Names, place: Place) -> list[File]:
-    """A TECS board with a signature, a join that leads to it, and a test over TCP."""
+    """Return a TECS board with a signature, a join that leads to it, and a test over TCP."""
     return _files(
         "board",
         {
@@ -137,7 +137,7 @@ def board(name: Names, place: Place) -> list[File]:
 def system(
     name: Names, place: Place, model: Model, components: Sequence[str]
 ) -> list[File]:
-    """A system of components of the project, connected by their types, and a test."""
+    """Return a system of components of the project, connected by their types, and a test."""
     made = system_of(name.module, model, components)
     folder = place.root / "systems"
     test = _files(
@@ -151,7 +151,7 @@ def system(
 
 
 def project(name: Names, root: Path) -> list[File]:
-    """A project with a component, as it stands before its system is made."""
+    """Return a project with a component, but without a system."""
     behaviours = f"{name.module}_behaviours"
     place = Place(
         package=name.module,
@@ -175,7 +175,7 @@ def project(name: Names, root: Path) -> list[File]:
 
 
 def reference(root: Path) -> list[File]:
-    """The reference pipeline as a project: the mobile base RH3 drives to a goal."""
+    """Return the reference pipeline as a project: the mobile base RH3 drives to a goal."""
     values = {"name": "rh3", "package": "refrobots", "behaviours": "refnav"}
     made = _files(
         "project",
@@ -199,7 +199,7 @@ def reference(root: Path) -> list[File]:
 
 
 def backend(name: Names, root: Path) -> list[File]:
-    """A package with a back end, its test, and a project to try it with."""
+    """Return a package with a back end, its test, and a project to try it with."""
     package = root / "src" / name.module
     return _files(
         "backend",

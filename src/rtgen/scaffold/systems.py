@@ -1,4 +1,4 @@
-"""A system of given components, whose ports are connected by their types."""
+"""Makes a system of components whose ports are connected by their types."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ _Placed = tuple[str, Component]
 
 
 def system_of(name: str, model: Model, wanted: Sequence[str]) -> System:
-    """A system of an instance for each name in `wanted`.
+    """Return a system with an instance of each component in `wanted`.
 
-    Without any: of each component whose behaviour needs nothing outside it, neither bus nor board.
+    If `wanted` is empty: of each component whose behaviour requires neither bus nor board.
 
-    Data flows in this order: an InPort is connected to the nearest OutPort of its type before it.
-    A consumer is connected to the nearest provider of its interface. Raises InputError for a name
-    that is not a component of the model.
+    Data flows in this order: an InPort is connected to the nearest preceding OutPort of its type, a
+    consumer to the nearest provider of its interface. Raises InputError for a name that is not a
+    component of the model.
     """
     known = {d.name[-1]: d for d in model.declarations if isinstance(d, Component)}
     if not wanted:
@@ -93,7 +93,7 @@ def _connections(model: Model, placed: Sequence[_Placed]) -> Iterator[Connection
 def _first(
     model: Model, others: Sequence[_Placed], kind: PortKind, port: Port
 ) -> tuple[str, Port] | None:
-    """The first port of a kind and of the type of `port`, with its instance."""
+    """Return the first port of a kind and of the type of `port`, with its instance."""
     wanted = model.unalias(port.type)
     return next(
         (
@@ -115,7 +115,7 @@ def _repository_id(model: Model, port: Port) -> str:
 def _connection(
     source: tuple[str, Port], target: tuple[str, Port], data_type: str = ""
 ) -> Connection:
-    """A connection of data ports, or without a type of service ports."""
+    """Return a connection of data ports, or of service ports if there is no data type."""
     ends = [
         PortReference(instance=instance, port=port.name if data_type else port.port)
         for instance, port in (source, target)

@@ -1,4 +1,4 @@
-"""Writes a starter: all of its files or none, and none that exists."""
+"""Writes a starter: all of its files or none, never overwriting."""
 
 from __future__ import annotations
 
@@ -33,10 +33,7 @@ def require_absent(paths: Sequence[Path]) -> None:
 
 @contextmanager
 def new_folder(target: Path) -> Iterator[Path]:
-    """A folder beside `target`, which is renamed to it when the block ends without an exception.
-
-    Raises InputError if `target` exists, ToolError if the disk fails.
-    """
+    """Make a folder beside `target`, renamed to it when the block ends without an exception."""
     require_absent([target])
     with _disk_failures():
         folder = Path(tempfile.mkdtemp(prefix=".rtgen-new-", dir=target.parent))
@@ -51,7 +48,7 @@ def new_folder(target: Path) -> Iterator[Path]:
 
 @contextmanager
 def added(files: Sequence[File]) -> Iterator[None]:
-    """The files are there in the block, and stay if it ends without an exception.
+    """Write files that are removed again if the block raises an exception.
 
     Raises InputError if one of them exists, ToolError if the disk fails.
     """
@@ -67,20 +64,20 @@ def added(files: Sequence[File]) -> Iterator[None]:
         yield
     except BaseException:
         for path in reversed(made):
-            # A folder that holds something else by now stays.
+            # A folder that has other content by now is kept.
             with contextlib.suppress(OSError):
                 path.rmdir() if path.is_dir() else path.unlink()
         raise
 
 
 def write(files: Sequence[File]) -> None:
-    """Write files to a folder of our own."""
+    """Write files to a new folder."""
     with added(files):
         pass
 
 
 def _make_folders(folder: Path) -> list[Path]:
-    """Make a folder and those above it; returns the new ones, outermost first."""
+    """Make a folder and its parents; return the new ones, outermost first."""
     missing = [f for f in (folder, *folder.parents) if not f.exists()]
     for each in reversed(missing):
         each.mkdir()

@@ -39,13 +39,13 @@ class Component:
         self._requests: list[int] = []
 
     def add_in_port(self, name: str, type_: type) -> InPort:
-        """Adds an InPort with its buffer."""
+        """Add an InPort with its buffer."""
         port = InPort(name, type_, self.instance_name, self._buffer)
         self.in_ports[name] = port
         return port
 
     def add_out_port(self, name: str, type_: type) -> OutPort:
-        """Adds an OutPort."""
+        """Add an OutPort."""
         port = OutPort(name, type_, self.instance_name)
         self.out_ports[name] = port
         return port
@@ -105,15 +105,15 @@ class Component:
         return sum(port.lost for port in self.in_ports.values())
 
     def now(self) -> int:
-        """The time in ns."""
+        """Return the time in ns."""
         return self._now
 
     def stamp(self, sample) -> None:
-        """Fills `sample.tm` from `now`."""
+        """Fill `sample.tm` from `now`."""
         sample.tm.sec, sample.tm.nsec = divmod(self._now, SECOND)
 
     def fail(self, reason: str) -> int:
-        """Notes why a callback fails; returns RTC_ERROR, to be returned by the callback."""
+        """Note why a callback fails; returns RTC_ERROR, to be returned by the callback."""
         self._failing = reason
         return RTC_ERROR
 

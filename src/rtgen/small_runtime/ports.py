@@ -22,7 +22,7 @@ class InPort:
         self._any = False
 
     def is_new(self) -> bool:
-        """Whether there is an unread sample."""
+        """Return whether there is an unread sample."""
         return self._unread > 0
 
     def read(self):
@@ -45,7 +45,7 @@ class InPort:
         return self._last
 
     def take_in(self, sample: object) -> None:
-        """Notes a sample, by value."""
+        """Note a sample, by value."""
         room = len(self._ring)
         if self._unread == room:
             self._first = (self._first + 1) % room
@@ -66,7 +66,7 @@ class OutPort:
         self._targets: list[InPort] = []
 
     def write(self, sample: object) -> int:
-        """Sends a sample, by value. Raises SizeError for one that has no room."""
+        """Send a sample, by value. Raises SizeError for one that has no room."""
         if not self._targets:
             self.unsent += 1
             return PortStatus.PRECONDITION_NOT_MET
@@ -75,7 +75,7 @@ class OutPort:
         return PORT_OK
 
     def connect(self, target: InPort) -> None:
-        """Joins an InPort. Raises TypeError for one of another type, ValueError if it is joined."""
+        """Join an InPort. Raises TypeError for one of another type, ValueError if it is joined."""
         if target.type is not self.type:
             raise TypeError(
                 f"{self.owner}.{self.name} sends {self.type.__name__},"

@@ -79,7 +79,7 @@ class Values:
         self._length += 1
 
     def next_free(self) -> object:
-        """The struct behind the last, which from now on belongs to it. Raises SizeError."""
+        """Return the struct behind the last, which from now on belongs to it. Raises SizeError."""
         if self._length >= len(self._items):
             raise SizeError(f"no room for more than {len(self._items)} items")
         self._length += 1
@@ -101,7 +101,7 @@ def _place(index: int, length: int) -> int:
 
 
 def copy_items(target, source) -> None:
-    """Replaces the items of a sequence by those of another one or of a list. Raises SizeError."""
+    """Replace the items of a sequence by those of another one or of a list. Raises SizeError."""
     if target is source:
         return
     target.clear()

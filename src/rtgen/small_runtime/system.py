@@ -27,7 +27,7 @@ class System:
         self._due: list[int] = []
 
     def add(self, component: Component, rate: "float | None" = None) -> None:
-        """Adds a component at a rate [Hz], its own unless given. Raises ValueError."""
+        """Add a component at a rate [Hz], its own unless given. Raises ValueError."""
         hertz = component._rate if rate is None else rate
         if not 0.0 < hertz <= SECOND:
             raise ValueError("the rate must be a number of Hz above 0")
@@ -41,11 +41,11 @@ class System:
         self._due.append(self.time)
 
     def configure(self, component: Component, name: str, text: str) -> None:
-        """Sets a parameter by its name in Python. Raises ValueError."""
+        """Set a parameter by its name in Python. Raises ValueError."""
         component._configure(name, text)
 
     def state(self, component: Component) -> int:
-        """The state of a component."""
+        """Return the state of a component."""
         return component._state
 
     def ticks(self, component: Component) -> int:
@@ -65,7 +65,7 @@ class System:
         return component._request(RESET)
 
     def run(self, until: int) -> None:
-        """Runs until an instant [ns since the start], which does not belong to the run."""
+        """Run until an instant [ns since the start], which does not belong to the run."""
         due = self._due
         while due and min(due) < until:
             instant = min(due)
@@ -79,7 +79,7 @@ class System:
         self.time = until
 
     def close(self) -> None:
-        """Ends the life of all components, the one added last first, deactivated if need be."""
+        """End the life of all components, the one added last first, deactivated if need be."""
         while self._components:
             component = self._components.pop()
             self._periods.pop()

@@ -48,7 +48,7 @@ class Wire:
             self.at += 1
 
     def take_boolean(self) -> bool:
-        """The next boolean. Raises CodecError."""
+        """Return the next boolean. Raises CodecError."""
         value = self.take("<B", 1)
         if value > 1:
             raise CodecError(f"{value} is not a boolean")
@@ -81,7 +81,7 @@ class Wire:
         self.put("<B", 1, 0)
 
     def take_string(self, most: int) -> str:
-        """The next string, of at most so many octets of UTF-8. Raises CodecError."""
+        """Return the next string, of at most so many octets of UTF-8. Raises CodecError."""
         length = self.take_count(most + 1)
         octets = self.take_octets(length)
         if not octets or octets[-1]:
@@ -95,7 +95,7 @@ class Wire:
         return text
 
     def take_count(self, most: int) -> int:
-        """The count in front of a sequence. Raises CodecError."""
+        """Return the count in front of a sequence. Raises CodecError."""
         count = self.take("<I", 4)
         if count > most:
             raise CodecError(f"{count} items, room for {most}")
@@ -103,14 +103,14 @@ class Wire:
 
 
 def to_cdr(sample, buffer: bytearray) -> int:
-    """Writes a sample as CDR, little-endian; returns how many octets. Raises CodecError."""
+    """Write a sample as CDR, little-endian; returns how many octets. Raises CodecError."""
     wire = Wire(buffer)
     sample._put_(wire)
     return wire.at
 
 
 def from_cdr(sample, buffer: bytearray, length: int) -> None:
-    """Fills a sample from CDR, little-endian, of exactly that length. Raises CodecError."""
+    """Fill a sample from CDR, little-endian, of exactly that length. Raises CodecError."""
     wire = Wire(buffer, length)
     sample._take_(wire)
     if wire.at != length:

@@ -1,1 +1,1 @@
-"""Systems (RtsProfile): reading, checks against definitions, timelines and their measures."""
+"""Systems (RtsProfile): reading, validation, timelines and measures."""

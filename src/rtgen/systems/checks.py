@@ -58,12 +58,12 @@ RULES = (
     *units.RULES,
 )
 
-_MILDNESS = (Severity.NOTE, Severity.WARNING, Severity.ERROR)
+_ASCENDING = (Severity.NOTE, Severity.WARNING, Severity.ERROR)
 _TYPE_KEY = "dataport.data_type"
 
 
 def check(system: System, known: Mapping[str, Known]) -> list[Diagnostic]:
-    """All diagnostics about a system, with the definitions of its components by type name."""
+    """Return all diagnostics about a system; `known` maps type names to definitions."""
     found = [*check_properties(system)]
     for c in system.components:
         found += _component(c, known)
@@ -78,15 +78,15 @@ def check(system: System, known: Mapping[str, Known]) -> list[Diagnostic]:
 
 
 def as_warnings(findings: Iterable[Diagnostic]) -> list[Diagnostic]:
-    """The diagnostics as warnings, for commands that only read and write a system."""
+    """Return the diagnostics as warnings, for commands that only read and write a system."""
     return [
-        replace(f, severity=min(f.severity, Severity.WARNING, key=_MILDNESS.index))
+        replace(f, severity=min(f.severity, Severity.WARNING, key=_ASCENDING.index))
         for f in findings
     ]
 
 
 def check_properties(system: System) -> Iterator[Diagnostic]:
-    """Diagnostics about connectors that need no definitions."""
+    """Yield diagnostics about connectors that require no definitions."""
     for connection in system.connections:
         table = (
             connector_properties.SERVICE
@@ -169,7 +169,7 @@ def _component(c: SystemComponent, known: Mapping[str, Known]) -> Iterator[Diagn
 
 
 def _dotted(id_: str) -> str:
-    """The older form of a component's id, `RTC:vendor.category.type:version`."""
+    """Return the older form of a component's id, `RTC:vendor.category.type:version`."""
     head, *parts, version = id_.split(":")
     return f"{head}:{'.'.join(parts)}:{version}"
 
@@ -177,7 +177,7 @@ def _dotted(id_: str) -> str:
 def _value_problem(
     reader: Parameters, parameter: ConfigurationParameter, text: str
 ) -> str | None:
-    """The error in the text of a number, or of several; None if it is valid."""
+    """Return the error in the text of one or several numbers; None if it is valid."""
     if not reader.is_number(parameter.type):
         return None
     item = reader.item_type(parameter.type)
@@ -191,9 +191,6 @@ def _value_problem(
     except ValueMismatchError as error:
         return str(error)
     return None
-
-
-# Connectors.
 
 
 def _data(connection: Connection, ends: Mapping[str, Known]) -> Iterator[Diagnostic]:

@@ -15,10 +15,10 @@ from rtgen.systems.rules import MEASURE
 Pose: TypeAlias = tuple[float, float, float]
 """x [m], y [m], heading [rad]."""
 
-_MOST = 1e9
+_MAX_VALUE = 1e9
 _STEP = 0.05
 """Minimum distance of the points of a track [m]."""
-_ALWAYS: Final = ("name", "kind", "of")
+_REQUIRED_KEYS: Final = ("name", "kind", "of")
 _LIMITS: Final = ("from", "until", "least", "most")
 
 
@@ -39,20 +39,20 @@ class Measure:
 
     @property
     def observables(self) -> tuple[str, ...]:
-        """The observables it needs."""
+        """The observables that the measure needs."""
         return (self.of,) if self.to is None else (self.of, self.to)
 
 
 @dataclass(frozen=True, slots=True)
 class Result:
-    """The least and the greatest value; None if there was nothing to measure."""
+    """The minimum and the maximum; None if nothing was measured."""
 
     measure: Measure
     seen: tuple[float, float] | None
 
     @property
     def kept(self) -> bool:
-        """Whether the limits were kept all the time."""
+        """Whether the limits were kept throughout."""
         if self.seen is None:
             return False
         return self.measure.least <= self.seen[0] and self.seen[1] <= self.measure.most
@@ -66,7 +66,7 @@ class Course:
     poses: Mapping[str, Sequence[Pose]]
 
     def between(self, begin: float, end: float) -> range:
-        """The indices of the samples in a time span, both ends included."""
+        """Return the indices of the samples in a time span, both ends included."""
         first = bisect_left(self.times, begin - 1e-9)
         return range(first, bisect_right(self.times, end + 1e-9))
 
@@ -80,14 +80,14 @@ def parse(entry: Mapping[str, Any], place: Callable[[str], Span]) -> Measure:
     def wrong(key: str, message: str, hint: str | None = None) -> InputError:
         return InputError([MEASURE.at(place(key), message, hint=hint)])
 
-    for key in _ALWAYS:
+    for key in _REQUIRED_KEYS:
         if not isinstance(entry.get(key), str) or not entry[key]:
             raise wrong("", f"a measure needs {key}, a text")
     kind = _KINDS.get(entry["kind"])
     if kind is None:
         known = ", ".join(_KINDS)
         raise wrong("kind", f"no kind {entry['kind']!r}", f"known: {known}")
-    needed = [*_ALWAYS, *(["to"] if kind.two else []), *kind.keys]
+    needed = [*_REQUIRED_KEYS, *(["to"] if kind.two else []), *kind.keys]
     for key in entry:
         if key not in needed and key not in _LIMITS:
             known = ", ".join([*needed, *_LIMITS])
@@ -97,7 +97,7 @@ def parse(entry: Mapping[str, Any], place: Callable[[str], Span]) -> Measure:
         raise wrong("to", f"{entry['kind']!r} needs to, an observable")
     begin, end, least, most = (
         _number(entry.get(key, default))
-        for key, default in zip(_LIMITS, (0.0, _MOST, 0.0, kind.most), strict=True)
+        for key, default in zip(_LIMITS, (0.0, _MAX_VALUE, 0.0, kind.most), strict=True)
     )
     if begin is None or end is None or least is None or most is None:
         raise wrong("", f"{', '.join(_LIMITS)} must be numbers")
@@ -124,7 +124,7 @@ def parse(entry: Mapping[str, Any], place: Callable[[str], Span]) -> Measure:
 
 def _number(value: Any) -> float | None:
     fine = isinstance(value, int | float) and not isinstance(value, bool)
-    return float(value) if fine and -_MOST <= value <= _MOST else None
+    return float(value) if fine and -_MAX_VALUE <= value <= _MAX_VALUE else None
 
 
 def evaluate(measure: Measure, course: Course) -> Result:
@@ -134,14 +134,14 @@ def evaluate(measure: Measure, course: Course) -> Result:
 
 
 def _distance(measure: Measure, course: Course) -> Iterator[float]:
-    """The distance between two robots."""
+    """Yield the distance between two robots."""
     one, other = _two(measure, course)
     for i in course.between(measure.begin, measure.end):
         yield _apart(one[i], other[i])
 
 
 def _track(measure: Measure, course: Course) -> Iterator[float]:
-    """The distance of a robot from the track of another, since `values[0]`."""
+    """Yield the distance of a robot from the track of another, since `values[0]`."""
     follower, leader = _two(measure, course)
     [since] = measure.values
     track: list[Pose] = []
@@ -159,7 +159,7 @@ def _track(measure: Measure, course: Course) -> Iterator[float]:
 
 
 def _inside(measure: Measure, course: Course) -> Iterator[float]:
-    """The distance of a robot from an area: minimum x and y, maximum x and y."""
+    """Yield the distance of a robot from an area: minimum x and y, maximum x and y."""
     left, bottom, right, top = measure.values
     poses = course.poses[measure.of]
     for i in course.between(measure.begin, measure.end):
@@ -168,7 +168,7 @@ def _inside(measure: Measure, course: Course) -> Iterator[float]:
 
 
 def _moved(measure: Measure, course: Course) -> Iterator[float]:
-    """The distance of a robot from its start."""
+    """Yield the distance of a robot from its start."""
     poses = course.poses[measure.of]
     within = course.between(measure.begin, measure.end)
     for i in within:
@@ -176,7 +176,7 @@ def _moved(measure: Measure, course: Course) -> Iterator[float]:
 
 
 def _relative_distance(measure: Measure, course: Course) -> Iterator[float]:
-    """The distance between two robots, both transformed to a common start pose."""
+    """Yield the distance between two robots, both transformed to a common start pose."""
     one, other = _two(measure, course)
     within = course.between(measure.begin, measure.end)
     for i in within:
@@ -186,7 +186,7 @@ def _relative_distance(measure: Measure, course: Course) -> Iterator[float]:
 
 
 def _displacement(measure: Measure, course: Course) -> Iterator[float]:
-    """The deviation of the whole motion from the expected one: in m, or in rad if that is more."""
+    """Yield the deviation of the total motion from the expected one: the greater of m and rad."""
     poses = course.poses[measure.of]
     within = course.between(measure.begin, measure.end)
     if within:
@@ -201,8 +201,8 @@ class _Kind:
     values: Callable[[Measure, Course], Iterator[float]]
     two: bool = False
     keys: Mapping[str, int] = field(default_factory=dict)
-    """Further keys, and their number of values; a single value defaults to 0."""
-    most: float = _MOST
+    """Further keys with their numbers of values; a single value defaults to 0."""
+    most: float = _MAX_VALUE
 
 
 _KINDS = {
@@ -225,14 +225,14 @@ def _apart(one: Pose, other: Pose) -> float:
 
 
 def _seen_from(start: Pose, pose: Pose) -> Pose:
-    """A pose in the frame of another."""
+    """Return a pose in the frame of another."""
     x, y = pose[0] - start[0], pose[1] - start[1]
     c, s = math.cos(start[2]), math.sin(start[2])
     return x * c + y * s, y * c - x * s, math.remainder(pose[2] - start[2], math.tau)
 
 
 def _from_line(here: Pose, line: Sequence[Pose]) -> float:
-    """The distance of a point from a line of straight pieces."""
+    """Return the distance of a point from a polyline."""
     best = math.inf
     for (ax, ay, _), (bx, by, _) in pairwise(line):
         dx, dy = bx - ax, by - ay

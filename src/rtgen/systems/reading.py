@@ -1,4 +1,4 @@
-"""Reads and validates the systems among a project's sources, with the files beside them."""
+"""Reads and validates the systems among a project's sources, with the `.conf` files beside them."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from rtgen.model.system_links import known_components
 from rtgen.systems.checks import check, check_properties
 from rtgen.typemap.openrtm_ports import ports_of, with_definition_names
 
-_MOST_OF_CONF = 1024 * 1024
+_MAX_CONF_BYTES = 1024 * 1024
 
 
 @dataclass(slots=True)
@@ -65,14 +65,14 @@ def read(paths: Sequence[Path], *, root: Path, output: Path) -> Systems:
                     components=tuple(components),
                     key=key_of(path, root),
                     sha256=digest,
-                    folder=_way(output, path.parent),
+                    folder=_relative_folder(output, path.parent),
                 )
             )
     return found
 
 
-def _way(start: Path, folder: Path) -> str:
-    """The relative path of a folder; empty on another drive."""
+def _relative_folder(start: Path, folder: Path) -> str:
+    """Return the relative path of a folder; empty on another drive."""
     try:
         return Path(os.path.relpath(folder, start)).as_posix()
     except ValueError:
@@ -82,14 +82,14 @@ def _way(start: Path, folder: Path) -> str:
 def read_file(
     path: Path,
 ) -> tuple[System | None, Sequence[Diagnostic], Mapping[str, str]]:
-    """The system of an RtsProfile (None if it has errors), the diagnostics, and the sources."""
+    """Read an RtsProfile: the system (None if it has errors), the diagnostics, and the sources."""
     return rts_profile.load(path, display=path.as_posix())
 
 
 def added(
     result: FrontendResult, paths: Sequence[Path], *, root: Path, output: Path
 ) -> FrontendResult:
-    """The result with systems, which are checked against its definitions; see `read`."""
+    """Return the result with systems, validated against its definitions; see `read`."""
     with stages.stage("systems"):
         found = read(paths, root=root, output=output)
         named, diagnostics = against(found.systems, result)
@@ -105,10 +105,7 @@ def added(
 def against(
     systems: Sequence[System], definitions: FrontendResult
 ) -> tuple[Sequence[System], list[Diagnostic]]:
-    """The systems with the definitions' names of ports, and their diagnostics.
-
-    If the definitions have errors, only properties are checked.
-    """
+    """Return the systems with the definitions' port names, and their diagnostics."""
     if has_errors(definitions.diagnostics):
         found = [d for each in systems for d in check_properties(each)]
         return systems, found
@@ -119,7 +116,7 @@ def against(
 
 
 def as_defined(systems: Iterable[System], models: Iterable[Model]) -> list[System]:
-    """The systems with port names of the definitions in place of OpenRTM's."""
+    """Return the systems with the definitions' port names in place of OpenRTM's."""
     known = known_components(models)
     return [
         with_definition_names(
@@ -135,7 +132,7 @@ def as_defined(systems: Iterable[System], models: Iterable[Model]) -> list[Syste
 
 
 def checked(systems: Iterable[System], models: Iterable[Model]) -> Iterator[Diagnostic]:
-    """Diagnostics about systems whose components are defined in models."""
+    """Yield diagnostics about systems whose components are defined in models."""
     known = known_components(models)
     for system in systems:
         yield from check(system, known)
@@ -148,7 +145,7 @@ def _with_conf(c: SystemComponent, folder: Path, found: Systems) -> SystemCompon
         if path.parent != folder:
             continue
         try:
-            data = read_start(path, _MOST_OF_CONF)
+            data = read_start(path, _MAX_CONF_BYTES)
         except (OSError, ValueError):
             found.dependencies.append(Dependency(path, None))
             continue

@@ -24,11 +24,11 @@ _ENTRY = re.compile(r"\s*\[\[\s*(\w+)\s*\]\]")
 _SUB = re.compile(r"\s*(?:\[\s*at\s*\.\s*)?[\"']?(\w+)[\"']?\s*[\]=.]")
 _REQUESTS: Final = ("deactivate", "reset", "activate")
 _ORDER = ("disconnect", "connect", "set", *_REQUESTS)
-"""Order of events at one instant."""
+"""Order of events at the same time."""
 _SECTIONS = ("at", "measure", "follows")
 _LINK_KEYS = frozenset({"from", "to", "name", "properties"})
 _ENDS = frozenset({"from", "to"})
-_MOST_FOLLOWED = 8
+_MAX_FOLLOWED = 8
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,7 +150,7 @@ def assignment(text: str, system: System, span: Span | None = None) -> SetParame
 
 
 def require_instance(instance: str, system: System, span: Span | None) -> str:
-    """The name of a component of the system. Raises InputError for an unknown one."""
+    """Return the name of a component of the system. Raises InputError for an unknown one."""
     known = [c.instance for c in system.components]
     if instance not in known:
         from difflib import get_close_matches
@@ -170,11 +170,8 @@ def parse(text: str, name: str, system: System) -> tuple[Step, ...]:
 
 
 def load(file: Path, system: System) -> Timeline:
-    """Read a timeline from a file, after those it follows. Raises InputError.
-
-    Raises ToolError if a file cannot be read.
-    """
-    readers = [*_chain(file, system, _MOST_FOLLOWED)]
+    """Read a timeline, preceded by those that it follows. Raises InputError."""
+    readers = [*_chain(file, system, _MAX_FOLLOWED)]
     return Timeline(
         _ordered([step for reader in readers for step in reader.found]),
         [measure for reader in readers for measure in reader.measures],
@@ -182,10 +179,7 @@ def load(file: Path, system: System) -> Timeline:
 
 
 def of_system(path: Path, named: str | None, system: System) -> Timeline:
-    """The timeline of that name, else the `timeline.toml` in the system's folder.
-
-    Raises InputError and ToolError as `load` does.
-    """
+    """Return the timeline of that name, else the `timeline.toml` in the system's folder."""
     if named is not None:
         return load(Path(named), system)
     if path.is_dir() and (path / "timeline.toml").is_file():
@@ -198,7 +192,7 @@ def _ordered(steps: Sequence[Step]) -> tuple[Step, ...]:
 
 
 def _chain(file: Path, system: System, most: int) -> Iterator[_Reader]:
-    """The readers of a timeline and of those it follows, the first one first."""
+    """Yield the readers of a timeline and of those it follows, the first one first."""
     name = file.as_posix()
     try:
         text = file.read_bytes().decode("utf-8", "replace")
@@ -208,7 +202,7 @@ def _chain(file: Path, system: System, most: int) -> Iterator[_Reader]:
     content = _content(text, name)
     if isinstance(followed := content.get("follows"), str):
         if most == 0:
-            message = f"more than {_MOST_FOLLOWED} timelines follow each other"
+            message = f"more than {_MAX_FOLLOWED} timelines follow each other"
             raise InputError([TIMELINE.at(Span(name, 1, 1, 1, 2), message)])
         before = [*_chain(file.parent / followed, system, most - 1)]
     yield from before
@@ -231,7 +225,7 @@ def _content(text: str, name: str) -> dict[str, Any]:
 
 
 def _place(action: Action) -> int:
-    """The position in the order of events at one instant."""
+    """Return the position in the order of events at the same time."""
     if isinstance(action, Ask):
         return _ORDER.index(action.request)
     return _ORDER.index(_KINDS[type(action)])
@@ -255,7 +249,7 @@ class _Reader:
             _Link(c.name, c.id, c.source, c.target) for c in system.connections
         ]
         self.links = [*(links or self._own)]
-        """The connections that may exist: of the system and of the timelines so far."""
+        """The connections that can exist: those of the system and of the timelines so far."""
         self.found: list[Step] = []
         self.measures: list[Measure] = []
         self.findings: list[Diagnostic] = []
@@ -288,7 +282,8 @@ class _Reader:
         return []
 
     def _steps(self, entries: list[dict[str, Any]]) -> Iterator[Step]:
-        # What is cut can be a connection that the timeline makes, so those are read first.
+        # A connection to cut can be one that the timeline makes, so `connect` entries are read
+        # first.
         for kinds in (("connect",), tuple(k for k in _ORDER if k != "connect")):
             for number, entry in enumerate(entries):
                 yield from self._entry(entry, number, kinds)
@@ -361,7 +356,7 @@ class _Reader:
         raise InputError([TIMELINE.at(span, message, hint=f"known: {known}")])
 
     def _between(self, value: dict[str, Any], span: Span) -> _Link:
-        """The only connection of two ports, in either direction."""
+        """Return the only connection of two ports, in either direction."""
         if set(value) != _ENDS:
             message = "'disconnect' takes a name, or a table of from and to"
             raise InputError([TIMELINE.at(span, message)])
@@ -418,7 +413,7 @@ class _Reader:
         self.findings.append(TIMELINE.at(span, message))
 
     def _span(self, section: str, number: int, key: str = "") -> Span:
-        """The place of a key of an entry, falling back on the entry."""
+        """Return the place of a key of an entry, defaulting to the entry."""
         places = [n for n, (_, name) in enumerate(self._entries) if name == section]
         if not 0 <= number < len(places):
             return Span(self._name, 1, 1, 1, 7)
@@ -452,7 +447,7 @@ _FORMS = {
 
 
 def _parameter_text(value: object) -> str | None:
-    """A TOML value as the text of a parameter; None if it is not a parameter value."""
+    """Convert a TOML value to the text of a parameter; None if it is not a parameter value."""
     match value:
         case str():
             return value

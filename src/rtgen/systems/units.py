@@ -31,7 +31,7 @@ _REAL = (Primitive.FLOAT, Primitive.DOUBLE, Primitive.LONG_DOUBLE)
 def check(
     connection: Connection, source: Port, target: Port, model: Model
 ) -> Iterator[Diagnostic]:
-    """Diagnostics about the units of two ports of one type; `model` has that type."""
+    """Yield diagnostics about the units of two ports of one type; `model` has that type."""
     sent, wanted = ("".join(port.unit.split()) for port in (source, target))
     if sent == wanted:
         return
@@ -55,7 +55,7 @@ def check(
 
 
 def _compared(source: Port, target: Port, model: Model) -> tuple[Rule | None, str]:
-    """The rule that two different texts of units break, if they do, with a hint."""
+    """Return the rule violated by two different texts of units, if any, with a hint."""
     from rtgen.units import Relation, UnitError, parse_list, relation
 
     texts = [[part.strip() for part in p.unit.split(",")] for p in (source, target)]
@@ -79,7 +79,7 @@ def _compared(source: Port, target: Port, model: Model) -> tuple[Rule | None, st
 
 
 def _adapter(source: Port, model: Model, scaled: list[tuple[str, str]]) -> str:
-    """A hint with the adapter that converts."""
+    """Return a hint with an adapter that converts."""
     type_ = model.unalias(source.type)
     name = "::".join(type_.name) if isinstance(type_, NamedType) else str(type_)
     leaves = list(_numbers(model, type_, ()))
@@ -100,7 +100,7 @@ def _adapter(source: Port, model: Model, scaled: list[tuple[str, str]]) -> str:
 def _numbers(
     model: Model, type_: object, path: tuple[str, ...]
 ) -> Iterator[tuple[str, ...]]:
-    """The paths of all members that are real numbers, or sequences and arrays of them."""
+    """Yield the paths of all members that are real numbers, or sequences and arrays of them."""
     match type_:
         case NamedType(name):
             declaration = model.find(name)

@@ -82,7 +82,7 @@ ROWS = {
 
 
 def row(data_type: int) -> Row:
-    """The row of a data type; unknown types are raw octets."""
+    """Return the row of a data type; unknown types are raw octets."""
     try:
         return ROWS[DataType(data_type)]
     except ValueError:
@@ -90,7 +90,7 @@ def row(data_type: int) -> Row:
 
 
 def limits(data_type: int) -> tuple[int, int] | None:
-    """The range of an integer type, where its IDL type has a wider one."""
+    """Return the range of an integer type, where its IDL type has a wider one."""
     if row(data_type).source is not Source.WIDER:
         return None
     code = DataType(data_type)

@@ -7,19 +7,21 @@ from rtgen.typemap.canopen_ports import Quantity
 
 
 def line(text: str) -> str:
-    """A text of a description in one line, without characters illegal in comments and XML."""
+    """Return a text of a description in one line, without characters illegal in comments and
+    XML.
+    """
     printable = "".join(c if c.isprintable() else " " for c in text)
     return " ".join(printable.replace("\\", "/").split())
 
 
 def number(variable: Variable) -> str:
-    """The object's number as CiA writes it: `6064h`, `1018h:1`."""
+    """Return the object's number as CiA writes it: `6064h`, `1018h:1`."""
     subindex = f":{variable.subindex}" if variable.subindex else ""
     return f"{variable.index:04X}h{subindex}"
 
 
 def type_name(data_type: int) -> str:
-    """The name of a data type such as `INTEGER16`; for an unknown one, its code."""
+    """Return the name of a data type such as `INTEGER16`; for an unknown one, its code."""
     try:
         return DataType(data_type).name
     except ValueError:
@@ -27,7 +29,7 @@ def type_name(data_type: int) -> str:
 
 
 def object_line(quantity: Quantity) -> str:
-    """An object in one line: number, name, type, factor and unit.
+    """Return an object in one line: number, name, type, factor and unit.
 
     A factor that does not apply to the shown value is part of the unit: `0.1 rpm`.
     """

@@ -16,7 +16,7 @@ _OTHER = re.compile(r"[^A-Za-z0-9]+")
 
 
 def module_name(stem: str) -> str:
-    """The IDL module of a device: Pascal case of the file's stem."""
+    """Return the IDL module of a device: Pascal case of the file's stem."""
     parts = _PARTS.findall(_ascii(stem))
     name = "".join(part[0].upper() + part[1:] for part in parts)
     return f"Device{name}" if not name or name[0].isdigit() else name
@@ -28,16 +28,15 @@ def _ascii(text: str) -> str:
 
 
 def identifier(name: str) -> str:
-    """The name as an identifier: ASCII, runs of other characters replaced by `_`."""
+    """Return the name as an identifier: ASCII, runs of other characters replaced by `_`."""
     text = _OTHER.sub("_", _ascii(name))
     return text if text[:1].isalpha() else f"o_{text.lstrip('_')}"
 
 
 def field_names(variables: Iterable[Variable]) -> dict[tuple[int, int], str]:
-    """The identifiers of a device's variables by index and sub-index.
+    """Return the identifiers of a device's variables by index and sub-index.
 
-    The number is appended to names that differ in case only, or that are keywords of IDL or
-    Python.
+    The number is appended to names that differ in case only, or that are keywords of IDL or Python.
     """
     numbers = {(v.index, v.subindex): identifier(v.name) for v in variables}
     counts = Counter(name.lower() for name in numbers.values())
@@ -61,7 +60,7 @@ def field_names(variables: Iterable[Variable]) -> dict[tuple[int, int], str]:
 
 
 def numbered(name: str, number: tuple[int, int]) -> str:
-    """The name with the number of its object: `Input_6401_01`."""
+    """Return the name with the number of its object: `Input_6401_01`."""
     index, subindex = number
     return f"{name}_{index:04X}_{subindex:02X}"
 

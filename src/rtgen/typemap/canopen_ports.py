@@ -68,7 +68,9 @@ class Quantity(msgspec.Struct, frozen=True):
         return row(self.variable.data_type).type if self.factor is None else _DOUBLE
 
     def timed(self, module: str) -> ScopedName:
-        """The type of a port for this variable alone; `module` contains those that RTC lacks."""
+        """Return the type of a port for this variable alone; `module` contains those that RTC
+        lacks.
+        """
         if self.factor is not None:
             return ("RTC", "TimedDouble")
         port_type = row(self.variable.data_type).timed
@@ -78,13 +80,13 @@ class Quantity(msgspec.Struct, frozen=True):
 
 
 def _usable(factor: float | None, variable: Variable) -> float | None:
-    """A factor that changes the value."""
+    """Return a factor that changes the value."""
     fine = factor is not None and isfinite(factor) and factor not in (0, 1)
     return factor if fine and variable.data_type in NUMERIC else None
 
 
 def can_be_parameter(quantity: Quantity) -> bool:
-    """Whether an object can be a configuration parameter: writable, and a number or text."""
+    """Return whether an object can be a configuration parameter: writable, and a number or text."""
     code = quantity.variable.data_type
     return quantity.variable.access.writable and (
         code in NUMERIC or code in _PLAIN_PARAMETERS
@@ -144,10 +146,10 @@ class DevicePorts:
         self.samples = tuple(self._samples())
 
     def quantity(self, variable: Variable) -> Quantity:
-        """A variable with the factor and the unit of the bus file.
+        """Return a variable with the factor and the unit of the bus file.
 
-        The factor of an EDS is informative: types are those of the object. Its unit belongs to
-        the physical value, so it is omitted if the raw value is shown.
+        The factor of an EDS is informative: types are those of the object. Its unit belongs to the
+        physical value, so it is omitted if the raw value is shown.
         """
         number = variable.index, variable.subindex
         factor = _usable(self._factors.get(number), variable)
@@ -178,7 +180,7 @@ class DevicePorts:
         return tuple(self.quantity(v) for v in variables if v is not None)
 
     def of(self, direction: PdoDirection) -> tuple[PdoSample, ...]:
-        """The PDOs of a direction."""
+        """Return the PDOs of a direction."""
         return tuple(s for s in self.samples if s.pdo.direction is direction)
 
     @property
@@ -231,7 +233,7 @@ class DevicePorts:
     def _member(
         self, variable: Variable, known: Sequence[Quantity], struct: str
     ) -> Quantity:
-        """A variable as a member of a struct.
+        """Return a variable as a member of a struct.
 
         The number is appended to a name equal to that of the struct, the time stamp or the module
         of its type; a variable that is mapped twice is counted.

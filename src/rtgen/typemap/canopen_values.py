@@ -25,7 +25,7 @@ PYTHON_TYPES = {
 
 
 def kind(data_type: int) -> Kind:
-    """The kind of a data type; unknown types are raw octets."""
+    """Return the kind of a data type; unknown types are raw octets."""
     try:
         return KINDS[DataType(data_type)]
     except ValueError:
@@ -33,14 +33,14 @@ def kind(data_type: int) -> Kind:
 
 
 def python_type(data_type: int) -> str:
-    """The Python type of its values."""
+    """Return the Python type of its values."""
     return PYTHON_TYPES.get(kind(data_type), "int")
 
 
 def object_value(
     data_type: int, value: Value | None
 ) -> bool | int | float | str | bytes | None:
-    """A value for the runtime; of a value relative to the node-id, the offset."""
+    """Return a value for the runtime; of a value relative to the node-id, the offset."""
     if isinstance(value, NodeRelative):
         return value.offset
     if not isinstance(value, int):

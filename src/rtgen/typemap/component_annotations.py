@@ -47,7 +47,7 @@ WrittenAnnotation: TypeAlias = Annotation | tuple[str, ...]
 
 
 def annotations_of(item: Documented) -> tuple[Annotation, ...]:
-    """The annotations of a component, port or parameter that was not read from IDL."""
+    """Return the annotations of a component, port or parameter that was not read from IDL."""
     match item:
         case Component():
             return _of_component(item)
@@ -120,7 +120,7 @@ def _of_parameter(
 
 
 def written_annotations(item: Documented) -> tuple[WrittenAnnotation, ...] | None:
-    """The annotations of an item as written; None for those that a profile implies.
+    """Return the annotations of an item as written; None for those that a profile implies.
 
     Those are the result of `annotations_of`, and events.
     """
@@ -138,7 +138,7 @@ def _written(item: Documented, annotation: Annotation) -> WrittenAnnotation:
 def annotations_from(
     item: Documented, entries: Sequence[WrittenAnnotation]
 ) -> tuple[Annotation, ...]:
-    """The annotations of an item as written, as far as its fields still agree with them."""
+    """Return the annotations of an item as written, as far as its fields still agree with them."""
     made: list[Annotation] = []
     for entry in entries:
         found = entry if isinstance(entry, Annotation) else _of_fields(item, entry)
@@ -155,12 +155,14 @@ def annotations_from(
 
 
 def same_event(one: Annotation, other: Annotation) -> bool:
-    """Whether two annotations of an event port are equivalent; omitted arguments are empty."""
+    """Return whether two annotations of an event port are equivalent; omitted arguments are
+    empty.
+    """
     return one.name == other.name and _whole(one) == _whole(other)
 
 
 def _whole(event: Annotation) -> Annotation:
-    """An event with all arguments, as in profiles."""
+    """Return an event with all arguments, as in profiles."""
     if event.name != EVENT:
         return event
     return Annotation(
@@ -169,7 +171,7 @@ def _whole(event: Annotation) -> Annotation:
 
 
 def _of_fields(item: Documented, short: Sequence[str]) -> Annotation | None:
-    """The annotation with the values of the fields; None if a field has none."""
+    """Return the annotation with the values of the fields; None if a field has none."""
     name, *keys = short
     arguments: list[tuple[str, ConstantValue]] = []
     for key in keys:
@@ -187,7 +189,7 @@ def _of_fields(item: Documented, short: Sequence[str]) -> Annotation | None:
 def _with_arguments(
     made: list[Annotation], wanted: Annotation, item: Documented
 ) -> list[Annotation]:
-    """The annotations with a complete `@rtc`."""
+    """Return the annotations with a complete `@rtc`."""
     assert isinstance(item, Component)
     for place, annotation in enumerate(made):
         if annotation.name == "rtc":

@@ -10,7 +10,7 @@ _FRACTION = re.compile(r"\.\d+")
 
 
 def is_date(text: str) -> bool:
-    """Whether it is a date with a time; the zone may be missing."""
+    """Return whether it is a date with a time; the zone may be missing."""
     if not _DATE.fullmatch(text):
         return False
     try:
@@ -21,6 +21,6 @@ def is_date(text: str) -> bool:
 
 
 def has_zone(text: str) -> bool:
-    """Whether a date has a zone."""
+    """Return whether a date has a zone."""
     found = _DATE.fullmatch(text)
     return found is not None and found[2] is not None

@@ -51,7 +51,7 @@ def drive_factor(device: Device, number: tuple[int, int], unit: str) -> float:
 
 
 def _unit(device: Device, order: int) -> Unit:
-    """The unit of positions, velocities or accelerations, at the driving shaft."""
+    """Return the unit of positions, velocities or accelerations, at the driving shaft."""
     prefix, what, _ = _parts(_number(device, _POSITION))
     turns = _number(device, (0x6091, 1)), _number(device, (0x6091, 2))
     at_motor = what == _INCREMENT

@@ -28,5 +28,5 @@ _ESCAPED = frozenset(FOLDED).union(CORBA_3)
 
 
 def escaped(name: str) -> str:
-    """The identifier as written in a definition, with `_` before one that is a keyword."""
+    """Return the identifier as written in a definition, with `_` before one that is a keyword."""
     return f"_{name}" if name.lower() in _ESCAPED else name

@@ -133,7 +133,7 @@ class PythonMapping:
         self._spell = spell
 
     def annotation(self, type_: Type) -> str:
-        """The annotation of a value of the type, on one line."""
+        """Return the annotation of a value of the type, on one line."""
         match type_:
             case PrimitiveType(kind):
                 return self._spelled(PRIMITIVES[kind], PRIMITIVES[kind].annotation)
@@ -165,7 +165,7 @@ class PythonMapping:
                 return self._named(name)
 
     def default(self, type_: Type) -> str:
-        """An expression for the initial value: zero, false, empty, the first enumerator."""
+        """Return an expression for the initial value: zero, false, empty, the first enumerator."""
         type_ = self._model.unalias(type_)
         match type_:
             case PrimitiveType(kind):
@@ -197,7 +197,7 @@ class PythonMapping:
                 return "None"
 
     def immutable(self, type_: Type) -> bool:
-        """Whether values of the type can be shared, as a default or between copies."""
+        """Return whether values of the type can be shared, as a default or between copies."""
         type_ = self._model.unalias(type_)
         match type_:
             case SequenceType() | ArrayType():
@@ -210,7 +210,7 @@ class PythonMapping:
         return True
 
     def factory(self, type_: Type) -> str:
-        """A callable that makes the initial value of a mutable type."""
+        """Return a callable that makes the initial value of a mutable type."""
         plain = self._model.unalias(type_)
         match plain:
             case SequenceType(numeric="list" | "array"):
@@ -222,12 +222,14 @@ class PythonMapping:
         return f"lambda: {self.default(type_)}"
 
     def is_text(self, type_: Type) -> bool:
-        """Whether a sequence or array is `bytes` or `str` in Python."""
+        """Return whether a sequence or array is `bytes` or `str` in Python."""
         flat = not isinstance(type_, ArrayType) or len(type_.dimensions) == 1
         return flat and self._text_type(type_) is not None
 
     def _text_type(self, type_: Type) -> str | None:
-        """The type of a sequence, or of an array's innermost dimension, if it is not a list."""
+        """Return the type of a sequence, or of an array's innermost dimension, if it is not a
+        list.
+        """
         if not isinstance(type_, SequenceType | ArrayType):
             return None
         element = self._model.unalias(type_.element)
@@ -283,7 +285,7 @@ class PythonMapping:
     def _numpy_default(
         self, type_: SequenceType | ArrayType, shape: tuple[int, ...]
     ) -> str:
-        """The expression of a numpy array of zeros."""
+        """Return the expression of a numpy array of zeros."""
         if self._kind(type_) is None:
             element = self.annotation(self._model.unalias(type_.element))
         else:
@@ -292,7 +294,7 @@ class PythonMapping:
         return f"{self._spell('rtgen.runtime', 'idl')}.zeros({element}, {sizes})"
 
     def _item_type(self, type_: SequenceType | ArrayType) -> str:
-        """The scalar type of numpy, that of structured arrays for structs."""
+        """Return the scalar type of numpy, that of structured arrays for structs."""
         kind = self._kind(type_)
         if kind is None:
             return "void"
@@ -306,13 +308,15 @@ class PythonMapping:
 
 
 def is_boolean(model: Model, field: Bitfield) -> bool:
-    """Whether a bitfield is a bool: one bit, no type or `boolean` written (IDL 4.2, 7.4.13.4.3)."""
+    """Return whether a bitfield is a bool: one bit, no type or `boolean` written (IDL 4.2,
+    7.4.13.4.3).
+    """
     if field.type is None:
         return field.bits == 1
     return model.unalias(field.type) == PrimitiveType(Primitive.BOOLEAN)
 
 
 def is_signed(model: Model, field: Bitfield) -> bool:
-    """Whether a bitfield is in two's complement."""
+    """Return whether a bitfield is in two's complement."""
     plain = None if field.type is None else model.unalias(field.type)
     return isinstance(plain, PrimitiveType) and plain.kind in _SIGNED

@@ -109,15 +109,15 @@ class PythonNames:
             self._name_classes(module)
 
     def module(self, file: str) -> str:
-        """The implementation module of a source file, by its displayed path."""
+        """Return the implementation module of a source file, by its displayed path."""
         return self._modules[file]
 
     def declarations(self, module: str) -> list[Declaration]:
-        """The declarations in an implementation module, in order."""
+        """Return the declarations in an implementation module, in order."""
         return self._by_module.get(module, [])
 
     def inside(self, scope: ScopedName) -> list[Declaration]:
-        """The declarations directly in a scope, in order."""
+        """Return the declarations directly in a scope, in order."""
         return self._by_scope.get(scope, [])
 
     @property
@@ -143,16 +143,16 @@ class PythonNames:
         return package_path(name[:inner]), attribute
 
     def attribute(self, name: ScopedName) -> str:
-        """The name of a declaration or enumerator in its enclosing scope."""
+        """Return the name of a declaration or enumerator in its enclosing scope."""
         return self._attribute(name)
 
     def companion(self, name: ScopedName, suffix: str) -> str:
-        """The companion of a declaration's class: `RefHardStub`, `RangeListCodec`."""
+        """Return the companion of a declaration's class: `RefHardStub`, `RangeListCodec`."""
         module = self._modules[self._model.find(name).file]
         return _free(self._implementations[name][1] + suffix, self._classes_of[module])
 
     def public_companion(self, name: ScopedName, suffix: str) -> str:
-        """The name of a companion in the package of the declaration's IDL module."""
+        """Return the name of a companion in the package of the declaration's IDL module."""
         return _free(self._attribute(name) + suffix, self._members_of[name[:-1]])
 
     @cached_property
@@ -173,27 +173,31 @@ class PythonNames:
         return found
 
     def is_nested(self, name: ScopedName) -> bool:
-        """Whether it is declared inside an interface, struct or similar."""
+        """Return whether it is declared inside an interface, struct or similar."""
         return self._depth(name) < len(name) - 1
 
     def enumerator(self, name: ScopedName) -> tuple[ScopedName, str]:
-        """The enum that has the enumerator of that scoped name, and its Python name there."""
+        """Return the enum that has the enumerator of that scoped name, and its Python name
+        there.
+        """
         enum = self._model.find(self._enumerators[name])
         assert isinstance(enum, Enum | Bitmask)
         return enum.name, self.enumerators(enum)[name[-1]]
 
     def enumerators(self, declaration: Enum | Bitmask) -> dict[str, str]:
-        """The Python names of the members of an enum or bitmask."""
+        """Return the Python names of the members of an enum or bitmask."""
         return distinct((m.name for m in declaration.members), OWN_NAMES[Enum])
 
     def enumerators_of(self, name: ScopedName) -> list[str]:
-        """The Python names of the enumerators of an enum, in order."""
+        """Return the Python names of the enumerators of an enum, in order."""
         declaration = self._model.find(name)
         assert isinstance(declaration, Enum)
         return list(self.enumerators(declaration).values())
 
     def members(self, declaration: Fielded) -> dict[str, str]:
-        """The Python names of the members of a struct or similar, or the branches of a union."""
+        """Return the Python names of the members of a struct or similar, or the branches of a
+        union.
+        """
         name = declaration.name
         if name not in self._members:
             self._members[name] = self._new_members(declaration)
@@ -217,7 +221,7 @@ class PythonNames:
         return distinct((e.name for e in entries if e.name), own.union(inherited))
 
     def operations(self, declaration: Interface | Valuetype) -> dict[str, str]:
-        """The Python names of the attributes and operations that it adds to its bases."""
+        """Return the Python names of the attributes and operations that it adds to its bases."""
         name = declaration.name
         if name not in self._operations:
             self._operations[name] = self._new_operations(declaration)
@@ -235,15 +239,17 @@ class PythonNames:
         return distinct(attributes + operations, taken)
 
     def bases(self, declaration: Interface | Valuetype) -> list[ScopedName]:
-        """The base classes: the latest declared first.
+        """Return the base classes: the latest declared first.
 
-        With this common order, in which derived classes precede their bases, Python finds a
-        method resolution order for everything that IDL allows.
+        With this common order, in which derived classes precede their bases, Python finds a method
+        resolution order for everything that IDL allows.
         """
         return sorted(declaration.bases, key=self._places.__getitem__, reverse=True)
 
     def contested(self, declaration: Interface) -> dict[str, Declaration]:
-        """The attributes that bases define differently, with the one that takes precedence."""
+        """Return the attributes that bases define differently, with the one that takes
+        precedence.
+        """
         if len(declaration.bases) < 2:
             return {}
         given: dict[str, Declaration] = {}
@@ -256,7 +262,7 @@ class PythonNames:
         return contested
 
     def hides(self, declaration: Interface) -> bool:
-        """Whether an attribute differs from that of a base."""
+        """Return whether an attribute differs from that of a base."""
         held = self._held(declaration.name)
         return any(
             held[attribute] is not inner
@@ -265,7 +271,7 @@ class PythonNames:
         )
 
     def _held(self, name: ScopedName) -> dict[str, Declaration]:
-        """The declarations in an interface and its bases, by attribute."""
+        """Return the declarations in an interface and its bases, by attribute."""
         if name not in self._holdings:
             declaration = self._model.find(name)
             assert isinstance(declaration, Interface)
@@ -281,7 +287,7 @@ class PythonNames:
         return self._holdings[name]
 
     def _inherited_state(self, declaration: Valuetype) -> list[str]:
-        """The Python names of the state of a valuetype's bases."""
+        """Return the Python names of the state of a valuetype's bases."""
         return [
             name
             for base in self._model.bases(declaration)
@@ -290,7 +296,7 @@ class PythonNames:
         ]
 
     def attribute_names(self, module: str) -> frozenset[str]:
-        """The attributes that classes of an implementation module have in class scope."""
+        """Return the attributes that classes of an implementation module have in class scope."""
         if module not in self._attributes:
             self._attributes[module] = frozenset(self._new_attribute_names(module))
         return self._attributes[module]
@@ -432,11 +438,13 @@ def _free(name: str, taken: Collection[str]) -> str:
 
 
 def is_emitted(declaration: Declaration) -> bool:
-    """Whether the types back end generates anything for it."""
+    """Return whether the types back end generates anything for it."""
     return not isinstance(declaration, Component | Home | Native)
 
 
 def package_path(scope: ScopedName) -> tuple[str, ...]:
-    """The package path below the root for an IDL module; rtgen's own packages keep theirs."""
+    """Return the package path below the root for an IDL module; rtgen's own packages keep
+    theirs.
+    """
     path = scope_modules(scope)
     return (identifier(path[0], _PACKAGES), *path[1:]) if path else path

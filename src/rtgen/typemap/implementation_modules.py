@@ -54,7 +54,7 @@ def implementation_modules(model: Model) -> dict[str, str]:
 
 
 def _owners(model: Model) -> dict[str, str]:
-    """Each file with the file whose module it belongs to."""
+    """Return each file with the file whose module it belongs to."""
     includers = {file.name: file.belongs_to for file in model.files}
     owners = {}
     for file in model.files:
@@ -75,7 +75,7 @@ def _owners(model: Model) -> dict[str, str]:
 
 
 def _needs(model: Model, owners: dict[str, str]) -> dict[str, set[str]]:
-    """The other files that the declarations of each file refer to."""
+    """Return the other files that the declarations of each file refer to."""
     files = {d.name: owners[d.file] for d in model.declarations}
     needs: dict[str, set[str]] = {}
     for declaration in model.declarations:
@@ -86,7 +86,7 @@ def _needs(model: Model, owners: dict[str, str]) -> dict[str, set[str]]:
 
 
 def referred(declaration: Declaration) -> Iterator[ScopedName]:
-    """The names in a declaration: types, bases, exceptions."""
+    """Yield the names in a declaration: types, bases, exceptions."""
     match declaration:
         case Struct(members=members, base=base):
             yield from (base,) if base else ()

@@ -29,13 +29,13 @@ _POLARITIES = {PortKind.PROVIDER: "provided", PortKind.CONSUMER: "required"}
 
 
 def key_of(port: Port) -> Key:
-    """The key of a port; interfaces of one service port share it."""
+    """Return the key of a port; interfaces of one service port share it."""
     way = _WAYS.get(port.kind, SERVICE)
     return way, port.port if way == SERVICE else port.name
 
 
 def chosen_name(port: Port) -> str:
-    """The name in the port's annotation; empty without one."""
+    """Return the name in the port's annotation; empty without one."""
     annotation = port.annotation(OPENRTM_NAME)
     value = None if annotation is None else annotation.get()
     return value if isinstance(value, str) else ""
@@ -65,7 +65,7 @@ _NOTHING = InstancePorts({}, {})
 
 
 def ports_of(component: Component) -> InstancePorts:
-    """The ports of the instances of a component."""
+    """Return the ports of the instances of a component."""
     return InstancePorts(
         names_of(component),
         {
@@ -81,7 +81,7 @@ def ports_of(component: Component) -> InstancePorts:
 def with_definition_names(
     system: System, instances: Mapping[str, InstancePorts]
 ) -> System:
-    """The system with OpenRTM's names of ports and interfaces replaced by the definitions'.
+    """Return the system with OpenRTM's names of ports and interfaces replaced by the definitions'.
 
     Unknown names are kept.
     """
@@ -114,7 +114,7 @@ def _connection(
 
 
 def _aliases(registered: str) -> tuple[str, str]:
-    """The names in files for a port registered under a name."""
+    """Return the names in files for a port registered under a name."""
     return registered, known_name(registered)
 
 
@@ -133,7 +133,7 @@ def _definition_end(
 def _definition_key(
     text: str, ends: Sequence[PortReference], instances: Mapping[str, InstancePorts]
 ) -> str:
-    """A key or value of a property, which may name an interface of one of the ends.
+    """Return a key or value of a property, which may name an interface of one of the ends.
 
     The type in the name is ignored: the other parts are unique, and files write a type with or
     without its scope.

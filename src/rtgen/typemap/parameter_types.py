@@ -50,7 +50,7 @@ _VECTOR = re.compile(r"(?:std::)?vector ?< ?(.*?) ?>")
 
 
 def type_of(word: str) -> Type | None:
-    """The type for a name, None for an unknown one."""
+    """Return the type for a name, None for an unknown one."""
     word = " ".join(word.split())
     if word in _STRINGS:
         return StringType()

@@ -45,7 +45,7 @@ class Parameters:
         self._model = model
 
     def is_supported(self, type_: Type) -> bool:
-        """Whether values of the type can be a parameter; see the rule RTC0302."""
+        """Return whether values of the type can be a parameter; see the rule RTC0302."""
         item = self.item_type(type_)
         match item:
             case PrimitiveType(kind):
@@ -58,7 +58,7 @@ class Parameters:
                 )
 
     def profile_type(self, type_: Type) -> str:
-        """The value of `rtc:type` in an RtcProfile: a C++ type, as RTCBuilder writes it."""
+        """Return the value of `rtc:type` in an RtcProfile: a C++ type, as RTCBuilder writes it."""
         type_ = self._model.unalias(type_)
         match type_:
             case SequenceType(element):
@@ -78,7 +78,7 @@ class Parameters:
         return str(type_)
 
     def default_text(self, parameter: ConfigurationParameter) -> str:
-        """The default as text; falls back on that of the type's zero value."""
+        """Return the default as text; falls back on that of the type's zero value."""
         if parameter.default is not None:
             return value_text(parameter.default)
         type_ = self._model.unalias(parameter.type)
@@ -91,7 +91,7 @@ class Parameters:
                 return ""
 
     def enumerators(self, type_: Type) -> tuple[str, ...]:
-        """The names of an enum's members; empty for every other type."""
+        """Return the names of an enum's members; empty for every other type."""
         type_ = self._model.unalias(type_)
         if isinstance(type_, NamedType):
             declaration = self._model.find(type_.name)
@@ -100,14 +100,14 @@ class Parameters:
         return ()
 
     def default_items(self, parameter: ConfigurationParameter) -> list[str]:
-        """The items of the default: one for a scalar, any number for a sequence."""
+        """Return the items of the default: one for a scalar, any number for a sequence."""
         text = self.default_text(parameter)
         if self.is_sequence(parameter.type):
             return parameter_texts.items(text)
         return [text]
 
     def constraint(self, parameter: ConfigurationParameter) -> Constraint | None:
-        """The constraint as written, else from the bounds, else from the enum's members.
+        """Return the constraint as written, else from the bounds, else from the enum's members.
 
         Raises ConstraintError for a malformed constraint, or for one on a value that is not a
         number.
@@ -120,7 +120,7 @@ class Parameters:
         return self.bounds(parameter) or (enumeration(names) if names else None)
 
     def bounds(self, parameter: ConfigurationParameter) -> Constraint | None:
-        """The constraint of `@min` and `@max`; None without either."""
+        """Return the constraint of `@min` and `@max`; None without either."""
         ends = (parameter.minimum, parameter.maximum)
         lower, upper = (None if end is None else value_text(end) for end in ends)
         return interval(lower, upper)
@@ -128,7 +128,7 @@ class Parameters:
     def is_default_allowed(
         self, parameter: ConfigurationParameter, limit: Constraint
     ) -> bool:
-        """Whether the default (of the right type) satisfies the constraint."""
+        """Return whether the default (of the right type) satisfies the constraint."""
         item = self.item_type(parameter.type)
         texts = self.default_items(parameter)
         return allows(limit, [self._value(item, text) for text in texts])
@@ -138,7 +138,7 @@ class Parameters:
         return text if isinstance(value, Decimal | EnumeratorName) else value
 
     def item_type(self, type_: Type) -> Type:
-        """The type of a sequence's elements, or the type itself; typedefs resolved."""
+        """Return the type of a sequence's elements, or the type itself; typedefs resolved."""
         type_ = self._model.unalias(type_)
         return (
             self._model.unalias(type_.element)
@@ -147,11 +147,11 @@ class Parameters:
         )
 
     def is_sequence(self, type_: Type) -> bool:
-        """Whether a value is a sequence."""
+        """Return whether a value is a sequence."""
         return isinstance(self._model.unalias(type_), SequenceType)
 
     def is_number(self, type_: Type) -> bool:
-        """Whether a value, or an item of it, is a number (not a boolean)."""
+        """Return whether a value, or an item of it, is a number (not a boolean)."""
         item = self.item_type(type_)
         return isinstance(item, PrimitiveType) and (
             item.kind in INTEGER_RANGES or item.kind in FLOAT_LIMITS
@@ -233,7 +233,7 @@ class Parameters:
 
 
 def value_text(value: ConstantValue) -> str:
-    """A value as written in profiles; booleans are 1 and 0, which every target converts."""
+    """Return a value as written in profiles; booleans are 1 and 0, which every target converts."""
     match value:
         case bool():
             return str(int(value))

@@ -12,22 +12,22 @@ _OTHER = re.compile(r"[^A-Za-z0-9_]+")
 
 
 def written(text: str) -> str:
-    """A text of several lines as RTCBuilder keeps it in an attribute."""
+    """Return a text of several lines as RTCBuilder keeps it in an attribute."""
     return "<br/>".join(text.splitlines())
 
 
 def lines(text: str) -> str:
-    """A text of an attribute, with its lines."""
+    """Return a text of an attribute, with its lines."""
     return "\n".join(line.strip() for line in _BREAK.split(text)).strip()
 
 
 def one_line(text: str) -> str:
-    """A text of an attribute in one line."""
+    """Return a text of an attribute in one line."""
     return " ".join(lines(text).split("\n"))
 
 
 def summary(description: str, doc: str) -> str:
-    """The description of a component in one line; may be empty."""
+    """Return the description of a component in one line; may be empty."""
     return description or doc.strip().partition("\n")[0].strip()
 
 
@@ -38,7 +38,7 @@ def word(text: str, otherwise: str) -> str:
 
 
 def identifier(text: str, otherwise: str = "value") -> str:
-    """The text as an identifier of IDL and Python."""
+    """Return the text as an identifier of IDL and Python."""
     name = word(text, otherwise)
     reserved = escaped(name) != name or keyword.iskeyword(name)
     return f"{name}_" if reserved else name

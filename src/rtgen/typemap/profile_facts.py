@@ -88,7 +88,7 @@ def facts_from(text: str) -> Facts:
 
 
 def checked(found: Any) -> tuple[Facts, list[str]]:
-    """The facts of valid types, and messages about the others."""
+    """Return the facts of valid types, and messages about the others."""
     if not isinstance(found, dict):
         return {}, ["it is not an object of JSON"]
     wrong = {
@@ -101,7 +101,7 @@ def checked(found: Any) -> tuple[Facts, list[str]]:
 
 
 def value_to_json(value: ConstantValue) -> Any:
-    """A constant's value in JSON."""
+    """Return a constant's value in JSON."""
     match value:
         case EnumeratorName(name):
             return {"enumerator": "::".join(name)}
@@ -171,7 +171,7 @@ def _entry(found: Any) -> WrittenAnnotation:
 
 
 def of_component(model: Model, component: Component) -> Facts:
-    """The facts of a component, without its ports and parameters."""
+    """Return the facts of a component, without its ports and parameters."""
     name = component.name
     facts: Facts = {}
     if len(name) > 1:
@@ -200,7 +200,7 @@ def of_component(model: Model, component: Component) -> Facts:
 
 
 def _further_files(model: Model, component: Component) -> list[str]:
-    """The base names of the IDL files that declare no port's type."""
+    """Return the base names of the IDL files that declare no port's type."""
     known = {file_of(model, port) for port in component.ports}
     needed = declarations_of(model, component)
     files = dict.fromkeys(PurePosixPath(each.file).name for each in needed)
@@ -208,14 +208,14 @@ def _further_files(model: Model, component: Component) -> list[str]:
 
 
 def file_of(model: Model, port: Port) -> str:
-    """The base name of the file that declares a port's type; empty for a basic type."""
+    """Return the base name of the file that declares a port's type; empty for a basic type."""
     if not isinstance(port.type, NamedType):
         return ""
     return PurePosixPath(model.find(port.type.name).file).name
 
 
 def of_port(port: Port) -> Facts:
-    """The facts of a data port, or of an interface of a service port."""
+    """Return the facts of a data port, or of an interface of a service port."""
     facts: Facts = {}
     is_data = port.kind in (PortKind.INPORT, PortKind.OUTPORT)
     if not is_data and port.name != port.identifier:
@@ -230,7 +230,7 @@ def of_port(port: Port) -> Facts:
 
 
 def of_parameter(parameters: Parameters, parameter: ConfigurationParameter) -> Facts:
-    """The facts of a parameter."""
+    """Return the facts of a parameter."""
     facts: Facts = {}
     word = parameters.profile_type(parameter.type)
     if type_of(word) != parameter.type:
@@ -271,17 +271,17 @@ def _of_annotations(item: Documented) -> Facts:
 
 
 def default_id(name: ScopedName) -> str:
-    """The default repository id."""
+    """Return the default repository id."""
     return f"IDL:{'/'.join(name)}:1.0"
 
 
 def read_text(value: str, usual: str) -> str:
-    """A text of a component as it is read back."""
+    """Return a text of a component as it is read back."""
     return value.strip() or usual
 
 
 def read_doc(doc: str, otherwise: str = "") -> str:
-    """A doc text as it is read back; `otherwise` replaces an empty one."""
+    """Return a doc text as it is read back; `otherwise` replaces an empty one."""
     return profile_escapes.lines(profile_escapes.written(doc) or otherwise)
 
 

@@ -17,7 +17,7 @@ _MODULES_OF_PYTHON = ("__init__", "__main__")
 
 
 def identifier(name: str, reserved: Collection[str] = ()) -> str:
-    """The name as a Python identifier: `_` is appended to a keyword or a reserved name.
+    """Return the name as a Python identifier: `_` is appended to a keyword or a reserved name.
 
     It is in the normal form of Python identifiers (NFKC), so that the attribute is found.
     """
@@ -29,7 +29,7 @@ def identifier(name: str, reserved: Collection[str] = ()) -> str:
 
 @lru_cache(maxsize=16384)
 def _plain(name: str) -> str:
-    """The name as an identifier that is not a keyword."""
+    """Return the name as an identifier that is not a keyword."""
     name = words(name)
     if not name.isidentifier():
         name = f"o_{name}"
@@ -39,7 +39,7 @@ def _plain(name: str) -> str:
 
 
 def words(name: str) -> str:
-    """The name in normal form, with `_` for illegal characters."""
+    """Return the name in normal form, with `_` for illegal characters."""
     if name.isascii():
         return name if name.isidentifier() else _NOT_A_WORD.sub("_", name)
     name = unicodedata.normalize("NFKC", name)
@@ -53,10 +53,12 @@ def snake_case(name: str) -> str:
 
 
 def module_name(name: str) -> str:
-    """The module or package generated for a file's stem or a component."""
+    """Return the module or package generated for a file's stem or a component."""
     return identifier(snake_case(words(name)), _MODULES_OF_PYTHON)
 
 
 def scope_modules(scope: ScopedName) -> tuple[str, ...]:
-    """The package path below the root package for an IDL module: `("IIS",)` to `("iis",)`."""
+    """Return the package path below the root package for an IDL module: `("IIS",)` to
+    `("iis",)`.
+    """
     return tuple(identifier(part.lower()) for part in scope)

@@ -137,13 +137,13 @@ class IdlTypes:
         self._sound: set[ScopedName] = set()
 
     def returns(self, type_: CType) -> Type:
-        """The type of a return value. Raises NotInIdlError, as the other methods do."""
+        """Return the type of a return value. Raises NotInIdlError, as the other methods do."""
         if resolve(type_) == CScalarType(Scalar.VOID):
             return VOID
         return self.type(type_)
 
     def parameter(self, parameter: TecsParameter) -> Type:
-        """The type of a parameter; the pointer of an outward one is dropped."""
+        """Return the type of a parameter; the pointer of an outward one is dropped."""
         type_ = parameter.type
         if parameter.direction is TecsDirection.RECEIVE:
             type_ = _target(type_)
@@ -152,7 +152,7 @@ class IdlTypes:
         return self.sized(type_, parameter.sizes)
 
     def sized(self, type_: CType, sizes: Sizes) -> Type:
-        """The type of a parameter or struct member with its specifiers."""
+        """Return the type of a parameter or struct member with its specifiers."""
         if sizes.nullable:
             bare = replace(sizes, nullable=False)
             present = _target(type_) if bare == Sizes() else type_
@@ -166,7 +166,7 @@ class IdlTypes:
         return self.type(type_)
 
     def type(self, type_: CType) -> Type:
-        """The type of a value without specifiers. Raises NotInIdlError."""
+        """Return the type of a value without specifiers. Raises NotInIdlError."""
         match type_:
             case CTypedefType(name, target):
                 plain = self.type(target)
@@ -245,7 +245,7 @@ class IdlTypes:
 
 
 def _target(type_: CType) -> CType:
-    """The target of a pointer, or the element of an array."""
+    """Return the target of a pointer, or the element of an array."""
     plain = resolve(type_)
     if isinstance(plain, CPointerType):
         return plain.target
@@ -253,14 +253,14 @@ def _target(type_: CType) -> CType:
 
 
 def _innermost(type_: CType) -> CType:
-    """The element of an array of arrays, through typedefs of arrays."""
+    """Return the element of an array of arrays, through typedefs of arrays."""
     while isinstance(plain := resolve(type_), CArrayType):
         type_ = plain.element
     return type_
 
 
 def _held(type_: CType) -> ScopedName | None:
-    """The struct that a member contains or points to."""
+    """Return the struct that a member contains or points to."""
     plain = resolve(type_)
     while isinstance(plain, CPointerType | CArrayType):
         inner = plain.target if isinstance(plain, CPointerType) else plain.element
@@ -269,7 +269,7 @@ def _held(type_: CType) -> ScopedName | None:
 
 
 def _bound(sizes: Sizes) -> int | None:
-    """The maximum number of elements, if it is constant."""
+    """Return the maximum number of elements, if it is constant."""
     if sizes.max_size is not None:
         return sizes.max_size
     return _constant(sizes.size_is)

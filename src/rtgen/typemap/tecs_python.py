@@ -91,7 +91,7 @@ _FLOATS = (Scalar.FLOAT32, Scalar.DOUBLE64)
 
 
 def plain_name(signature: Signature) -> str:
-    """The name of a signature's artifacts: `sServer` gives `Server`."""
+    """Return the name of a signature's artifacts: `sServer` gives `Server`."""
     name = signature.name[-1]
     if name[0] == "s" and name[1:2].isupper():
         return name[1:]
@@ -99,32 +99,32 @@ def plain_name(signature: Signature) -> str:
 
 
 def codec_class(signature: Signature) -> str:
-    """The class of a signature's codec."""
+    """Return the class of a signature's codec."""
     return f"{identifier(plain_name(signature))}Codec"
 
 
 def codec_module(signature: Signature) -> str:
-    """The module of a signature's codec."""
+    """Return the module of a signature's codec."""
     return f"{module_name(plain_name(signature))}_codec"
 
 
 def struct_class(tag: ScopedName) -> str:
-    """The class of a struct."""
+    """Return the class of a struct."""
     return module_level_name("_".join(tag))
 
 
 def module_level_name(name: str) -> str:
-    """The name of a struct's class, a typedef or a constant."""
+    """Return the name of a struct's class, a typedef or a constant."""
     return identifier(name, _OF_MODULES)
 
 
 def member_name(name: str) -> str:
-    """The attribute of a struct's member."""
+    """Return the attribute of a struct's member."""
     return identifier(name, _IN_CLASSES)
 
 
 def annotation(node: Node, given: bool = False) -> str:
-    """The type of a value; `given`: only read, so that a tuple is accepted."""
+    """Return the type of a value; `given`: only read, so that a tuple is accepted."""
     many = "Sequence" if given else "list"
     match node:
         case Basic(Scalar.BOOL):
@@ -147,18 +147,18 @@ def annotation(node: Node, given: bool = False) -> str:
 
 
 def item_annotation(item: Item, given: bool = False) -> str:
-    """The type of a parameter's value; None represents NULL."""
+    """Return the type of a parameter's value; None represents NULL."""
     text = annotation(item.node, given)
     return f"{text} | None" if item.nullable and text != "None" else text
 
 
 def argument_annotation(item: Item) -> str:
-    """The type of a parameter's value in a request."""
+    """Return the type of a parameter's value in a request."""
     return "bool" if item.asked else item_annotation(item, given=True)
 
 
 def zero(node: Node) -> str:
-    """An expression for a value of zeros; arrays and texts of variable length are empty."""
+    """Return an expression for a value of zeros; arrays and texts of variable length are empty."""
     match node:
         case Basic(Scalar.BOOL):
             return "False"
@@ -180,7 +180,7 @@ def zero(node: Node) -> str:
 
 
 def is_mutable(node: Node) -> bool:
-    """Whether a value is mutable."""
+    """Return whether a value is mutable."""
     match node:
         case FixedArray() | Record():
             return True

@@ -6,7 +6,7 @@ from rtgen.model.tecs import Sizes, TecsFunction
 
 
 def function_text(function: TecsFunction, name: str | None = None) -> str:
-    """The function as CDL declares it; `name` in place of its own."""
+    """Return the function as CDL declares it; `name` in place of its own."""
     parameters = ", ".join(
         f"[{', '.join([str(p.direction), *sizes_text(p.sizes)])}] {_declared(p.type, p.name)}"
         for p in function.parameters
@@ -17,7 +17,7 @@ def function_text(function: TecsFunction, name: str | None = None) -> str:
 
 
 def sizes_text(sizes: Sizes) -> list[str]:
-    """The specifiers of a parameter other than its direction."""
+    """Return the specifiers of a parameter other than its direction."""
     found = []
     if sizes.size_is is not None:
         most = "" if sizes.max_size is None else f", {sizes.max_size}"

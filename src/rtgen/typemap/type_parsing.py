@@ -41,7 +41,7 @@ def _bound(text: str | None) -> int | None:
 
 
 def names_in(type_: Type) -> Iterator[NamedType]:
-    """The declared types that a type refers to."""
+    """Yield the declared types that a type refers to."""
     match type_:
         case NamedType():
             yield type_

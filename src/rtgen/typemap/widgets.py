@@ -10,7 +10,7 @@ _OF_VALUES = ("radio", "checkbox", "ordered_list", "orderd_list")
 
 
 def is_widget(text: str) -> bool:
-    """Whether it is a known widget, with its step if it has one."""
+    """Return whether it is a known widget, with its step if it has one."""
     kind = text.partition(".")[0]
     if kind == "slider":
         return bool(_SLIDER.fullmatch(text)) and float(text[len("slider.") :]) > 0
@@ -20,10 +20,10 @@ def is_widget(text: str) -> bool:
 
 
 def needs_range(text: str) -> bool:
-    """Whether the widget requires bounds."""
+    """Return whether the widget requires bounds."""
     return text.partition(".")[0] in _OF_RANGES
 
 
 def needs_values(text: str) -> bool:
-    """Whether the widget requires an enumeration of values."""
+    """Return whether the widget requires an enumeration of values."""
     return text in _OF_VALUES

@@ -47,7 +47,7 @@ from rtgen.runtime.canopen.wire.sdo_client import SdoClient
 from rtgen.runtime.canopen.wire.sdo_server import SdoServer
 
 NODE = 1
-_MOST_ANSWERS = 300
+_MAX_ANSWERS = 300
 """A response is not longer than a block of segments and what else may be due."""
 
 
@@ -71,7 +71,7 @@ def _of_frames(
 
 
 def _few(found: list[Frame]) -> list[Frame]:
-    if len(found) > _MOST_ANSWERS:
+    if len(found) > _MAX_ANSWERS:
         raise ViolationError(f"{len(found)} frames at once")
     return found
 

@@ -256,7 +256,7 @@ def test_a_revision_without_the_project(capfd: pytest.CaptureFixture[str]) -> No
 def test_too_large_a_revision(
     monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(revisions, "MOST_FILES", 2)
+    monkeypatch.setattr(revisions, "MAX_FILES", 2)
     assert run(["diff", "main"]) == 2
     assert "error[DIF0003]" in capfd.readouterr().err
 

@@ -357,7 +357,7 @@ def test_a_run_is_recorded_and_seen_at_once(tmp_path: Path) -> None:
 
 def test_a_call_is_refused_when_nothing_runs(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(live_view, "_PATIENCE", 0.05)
-    monkeypatch.setattr(live_view, "_MOST_WAITING", 5)
+    monkeypatch.setattr(live_view, "_MAX_WAITING", 5)
     with System(SimulatedClock()) as system:
         system.add(Node("Node0"), 100.0)
         view = LiveView(system, "test", port=0)

@@ -10,7 +10,7 @@ import pytest
 from rtgen.runtime.rtc.execution_context import ExecutionContext
 from rtgen.runtime.system import simulated_time
 from rtgen.runtime.system.simulated_time import SimulatedScheduler
-from rtgen.runtime.system.timetable import MOST_ENTRIES, Task, timetable
+from rtgen.runtime.system.timetable import MAX_ENTRIES, Task, timetable
 from rtgen.runtime.timing.clocks import SimulatedClock
 
 RATES = (1000.0, 500.0, 250.0, 200.0, 100.0, 50.0, 10.0)
@@ -105,5 +105,5 @@ def test_what_has_no_timetable() -> None:
     table = timetable([(5, 1, task(2)), (6, 2, task(3))])
     assert table is not None
     assert (table.begin, table.length, table.entries) == (5, 6, 5)
-    assert table.entries < MOST_ENTRIES
+    assert table.entries < MAX_ENTRIES
     assert list(table.rows) == [0, 1, 2, 4]

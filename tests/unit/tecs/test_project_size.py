@@ -13,7 +13,7 @@ from boards import emit, write
 from rtgen.frontends.cdl import read_text
 from rtgen.layouts.tdr import TransferError
 from rtgen.layouts.tdr_messages import layout_of
-from rtgen.limits import MOST_LEVELS
+from rtgen.limits import MAX_LEVELS
 from rtgen.model.tecs import Signature
 
 ROOT = Path(__file__).parents[3]
@@ -70,19 +70,19 @@ def test_only_the_order_of_replies_that_was_chosen(tree: Path) -> None:
 
 def test_structs_hold_each_other_for_a_limited_number_of_levels() -> None:
     text = "struct tag0 { int8_t a; };\n"
-    for level in range(1, MOST_LEVELS + 1):
+    for level in range(1, MAX_LEVELS + 1):
         text += f"struct tag{level} {{ struct tag{level - 1} a; }};\n"
     signature = "signature sOne {{ ER f([in] struct tag{} a); }};"
-    unit, _ = read_text(text + signature.format(MOST_LEVELS - 1))
+    unit, _ = read_text(text + signature.format(MAX_LEVELS - 1))
     made = unit.declarations[-1]
     assert isinstance(made, Signature)
-    assert len(layout_of(unit, made).records) == MOST_LEVELS
-    unit, _ = read_text(text + signature.format(MOST_LEVELS))
+    assert len(layout_of(unit, made).records) == MAX_LEVELS
+    unit, _ = read_text(text + signature.format(MAX_LEVELS))
     made = unit.declarations[-1]
     assert isinstance(made, Signature)
     with pytest.raises(TransferError) as caught:
         layout_of(unit, made)
     assert caught.value.reason == (
-        f"structs that hold each other for more than {MOST_LEVELS} levels"
+        f"structs that hold each other for more than {MAX_LEVELS} levels"
     )
     assert caught.value.span.line == 2, "where the struct is that is one too many"

@@ -19,7 +19,7 @@ from rtgen.layouts.tdr import (
     TransferError,
 )
 from rtgen.layouts.tdr_messages import layout_of, problems
-from rtgen.limits import MOST_VALUES
+from rtgen.limits import MAX_VALUES
 from rtgen.model.tecs import Signature, TecsUnit
 
 ALLOCATOR = (
@@ -339,7 +339,7 @@ def test_a_returned_type_is_refused_at_its_function() -> None:
 
 def test_values_in_place_are_limited() -> None:
     """Numbers count one each; an array of numbers is one value, of structs all of theirs."""
-    half = MOST_VALUES // 2
+    half = MAX_VALUES // 2
     before = "struct tagB {{ int8_t k; double64_t v[9]; }}; struct tagA {{ {} }};"
     members = f"struct tagB a[{half - 1}]; int8_t b[9]; int32_t c[9];"
     assert whole("[in] struct tagA a", before.format(members))
@@ -347,7 +347,7 @@ def test_values_in_place_are_limited() -> None:
         "[in] struct tagA a", before.format(members + " int8_t d;"), "ER f"
     )
     (found,) = problems(unit, signature)
-    assert found.reason == f"struct tagA has more than {MOST_VALUES:,} values in place"
+    assert found.reason == f"struct tagA has more than {MAX_VALUES:,} values in place"
     assert found.hint == "put less into it, or a size_is array in place of a long one"
     assert found.span.line == 3
 

@@ -146,7 +146,7 @@ def test_an_entry_that_another_user_could_have_written_is_not_read(
 def test_the_number_of_entries_is_bounded(
     pipeline: Pipeline, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(cache, "_MOST_ENTRIES", 3)
+    monkeypatch.setattr(cache, "_MAX_ENTRIES", 3)
     for number in range(6):
         build(replace(project(), package=f"p{number}"), cache.default())
         for age, entry in enumerate(entries(tmp_path)):
@@ -157,7 +157,7 @@ def test_the_number_of_entries_is_bounded(
 def test_the_size_is_bounded(
     pipeline: Pipeline, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(cache, "_MOST_BYTES", 10)
+    monkeypatch.setattr(cache, "_MAX_BYTES", 10)
     build(project(), cache.default())
     assert entries(tmp_path) == []
 

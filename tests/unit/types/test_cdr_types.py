@@ -8,7 +8,7 @@ import pytest
 
 from rtgen.frontends.idl import load
 from rtgen.layouts.cdr_types import (
-    MOST_LOOPS,
+    MAX_LOOPS,
     CdrTypes,
     NotMarshalledError,
     bit_count,
@@ -154,22 +154,22 @@ def loops(element: str, depth: int) -> str:
 @pytest.mark.parametrize(
     ("type_", "passes"),
     [
-        (loops("string", MOST_LOOPS), True),
-        (loops("string", MOST_LOOPS + 1), False),
-        (loops("long", MOST_LOOPS + 1), True),
-        (loops("long", MOST_LOOPS + 2), False),
+        (loops("string", MAX_LOOPS), True),
+        (loops("string", MAX_LOOPS + 1), False),
+        (loops("long", MAX_LOOPS + 1), True),
+        (loops("long", MAX_LOOPS + 2), False),
         *(
-            (loops(fixed, MOST_LOOPS + 1), True)
+            (loops(fixed, MAX_LOOPS + 1), True)
             for fixed in ("wchar", "fixed<5,2>", "Colour", "Flags", "Bits", "Row")
         ),
         *(
-            (loops(varying, MOST_LOOPS + 1), False)
+            (loops(varying, MAX_LOOPS + 1), False)
             for varying in ("any", "Pair", "Texts", "Object")
         ),
-        (loops("Table", MOST_LOOPS - 2), True),
-        (loops("Table", MOST_LOOPS - 1), False),
-        (f"map<long, {loops('string', MOST_LOOPS - 1)}>", True),
-        (f"map<long, {loops('string', MOST_LOOPS)}>", False),
+        (loops("Table", MAX_LOOPS - 2), True),
+        (loops("Table", MAX_LOOPS - 1), False),
+        (f"map<long, {loops('string', MAX_LOOPS - 1)}>", True),
+        (f"map<long, {loops('string', MAX_LOOPS)}>", False),
     ],
 )
 def test_loops_in_loops(type_: str, passes: bool, tmp_path: Path) -> None:
@@ -186,7 +186,7 @@ def test_loops_in_loops(type_: str, passes: bool, tmp_path: Path) -> None:
         return
     with pytest.raises(NotMarshalledError) as caught:
         checked.check(type_of(model, "Holds"))
-    reason = f"sequences are nested more than {MOST_LOOPS} deep: put a struct between"
+    reason = f"sequences are nested more than {MAX_LOOPS} deep: put a struct between"
     assert str(caught.value) == reason
 
 

@@ -11,7 +11,7 @@ import pytest
 from rtgen.backends import Options
 from rtgen.backends.types import BACKEND
 from rtgen.frontends.idl import load
-from rtgen.layouts.cdr_types import MOST_LOOPS
+from rtgen.layouts.cdr_types import MAX_LOOPS
 
 LEVELS = 24
 
@@ -47,12 +47,12 @@ def test_structs_in_structs_in_structs(tmp_path: Path) -> None:
     assert value._snapshot_() == value
 
 
-@pytest.mark.parametrize("depth", [MOST_LOOPS + 1, MOST_LOOPS + 2])
+@pytest.mark.parametrize("depth", [MAX_LOOPS + 1, MAX_LOOPS + 2])
 def test_sequences_in_sequences(tmp_path: Path, depth: int) -> None:
     """The innermost sequence, of numbers, is not a loop."""
     type_ = "sequence<" * depth + "long" + ">" * depth
     text = f"struct S {{ {type_} x; }};"
-    if depth > MOST_LOOPS + 1:
+    if depth > MAX_LOOPS + 1:
         path = tmp_path / "deep.idl"
         path.write_text(text, encoding="utf-8")
         model = load([path], root=tmp_path).model

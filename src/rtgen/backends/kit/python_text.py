@@ -68,7 +68,7 @@ class _Group(msgspec.Struct):
 
 
 def fit(statement: str, indent: int = 0) -> str:
-    """The statement, written on one line, indented and split if it is too long.
+    """Return the statement, written on one line, indented and split if it is too long.
 
     `indent` is in columns; the first line is indented too. No newline at the end.
     """
@@ -114,12 +114,12 @@ class Bracketed:
 
 
 def tuple_of(items: Sequence[str | Bracketed], head: str = "") -> Bracketed:
-    """The tuple of the items, behind a text."""
+    """Return the tuple of the items, behind a text."""
     return Bracketed(f"{head}(", items, ",)" if len(items) == 1 else ")")
 
 
 def fit_bracketed(statement: Bracketed, indent: int) -> str:
-    """The statement indented and split as `fit` would, without a search.
+    """Return the statement indented and split as `fit` would, without a search.
 
     Where a head or an item has to be split too, all is one line, for `fit_text`.
     """
@@ -130,10 +130,10 @@ def fit_bracketed(statement: Bracketed, indent: int) -> str:
 
 
 def fit_text(text: str) -> str:
-    """A module with its long statements split; docstrings and comments stay as they are.
+    """Return a module with its long statements split; docstrings and comments stay as they are.
 
-    So does a line that is marked, and what is between `# fmt: off` and `# fmt: on`. A docstring
-    has to begin and to end at a line of its own, as `docstring` makes them.
+    So does a line that is marked, and what is between `# fmt: off` and `# fmt: on`. A docstring has
+    to begin and to end at a line of its own, as `docstring` makes them.
     """
     lines: list[str] = []
     inside = off = False
@@ -158,7 +158,9 @@ def fit_text(text: str) -> str:
 
 
 def _with_result_wrapped(lines: list[str], indent: int) -> list[str]:
-    """The last line of a `def` that is too long: its annotation in brackets, if that helps."""
+    """Return the last line of a `def` that is too long: its annotation in brackets, if that
+    helps.
+    """
     margin = " " * indent
     result = (
         lines[-1].removeprefix(f"{margin}) -> ").removesuffix(": ...").removesuffix(":")
@@ -190,7 +192,7 @@ def _open_choice(target: str, value: str, indent: int) -> list[str]:
 
 
 def _union(text: str, indent: int, ending: str) -> list[str]:
-    """An item `A | None`, or `name: A | None`, whose type black splits before each `|`."""
+    """Return an item `A | None`, or `name: A | None`, whose type black splits before each `|`."""
     margin = " " * indent
     name, *annotations = _split(text, ": ", 1)
     if not annotations:
@@ -251,7 +253,9 @@ class _Statement:
             self._targets |= self._sign < 0
 
     def opened(self, indent: int) -> list[str] | None:
-        """The statement as lines with a bracket pair opened; None if there is none to open."""
+        """Return the statement as lines with a bracket pair opened; None if there is none to
+        open.
+        """
         text, sign = self._text, self._sign
         if self._choice:
             return _open_choice(text[:sign], text[sign + 3 :], indent)
@@ -272,7 +276,7 @@ class _Statement:
         return self._whole(last, indent)
 
     def _whole(self, group: _Group, indent: int) -> list[str]:
-        """The statement as lines with the group opened."""
+        """Return the statement as lines with the group opened."""
         return self._open(group, self._groups, 0, len(self._text), indent, "")
 
     def _open(
@@ -284,7 +288,9 @@ class _Statement:
         indent: int,
         ending: str,
     ) -> list[str]:
-        """The text between two places as lines with one of its groups opened, `ending` after it."""
+        """Return the text between two places as lines with one of its groups opened, `ending` after
+        it.
+        """
         lines = self._lines(siblings, begin, group.start + 1, indent, "")
         items, inner, comma = group.items(), indent + _STEP, ","
         if not group.comma:
@@ -302,7 +308,7 @@ class _Statement:
     def _lines(
         self, groups: list[_Group], begin: int, end: int, indent: int, ending: str
     ) -> list[str]:
-        """An item, or the head or the end of a statement, as lines, `ending` after it."""
+        """Return an item, or the head or the end of a statement, as lines, `ending` after it."""
         flat = " " * indent + self._text[begin:end] + ending
         if len(flat) > WIDTH:
             for group in reversed(groups):
@@ -314,7 +320,7 @@ class _Statement:
     def _item(
         self, groups: list[_Group], begin: int, end: int, indent: int, ending: str
     ) -> list[str]:
-        """An item of a group that is too long for a line, as lines."""
+        """Return an item of a group that is too long for a line, as lines."""
         if any(begin <= group.start < end for group in groups):
             return self._lines(groups, begin, end, indent, ending)
         return _union(self._text[begin:end], indent, ending)
@@ -323,7 +329,7 @@ class _Statement:
 def header(
     version: str, sources: Iterable[str], owner: Owner = Owner.RTGEN
 ) -> tuple[str, ...]:
-    """The lines of a generated file's header, without comment marks.
+    """Return the lines of a generated file's header, without comment marks.
 
     `sources` are the keys of the inputs, each named once. Their digests are only in the manifest,
     so that a change of an input only changes affected files.
@@ -349,6 +355,6 @@ def header(
 def header_comment(
     version: str, sources: Iterable[str], owner: Owner = Owner.RTGEN
 ) -> HashComment:
-    """The header as a comment of Python and the like, with the newline at its end."""
+    """Return the header as a comment of Python and the like, with the newline at its end."""
     lines = header(version, sources, owner)
     return HashComment("".join(f"# {text}\n" for text in lines))

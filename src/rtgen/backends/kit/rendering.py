@@ -33,7 +33,9 @@ class Language:
     filters: Mapping[str, Callable[..., str]] = field(default_factory=dict)
 
     def join(self, values: Iterable[object], separator: str = "") -> str:
-        """The filter `join`: the values are quoted, the separator belongs to the template."""
+        """Return the filter `join`: the values are quoted, the separator belongs to the
+        template.
+        """
         return self.code(separator.join(map(self.quote, values)))
 
 
@@ -116,5 +118,5 @@ def _environment(suffix: str) -> Environment:
 
 
 def _length_text(value: float) -> str:
-    """A length in a drawing, with at most one decimal."""
+    """Return a length in a drawing, with at most one decimal."""
     return f"{value:.1f}".removesuffix(".0")

@@ -22,7 +22,7 @@ class OpenRtmBackend:
     name = "openrtm"
 
     def emit(self, model: Model, options: Options) -> Emission:
-        """All files of all components; nothing where anything is wrong."""
+        """Return all files of all components; nothing where anything is wrong."""
         if has_errors(check(model)):
             return Emission()
         units = list(_units(model, options))
@@ -60,7 +60,7 @@ run/
 
 
 def _units(model: Model, options: Options) -> Iterator[Unit]:
-    """The project's own package, and those below it."""
+    """Yield the project's own package, and those below it."""
     yield Unit(model, options, options.factories)
     for package in model.packages:
         conversions = {

@@ -59,7 +59,7 @@ class Classic:
         self._visited: set[ScopedName] = set()
 
     def reason(self, name: ScopedName) -> str:
-        """The reason why a type or interface is unsupported; empty if it is supported.
+        """Return the reason why a type or interface is unsupported; empty if it is supported.
 
         A placeholder for an unknown type becomes a placeholder there, too.
         """
@@ -80,11 +80,13 @@ class Classic:
         return found
 
     def holds_values(self, type_: Type) -> bool:
-        """Whether the data contain valuetypes, which may be shared, so that a value is a graph."""
+        """Return whether the data contain valuetypes, which may be shared, so that a value is a
+        graph.
+        """
         return not self._names_in(type_).isdisjoint(self._with_values)
 
     def members(self, struct: Struct) -> list[tuple[Struct, int]]:
-        """The members including inherited ones, each with its struct and index there."""
+        """Return the members including inherited ones, each with its struct and index there."""
         found: list[tuple[Struct, int]] = []
         if struct.base is not None:
             base = self._model.find(struct.base)

@@ -45,7 +45,7 @@ class _Servant:
 
 
 def component_module(plan: ComponentPlan) -> str:
-    """The whole module."""
+    """Return the whole module."""
     return _ComponentModule(plan).text()
 
 
@@ -64,7 +64,7 @@ class _ComponentModule:
         self._servants: dict[str, _Servant] = {}
 
     def _own(self, name: str) -> str:
-        """A unique name bound by the module."""
+        """Return a unique name bound by the module."""
         name = identifier(name, self._taken)
         self._taken.add(name)
         return name
@@ -119,7 +119,7 @@ class _ComponentModule:
         return fit_text(text)
 
     def _specification_text(self) -> str:
-        """The module spec: one pair per line, in OpenRTM's usual form."""
+        """Return the module spec: one pair per line, in OpenRTM's usual form."""
         pairs = (map(string_literal, pair) for pair in self._entries())
         lines = "".join(f"    {', '.join(pair)},\n" for pair in pairs)
         return f'# fmt: off\n{self._specification} = [\n{lines}    "",\n]\n# fmt: on'
@@ -163,7 +163,9 @@ class _ComponentModule:
     # The attributes of the class: what differs in the definition differs here.
 
     def _attribute(self, kind: str, key: str, name: str) -> str:
-        """The attribute for an item, by kind and key: its name, with `_` appended if taken."""
+        """Return the attribute for an item, by kind and key: its name, with `_` appended if
+        taken.
+        """
         known = self._attributes.get((kind, key))
         if known is None:
             taken = self._attributes.values()
@@ -220,14 +222,14 @@ class _ComponentModule:
         return f"{self._module(found.path)}.{getattr(found, which)}"
 
     def _module(self, path: str) -> str:
-        """A module of conversions, by its local name."""
+        """Return a module of conversions, by its local name."""
         known = self._modules.get(path)
         if known is None:
             known = self._modules[path] = self._own(path.rpartition(".")[2])
         return known
 
     def _stub(self, path: str) -> str:
-        """A class of stubs, with the import of its package."""
+        """Return a class of stubs, with the import of its package."""
         package, dot, rest = path.partition(".")
         if package not in self._stubs:
             fine = package == "RTC" or package not in self._taken
@@ -236,7 +238,7 @@ class _ComponentModule:
         return self._stubs[package] + dot + rest
 
     def _initial(self, planned: PlannedParameter) -> str:
-        """The default as a Python value, from which tools infer the type."""
+        """Return the default as a Python value, from which tools infer the type."""
         parameter = planned.parameter
         type_ = self._plan.unit.model.unalias(parameter.type)
         default = parameter.default

@@ -83,7 +83,7 @@ class ConversionCode:
     # Structs, exceptions, unions: bodies of functions.
 
     def fill(self, declaration: Struct | Union) -> list[str]:
-        """The body of the function that fills `wire` in place from `value`."""
+        """Return the body of the function that fills `wire` in place from `value`."""
         if self._holds_values(declaration):
             fresh = f"{self._py.octets(declaration)}.to(value)"
             return [f"wire.__dict__.update({fresh}.__dict__)"]
@@ -93,7 +93,7 @@ class ConversionCode:
         return lines or ["pass"]
 
     def to(self, declaration: Struct | Union | ExceptionDecl) -> list[str]:
-        """The body of the function that makes a wire object of `value`."""
+        """Return the body of the function that makes a wire object of `value`."""
         if self._holds_values(declaration):
             return [f"return {self._py.octets(declaration)}.to(value)"]
         class_ = self._py.wire_class(declaration)
@@ -113,7 +113,7 @@ class ConversionCode:
         return [*lines, "return wire"]
 
     def of(self, declaration: Struct | Union | ExceptionDecl) -> list[str]:
-        """The body of the function that makes a value of `wire`."""
+        """Return the body of the function that makes a value of `wire`."""
         ours = self._py.type(declaration.name)
         if self._holds_values(declaration):
             octets = self._py.octets(declaration)
@@ -182,7 +182,7 @@ class ConversionCode:
             yield f"{there} = {here}"
 
     def _kept_element(self, plain: Type) -> Struct | None:
-        """The struct of a list's items, if their wire objects are kept."""
+        """Return the struct of a list's items, if their wire objects are kept."""
         match plain:
             case SequenceType(element, numeric="list") | ArrayType(element, (_,)):
                 return self._struct(self._model.unalias(element))
@@ -196,14 +196,14 @@ class ConversionCode:
         return None
 
     def _inner(self, type_: Type) -> Struct | None:
-        """The struct of a member that is converted in place."""
+        """Return the struct of a member that is converted in place."""
         struct = self._struct(self._model.unalias(type_))
         if struct is None or self._holds_values(struct):
             return None
         return struct if self._size(struct) <= _INLINE else None
 
     def _size(self, struct: Struct) -> int:
-        """The number of fields and inner structs, or a number above `_INLINE`."""
+        """Return the number of fields and inner structs, or a number above `_INLINE`."""
         if struct.name not in self._sizes:
             size = 1
             for field in self._fields(struct):
@@ -215,7 +215,7 @@ class ConversionCode:
         return self._sizes[struct.name]
 
     def _made(self, struct: Struct, wire: str, used: set[str]) -> tuple[list[str], str]:
-        """The statements that a value needs, and the expression that makes it."""
+        """Return the statements that a value needs, and the expression that makes it."""
         lines: list[str] = []
         arguments: list[str] = []
         for field in self._fields(struct):
@@ -261,7 +261,7 @@ class ConversionCode:
         yield f"return {ours}(made, part)"
 
     def _branches(self, union: Union, convert: _Convert) -> Iterator[str]:
-        """The match arms for all branches; a discriminator without one has no value."""
+        """Yield the match arms for all branches; a discriminator without one has no value."""
         default: Case | None = None
         for case in union.cases:
             if case.default:
@@ -292,21 +292,23 @@ class ConversionCode:
     # Expressions.
 
     def outgoing(self, type_: Type, expression: str) -> str:
-        """An expression for the wire form of an argument or result: objects are references."""
+        """Return an expression for the wire form of an argument or result: objects are
+        references.
+        """
         interface = self._interface(type_)
         if interface is None:
             return self._outgoing(type_, expression)
         return f"{self._py.function('objects', interface.name)}.to({expression})"
 
     def incoming(self, type_: Type, expression: str) -> str:
-        """An expression for the value of an argument or result: objects are stubs."""
+        """Return an expression for the value of an argument or result: objects are stubs."""
         interface = self._interface(type_)
         if interface is None:
             return self._incoming(type_, expression)
         return f"{self._py.function('objects', interface.name)}.of({expression})"
 
     def is_same(self, type_: Type) -> bool:
-        """Whether an argument or result is the same object on both sides."""
+        """Return whether an argument or result is the same object on both sides."""
         return self._is_immutable(self._model.unalias(type_))
 
     def _interface(self, type_: Type) -> Interface | None:
@@ -318,7 +320,7 @@ class ConversionCode:
         return None
 
     def _outgoing(self, type_: Type, expression: str, depth: int = 1) -> str:
-        """An expression for a wire form that shares no data with the value."""
+        """Return an expression for a wire form that shares no data with the value."""
         plain = self._model.unalias(type_)
         if self._is_immutable(plain):
             return expression
@@ -338,7 +340,7 @@ class ConversionCode:
         return f"{self._octets(plain)}.to({expression})"
 
     def _incoming(self, type_: Type, expression: str, depth: int = 1) -> str:
-        """An expression for a value that shares no data with the wire form."""
+        """Return an expression for a value that shares no data with the wire form."""
         plain = self._model.unalias(type_)
         if self._is_immutable(plain):
             return expression
@@ -410,7 +412,7 @@ class ConversionCode:
         return self._py.octets(declaration)
 
     def _is_immutable(self, plain: Type) -> bool:
-        """Whether both sides have the same immutable values."""
+        """Return whether both sides have the same immutable values."""
         match plain:
             case PrimitiveType(kind):
                 return kind not in _BY_OCTETS
@@ -425,7 +427,9 @@ class ConversionCode:
         return True
 
     def _is_same(self, plain: Type) -> bool:
-        """Whether omniORB marshals the value unconverted: immutable values, and lists of them."""
+        """Return whether omniORB marshals the value unconverted: immutable values, and lists of
+        them.
+        """
         if self._is_immutable(plain):
             return True
         if isinstance(plain, SequenceType | ArrayType):
@@ -437,7 +441,7 @@ class ConversionCode:
 
 
 def _element(type_: SequenceType | ArrayType) -> Type:
-    """The type of a list's items: those of an array of arrays are arrays."""
+    """Return the type of a list's items: those of an array of arrays are arrays."""
     if isinstance(type_, ArrayType) and len(type_.dimensions) > 1:
         return ArrayType(type_.element, type_.dimensions[1:])
     return type_.element

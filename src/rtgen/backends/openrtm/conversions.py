@@ -27,7 +27,7 @@ _CONVERTED = (Struct, Union, ExceptionDecl)
 
 
 def conversions(unit: Unit) -> Iterator[Artifact]:
-    """The conversions of all types supported by classic IDL, a module for each IDL file."""
+    """Yield the conversions of all types supported by classic IDL, a module for each IDL file."""
     names = WireNames(unit)
     classic = Classic(unit.model)
     modules = []
@@ -81,7 +81,7 @@ class _Module:
         self._services = WireServices(unit.model, names, self._scope, self._code)
 
     def artifact(self) -> Artifact:
-        """The file of the module."""
+        """Return the file of the module."""
         sources = [f for f in self._unit.model.files if f.name in self._file.files]
         keys = tuple(dict.fromkeys(file.key for file in sources))
         blocks = [self._block(declaration) for declaration in self._declarations]

@@ -97,7 +97,7 @@ class Unit:
         return list(inner)
 
     def package_of(self, file: str) -> str:
-        """The absolute name of the package with the types of a definition file."""
+        """Return the absolute name of the package with the types of a definition file."""
         return self.external.get(file, self.options.package)
 
     @cached_property
@@ -133,16 +133,20 @@ class Unit:
         return tuple(ordered.values())
 
     def idl_file_of(self, declaration: Declaration) -> IdlFile:
-        """The IDL file of a type or interface."""
+        """Return the IDL file of a type or interface."""
         return next(f for f in self.idl_files if declaration.file in f.files)
 
     def needs(self, file: IdlFile) -> tuple[IdlFile, ...]:
-        """The other files that the declarations of a file refer to, in order of `idl_files`."""
+        """Return the other files that the declarations of a file refer to, in order of
+        `idl_files`.
+        """
         modules = self._needs[file.module]
         return tuple(each for each in self.idl_files if each.module in modules)
 
     def closure(self, names: Iterable[ScopedName]) -> tuple[IdlFile, ...]:
-        """The files needed for types and interfaces of these names, each after its dependencies."""
+        """Return the files needed for types and interfaces of these names, each after its
+        dependencies.
+        """
         modules = implementation_modules(self.model)
         waiting = [modules[self.model.find(name).file] for name in names]
         wanted: set[str] = set()
@@ -290,12 +294,12 @@ class ComponentPlan:
 
 
 def openrtm_port_name(component: Component, port: Port) -> str:
-    """The registration name of a port, without the instance's name."""
+    """Return the registration name of a port, without the instance's name."""
     return names_of(component)[key_of(port)]
 
 
 def plans(units: Sequence[Unit]) -> tuple[list[ComponentPlan], list[Diagnostic]]:
-    """The plans of all components, in order of the units, with diagnostics."""
+    """Return the plans of all components, in order of the units, with diagnostics."""
     planned: list[ComponentPlan] = []
     findings: list[Diagnostic] = []
     folders: dict[str, Component] = {}

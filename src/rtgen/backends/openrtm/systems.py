@@ -92,7 +92,7 @@ class _Instance:
 def system_artifacts(
     systems: Sequence[System], plans: Iterable[ComponentPlan], version: str
 ) -> tuple[list[Artifact], list[Diagnostic]]:
-    """The folders of all systems, with diagnostics specific to OpenRTM.
+    """Return the folders of all systems, with diagnostics specific to OpenRTM.
 
     The systems have no errors: their components, ports and types exist.
     """
@@ -120,7 +120,7 @@ def system_artifacts(
 
 
 def folder_name(system: System) -> str:
-    """The folder of a system: the stem of its file, or its folder for `system.xml`."""
+    """Return the folder of a system: the stem of its file, or its folder for `system.xml`."""
     parts = system.key.split("/")
     stem = parts[-1].rpartition(".")[0]
     if stem == "system" and len(parts) > 1:
@@ -176,7 +176,7 @@ class _Writer:
         }
 
     def artifacts(self) -> Iterator[Artifact]:
-        """All files."""
+        """Yield all files."""
         yield self._artifact("start.sh", self._script("start.sh.j2"))
         yield self._artifact("connect.py", self._connect_script())
         yield self._artifact("stop.sh", self._script("stop.sh.j2"))
@@ -209,7 +209,7 @@ class _Writer:
         return own is None
 
     def _connection(self, connection: Connection) -> Connection:
-        """The connection with OpenRTM's names of ports, and all properties."""
+        """Return the connection with OpenRTM's names of ports, and all properties."""
         source: PortKind | None = None
         target: PortKind | None = None
         given = own_properties(connection.properties)
@@ -248,7 +248,7 @@ class _Writer:
         )
 
     def _renamed(self, end: PortReference, kind: PortKind | None) -> PortReference:
-        """One end with OpenRTM's port name; `kind` None for a service port."""
+        """Return one end with OpenRTM's port name; `kind` None for a service port."""
         component = self._ends[end.instance].component
         ports = (
             interfaces(end, self._ends)
@@ -276,7 +276,7 @@ class _Writer:
     # Order and rates.
 
     def _activation(self, system: System) -> tuple[Activation, ...]:
-        """The order of the system, with providers before their callers."""
+        """Return the order of the system, with providers before their callers."""
         needs: dict[str, set[str]] = {c.instance: set() for c in system.components}
         for pairs in self._pairs.values():
             for pair in pairs:
@@ -306,7 +306,7 @@ class _Writer:
     def _per_cycle(
         self, plans: Mapping[str, ComponentPlan]
     ) -> dict[str, dict[str, float]]:
-        """The parameters that the system lists, with their values in it."""
+        """Return the parameters that the system lists, with their values in it."""
         listed = dict(self._system.properties).get(PER_CYCLE, "")
         components = {c.instance: c for c in self._system.components}
         found: dict[str, dict[str, float]] = {}
@@ -412,7 +412,7 @@ class _Writer:
 
 
 def _value(c: SystemComponent, plan: ComponentPlan, name: str) -> float | None:
-    """The number of a parameter, from the system, a conf file, or the definition."""
+    """Return the number of a parameter, from the system, a conf file, or the definition."""
     parameter = next((p for p in plan.component.configuration if p.name == name), None)
     if parameter is None:
         return None

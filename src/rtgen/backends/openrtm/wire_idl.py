@@ -40,7 +40,9 @@ class WireIdl:
         self._warned: set[str] = set()
 
     def artifacts(self, plan: ComponentPlan) -> Iterator[Artifact]:
-        """The IDL files of a component except OpenRTM's own, and the script that compiles them."""
+        """Yield the IDL files of a component except OpenRTM's own, and the script that compiles
+        them.
+        """
         for file in plan.own_idl_files:
             sources = [f for f in self._unit.model.files if f.name in file.files]
             keys = tuple(dict.fromkeys(source.key for source in sources))
@@ -76,7 +78,7 @@ class WireIdl:
         yield from self._modules_of_python(plan)
 
     def _modules_of_python(self, plan: ComponentPlan) -> Iterator[Diagnostic]:
-        """A warning at the first declaration of each such IDL module."""
+        """Yield a warning at the first declaration of each such IDL module."""
         files = {path for file in plan.own_idl_files for path in file.files}
         for declaration in self._unit.model.declarations:
             module = declaration.name[0]
@@ -90,7 +92,7 @@ class WireIdl:
                 yield rules.PYTHON_MODULE.at(declaration.span, message)
 
     def text(self, file: IdlFile) -> str:
-        """The text of a file, with includes of its dependencies."""
+        """Return the text of a file, with includes of its dependencies."""
         sources = [f for f in self._unit.model.files if f.name in file.files]
         keys = [source.key for source in sources]
         head = "".join(

@@ -81,18 +81,18 @@ class WireNames:
         self.mapping = PythonMapping(unit.model, ".".join)
 
     def conversions(self, declaration: Declaration) -> Conversions:
-        """The names of the conversions of a struct, union, exception or interface."""
+        """Return the names of the conversions of a struct, union, exception or interface."""
         path, name = self.python.implementation(declaration.name)
         package = self._unit.package_of(declaration.file)
         return Conversions(package, path.removeprefix("_idl."), name)
 
     def stub_path(self, name: ScopedName) -> str:
-        """A declared type in omniidl's packages: `IIS.TimedPose2D`, `_GlobalIDL.RefHard`."""
+        """Return a declared type in omniidl's packages: `IIS.TimedPose2D`, `_GlobalIDL.RefHard`."""
         scope = () if name[:1] in self._modules else ("_GlobalIDL",)
         return ".".join(map(mangled, (*scope, *name)))
 
     def skeleton_path(self, interface: Interface) -> str:
-        """The class that a servant derives from: `_GlobalIDL__POA.RefHard`."""
+        """Return the class that a servant derives from: `_GlobalIDL__POA.RefHard`."""
         package, _, rest = self.stub_path(interface.name).partition(".")
         return f"{package}__POA.{rest}"
 
@@ -105,12 +105,12 @@ class WireNames:
 
 
 def wire_id(declaration: Declaration) -> str:
-    """The repository id of a type in omniORB; a placeholder has its own."""
+    """Return the repository id of a type in omniORB; a placeholder has its own."""
     if isinstance(declaration, Struct) and declaration.annotation(OPAQUE) is not None:
         return f"IDL:rtgen.opaque/{'/'.join(declaration.name)}:1.0"
     return declaration.repository_id
 
 
 def mangled(name: str) -> str:
-    """An identifier in omniidl's Python: keywords get a leading underscore."""
+    """Return an identifier in omniidl's Python: keywords get a leading underscore."""
     return f"_{name}" if keyword.iskeyword(name) else name

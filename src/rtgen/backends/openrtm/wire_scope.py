@@ -44,7 +44,7 @@ class WireScope:
     # What is imported.
 
     def helper(self, name: str, module: str = WIRE) -> str:
-        """A name of the runtime or of the standard library."""
+        """Return a name of the runtime or of the standard library."""
         return self._imported(module, name)
 
     def spell(self, module: str, name: str) -> str:
@@ -52,7 +52,9 @@ class WireScope:
         return self._imported(module, name) if module else name
 
     def type(self, name: ScopedName) -> str:
-        """The generated class of a declared type or interface: `extended_data_types.Point2D`."""
+        """Return the generated class of a declared type or interface:
+        `extended_data_types.Point2D`.
+        """
         declaration = self._unit.model.find(name)
         elsewhere = self._unit.types.get(declaration.file)
         if elsewhere is not None:
@@ -64,7 +66,7 @@ class WireScope:
         return f"{self._imported(home, known.module)}.{known.name}"
 
     def function(self, kind: str, name: ScopedName) -> str:
-        """A conversion of a declared type: `kind` is an attribute of `Conversions`."""
+        """Return a conversion of a declared type: `kind` is an attribute of `Conversions`."""
         known = self._names.conversions(self._unit.model.find(name))
         function: str = getattr(known, kind)
         if known.package == self._unit.options.package and known.module == self._module:
@@ -74,7 +76,7 @@ class WireScope:
         return self._imported(f"{home}{joint}{known.module}", function)
 
     def _relative(self, package: str, inner: str) -> str:
-        """A package of rtgen as this module imports it."""
+        """Return a package of rtgen as this module imports it."""
         if package != self._unit.options.package:
             return f"{package}.{inner}"
         return "." if inner == CORBA_PACKAGE else f"..{inner}"
@@ -98,12 +100,12 @@ class WireScope:
         return self._constant(enum, "_items", made)
 
     def members(self, enum: Enum) -> str:
-        """The generated enumerators of an enum, by number."""
+        """Return the generated enumerators of an enum, by number."""
         made = f"tuple({self.type(enum.name)})"
         return self._constant(enum, "_members", made)
 
     def octets(self, declaration: Declaration) -> str:
-        """The conversion of a declared type through CDR."""
+        """Return the conversion of a declared type through CDR."""
         ours = f"{self.type(declaration.name)}._descriptor_"
         is_raised = isinstance(declaration, ExceptionDecl)
         way = self.helper("ExceptionOctets" if is_raised else "Octets")
@@ -130,11 +132,11 @@ class WireScope:
         return name
 
     def constant_lines(self) -> list[str]:
-        """The statements that look up names."""
+        """Return the statements that look up names."""
         return [f"{name} = {made}" for name, made in self._constants.values()]
 
     def import_lines(self) -> list[list[str]]:
-        """The import statements: standard library, runtime, own packages."""
+        """Return the import statements: standard library, runtime, own packages."""
         modules: dict[str, list[str]] = {}
         for (module, name), local in sorted(self._imports.items()):
             text = name if name == local else f"{name} as {local}"

@@ -62,7 +62,7 @@ class WireServices:
         self._mapping = PythonMapping(model, scope.type, scope.spell, servants=True)
 
     def text(self, interface: Interface) -> str:
-        """The classes, and the conversion of the interface's objects."""
+        """Return the classes, and the conversion of the interface's objects."""
         scope = self._py
         ordered = self._names.python.bases(interface)
         servants = [scope.function("servant", base) for base in ordered]
@@ -195,7 +195,7 @@ class WireServices:
         return annotations[0] if annotations else "None"
 
     def _give(self, results: Sequence[Type], result: str) -> str:
-        """The return value of the servant: one value, or a tuple of several."""
+        """Return the return value of the servant: one value, or a tuple of several."""
         code = self._code
         if len(results) < 2:
             return "".join(code.outgoing(type_, result) for type_ in results)
@@ -206,7 +206,7 @@ class WireServices:
         return f"({', '.join(parts)})"
 
     def _take(self, results: Sequence[Type], result: str, made: str) -> Iterator[str]:
-        """The statements that return omniORB's result to the caller."""
+        """Yield the statements that return omniORB's result to the caller."""
         code = self._code
         if len(results) == 1:
             yield f"{made}: {self._result(results)} = {code.incoming(results[0], result)}"
@@ -220,7 +220,7 @@ class WireServices:
 
 
 def _apart(name: str, given: Sequence[str]) -> str:
-    """A variable name distinct from all parameters."""
+    """Return a variable name distinct from all parameters."""
     while name in given:
         name += "_"
     return name

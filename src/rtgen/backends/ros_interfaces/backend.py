@@ -43,7 +43,7 @@ class RosInterfacesBackend:
     name = "ros-interfaces"
 
     def emit(self, model: Model, options: Options) -> Emission:
-        """The files, and a warning for each declaration that is left out."""
+        """Return the files, and a warning for each declaration that is left out."""
         return _Writer(model).emission()
 
 
@@ -71,7 +71,7 @@ class _Writer:
         return Emission(tuple(self._artifacts.values()), tuple(self._found))
 
     def _has_message(self, name: ScopedName) -> bool:
-        """Whether a struct has a message, which is written now if it can be."""
+        """Return whether a struct has a message, which is written now if it can be."""
         if is_interface(name):
             return name[1] == "msg"
         if name not in self._written:

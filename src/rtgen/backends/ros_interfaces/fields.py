@@ -46,18 +46,18 @@ class InexpressibleError(Exception):
 
 
 def package_name(scope: ScopedName) -> str:
-    """The package of a module: `Lab::Arm` is `lab_arm`."""
+    """Return the package of a module: `Lab::Arm` is `lab_arm`."""
     return _words("_".join(map(snake_case, scope))) or _GLOBAL
 
 
 def message_name(name: str) -> str:
-    """The message of a struct: `path_point` is `PathPoint`."""
+    """Return the message of a struct: `path_point` is `PathPoint`."""
     words = (word for word in re.split(r"_+", name) if word)
     return "".join(word[0].upper() + word[1:] for word in words)
 
 
 def field_name(name: str) -> str:
-    """The field of a member: `minAngle` is `min_angle`."""
+    """Return the field of a member: `minAngle` is `min_angle`."""
     return _words(snake_case(name))
 
 
@@ -73,7 +73,7 @@ def reference(name: ScopedName) -> str:
 
 
 def field_type(model: Model, type_: Type, written: Callable[[ScopedName], bool]) -> str:
-    """The type of a field; `written` says which structs have a message.
+    """Return the type of a field; `written` says which structs have a message.
 
     Raises InexpressibleError.
     """

@@ -25,7 +25,7 @@ def system_text(
     ports: Mapping[str, InstancePorts] | None = None,
     header: Sequence[str] = (),
 ) -> str:
-    """The system as XML; `ports` by instance, by default the connected ones.
+    """Return the system as XML; `ports` by instance, by default the connected ones.
 
     Connectors and components keep the order of the system. The activation order is written
     separately; the steps of one instance after another follow it. Raises UnquotableError for

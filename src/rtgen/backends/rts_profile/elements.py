@@ -42,7 +42,7 @@ class InstancePorts:
 def profile_element(
     system: System, ports: Mapping[str, InstancePorts] | None
 ) -> ProfileElement:
-    """The system as the root element of a profile; `ports` by instance."""
+    """Return the system as the root element of a profile; `ports` by instance."""
     ids = {c.instance: c.id for c in system.components}
     known = _connected_ports(system) if ports is None else ports
     connections = sorted(system.connections, key=lambda each: each.service)
@@ -205,7 +205,7 @@ def _steps(
 
 
 def _connected_ports(system: System) -> dict[str, InstancePorts]:
-    """The ports that the connectors name, by instance."""
+    """Return the ports that the connectors name, by instance."""
     found: dict[str, tuple[dict[str, None], dict[str, None]]] = {
         c.instance: ({}, {}) for c in system.components
     }

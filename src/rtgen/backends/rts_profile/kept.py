@@ -67,7 +67,7 @@ _EMPTY_WITHOUT = {
 def with_kept(
     made: ProfileElement, document: ProfileElement, *, all_ports: bool
 ) -> ProfileElement:
-    """The root of a profile with what the file's root holds besides.
+    """Return the root of a profile with what the file's root holds besides.
 
     `all_ports`: the elements made have every port of the components, not the connected ones only.
     """
@@ -83,7 +83,9 @@ def with_kept(
 
 
 def _is_default(root: ProfileElement) -> bool:
-    """Whether the activation is that of a file without one: the required components first."""
+    """Return whether the activation is that of a file without one: the required components
+    first.
+    """
     components = sorted(
         root.all("Components"), key=lambda c: c.get(RTS, "isRequired") != "true"
     )
@@ -104,7 +106,7 @@ class _Merge:
     all_ports: bool
 
     def element(self, made: ProfileElement, old: ProfileElement) -> ProfileElement:
-        """An element of the model with what the file's element holds besides."""
+        """Return an element of the model with what the file's element holds besides."""
         first = _FOR_THE_SCHEMA.get(made.name[1], frozenset())
         attributes = {
             name: (
@@ -157,7 +159,7 @@ class _Merge:
         return kind not in _OF_THE_MODEL
 
     def _without_lost(self, element: ProfileElement) -> list[ProfileElement]:
-        """The element without what names other instances; none if nothing remains of it."""
+        """Return the element without what names other instances; none if nothing remains of it."""
         instance = element.get(RTS, "instanceName")
         if instance and instance not in self.instances:
             return []
@@ -190,7 +192,7 @@ def _key(element: ProfileElement) -> str:
 
 
 def _joined(connector: ProfileElement) -> str:
-    """The two ends of a connector."""
+    """Return the two ends of a connector."""
     return " ".join(_ends(connector))
 
 
@@ -202,7 +204,7 @@ def _ends(connector: ProfileElement) -> Iterator[str]:
 
 
 def _spelled(text: str, old: str | None) -> str:
-    """The file's spelling of a number that has not changed."""
+    """Return the file's spelling of a number that has not changed."""
     try:
         return old if old is not None and float(old) == float(text) else text
     except ValueError:

@@ -43,7 +43,7 @@ class SmallBackend:
     name = "small"
 
     def emit(self, model: Model, options: Options) -> Emission:
-        """All files of all components that have a small form."""
+        """Return all files of all components that have a small form."""
         if has_errors(check(model)):
             return Emission()
         names = PythonNames(model, options.package)
@@ -61,7 +61,7 @@ BACKEND = SmallBackend()
 def _fit(
     model: Model, names: PythonNames, limits: Limits
 ) -> tuple[list[Component], list[Diagnostic]]:
-    """The components with a small form, and the reasons why the others have none."""
+    """Return the components with a small form, and the reasons why the others have none."""
     fitting: list[Component] = []
     findings: list[Diagnostic] = []
     for component in components_of(model):

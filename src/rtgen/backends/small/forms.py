@@ -62,7 +62,7 @@ class Forms:
         self._classes = class_names
 
     def form(self, type_: Type) -> Form:
-        """The form of a member. Raises NoFormError."""
+        """Return the form of a member. Raises NoFormError."""
         type_ = self._model.unalias(type_)
         match type_:
             case PrimitiveType(Primitive.BOOLEAN):
@@ -207,7 +207,7 @@ class Forms:
 
 
 def members_of(model: Model, struct: Struct) -> list[Member]:
-    """All members, inherited ones first."""
+    """Return all members, inherited ones first."""
     inherited: list[Member] = []
     if struct.base is not None:
         base = model.find(struct.base)
@@ -217,14 +217,16 @@ def members_of(model: Model, struct: Struct) -> list[Member]:
 
 
 def reachable(model: Model, name: ScopedName) -> list[ScopedName]:
-    """The structs and enums that a type needs, itself last. Raises NoFormError for recursion."""
+    """Return the structs and enums that a type needs, itself last. Raises NoFormError for
+    recursion.
+    """
     found: dict[ScopedName, bool] = {}
     _reach(model, name, found)
     return list(found)
 
 
 def _reach(model: Model, name: ScopedName, found: dict[ScopedName, bool]) -> None:
-    """Adds a type behind what it needs; those that are being looked at are False."""
+    """Add a type behind what it needs; those that are being looked at are False."""
     if found.get(name) is False:
         raise NoFormError(f"{'::'.join(name)}, which holds itself")
     if name in found:

@@ -38,7 +38,9 @@ _FLOATING = (PrimitiveType(Primitive.FLOAT), PrimitiveType(Primitive.DOUBLE))
 def type_names(
     model: Model, names: PythonNames, used: Sequence[ScopedName]
 ) -> dict[ScopedName, str]:
-    """The classes of all types: no two the same, none like a parameter that would hide it."""
+    """Return the classes of all types: no two the same, none like a parameter that would hide
+    it.
+    """
     taken = set(_USED)
     for name in used:
         declaration = model.find(name)
@@ -63,7 +65,7 @@ def types_module(
     classes: Mapping[ScopedName, str],
     forms: Forms,
 ) -> str:
-    """All structs and enums that the components need, in order of declaration."""
+    """Return all structs and enums that the components need, in order of declaration."""
     bodies = []
     for name in used:
         declaration = model.find(name)
@@ -157,7 +159,7 @@ def package(
     classes: Mapping[ScopedName, str],
     constants: Sequence[Const],
 ) -> str:
-    """The types and constants of an IDL module."""
+    """Return the types and constants of an IDL module."""
     title = (
         f"The IDL module `{'::'.join(scope)}`." if scope else "The global scope of IDL."
     )
@@ -183,7 +185,7 @@ def component_module(
     component: Component,
     options: Options,
 ) -> str:
-    """The configuration class and the base class of a component."""
+    """Return the configuration class and the base class of a component."""
     base, configuration = class_names(component)
     attributes = attribute_names(model, names, component, options)
     imports = _PackageImports(
@@ -232,13 +234,13 @@ class _PackageImports:
         self._names: dict[tuple[tuple[str, ...], str], str] = {}
 
     def text(self, path: tuple[str, ...], attribute: str) -> str:
-        """The type as an expression."""
+        """Return the type as an expression."""
         if not path:
             return self._local((), attribute)
         return f"{self._local(path[:-1], path[-1])}.{attribute}"
 
     def lines(self) -> list[str]:
-        """The statements."""
+        """Return the statements."""
         return sorted(
             f"from ..{'.'.join(folder)} import {name}"
             + (f" as {local}" if local != name else "")

@@ -43,7 +43,7 @@ class TypescriptBackend:
     name = "typescript"
 
     def emit(self, model: Model, options: Options) -> Emission:
-        """All modules; what TypeScript has no codec for is reported and left out."""
+        """Return all modules; what TypeScript has no codec for is reported and left out."""
         xcdr2 = options.representation == "xcdr2"
         representations = Representations(model, xcdr2, options.extensibility)
         types = Types(model, representations)
@@ -70,7 +70,9 @@ BACKEND = TypescriptBackend()
 
 
 def _has_literal(model: Model, constant: Const) -> bool:
-    """Whether a constant is a number, text or truth value, not an enumerator of a missing enum."""
+    """Return whether a constant is a number, text or truth value, not an enumerator of a missing
+    enum.
+    """
     type_ = constant.type
     if isinstance(type_, NamedType):
         return isinstance(model.find(type_.name), Typedef | Enum)
@@ -111,7 +113,7 @@ class _Tree:
             yield self._artifact(f"_idl/{module}.ts", text, declarations, headed=False)
 
     def _exports(self, scope: ScopedName, declarations: list[Declaration]) -> str:
-        """A scope's declarations under their own names."""
+        """Return a scope's declarations under their own names."""
         up = "../" * max(len(scope) - 1, 0) or "./"
         exported: dict[str, list[str]] = {}
         for each in declarations:

@@ -56,7 +56,7 @@ class TypesModule:
         """What codecs consist of, the names of the runtime among them."""
 
     def text(self, header: str, declarations: Sequence[Declaration]) -> str:
-        """The module's text."""
+        """Return the module's text."""
         blocks = ["\n".join(self._block(each)) for each in declarations]
         body = "\n\n".join(block for block in blocks if block)
         used = [name for name in _RUNTIME if name in self._words]
@@ -112,7 +112,7 @@ class TypesModule:
         yield self._constant(name, _call("struct", scoped, fields, appendable))
 
     def _members(self, struct: Struct) -> list[Member]:
-        """All members, those of the bases first."""
+        """Return all members, those of the bases first."""
         inherited: list[Member] = []
         if struct.base is not None:
             base = self._model.find(struct.base)
@@ -141,7 +141,7 @@ class TypesModule:
         yield self._constant(name, _call("union", inner, branches, appendable))
 
     def _is_complete(self, union: Union) -> bool:
-        """Whether each discriminator selects a branch."""
+        """Return whether each discriminator selects a branch."""
         if any(case.default for case in union.cases):
             return True
         count = sum(len(case.labels) for case in union.cases)
@@ -227,7 +227,7 @@ def _property(name: str) -> str:
 
 
 def _described(part: Documented) -> str:
-    """The comment of a member, with its unit."""
+    """Return the comment of a member, with its unit."""
     unit = part.annotation("unit")
     if unit is None or "[" in part.doc:
         return part.doc

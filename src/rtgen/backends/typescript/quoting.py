@@ -12,12 +12,12 @@ _CONTROL = re.compile(r"[^\t\n\x20-\x7e\xa0-\u2027\u202a-\ud7ff\ue000-\U0010ffff
 
 
 def string(text: str) -> str:
-    """A string literal, in ASCII."""
+    """Return a string literal, in ASCII."""
     return json.dumps(text)
 
 
 def constant(value: ConstantValue, *, is_64_bit: bool) -> str:
-    """The literal of a number, text or truth value; of 64 bits: a bigint."""
+    """Return the literal of a number, text or truth value; of 64 bits: a bigint."""
     match value:
         case bool():
             return "true" if value else "false"
@@ -32,7 +32,7 @@ def constant(value: ConstantValue, *, is_64_bit: bool) -> str:
 
 
 def comment(text: str, indent: str = "") -> list[str]:
-    """The lines of a doc comment; none for an empty text."""
+    """Return the lines of a doc comment; none for an empty text."""
     clean = _CONTROL.sub("\ufffd", text).replace("*/", "* /").strip()
     if not clean:
         return []

@@ -52,7 +52,7 @@ BIG: Final = frozenset((Primitive.LONG_LONG, Primitive.UNSIGNED_LONG_LONG))
 
 
 def identifier(name: ScopedName) -> str:
-    """The name of a declaration in its module; no word of the language has a `$`."""
+    """Return the name of a declaration in its module; no word of the language has a `$`."""
     return "$".join(name) if len(name) > 1 else f"{name[0]}$"
 
 
@@ -117,12 +117,12 @@ class Types:
         return str(type_)
 
     def is_appendable(self, declaration: Struct | Union) -> bool:
-        """Whether a DHEADER precedes its values in version 2."""
+        """Return whether a DHEADER precedes its values in version 2."""
         how = self._representations.extensibility(declaration)
         return how is Extensibility.APPENDABLE
 
     def value(self, type_: Type) -> str:
-        """The type of values in TypeScript."""
+        """Return the type of values in TypeScript."""
         match type_:
             case PrimitiveType(kind):
                 return _BASIC[kind][1]
@@ -143,7 +143,7 @@ class Types:
         raise AssertionError(f"{type_} was reported")
 
     def codec(self, type_: Type, refer: Callable[[ScopedName], bool]) -> str:
-        """The expression of the codec.
+        """Return the expression of the codec.
 
         `refer` is called with each name that it uses, and returns whether that is defined there.
         """

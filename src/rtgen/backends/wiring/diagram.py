@@ -11,7 +11,7 @@ from rtgen.model import Component, PortKind, PortReference, System
 
 _DATA_PORTS = (PortKind.INPORT, PortKind.OUTPORT)
 _LEFT = (PortKind.INPORT, PortKind.PROVIDER)
-_MOST_IDLE = 3
+_MAX_IDLE = 3
 """Maximum number of unconnected ports drawn on one side of a box."""
 
 
@@ -35,7 +35,7 @@ class ComponentView:
 
 
 def view_of(component: Component) -> ComponentView:
-    """The view of a component that was defined."""
+    """Return the view of a component that was defined."""
     ports = (PortView(p.name, p.kind, str(p.type), p.port) for p in component.ports)
     parameters = {
         p.name: "" if p.default is None else str(p.default)
@@ -97,7 +97,7 @@ class Box:
     media: list[tuple[Medium, str]] = field(default_factory=list)
 
     def add(self, view: PortView) -> Tab:
-        """A new tab for the port, below those of its side."""
+        """Return a new tab for the port, below those of its side."""
         left = view.kind in _LEFT
         tab = Tab(view, self, sum(each.is_left is left for each in self.tabs))
         self.tabs.append(tab)
@@ -108,7 +108,7 @@ class Box:
         for left in (True, False):
             side = [tab for tab in self.tabs if tab.is_left is left]
             idle = [tab for tab in side if not tab.connected]
-            if len(idle) <= _MOST_IDLE:
+            if len(idle) <= _MAX_IDLE:
                 continue
             kept = [tab for tab in side if tab.connected]
             views = tuple(tab.view for tab in idle)
@@ -162,7 +162,7 @@ def diagram_of(
     profiles: Mapping[str, ComponentView],
     timeline: Sequence[TimedConnection] = (),
 ) -> Diagram:
-    """The diagram of a system; missing profiles are derived from the connectors."""
+    """Return the diagram of a system; missing profiles are derived from the connectors."""
     boxes = {
         c.instance: Box(c.instance, c.type, c.rate, c.location and c.location[:2])
         for c in system.components

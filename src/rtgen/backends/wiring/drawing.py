@@ -193,7 +193,7 @@ _LEGEND = {
 
 
 def _legend(diagram: Diagram) -> list[_Sample]:
-    """A sample of each style of line in the diagram."""
+    """Return a sample of each style of line in the diagram."""
     styles = {link.style.value for link in diagram.links if not link.times}
     if any(link.times for link in diagram.links):
         styles.add("timed")

@@ -36,7 +36,7 @@ def with_media(
     defaults: Mapping[str, Mapping[str, str]],
     buses: Sequence[Bus],
 ) -> Diagram:
-    """The diagram with the media of the system and the PDO links of its CAN buses.
+    """Return the diagram with the media of the system and the PDO links of its CAN buses.
 
     Ports that carry nothing are collapsed where there are many.
 
@@ -110,7 +110,7 @@ def _can(values: Mapping[str, str], networks: Mapping[str, Bus]) -> _Attachment:
 
 
 def _pdo_links(bus: Bus, nodes: Sequence[tuple[Box, int]]) -> Iterator[Link]:
-    """The PDOs which one node of the bus file sends and another one takes."""
+    """Yield the PDOs which one node of the bus file sends and another one takes."""
     ids = {node.name: node.id for node in bus.nodes}
     for link in bus.links:
         ends = _ends(link, ids, nodes)
@@ -124,7 +124,9 @@ def _pdo_links(bus: Bus, nodes: Sequence[tuple[Box, int]]) -> Iterator[Link]:
 def _ends(
     link: PdoLink, ids: Mapping[str, int], nodes: Sequence[tuple[Box, int]]
 ) -> tuple[Tab, Tab] | None:
-    """The tabs of the two devices; their proxies have the same ports, but send no such frame."""
+    """Return the tabs of the two devices; their proxies have the same ports, but send no such
+    frame.
+    """
     (sender, sent), (taker, taken) = link.source, link.target
     source = _tab(nodes, ids.get(sender), PortKind.OUTPORT, f"tpdo{sent}")
     target = _tab(nodes, ids.get(taker), PortKind.INPORT, f"rpdo{taken}")

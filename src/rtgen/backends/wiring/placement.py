@@ -19,14 +19,14 @@ _SWEEPS = 6
 
 
 def place(diagram: Diagram) -> dict[Box, Cell]:
-    """The cell of each box; no two share one."""
+    """Return the cell of each box; no two share one."""
     return _by_location(diagram.boxes) or _by_layers(diagram)
 
 
 def folded(
     diagram: Diagram, cells: Mapping[Box, Cell], columns: int
 ) -> dict[Box, Cell]:
-    """The cells in bands of at most `columns` columns, one band below the other.
+    """Return the cells in bands of at most `columns` columns, one band below the other.
 
     Boxes without links fill the rows below, so that they do not widen the picture.
     """
@@ -123,7 +123,9 @@ def _order_without_cycles(count: int, edges: Sequence[tuple[int, int]]) -> list[
 def _layers(
     count: int, forward: Sequence[tuple[int, int]], order: Sequence[int]
 ) -> list[int]:
-    """The column of each box: one after its last predecessor; sources next to their successors."""
+    """Return the column of each box: one after its last predecessor; sources next to their
+    successors.
+    """
     columns = [0] * count
     for node in order:
         columns[node] = max(
@@ -137,7 +139,7 @@ def _layers(
 
 
 def _rows(columns: Sequence[int], edges: Sequence[tuple[int, int]]) -> list[int]:
-    """The row of each box: in each column by the mean row of its neighbours."""
+    """Return the row of each box: in each column by the mean row of its neighbours."""
     layers = [
         [node for node, column in enumerate(columns) if column == index]
         for index in range(max(columns, default=-1) + 1)

@@ -74,13 +74,13 @@ class Geometry:
     risers: Mapping[Medium, str]
 
     def anchor(self, tab: Tab) -> Point:
-        """The middle of a tab, on the border of its box."""
+        """Return the middle of a tab, on the border of its box."""
         frame = self.frames[tab.box]
         x = frame.x if tab.is_left else frame.x + frame.width
         return x, frame.y + HEADER + (tab.row + 0.5) * ROW
 
     def media_row(self, box: Box, index: int) -> float:
-        """The height of the row for a medium of a box."""
+        """Return the height of the row for a medium of a box."""
         return self.frames[box].y + HEADER + box.rows * ROW + (index + 0.5) * MEDIUM_ROW
 
 
@@ -99,7 +99,7 @@ def _share(character: str) -> float:
 
 
 def box_width(box: Box) -> float:
-    """The width at which title and ports of a box do not run into each other."""
+    """Return the width at which title and ports of a box do not run into each other."""
     header = (
         text_width(box.instance, NAME_SIZE),
         text_width(subtitle(box), TEXT_SIZE),
@@ -118,7 +118,7 @@ def box_width(box: Box) -> float:
 
 
 def notes(diagram: Diagram) -> dict[Tab, str]:
-    """The times at which a timeline connects each port."""
+    """Return the times at which a timeline connects each port."""
     times: dict[Tab, set[float]] = defaultdict(set)
     for link in diagram.links:
         if link.times:
@@ -135,7 +135,7 @@ def subtitle(box: Box) -> str:
 
 
 def lay_out(diagram: Diagram) -> Geometry:
-    """The layout in at most MAX_WIDTH, if boxes in one column fit there."""
+    """Return the layout in at most MAX_WIDTH, if boxes in one column fit there."""
     cells = place(diagram)
     most = max((column for column, _ in cells.values()), default=0) + 1
     geometry = route(diagram, cells)
@@ -237,7 +237,7 @@ class _Router:
         return attached
 
     def _inset(self, column: int) -> float:
-        """The part of a channel next to the boxes that notes and risers take."""
+        """Return the part of a channel next to the boxes that notes and risers take."""
         risers = len(self._attached[column])
         return self._notes[column] + (risers * _STEP + _CLEAR / 2 if risers else 0)
 
@@ -250,7 +250,9 @@ class _Router:
         return [self._riser_x(medium, column) for column in sorted(columns)]
 
     def _risers(self, medium: Medium, geometry: Geometry) -> str:
-        """A vertical line for each column with boxes on the medium, and a stub to each box."""
+        """Return a vertical line for each column with boxes on the medium, and a stub to each
+        box.
+        """
         down = geometry.trunks[medium][2]
         tops: dict[float, float] = {}
         stubs = []
@@ -264,14 +266,14 @@ class _Router:
         return " ".join((*lines, *stubs))
 
     def _is_direct(self, link: Link) -> bool:
-        """Whether the line between the two boxes in the source's row is free."""
+        """Return whether the line between the two boxes in the source's row is free."""
         column, row = self._cells[link.source.box]
         target = self._cells[link.target.box][0]
         between = range(column + 1, target)
         return target > column and not any((c, row) in self._taken for c in between)
 
     def _gap_for(self, link: Link) -> int:
-        """The gap with the smallest detour: 0 above the first row, and so on."""
+        """Return the gap with the smallest detour: 0 above the first row, and so on."""
         ends = [
             self._cells[tab.box][1] + self._depth(tab)
             for tab in (link.source, link.target)
@@ -286,12 +288,12 @@ class _Router:
         )
 
     def _depth(self, tab: Tab) -> float:
-        """The height of a tab within its row, from 0 to 1."""
+        """Return the height of a tab within its row, from 0 to 1."""
         row = self._cells[tab.box][1]
         return (HEADER + (tab.row + 0.5) * ROW) / self._tallest[row]
 
     def _assign_lanes(self) -> dict[tuple[Tab, int], int]:
-        """A lane of its gap for each net: short ones inside, none overlapping."""
+        """Return a lane of its gap for each net: short ones inside, none overlapping."""
         reach: dict[tuple[Tab, int], set[int]] = defaultdict(set)
         for detour in self._detours.values():
             start = self._cells[detour.link.source.box][0] + 1
@@ -310,7 +312,7 @@ class _Router:
     def _assign_tracks(
         self, ends: Iterable[tuple[Tab, int]]
     ) -> dict[tuple[Tab, int], int]:
-        """A vertical track in front of its box for each end: near ones to the gap inside."""
+        """Return a vertical track in front of its box for each end: near ones to the gap inside."""
         columns: dict[int, dict[tuple[Tab, int], float]] = defaultdict(dict)
         for tab, gap in ends:
             column, row = self._cells[tab.box]
@@ -335,7 +337,7 @@ class _Router:
         ]
 
     def _column_places(self) -> tuple[list[float], float]:
-        """The left edge of each column, and the right edge of the picture."""
+        """Return the left edge of each column, and the right edge of the picture."""
         leaving = self._track_counts(self._leaving)
         landing = self._track_counts(self._landing)
         places: list[float] = []
@@ -358,7 +360,7 @@ class _Router:
         return counts
 
     def _row_places(self) -> tuple[list[float], float]:
-        """The top of each row, and the bottom of the picture."""
+        """Return the top of each row, and the bottom of the picture."""
         lanes: dict[int, int] = defaultdict(int)
         for (_, gap), lane in self._lanes.items():
             lanes[gap] = max(lanes[gap], lane + 1)
@@ -373,7 +375,7 @@ class _Router:
         return places, y + (gap + _CLEAR if gap else 0) + MARGIN
 
     def _lane_y(self, net: tuple[Tab, int], geometry: Geometry) -> float:
-        """The height of a lane; in the topmost gap the first lane is the lowest."""
+        """Return the height of a lane; in the topmost gap the first lane is the lowest."""
         gap, lane = net[1], self._lanes[net]
         if gap == 0:
             return self._ys[0] - _CLEAR - lane * _STEP
@@ -416,7 +418,7 @@ class _Router:
 
 
 def _rounded(points: Sequence[Point]) -> str:
-    """An orthogonal line with rounded corners."""
+    """Return an orthogonal line with rounded corners."""
     path = f"M{_n(points[0][0])},{_n(points[0][1])}"
     for before, corner, after in zip(points, points[1:], points[2:], strict=False):
         radius = min(
@@ -433,7 +435,7 @@ def _distance(a: Point, b: Point) -> float:
 
 
 def _towards(start: Point, end: Point, length: float) -> Point:
-    """The point at that distance from `start` on an axis-parallel line to `end`."""
+    """Return the point at that distance from `start` on an axis-parallel line to `end`."""
     whole = _distance(start, end)
     share = length / whole if whole else 0.0
     return (
@@ -443,5 +445,5 @@ def _towards(start: Point, end: Point, length: float) -> Point:
 
 
 def _n(value: float) -> str:
-    """A length with at most one decimal."""
+    """Return a length with at most one decimal."""
     return f"{value:.1f}".removesuffix(".0")

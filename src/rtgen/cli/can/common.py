@@ -17,5 +17,5 @@ def require_python_can() -> None:
 
 
 def counted(number: int, what: str) -> str:
-    """A count with its noun, such as "1 frame" or "2 frames"."""
+    """Return a count with its noun, such as "1 frame" or "2 frames"."""
     return f"{number} {what}" if number == 1 else f"{number} {what}s"

@@ -76,7 +76,7 @@ class Decoded:
         return " ".join(word for word in words if word)
 
     def to_json(self) -> dict[str, Json]:
-        """A JSON object with the attributes that are set; `fields` become `values`."""
+        """Return a JSON object with the attributes that are set; `fields` become `values`."""
         result: dict[str, Json] = {"kind": self.kind}
         if self.node is not None:
             result |= {"node": self.node, "name": self.name}

@@ -32,7 +32,7 @@ _COMMANDS: Final = (
 
 
 def drive_words(index: int) -> Callable[[int], str] | None:
-    """The function that puts values of this object into words; None for any other object."""
+    """Return the function that puts values of this object into words; None for any other object."""
     if not 0x6000 <= index < 0xA000:
         return None
     place = 0x6000 + (index - 0x6000) % _AXIS
@@ -40,7 +40,9 @@ def drive_words(index: int) -> Callable[[int], str] | None:
 
 
 def state_words(statusword: int) -> str:
-    """The state of the drive's state machine, with the bits "warning" and "target reached"."""
+    """Return the state of the drive's state machine, with the bits "warning" and "target
+    reached".
+    """
     words = [_named(_STATES, statusword)]
     words += ["warning"] * bool(statusword & 1 << 7)
     words += ["target reached"] * bool(statusword & 1 << 10)
@@ -48,7 +50,7 @@ def state_words(statusword: int) -> str:
 
 
 def command_words(controlword: int) -> str:
-    """The command in a controlword, with the bit "halt"."""
+    """Return the command in a controlword, with the bit "halt"."""
     words = [_named(_COMMANDS, controlword), "halt" if controlword & 1 << 8 else ""]
     return ", ".join(filter(None, words))
 

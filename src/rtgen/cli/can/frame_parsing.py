@@ -91,7 +91,7 @@ def _pdo(head: str, assignments: list[str], known: NodeIndex) -> Frame:
 
 
 def _packed(node: DescribedNode, route: Route, assignments: Iterable[str]) -> bytes:
-    """The data of a PDO; objects without an assignment are 0."""
+    """Return the data of a PDO; objects without an assignment are 0."""
     mapped = {s.thing.name.lower(): s for s in route.mapped}
     whole = 0
     for text in assignments:

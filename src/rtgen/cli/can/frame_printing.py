@@ -58,14 +58,14 @@ class Wanted:
                 )
 
     def __call__(self, decoded: Decoded) -> bool:
-        """Whether a frame matches; a command to all nodes matches each of them."""
+        """Return whether a frame matches; a command to all nodes matches each of them."""
         if self._nodes and decoded.node != 0 and decoded.node not in self._nodes:
             return False
         return not self._kinds or decoded.kind.startswith(self._kinds)
 
 
 def identifier(message: Message) -> str:
-    """The CAN identifier as candump writes it: 3 or 8 hexadecimal digits."""
+    """Return the CAN identifier as candump writes it: 3 or 8 hexadecimal digits."""
     digits = 8 if message.is_extended_id else 3
     return f"{message.arbitration_id:0{digits}X}"
 

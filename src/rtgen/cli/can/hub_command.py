@@ -104,7 +104,7 @@ def hub_(
 
 
 def _event_loop_factory(bit_rate: int) -> Callable[[], asyncio.AbstractEventLoop]:
-    """The fastest event loop that is precise enough: timers of uvloop have milliseconds."""
+    """Return the fastest event loop that is precise enough: timers of uvloop have milliseconds."""
     if not bit_rate:
         try:
             import uvloop

@@ -178,7 +178,9 @@ def until_interrupted() -> Iterator[None]:
 
 
 def can_carry(bus: OpenBus, frame: Frame) -> bool:
-    """Whether the interface can send the frame: socketcand's protocol has no remote frames."""
+    """Return whether the interface can send the frame: socketcand's protocol has no remote
+    frames.
+    """
     return not frame.remote or bus.carries_remote_frames
 
 

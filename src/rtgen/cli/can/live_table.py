@@ -63,7 +63,7 @@ class Rows:
         row.take(message, decoded)
 
     def table(self, title: str) -> Table:
-        """The current rows as a table, sorted by identifier."""
+        """Return the current rows as a table, sorted by identifier."""
         left_out = f", {self.left_out} not shown" if self.left_out else ""
         table = Table(
             title=f"{title}: {self.total} frames{left_out}",

@@ -36,7 +36,7 @@ _ANSWERS: Final = {
 
 
 def lss_text(data: bytes, *, request: bool) -> str:
-    """The meaning of a message of the LSS master (`request`) or of a slave."""
+    """Return the meaning of a message of the LSS master (`request`) or of a slave."""
     if len(data) != lss.MESSAGE:
         return f"no message: {data.hex(' ') or 'no data'}"
     try:

@@ -115,7 +115,7 @@ class NodeIndex:
         return self.bus.manager if self.bus else MANAGER
 
     def name(self, node_id: int) -> str:
-        """The display name of a node."""
+        """Return the display name of a node."""
         node = self.nodes.get(node_id)
         if node is not None:
             return node.name
@@ -259,7 +259,7 @@ def describe_node(
 
 
 def _profile(device: Device) -> int:
-    """The device profile number in the device type (1000h), 0 without one."""
+    """Return the device profile number in the device type (1000h), 0 without one."""
     kind = device.find(0x1000)
     current = None if kind is None else kind.current
     return current & 0xFFFF if isinstance(current, int) else 0

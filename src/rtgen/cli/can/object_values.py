@@ -77,7 +77,7 @@ class Field:
 def field_of(
     node: DescribedNode | None, thing: DescribedObject, value: ObjectValue
 ) -> Field:
-    """The value of an object as a field of its node."""
+    """Return the value of an object as a field of its node."""
     return Field(node.name if node else "", thing, value)
 
 
@@ -108,7 +108,7 @@ def _text(kind: Kind, value: ObjectValue) -> str:
 
 
 def json_value(kind: Kind, value: ObjectValue) -> Json:
-    """The value as JSON: octets in hex, times of day as ISO 8601, differences in seconds."""
+    """Return the value as JSON: octets in hex, times of day as ISO 8601, differences in seconds."""
     if isinstance(value, bytes):
         return value.hex()
     if isinstance(value, int) and kind == "time_of_day":
@@ -119,7 +119,7 @@ def json_value(kind: Kind, value: ObjectValue) -> Json:
 
 
 def iso_time(time: int) -> str:
-    """A time in ns of UTC since 1970 as ISO 8601, to the millisecond."""
+    """Return a time in ns of UTC since 1970 as ISO 8601, to the millisecond."""
     moment = datetime.fromtimestamp(time // SECOND, UTC)
     return f"{moment:%Y-%m-%dT%H:%M:%S}.{time % SECOND // 1_000_000:03}Z"
 

@@ -31,7 +31,9 @@ class BusAccess:
     further: dict[str, Option] = field(default_factory=dict)
 
     def address(self) -> BusAddress:
-        """The address of the bus; falls back to python-can's configuration. Raises Refusal."""
+        """Return the address of the bus; falls back to python-can's configuration. Raises
+        Refusal.
+        """
         arguments = dict(self.further)
         interface, channel, bitrate = self.interface, self.channel, self.bitrate
         if interface is None:
@@ -55,14 +57,14 @@ class BusAccess:
         return BusAddress(interface, channel, bitrate or 0, options)
 
     def on(self, known: NodeIndex) -> BusAccess:
-        """A copy with the bit rate of the bus file, unless an option sets one."""
+        """Return a copy with the bit rate of the bus file, unless an option sets one."""
         if self.bitrate is not None or known.bus is None:
             return self
         return replace(self, bitrate=1000 * known.bus.bit_rate)
 
 
 def with_bus(function: Callable[P, R]) -> Callable[..., R]:
-    """Adds --interface, --channel, --bitrate and --option; the function gets `access`."""
+    """Add --interface, --channel, --bitrate and --option; the function gets `access`."""
 
     @click.option(
         "--interface",
@@ -112,7 +114,7 @@ class Described:
 
 
 def with_nodes(function: Callable[P, R]) -> Callable[..., R]:
-    """Adds --bus and --eds; the function gets `described`."""
+    """Add --bus and --eds; the function gets `described`."""
 
     @click.option(
         "--bus",
@@ -143,7 +145,7 @@ def with_nodes(function: Callable[P, R]) -> Callable[..., R]:
 
 
 def with_span(function: Callable[P, R]) -> Callable[P, R]:
-    """Adds --for and --count; the function gets `seconds` and `count`."""
+    """Add --for and --count; the function gets `seconds` and `count`."""
     function = click.option(
         "--for",
         "seconds",

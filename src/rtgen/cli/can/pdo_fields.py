@@ -79,7 +79,7 @@ class Route:
         return field_of(self.node, thing, value)
 
     def _multiplexed(self, data: bytes) -> tuple[Field, ...]:
-        """The single value of a multiplexed PDO: address, index, sub-index, 4 octets."""
+        """Return the single value of a multiplexed PDO: address, index, sub-index, 4 octets."""
         if len(data) != MAX_DATA:
             return ()
         number = data[1] | data[2] << 8, data[3]
@@ -87,7 +87,7 @@ class Route:
 
 
 def object_of(node: DescribedNode | None, number: Number) -> DescribedObject:
-    """The object of a node, or an unnamed one for an unknown number."""
+    """Return the object of a node, or an unnamed one for an unknown number."""
     thing = node.objects.get(number) if node else None
     return thing or DescribedObject(number, "", "octets", Access.RW)
 
@@ -95,7 +95,9 @@ def object_of(node: DescribedNode | None, number: Number) -> DescribedObject:
 def routes(
     node: DescribedNode, parameters: Mapping[Number, int]
 ) -> Iterator[tuple[tuple[int, bool], Route]]:
-    """The valid PDOs by CAN identifier and whether it has 29 bits, from the node's parameters."""
+    """Yield the valid PDOs by CAN identifier and whether it has 29 bits, from the node's
+    parameters.
+    """
     for direction, base, mapping in (
         (PdoDirection.TPDO, TPDO_COMMUNICATION, TPDO_MAPPING),
         (PdoDirection.RPDO, RPDO_COMMUNICATION, RPDO_MAPPING),

@@ -96,7 +96,7 @@ def replay_(
 def _in_time(
     found: Iterator[Message], speed: float, *, at_once: bool
 ) -> Iterator[Message]:
-    """The messages, each yielded when it is due."""
+    """Return the messages, each yielded when it is due."""
     from can import MessageSync
 
     if at_once:

@@ -85,7 +85,7 @@ class _Nodes:
 
 
 def scanned(bus: OpenBus, seconds: float) -> dict[int, Found]:
-    """The nodes that answer or send heartbeats, by id; waits up to `seconds` for the others.
+    """Return the nodes that answer or send heartbeats, by id; waits up to `seconds` for the others.
 
     Raises ToolError if the bus is lost.
     """

@@ -166,7 +166,7 @@ def sdo_(
 def _object(
     known: NodeIndex, node_id: int, name: str, kind: Kind | None, *, raw: bool
 ) -> DescribedObject:
-    """The object; for a node without a description, an unnamed one of the requested kind."""
+    """Return the object; for a node without a description, an unnamed one of the requested kind."""
     node = known.nodes.get(node_id)
     if node is not None:
         try:
@@ -187,7 +187,7 @@ def _object(
 
 
 def _as(thing: DescribedObject, kind: Kind | None, *, raw: bool) -> DescribedObject:
-    """The object with another kind, or without factor and its unit."""
+    """Return the object with another kind, or without factor and its unit."""
     if kind is None and not raw:
         return thing
     unit = "" if thing.factor is not None else thing.unit
@@ -195,7 +195,7 @@ def _as(thing: DescribedObject, kind: Kind | None, *, raw: bool) -> DescribedObj
 
 
 def _octets(thing: DescribedObject, value: str | None, file: Path | None) -> bytes:
-    """The octets to write. Raises Refusal, ToolError."""
+    """Return the octets to write. Raises Refusal, ToolError."""
     if (value is None) == (file is None):
         raise click.UsageError("`write` takes a value, or --file")
     if file is not None:

@@ -77,7 +77,7 @@ def timing_(
 
 
 def _is_late(timing: Timing) -> bool:
-    """Whether a message can still be queued when its next instance is due."""
+    """Return whether a message can still be queued when its next instance is due."""
     return timing.response is not None and timing.response > timing.message.period
 
 

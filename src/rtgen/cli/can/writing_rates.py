@@ -50,7 +50,7 @@ def _stands_for(proxy: SystemComponent, node: BusNode, bus: Bus) -> bool:
 
 
 def _in_ports(node: BusNode) -> dict[int, set[str]]:
-    """The InPorts that feed each RPDO."""
+    """Return the InPorts that feed each RPDO."""
     ports = DevicePorts(node.device, node.kind)
     if not ports.per_object:
         return {s.pdo.number: {s.name} for s in ports.of(PdoDirection.RPDO)}
@@ -63,7 +63,7 @@ def _in_ports(node: BusNode) -> dict[int, set[str]]:
 
 
 def _rate(connection: Connection, components: Mapping[str, SystemComponent]) -> float:
-    """The rate of a connection in Hz; 0 if its writer is not part of the system."""
+    """Return the rate of a connection in Hz; 0 if its writer is not part of the system."""
     writer = components.get(connection.source.instance)
     if writer is None:
         return 0.0

@@ -18,7 +18,7 @@ class Subject(Protocol):
     faults: ClassVar[tuple[type[Exception], ...]]
 
     def explained(self, fault: Exception) -> str:
-        """A fault as the problem of a check."""
+        """Return a fault as the problem of a check."""
 
 
 S = TypeVar("S", bound=Subject)
@@ -61,7 +61,7 @@ class Check(Generic[S]):
         return self._outcome(verdict, tried, problems)
 
     def skipped(self, reason: str) -> Outcome:
-        """The outcome of a check that was not made."""
+        """Return the outcome of a check that was not made."""
         return self._outcome(Verdict.SKIPPED, 0, [reason])
 
     def _outcome(self, verdict: Verdict, tried: int, problems: list[str]) -> Outcome:

@@ -57,7 +57,7 @@ class Report:
 
 
 def as_text(report: Report) -> str:
-    """A line for each check, its problems below it, and the summary."""
+    """Return a line for each check, its problems below it, and the summary."""
     lines = []
     width = max((len(o.check) for o in report.outcomes), default=0)
     for o in report.outcomes:
@@ -68,7 +68,7 @@ def as_text(report: Report) -> str:
 
 
 def as_json_text(report: Report) -> str:
-    """The report by the schema conformance.schema.json."""
+    """Return the report by the schema conformance.schema.json."""
     return f"{json.dumps({'passed': report.passed, **asdict(report)}, indent=2)}\n"
 
 
@@ -95,7 +95,7 @@ def as_junit(report: Report) -> str:
 
 
 def as_html(report: Report) -> str:
-    """A page of its own, without scripts and without anything from outside."""
+    """Return a page of its own, without scripts and without anything from outside."""
     rows = "".join(
         f'<tr class="{o.verdict.value}"><td>{o.verdict.value}</td>'
         f"<td><code>{html.escape(o.check)}</code></td><td>{html.escape(o.title)}"

@@ -76,7 +76,7 @@ def list_(console: Console, options: CtlOptions, as_json: bool) -> int:
 
 
 def _condition(wanted: Sequence[str], states: Mapping[str, State]) -> str:
-    """The condition of a system, in the words of `rtgen run --supervise`."""
+    """Return the condition of a system, in the words of `rtgen run --supervise`."""
     lost = ", ".join(name for name in wanted if name not in states)
     failed = ", ".join(
         name for name in wanted if name in states and _name(states[name]) == "ERROR"
@@ -285,7 +285,7 @@ def _steer(
 
 
 def _setting(text: str) -> tuple[str, str, str]:
-    """The parts of `INSTANCE.PARAMETER=VALUE`. Raises Refusal."""
+    """Return the parts of `INSTANCE.PARAMETER=VALUE`. Raises Refusal."""
     name, equals, value = text.partition("=")
     instance, dot, parameter = name.partition(".")
     if not (equals and dot and instance and parameter):

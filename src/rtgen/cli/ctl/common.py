@@ -115,7 +115,7 @@ def joined(
 
 
 def profile_of(console: Console, options: CtlOptions) -> System | None:
-    """The system of `--system`, whose name is the partition that its processes use.
+    """Return the system of `--system`, whose name is the partition that its processes use.
 
     Raises ReportedError.
     """
@@ -132,7 +132,7 @@ def profile_of(console: Console, options: CtlOptions) -> System | None:
 
 
 def asker(peers: Peers, instance: str, options: CtlOptions) -> Asker:
-    """The component of that name. Raises ToolError if no process has it."""
+    """Return the component of that name. Raises ToolError if no process has it."""
     deadline = time.monotonic() + options.wait
     while not peers.is_present(instance):
         if time.monotonic() > deadline:
@@ -146,7 +146,7 @@ def asker(peers: Peers, instance: str, options: CtlOptions) -> Asker:
 
 
 def settled(peers: Peers, options: CtlOptions) -> Sequence[str]:
-    """The components of all processes, once no further one is found."""
+    """Return the components of all processes, once no further one is found."""
     begun = changed = time.monotonic()
     known = peers.instances
     while True:

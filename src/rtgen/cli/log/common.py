@@ -53,7 +53,7 @@ def with_choice(command: Callable[..., int]) -> Callable[..., int]:
 def choice(
     names: Sequence[str], kinds: Sequence[str]
 ) -> Callable[[Mapping[str, Any]], bool]:
-    """Whether an event is wanted, by its kind, and by its instance, port or bus."""
+    """Return whether an event is wanted, by its kind, and by its instance, port or bus."""
 
     def wanted(event: Mapping[str, Any]) -> bool:
         if kinds and event["event"] not in kinds:

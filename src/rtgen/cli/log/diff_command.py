@@ -80,7 +80,7 @@ class Comparison:
             self.waiting[1].clear()
 
     def text(self) -> str:
-        """The difference; empty if there is none."""
+        """Return the difference; empty if there is none."""
         counts = f"{self.counts[0]} and {self.counts[1]} events"
         if self.first:
             return f"{self.first} ({counts})"
@@ -90,7 +90,7 @@ class Comparison:
 def compare(
     one: Log, other: Log, wanted: Callable[[Mapping[str, Any]], bool]
 ) -> dict[tuple[str, str], Comparison]:
-    """The sources of events of two files, each compared in order. Raises RecordingError."""
+    """Return the sources of events of two files, each compared in order. Raises RecordingError."""
     found: dict[tuple[str, str], Comparison] = {}
     for pair in zip_longest(one.events(wanted), other.events(wanted)):
         for side, event in enumerate(pair):

@@ -72,7 +72,7 @@ def _form(log: Log) -> str:
 
 
 def _described(log: Log) -> dict[str, Any]:
-    """The form of a file, its clock if known, and how much of it was read."""
+    """Return the form of a file, its clock if known, and how much of it was read."""
     if log.mcap is None:
         return {"form": "json-lines", "clock": None, "whole": True, "damaged": 0}
     clock = log.mcap.metadata.get(METADATA, {}).get("clock")

@@ -29,7 +29,9 @@ def with_values(command: Callable[..., int]) -> Callable[..., int]:
 
 
 def curves_of(file: Path, selectors: Sequence[str]) -> list[Curve]:
-    """The curves of the selectors. Raises ToolError, InputError for a port without samples."""
+    """Return the curves of the selectors. Raises ToolError, InputError for a port without
+    samples.
+    """
     chosen = [Selection(text) for text in dict.fromkeys(selectors)]
     ports: set[str] = set()
     with reported():

@@ -130,7 +130,7 @@ def _add(
 
 
 def _model(project: Project) -> Model:
-    """The components of the project. Raises InputError if its definitions have errors."""
+    """Return the components of the project. Raises InputError if its definitions have errors."""
     from rtgen import compiler
     from rtgen.diagnostics import InputError, has_errors
 

@@ -110,7 +110,7 @@ class MockBoard:
 def _chosen(
     answers: list[_Answer], function: Function, arguments: tuple[object, ...]
 ) -> _Answer:
-    """The first unused line of the script that fits the call. Raises JsonError."""
+    """Return the first unused line of the script that fits the call. Raises JsonError."""
     request = function.encode_request(arguments)
     fitting = [
         answer
@@ -159,7 +159,9 @@ def _answer(service: Service, line: Json) -> _Answer:
 def _echo(
     service: Service, function: Function, arguments: tuple[object, ...]
 ) -> tuple[object, tuple[object, ...]]:
-    """The echo: returns zero, inouts unchanged, outs zero with arrays of the requested length."""
+    """Return the echo: returns zero, inouts unchanged, outs zero with arrays of the requested
+    length.
+    """
     layout = function.layout
     given = dict(zip((i.name for i in layout.arguments), arguments, strict=True))
     returned, zeros = function.zeros()

@@ -76,14 +76,14 @@ def call_(
 
 
 def _returns_code(function: Function) -> bool:
-    """Whether the return value reports failures: its declared type is ER or ER_INT."""
+    """Return whether the return value reports failures: its declared type is ER or ER_INT."""
     return str(function.layout.function.returns) in ("ER", "ER_INT")
 
 
 def channel_of(
     address: str = "", *, serial: str | None, baud: int, peer: Peer
 ) -> TcpChannel | SerialChannel:
-    """The channel to a serial device or to HOST:PORT. Raises ClickException."""
+    """Return the channel to a serial device or to HOST:PORT. Raises ClickException."""
     if serial:
         return SerialChannel(serial, baud, peer.timeout)
     return TcpChannel(*host_and_port(address), timeout=peer.timeout)

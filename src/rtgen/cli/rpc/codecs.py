@@ -173,14 +173,14 @@ class Function:
         return result
 
     def kept(self, arguments: Sequence[object]) -> tuple[object, ...]:
-        """The arguments that the layout of the reply depends on."""
+        """Return the arguments that the layout of the reply depends on."""
         values = dict(
             zip((i.name for i in self.layout.arguments), arguments, strict=True)
         )
         return tuple(values[item.name] for item in self.layout.kept)
 
     def evaluated(self, expression: Expression, known: Mapping[str, object]) -> int:
-        """The value of a size, with those of the parameters that it refers to.
+        """Return the value of a size, with those of the parameters that it refers to.
 
         Raises ArgumentError, and KeyError for parameters that are not known.
         """
@@ -192,7 +192,7 @@ class Function:
         return int(eval(text, names))
 
     def zeros(self) -> tuple[object, tuple[object, ...]]:
-        """A return value and outs of zeros."""
+        """Return a return value and outs of zeros."""
         outs = tuple(self._zero(item) for item in self.layout.outs)
         return self._zero(self.layout.returned), outs
 
@@ -226,7 +226,7 @@ class Function:
     def result_to_json(
         self, returned: object, outs: Sequence[object] | None
     ) -> dict[str, Json]:
-        """A reply as a JSON object."""
+        """Return a reply as a JSON object."""
         values: Json = None
         if outs is not None:
             pairs = zip(self.layout.outs, outs, strict=True)
@@ -256,7 +256,7 @@ class Reader:
         self._at = 0
 
     def more(self, n: int) -> bytes:
-        """The next n octets. Raises ChannelError if fewer are left."""
+        """Return the next n octets. Raises ChannelError if fewer are left."""
         found = self._data[self._at : self._at + n]
         if len(found) != n:
             raise ChannelError(E_BOVR, f"{n - len(found)} bytes are missing")

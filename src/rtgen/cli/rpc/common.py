@@ -135,7 +135,7 @@ def read_unit(path: Path, include: tuple[str, ...] = ()) -> TecsUnit:
 
 
 def signatures_of(unit: TecsUnit) -> list[Signature]:
-    """The signatures of a unit."""
+    """Return the signatures of a unit."""
     return [d for d in unit.declarations if isinstance(d, Signature)]
 
 
@@ -198,5 +198,5 @@ def _unknown(what: str, name: str, known: list[str]) -> click.ClickException:
 
 
 def refused(message: str) -> click.ClickException:
-    """The exception for invalid input."""
+    """Return the exception for invalid input."""
     return Refusal(message)

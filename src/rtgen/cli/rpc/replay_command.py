@@ -74,7 +74,7 @@ class _Replay:
         self._services: dict[tuple[str, str], Service] = {}
 
     def differences(self, case: Mapping[str, Any]) -> Iterator[str]:
-        """The differences from the record."""
+        """Yield the differences from the record."""
         try:
             service = self._service(case["signature"], case["tdr"])
         except click.ClickException as error:
@@ -114,7 +114,7 @@ class _Replay:
         return self._services[key]
 
     def _unit(self, name: str) -> TecsUnit:
-        """The unit of a signature, with the declarations of its own text."""
+        """Return the unit of a signature, with the declarations of its own text."""
         if name not in self._units:
             texts = self._recorded["signatures"]
             if name not in texts:
@@ -132,7 +132,9 @@ class _Replay:
 
 
 def _unwrapped(case: Mapping[str, Any], service: Service) -> tuple[bytes, str]:
-    """The request without the framing of a shared channel, and octets that follow the reply."""
+    """Return the request without the framing of a shared channel, and octets that follow the
+    reply.
+    """
     request = bytes.fromhex(case["request"])
     if not case.get("shared"):
         return request, ""
@@ -193,12 +195,12 @@ def _is_same(item: Item, expected: Json, found: Json) -> bool:
 
 
 def _single(value: float) -> float:
-    """The value rounded to float32_t."""
+    """Return the value rounded to float32_t."""
     return float(struct.unpack("f", struct.pack("f", value))[0])
 
 
 def _is_equal(node: Node, expected: Json, found: Json) -> bool:
-    """Whether values are equal; of an array with `count_is` only counted elements count."""
+    """Return whether values are equal; of an array with `count_is` only counted elements count."""
     match node:
         case Nothing():
             return True

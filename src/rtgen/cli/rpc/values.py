@@ -122,7 +122,7 @@ def _from_utf16(text: str) -> str:
 
 
 def _to_utf16(text: str) -> list[int]:
-    """The UTF-16 code units; a character beyond the BMP has two."""
+    """Return the UTF-16 code units; a character beyond the BMP has two."""
     data = text.encode("utf-16-le", "surrogatepass")
     return list(struct.unpack(f"<{len(data) // 2}H", data))
 
@@ -199,7 +199,7 @@ def _wanted(value: Json, place: str) -> bool:
 
 
 def _object(value: Json, place: str, items: Mapping[str, Item]) -> dict[str, Json]:
-    """The members of a JSON object by name; members without octets may be omitted."""
+    """Return the members of a JSON object by name; members without octets may be omitted."""
     if not isinstance(value, Mapping):
         raise JsonError(f"{place}: an object is needed")
     unknown = [name for name in value if name not in items]

@@ -159,7 +159,7 @@ class _Reader:
         return bus
 
     def _device(self, path: str, where: Place, node_id: int | None) -> Device | None:
-        """The device that a description, named relative to the bus file, is of."""
+        """Return the device that a description, named relative to the bus file, is of."""
         read = eds.load([self._path.parent / path], root=self._root, node_id=node_id)
         named = Related(self._toml.span(where), "named here")
         for d in read.diagnostics:
@@ -199,7 +199,7 @@ class _Reader:
     def _factors(
         self, device: Device, name: str
     ) -> tuple[tuple[tuple[int, int], float], ...]:
-        """The factors of a kind, those of CiA 402 computed."""
+        """Return the factors of a kind, those of CiA 402 computed."""
         declared = self._toml.content["device"][name]
         units = dict(_by_number(declared.get("units", {})))
         found = {}
@@ -242,7 +242,7 @@ class _Reader:
     def _written(
         self, device: Device, place: Place
     ) -> tuple[Device, dict[tuple[int, int], Value]]:
-        """The device with the values that a table has, and these."""
+        """Return the device with the values that a table has, and these."""
         table: Any = self._toml.content
         for key in place:
             table = table[key]
@@ -295,7 +295,7 @@ class _Reader:
         return found
 
     def _linked(self, nodes: list[BusNode], links: list[PdoLink]) -> list[BusNode]:
-        """The nodes with the COB-IDs of their links: the TPDO's for both ends, and valid."""
+        """Return the nodes with the COB-IDs of their links: the TPDO's for both ends, and valid."""
         made = {node.name: node for node in nodes}
         for number, link in enumerate(links):
             place = self._toml.span(("link", number))

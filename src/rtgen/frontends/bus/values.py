@@ -34,7 +34,7 @@ def _text(value: Any) -> str:
 def configured(
     device: Device, number: tuple[int, int], value: Any, span: Span
 ) -> tuple[Device, Value]:
-    """The device with a changed value, and the value converted to the object's data type.
+    """Return the device with a changed value, and the value converted to the object's data type.
 
     PDOs are updated for the new values. Raises BadValueError.
     """

@@ -65,7 +65,7 @@ def load(
 def read_text(
     text: str, name: str = "text.cdl", *, prelude: bool = True
 ) -> tuple[TecsUnit, tuple[Diagnostic, ...]]:
-    """The unit of a text without imports from files, and its findings, sorted."""
+    """Return the unit of a text without imports from files, and its findings, sorted."""
     run = _Run((), Path(), (), {}, "utf8", prelude)
     source = Source(name, name, Path(name), text.encode(), "utf8")
     limit = sys.getrecursionlimit()
@@ -146,7 +146,7 @@ class _Run:
         )
 
     def _main(self, path: Path) -> Source | _Read | None:
-        """A main file; what was read of it before, if it would be the same."""
+        """Return a main file; what was read of it before, if it would be the same."""
         known: _Read | None = None
         if self._memo is not None:
             known = self._memo.find((*self._key, str(path)))

@@ -168,7 +168,7 @@ class Reader:
         return None
 
     def _candidates(self, name: str, unit: Unit) -> Iterator[tuple[Path, Path | None]]:
-        """The candidate paths of a file, in order."""
+        """Yield the candidate paths of a file, in order."""
         yield Path(name), None
         for folder in self._folders:
             yield folder / name, folder

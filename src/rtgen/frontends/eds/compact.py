@@ -38,7 +38,7 @@ def expand(
     reader: VariableReader,
     findings: Findings,
 ) -> dict[int, Variable]:
-    """The members that CompactSubObj describes, by sub-index; empty without it."""
+    """Return the members that CompactSubObj describes, by sub-index; empty without it."""
     entry = head.get("CompactSubObj")
     count = None if entry is None else numbers.number(entry, findings)
     if entry is None:

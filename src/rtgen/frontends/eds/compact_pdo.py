@@ -39,7 +39,9 @@ _NAMES = {
 
 
 def implied(info: DeviceInfo, known: Collection[int], span: Span) -> Iterator[Object]:
-    """The objects of these PDOs, at the lowest free indices; `known` are the indices in use."""
+    """Yield the objects of these PDOs, at the lowest free indices; `known` are the indices in
+    use.
+    """
     if not info.compact_pdo:
         return
     for base, count in (

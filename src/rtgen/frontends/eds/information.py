@@ -51,7 +51,7 @@ class Information:
             self._findings.add(information.OF_A_DCF, section.span, message)
 
     def file_info(self) -> FileInfo:
-        """The section FileInfo."""
+        """Return the section FileInfo."""
         section = self._section("fileinfo")
         self._require(section, "FileName FileVersion FileRevision EDSVersion")
         version = section.get("EDSVersion")
@@ -77,7 +77,7 @@ class Information:
         )
 
     def device_info(self) -> DeviceInfo:
-        """The section DeviceInfo."""
+        """Return the section DeviceInfo."""
         section = self._section("deviceinfo")
         self._require(
             section,
@@ -112,7 +112,7 @@ class Information:
         return tuple(sorted(set(rates)))
 
     def commissioning(self) -> Commissioning | None:
-        """The section DeviceComissioning, if there is one."""
+        """Return the section DeviceComissioning, if there is one."""
         section = self._sections.get(COMMISSIONING)
         if section is None:
             return None
@@ -150,7 +150,7 @@ class Information:
         return declared // 1000 if in_bits else declared
 
     def dummies(self) -> tuple[int, ...]:
-        """The data types that DummyUsage allows as gaps."""
+        """Return the data types that DummyUsage allows as gaps."""
         section = self._section("dummyusage")
         allowed = []
         for key, entry in section.entries.items():
@@ -166,7 +166,7 @@ class Information:
         return tuple(sorted(allowed))
 
     def comments(self) -> str:
-        """The lines of the section Comments."""
+        """Return the lines of the section Comments."""
         section = self._section("comments")
         lines = {
             int(key[4:]): entry.value
@@ -178,7 +178,7 @@ class Information:
         return "\n".join(lines[number] for number in sorted(lines))
 
     def _section(self, name: str) -> Section:
-        """The section of that name, or one without name and entries."""
+        """Return the section of that name, or one without name and entries."""
         nothing = Section("", self._document.start)
         return self._sections.get(name, nothing)
 

@@ -66,17 +66,17 @@ class Section(msgspec.Struct, eq=False):
     entries: dict[str, Entry] = msgspec.field(default_factory=dict)
 
     def get(self, key: str) -> Entry | None:
-        """The entry of a key, if it has a value."""
+        """Return the entry of a key, if it has a value."""
         entry = self.entries.get(key.lower())
         return entry if entry is not None and entry.value else None
 
     def text(self, key: str) -> str:
-        """The value of a key, or an empty text."""
+        """Return the value of a key, or an empty text."""
         entry = self.entries.get(key.lower())
         return "" if entry is None else entry.value
 
     def numbered(self) -> Iterator[tuple[int, Entry]]:
-        """The entries with decimal numbers as keys, in order of the file."""
+        """Yield the entries with decimal numbers as keys, in order of the file."""
         for key, entry in self.entries.items():
             if key.isascii() and key.isdigit() and len(key) <= 6:
                 yield int(key), entry
@@ -91,7 +91,7 @@ class Document(msgspec.Struct, eq=False):
     _headers: list[tuple[int, str]] | None = None
 
     def section_at(self, line: int) -> str | None:
-        """The name of the section that contains a line; None for a header."""
+        """Return the name of the section that contains a line; None for a header."""
         if self._headers is None:
             self._headers = [
                 (number, found[1].strip())
@@ -111,7 +111,7 @@ class Document(msgspec.Struct, eq=False):
 
 
 def too_large(file: str) -> Diagnostic:
-    """The error about a file with more bytes than are read."""
+    """Return the error about a file with more bytes than are read."""
     message = f"the file is larger than {MAX_BYTES:,} bytes"
     return lexical.TOO_LARGE.at(Span(file, 1, 1, 1, 1), message)
 

@@ -10,7 +10,7 @@ from rtgen.frontends.eds.ini import Section
 from rtgen.frontends.eds.outline import COMMISSIONING, LISTS, Outline
 from rtgen.frontends.eds.rules import lexical
 
-_MOST_SUGGESTIONS = 100
+_MAX_SUGGESTIONS = 100
 
 
 class _Keys:
@@ -90,7 +90,7 @@ class _Checker:
                 )
 
     def _meant(self, key: str, keys: _Keys, section: Section) -> str | None:
-        if self._suggestions >= _MOST_SUGGESTIONS or len(key) > 40:
+        if self._suggestions >= _MAX_SUGGESTIONS or len(key) > 40:
             return None
         self._suggestions += 1
         near = get_close_matches(key, keys.names, n=1, cutoff=0.85)

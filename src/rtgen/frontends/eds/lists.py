@@ -28,7 +28,7 @@ def check_count(section: Section, key: str, count: int, findings: Findings) -> N
 
 
 def index_of(entry: Entry) -> int | None:
-    """The index in an entry of a list; None if it is malformed."""
+    """Return the index in an entry of a list; None if it is malformed."""
     declared = parse(entry.value.split()[0]) if entry.value else None
     return (
         declared.value
@@ -43,7 +43,7 @@ def check(
     objects: Collection[Object],
     findings: Findings,
 ) -> None:
-    """Compares the lists of objects with the objects there are."""
+    """Compare the lists of objects with the objects there are."""
     described = {*outline.objects.heads, *outline.objects.subs}
     listed: set[int] = set()
     for name in LISTS:

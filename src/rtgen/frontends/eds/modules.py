@@ -17,7 +17,7 @@ from rtgen.frontends.eds.variables import VariableReader
 from rtgen.model.canopen import Module, Object, ObjectType, Variable
 
 _HIGHEST = 254
-_MOST_SLOTS = 254
+_MAX_SLOTS = 254
 
 
 class ModuleReader:
@@ -29,7 +29,7 @@ class ModuleReader:
         self._dcf = dcf
 
     def kinds(self) -> tuple[Module, ...]:
-        """The module types that the device supports."""
+        """Return the module types that the device supports."""
         section = self._outline.plain.get("supportedmodules")
         count = 0
         if section is not None:
@@ -47,11 +47,11 @@ class ModuleReader:
         )
 
     def connected(self) -> tuple[int, ...]:
-        """The numbers of the modules in the slots, in order."""
+        """Return the numbers of the modules in the slots, in order."""
         section = self._outline.plain.get("connectedmodules")
         if section is None:
             return ()
-        entries = sorted(section.numbered(), key=lambda pair: pair[0])[:_MOST_SLOTS]
+        entries = sorted(section.numbered(), key=lambda pair: pair[0])[:_MAX_SLOTS]
         check_count(section, "NrOfEntries", len(entries), self._findings)
         found = []
         for _, entry in entries:
@@ -64,7 +64,7 @@ class ModuleReader:
         return tuple(found)
 
     def apply(self, objects: list[Object], connected: Sequence[int]) -> list[Object]:
-        """The object dictionary extended by these modules."""
+        """Return the object dictionary extended by these modules."""
         dictionary = {o.index: o for o in objects}
         for key in connected:
             sections = self._outline.modules[key]
@@ -96,7 +96,7 @@ class ModuleReader:
             return 1
         whole = entry.value.replace(";", ",").split(",")
         counts = [parse(text.strip()) for text in whole[:_HIGHEST]]
-        return min(_MOST_SLOTS, sum(c.value for c in counts if c and c.value > 0))
+        return min(_MAX_SLOTS, sum(c.value for c in counts if c and c.value > 0))
 
 
 def _append(

@@ -54,7 +54,7 @@ def parse(text: str) -> Number | None:
 
 
 def number(entry: Entry, findings: Findings) -> int | None:
-    """The number of an entry; None, without a diagnostic, if it is malformed."""
+    """Return the number of an entry; None, without a diagnostic, if it is malformed."""
     parsed = parse(without_comment(entry, findings))
     if parsed is None:
         return None
@@ -74,7 +74,7 @@ def _report(parsed: Number, entry: Entry, findings: Findings) -> None:
 
 
 def without_comment(entry: Entry, findings: Findings) -> str:
-    """The value of an entry without a trailing comment."""
+    """Return the value of an entry without a trailing comment."""
     text = _COMMENT.sub("", entry.value)
     if text != entry.value:
         start = entry.value_column + len(text)
@@ -86,7 +86,7 @@ def without_comment(entry: Entry, findings: Findings) -> str:
 
 
 def value(entry: Entry, type_: int, findings: Findings) -> Value | None:
-    """The value of an entry for its data type; None, with a diagnostic, if it is invalid."""
+    """Return the value of an entry for its data type; None, with a diagnostic, if it is invalid."""
     if type_ in _TEXTS:
         return entry.value
     if type_ == DataType.VISIBLE_CHAR and len(entry.value) == 1:
@@ -104,7 +104,7 @@ def value(entry: Entry, type_: int, findings: Findings) -> Value | None:
 def limit(
     entry: Entry, type_: int, findings: Findings
 ) -> int | float | NodeRelative | None:
-    """The limit of an entry for its data type; None, with a diagnostic, if it is invalid."""
+    """Return the limit of an entry for its data type; None, with a diagnostic, if it is invalid."""
     ordered = type_ in SIGNED or type_ in UNSIGNED or type_ in _REALS
     if not ordered and type_ not in (DataType.BOOLEAN, DataType.VISIBLE_CHAR):
         message = f"{entry.key}: values of this data type have no order"
@@ -189,7 +189,7 @@ def _out_of_range(entry: Entry, type_: DataType, findings: Findings) -> None:
 
 
 def _fitted(number: int, type_: DataType) -> int | None:
-    """The number in the type's range; two's complement of a signed type becomes negative."""
+    """Return the number in the type's range; two's complement of a signed type becomes negative."""
     if type_ in SIGNED:
         width = SIGNED[type_]
         if 1 << width - 1 <= number < 1 << width:

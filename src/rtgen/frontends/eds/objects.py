@@ -13,7 +13,7 @@ from rtgen.frontends.eds.outline import ObjectSections
 from rtgen.frontends.eds.rules import information, lexical
 from rtgen.frontends.eds.rules import objects as rules
 from rtgen.frontends.eds.variables import VariableReader
-from rtgen.limits import MOST_VARIABLES
+from rtgen.limits import MAX_VARIABLES
 from rtgen.model.canopen import DataType, Object, ObjectType, Variable
 
 _LAST = 0xBFFF
@@ -35,10 +35,10 @@ class ObjectReader:
         self._sections = sections
         self._findings = findings
         self._variables = VariableReader(findings, self._defined_types(sections), dcf)
-        self._room = MOST_VARIABLES
+        self._room = MAX_VARIABLES
 
     def read(self) -> list[Object]:
-        """The objects by index, without DEFTYPE, DEFSTRUCT and NULL."""
+        """Return the objects by index, without DEFTYPE, DEFSTRUCT and NULL."""
         sections = self._sections
         found = []
         for index in sorted({*sections.heads, *sections.subs}):
@@ -48,7 +48,7 @@ class ObjectReader:
             if self._room < 0:
                 span = sections.heads[index].span
                 message = (
-                    f"the objects have more than {MOST_VARIABLES:,} variables in all"
+                    f"the objects have more than {MAX_VARIABLES:,} variables in all"
                 )
                 self._findings.add(lexical.TOO_MANY_OBJECTS, span, message)
                 return []
@@ -112,7 +112,7 @@ class ObjectReader:
         )
 
     def _type(self, head: Section, subs: dict[int, Section]) -> ObjectType:
-        """The object type in ObjectType, falling back on the other keys."""
+        """Return the object type in ObjectType, falling back on the other keys."""
         entry = head.get("ObjectType")
         written = None if entry is None else self._variables.word(entry, ObjectType)
         declared = ObjectType(written) if written in set(ObjectType) else None
@@ -161,7 +161,9 @@ class ObjectReader:
         return [made[subindex] for subindex in sorted(made)]
 
     def _common_type(self, head: Section, subs: dict[int, Section]) -> int | None:
-        """The data type of an ARRAY's members: that of the head, else of the first typed member."""
+        """Return the data type of an ARRAY's members: that of the head, else of the first typed
+        member.
+        """
         for section in (head, *(subs[k] for k in sorted(subs) if k)):
             entry = section.get("DataType")
             declared = None if entry is None else parse(entry.value)
@@ -228,6 +230,6 @@ class ObjectReader:
 
 
 def type_text(variable: Variable) -> str:
-    """The name of a variable's data type."""
+    """Return the name of a variable's data type."""
     code = variable.data_type
     return DataType(code).name if code in variables.KNOWN else f"type {code:04X}h"

@@ -54,7 +54,7 @@ class ObjectSections(msgspec.Struct, eq=False):
     links: dict[int, Section] = msgspec.field(default_factory=dict)
 
     def all(self) -> Iterator[Section]:
-        """The sections that describe an object or a sub-object."""
+        """Yield the sections that describe an object or a sub-object."""
         yield from self.heads.values()
         for subs in self.subs.values():
             yield from subs.values()

@@ -62,7 +62,7 @@ class PdoReader:
         self._findings = findings
 
     def read(self) -> tuple[Pdo, ...]:
-        """The TPDOs, then the RPDOs, by number."""
+        """Return the TPDOs, then the RPDOs, by number."""
         found = [
             *self._direction(PdoDirection.TPDO, TPDO_COMMUNICATION),
             *self._direction(PdoDirection.RPDO, RPDO_COMMUNICATION),
@@ -148,7 +148,7 @@ class PdoReader:
             self._findings.add(rules.BAD_COB_ID, place[1], message)
 
     def _reserved(self, cob_id: int | NodeRelative) -> int | None:
-        """A restricted CAN identifier in the COB-ID, None if it has none."""
+        """Return a restricted CAN identifier in the COB-ID, None if it has none."""
         offset = cob_id.offset if isinstance(cob_id, NodeRelative) else cob_id
         if offset & EXTENDED:
             return None
@@ -249,7 +249,7 @@ def _integer(value: Value | None) -> int | None:
 
 
 def _entries(values: Mapping[int, Value | None]) -> tuple[PdoEntry, ...]:
-    """The mapping entries in use; none for a multiplexed PDO."""
+    """Return the mapping entries in use; none for a multiplexed PDO."""
     used = values.get(0)
     if not isinstance(used, int) or used in _MULTIPLEXED:
         return ()

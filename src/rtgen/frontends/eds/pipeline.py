@@ -106,7 +106,7 @@ class _Run:
 def _read(
     data: bytes, file: str, key: str, node_id: int | None
 ) -> tuple[Device | None, str, tuple[Diagnostic, ...]]:
-    """A device (None if its description has errors), the text, and the diagnostics.
+    """Return a device (None if its description has errors), the text, and the diagnostics.
 
     `file` is the path for messages; the suffix `.dcf`, in any case, marks a DCF.
     """

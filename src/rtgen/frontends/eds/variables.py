@@ -48,7 +48,7 @@ class VariableReader:
         self._warned_of_dcf = dcf
 
     def name(self, section: Section, fallback: str) -> str:
-        """The name of an object or sub-object."""
+        """Return the name of an object or sub-object."""
         name = section.text("ParameterName")
         if not name:
             message = f"ParameterName is missing; it is called {fallback}"
@@ -107,7 +107,7 @@ class VariableReader:
         )
 
     def word(self, entry: Entry, names: type[IntEnum] | dict[str, int]) -> int | None:
-        """The number of an entry, or that of an enumerator; None for anything else."""
+        """Return the number of an entry, or that of an enumerator; None for anything else."""
         word = entry.value.upper()
         members = names if isinstance(names, dict) else dict(names.__members__)
         if word in members:
@@ -227,7 +227,7 @@ class VariableReader:
         return found if isinstance(found, float) else None
 
     def flags(self, section: Section) -> int:
-        """The object flags, 0 by default."""
+        """Return the object flags, 0 by default."""
         entry = section.get("ObjFlags")
         declared = None if entry is None else numbers.number(entry, self._findings)
         if entry is not None and (declared is None or not 0 <= declared <= 0xFFFFFFFF):

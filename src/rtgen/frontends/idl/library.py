@@ -16,7 +16,7 @@ from rtgen.resources import IDL_FILES, idl_file, idl_source
 def shipped(
     definitions: Sequence[Path], needed: Collection[str]
 ) -> dict[str, VirtualFile | Path]:
-    """The files by name: that of the name among `definitions`, else the one of rtgen.
+    """Return the files by name: that of the name among `definitions`, else the one of rtgen.
 
     Those `needed` are read in any case, others where they are included.
     """

@@ -148,7 +148,7 @@ class _Run:
         )
 
     def _of_name(self, name: str) -> Source | Translation | None:
-        """The main file that is on no disk, or its unit if that is known."""
+        """Return the main file that is on no disk, or its unit if that is known."""
         return self._known(name) or self._library.virtual(name)
 
     def _of_path(self, path: Path) -> Source | Translation | None:
@@ -163,7 +163,7 @@ class _Run:
         )
 
     def _known(self, name: str) -> Translation | None:
-        """The unit of a main file as read by a run before, if it would be the same."""
+        """Return the unit of a main file as read by a run before, if it would be the same."""
         if self._memo is None:
             return None
         found: Translation | None = self._memo.find((*self._key, name))

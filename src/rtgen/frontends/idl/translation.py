@@ -101,7 +101,7 @@ class Translator:
         )
 
     def is_printed(self, printed: Mapping[str, str]) -> bool:
-        """Whether the files that are on no disk have these hashes."""
+        """Return whether the files that are on no disk have these hashes."""
         return all(self._hash(name) == digest for name, digest in printed.items())
 
     def _hash(self, name: str) -> str:
@@ -111,7 +111,7 @@ class Translator:
     def _declarations(
         self, types: Types, report: Callable[[Diagnostic], None]
     ) -> Mapping[ScopedName, Declaration]:
-        """The declarations of a unit without errors, which are checked."""
+        """Return the declarations of a unit without errors, which are checked."""
         tables = types.tables
         made: dict[ScopedName, Declaration] = {}
         with stages.stage("make the model"):
@@ -126,7 +126,7 @@ class Translator:
         return made
 
     def _declares(self, name: str, unit: Unit) -> str | None:
-        """The file near a unit that declares an unknown name."""
+        """Return the file near a unit that declares an unknown name."""
         if self._neighbours is None:
             from rtgen.frontends.idl.names.neighbours import Neighbours
 

@@ -40,7 +40,7 @@ class Docs:
         self._known: dict[tuple[int, int], str] = {}
 
     def of(self, start: int, end: int) -> str:
-        """The doc of what stands at [start, end), its `;` or `,` included or not."""
+        """Return the doc of what stands at [start, end), its `;` or `,` included or not."""
         if not self._comments:
             return ""
         found = self._known.get((start, end))
@@ -50,7 +50,9 @@ class Docs:
         return found
 
     def say_key(self, end: int) -> bool:
-        """Whether the comment behind an entry is `//@key`, as DDS had it before annotations."""
+        """Return whether the comment behind an entry is `//@key`, as DDS had it before
+        annotations.
+        """
         index = bisect_left(self._starts, end)
         if index == len(self._comments):
             return False

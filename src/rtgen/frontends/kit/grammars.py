@@ -9,7 +9,7 @@ from rtgen.resources import grammar_file
 
 
 def load(name: str, builder: object, reserved: frozenset[str]) -> Grammar:
-    """The grammar of that name (`idl`), from the tables beside it where they are its own."""
+    """Return the grammar of that name (`idl`), from the tables beside it where they are its own."""
     path = grammar_file(f"{name}.lark")
     text = path.read_text(encoding="utf-8")
     try:

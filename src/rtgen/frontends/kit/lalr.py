@@ -34,7 +34,7 @@ class Token(str):
 
 
 def token(kind: str, start: int, text: str = "") -> Token:
-    """A token that stands at `start`."""
+    """Return a token that stands at `start`."""
     made = Token(text)
     made.type = kind
     made.start_pos = start
@@ -93,7 +93,7 @@ class Grammar:
 
 
 def key(text: str) -> str:
-    """The hash by which tables are matched to a grammar."""
+    """Return the hash by which tables are matched to a grammar."""
     return sha256(f"{FORMAT}\n{text}".encode()).hexdigest()
 
 
@@ -127,7 +127,7 @@ class Parser:
         return self.values[0] if found.type == END else None
 
     def _tokens(self) -> Iterator[Token]:
-        """The tokens from `position` on, each made when those before it are shifted."""
+        """Yield the tokens from `position` on, each made when those before it are shifted."""
         states, word = self.states, self.word
         actions, reserved = self._grammar.actions, self._grammar.reserved
         while self.position < self._end:
@@ -190,7 +190,7 @@ class Parser:
         """Called when a token of a watched terminal is shifted."""
 
     def word(self, text: str, end: int) -> str:
-        """The terminal of a word that is not reserved and ends there."""
+        """Return the terminal of a word that is not reserved and ends there."""
         if text in self._grammar.contextual:
             # The row alone may have it from another context with the same state.
             keyword, guard = self._grammar.contextual[text]
@@ -199,7 +199,7 @@ class Parser:
         return WORD
 
     def other(self, found: Token) -> Token:
-        """Another token that begins where `found` does, and that the state takes."""
+        """Return another token that begins where `found` does, and that the state takes."""
         row = self._grammar.actions[self.states[-1]]
         start = found.start_pos
         for kind, pattern in self._grammar.terminals.items():
@@ -213,11 +213,11 @@ class Parser:
         raise UnexpectedTokenError(found)
 
     def takes(self, kind: str) -> bool:
-        """Whether the state has an action for a terminal, if only that of a rule's end."""
+        """Return whether the state has an action for a terminal, if only that of a rule's end."""
         return kind in self._grammar.actions[self.states[-1]]
 
     def accepts(self) -> set[str]:
-        """The terminals that can come next."""
+        """Return the terminals that can come next."""
         return {
             kind
             for kind in self._grammar.actions[self.states[-1]]
@@ -246,7 +246,8 @@ def _rule(
     kept: list[tuple[int, bool]] | None,
     single: bool,
 ) -> tuple[int, str, Make | None]:
-    """A rule's length, its symbol, and what makes its value; None keeps the value of its only part.
+    """Return a rule's length, its symbol, and what makes its value; None keeps the value of its
+    only part.
 
     `kept` are the parts that count, each with whether it is a list to be spread; None for all.
     `single` says that one part stands for the whole.

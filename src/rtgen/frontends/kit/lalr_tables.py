@@ -14,7 +14,7 @@ _GUARDED = re.compile(r"(\w+)(\(\?=.*\))", re.DOTALL)
 
 
 def make(text: str) -> dict[str, Any]:
-    """The tables of a grammar: plain data, as `lalr.Grammar` takes them.
+    """Return the tables of a grammar: plain data, as `lalr.Grammar` takes them.
 
     `terminals` stand in the order in which they are tried. Words are not terminals of the lexer,
     but take precedence over identifiers: `words` always, `guarded` where what follows them fits.
@@ -65,7 +65,9 @@ _START = "specification"
 
 
 def _numbers(table: Any) -> dict[int, int]:
-    """The number of each state, in the order of a walk from the start: lark's depend on hashes."""
+    """Return the number of each state, in the order of a walk from the start: lark's depend on
+    hashes.
+    """
     found = {table.start_states[_START]: 0}
     for state in (waiting := [*found]):
         for _, (_, arg) in sorted(table.states[state].items()):
@@ -78,7 +80,7 @@ def _numbers(table: Any) -> dict[int, int]:
 def _row(
     row: dict[str, Any], rules: dict[Any, int], numbers: dict[int, int]
 ) -> dict[str, int]:
-    """The actions of a state: the next state, or a rule's number complemented."""
+    """Return the actions of a state: the next state, or a rule's number complemented."""
     return {
         symbol: numbers[arg] if isinstance(arg, int) else ~rules[arg]
         for symbol, (_, arg) in sorted(row.items())
@@ -86,7 +88,7 @@ def _row(
 
 
 def _rule(rule: Any) -> list[Any]:
-    """The parts of a rule as `lalr` takes them; what a rule of `_name` gives is spread."""
+    """Return the parts of a rule as `lalr` takes them; what a rule of `_name` gives is spread."""
     name = str(rule.alias or rule.origin.name)
     kept = [
         (index, not part.is_term and part.name.startswith("_"))

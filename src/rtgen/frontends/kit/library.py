@@ -92,7 +92,7 @@ class Library(Generic[F]):
         return [*read, *self._made.values()]
 
     def virtual(self, name: str) -> F | None:
-        """The file of that name that is on no disk."""
+        """Return the file of that name that is on no disk."""
         file = self._virtual.get(name)
         if file is None or isinstance(file, Path):
             return None if file is None else self.open(file)
@@ -103,10 +103,10 @@ class Library(Generic[F]):
         return self._made[name]
 
     def open(self, path: Path | str, folder: Path | None = None) -> F | None:
-        """The file of that path, or None where there is none.
+        """Return the file of that path, or None where there is none.
 
-        `folder` is the include folder in which it was found. Raises OSError if there is a file
-        that cannot be read.
+        `folder` is the include folder in which it was found. Raises OSError if there is a file that
+        cannot be read.
         """
         absolute = absolute_path(path)
         self.trail[absolute] = None
@@ -134,7 +134,7 @@ class Library(Generic[F]):
         return tuple(self._virtual)
 
     def displayed(self, folder: Path) -> str:
-        """A folder as it is shown: relative to the working folder."""
+        """Return a folder as it is shown: relative to the working folder."""
         return self._displayed(absolute_path(folder))
 
     def _displayed(self, absolute: str) -> str:

@@ -25,7 +25,7 @@ class LineTable:
         return line, offset - self.starts[line - 1] + 1
 
     def span(self, start: int, end: int) -> Span:
-        """The span of [start, end); an end before the start counts as the start."""
+        """Return the span of [start, end); an end before the start counts as the start."""
         starts = self.starts
         line = bisect_right(starts, start)
         first = starts[line - 1] - 1

@@ -59,22 +59,22 @@ class Element:
         return self._places.get(local_name, self.span)
 
     def get(self, namespace: str, local_name: str, default: str = "") -> str:
-        """An attribute's value, or the default."""
+        """Return an attribute's value, or the default."""
         return self.attributes.get((namespace, local_name), default)
 
     def all(self, namespace: str, local_name: str) -> Iterator[Element]:
-        """The children of that name, in order."""
+        """Return the children of that name, in order."""
         return (
             child for child in self.children if child.name == (namespace, local_name)
         )
 
     def first(self, namespace: str, local_name: str) -> Element | None:
-        """The first child of that name."""
+        """Return the first child of that name."""
         return next(self.all(namespace, local_name), None)
 
 
 def decode(data: bytes, file: str) -> str:
-    """The text of an XML file by its byte-order mark or declaration. Raises InputError."""
+    """Return the text of an XML file by its byte-order mark or declaration. Raises InputError."""
     mark = next(
         (name for start, name in _BYTE_ORDER_MARKS.items() if data.startswith(start)),
         None,
@@ -108,7 +108,7 @@ _NEWLINE = re.compile(r"\r\n?|\n")
 
 
 def parse(text: str, file: str) -> Element:
-    """The root element of an XML text. Raises InputError with one located finding."""
+    """Return the root element of an XML text. Raises InputError with one located finding."""
     return _Builder(text, file).run()
 
 

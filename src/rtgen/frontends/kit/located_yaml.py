@@ -35,7 +35,7 @@ class YamlError(Exception):
 
 
 def parse(text: str, file: str) -> Node:
-    """The content of a YAML text that is displayed as `file`. Raises YamlError.
+    """Return the content of a YAML text that is displayed as `file`. Raises YamlError.
 
     Of equal keys in a mapping the last one counts.
     """

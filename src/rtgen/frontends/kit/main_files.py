@@ -20,7 +20,8 @@ def open_main(
     unreadable: Rule,
     beside: str,
 ) -> F | None:
-    """The file of a path, displayed as `shown`; None if it cannot be read, which is reported.
+    """Return the file of a path, displayed as `shown`; None if it cannot be read, which is
+    reported.
 
     The hint for a missing file is a near name in its folder that the glob pattern `beside` matches.
     """

@@ -45,7 +45,7 @@ class Memo:
         self._kept = {k: each for k, each in self._kept.items() if each[0] >= last}
 
     def find(self, key: Hashable) -> Any:
-        """The valid result of a key, or None."""
+        """Return the valid result of a key, or None."""
         if key not in self._kept:
             return None
         _, result = self._kept[key]
@@ -61,7 +61,7 @@ class Memo:
     def read(
         self, key: Hashable, make: Callable[[], R], fits: Callable[[R], bool]
     ) -> R:
-        """The valid result of a key, or a new one, which is kept if it `fits`."""
+        """Return the valid result of a key, or a new one, which is kept if it `fits`."""
         result: R | None = self.find(key)
         if result is None:
             result = make()

@@ -20,7 +20,7 @@ class RecoveringParser(Parser):
         return depth
 
     def opening(self) -> int | None:
-        """The offset of the innermost brace that is open."""
+        """Return the offset of the innermost brace that is open."""
         for value in reversed(self.values):
             if getattr(value, "type", None) == "LBRACE":
                 place: int = value.start_pos
@@ -51,7 +51,9 @@ _END_OF_DECLARATION = re.compile(r"\s*;|[ \t]*\w+\s*;")
 
 
 def end_of_declaration(text: str, offset: int) -> int | None:
-    """The end of a `;`, or of a name and a `;`, behind an offset; None if there is neither."""
+    """Return the end of a `;`, or of a name and a `;`, behind an offset; None if there is
+    neither.
+    """
     rest = _END_OF_DECLARATION.match(text, offset)
     return rest.end() if rest else None
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-_MOST_COMPARED = 500
+_MAX_COMPARED = 500
 """Of more candidates those are compared that begin alike and are about as long: it takes time."""
 
-_MOST_GUESSES = 200
+_MAX_GUESSES = 200
 """For so many mistakes of one sort a near name is looked for, since that takes time."""
 
 
@@ -19,13 +19,15 @@ class Guesses:
 
     def nearest(self, word: str, candidates: Iterable[str]) -> str | None:
         """As the function of that name; None where there were too many mistakes before."""
-        if word not in self._known and len(self._known) < _MOST_GUESSES:
+        if word not in self._known and len(self._known) < _MAX_GUESSES:
             self._known[word] = nearest(word, candidates)
         return self._known.get(word)
 
 
 def nearest(word: str, candidates: Iterable[str]) -> str | None:
-    """The candidate most like `word`: equal but for case, else by difflib; None if none is."""
+    """Return the candidate most like `word`: equal but for case, else by difflib; None if none
+    is.
+    """
     if len(word) > 200:
         return None
     choices = list(candidates)
@@ -33,7 +35,7 @@ def nearest(word: str, candidates: Iterable[str]) -> str | None:
     for choice in choices:
         if choice.lower() == folded:
             return choice
-    if len(choices) > _MOST_COMPARED:
+    if len(choices) > _MAX_COMPARED:
         slack = len(word) // 4 + 1
         choices = [
             choice
@@ -41,7 +43,7 @@ def nearest(word: str, candidates: Iterable[str]) -> str | None:
             if abs(len(choice) - len(word)) <= slack
             and choice[:2].lower() == folded[:2]
         ]
-    if len(choices) > _MOST_COMPARED:
+    if len(choices) > _MAX_COMPARED:
         return None
     from difflib import get_close_matches
 

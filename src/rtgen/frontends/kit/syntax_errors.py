@@ -61,16 +61,16 @@ class BaseContext(ABC):
 
     @abstractmethod
     def span(self, start: int, end: int) -> Span:
-        """The span of [start, end) of the text."""
+        """Return the span of [start, end) of the text."""
 
     @abstractmethod
     def span_after(self, offset: int) -> Span:
-        """The place just behind the character before an offset."""
+        """Return the place just behind the character before an offset."""
 
     @staticmethod
     @abstractmethod
     def shown(terminal: str) -> str:
-        """A terminal in a user's words: `a name`, `';'`."""
+        """Return a terminal in a user's words: `a name`, `';'`."""
 
     @cached_property
     def statement(self) -> int:
@@ -99,7 +99,9 @@ class BaseContext(ABC):
         back: bool = False,
         resume: int | None = None,
     ) -> Recovery:
-        """A recovery with a diagnostic at the token, at a place, or `behind` the token before."""
+        """Return a recovery with a diagnostic at the token, at a place, or `behind` the token
+        before.
+        """
         start, end = at or (self.start, self.end)
         span = self.span_after(self.last) if behind else self.span(start, end)
         diagnostic = rule.at(span, message, related=related, hint=hint)

@@ -86,7 +86,7 @@ _OUTWARD = frozenset(("append", "extend", "insert", "update", "setdefault", "get
 
 
 def is_known(value: Value, depth: int = 0) -> bool:
-    """Whether it is a constant, or consists of constants."""
+    """Return whether it is a constant, or consists of constants."""
     if isinstance(value, CONSTANTS):
         return True
     if isinstance(value, list | tuple | range) and depth < 10:
@@ -97,7 +97,7 @@ def is_known(value: Value, depth: int = 0) -> bool:
 
 
 def iterated(value: Value) -> list[Value] | None:
-    """The items that a loop iterates over, None if unknown."""
+    """Return the items that a loop iterates over, None if unknown."""
     if isinstance(value, list | tuple | str | dict | range):
         return list(value) if len(value) <= _LARGEST else None
     return None
@@ -121,7 +121,7 @@ class Expressions:
         self._depth = 0
 
     def value(self, node: ast.expr | None, frame: Frame) -> Value:
-        """The value of an expression, UNKNOWN if it is computed at run time."""
+        """Return the value of an expression, UNKNOWN if it is computed at run time."""
         if node is None or self._depth >= _DEEPEST:
             return UNKNOWN
         self._walker.step()
@@ -174,7 +174,7 @@ class Expressions:
         return UNKNOWN
 
     def attribute(self, holder: Value, name: str) -> Value:
-        """An attribute of a value."""
+        """Return an attribute of a value."""
         match holder:
             case Component():
                 if name in holder.attributes:
@@ -246,7 +246,9 @@ class Expressions:
     def guarded(
         self, function: Callable[..., Any], *args: Value, **more: Value
     ) -> Value:
-        """The result of a Python function for known values; UNKNOWN if it fails or is huge."""
+        """Return the result of a Python function for known values; UNKNOWN if it fails or is
+        huge.
+        """
         try:
             found = function(*args, **more)
             if isinstance(found, int) and abs(found) >= 1 << 256:
@@ -327,7 +329,7 @@ class Expressions:
     def builtin(
         self, name: str, args: list[Value], keywords: dict[str, Value]
     ) -> Value:
-        """The result of a Python function, UNKNOWN if it is irrelevant here."""
+        """Return the result of a Python function, UNKNOWN if it is irrelevant here."""
         function = _FUNCTIONS.get(name)
         passing = name in ("len", "list", "tuple", "zip", "enumerate", "reversed")
         fine = all(is_known(a) or (passing and iterated(a) is not None) for a in args)
@@ -344,7 +346,7 @@ class Expressions:
     def method(
         self, holder: Value, name: str, args: list[Value], keywords: dict[str, Value]
     ) -> Value:
-        """The result or effect of a method of a text, list or dict."""
+        """Return the result or effect of a method of a text, list or dict."""
         if name not in _METHODS.get(type(holder), ()):
             return UNKNOWN
         if name not in _OUTWARD and not all(map(is_known, (*args, *keywords.values()))):
@@ -366,5 +368,7 @@ class Expressions:
 
 
 def is_made(value: Value, *names: str) -> bool:
-    """Whether it is the result of a call of one of these, wherever they are imported from."""
+    """Return whether it is the result of a call of one of these, wherever they are imported
+    from.
+    """
     return isinstance(value, Made) and value.path[-1:] in {(name,) for name in names}

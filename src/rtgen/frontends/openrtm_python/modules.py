@@ -10,8 +10,8 @@ from pathlib import Path
 from rtgen.frontends.openrtm_python.source import Source, read_source
 from rtgen.frontends.openrtm_python.values import Class, Function, Module, Named, Value
 
-_MOST_MODULES = 50
-_MOST_FOLDERS = 6
+_MAX_MODULES = 50
+_MAX_FOLDERS = 6
 _STUBS = "import omniORB"
 _OPENRTM = (("OpenRTM_aist",), ("omniORB",), ("RTC",))
 """Packages of OpenRTM itself."""
@@ -25,7 +25,7 @@ class ModuleName:
     path: tuple[str, ...]
 
     def attribute_of(self, name: str) -> Value:
-        """The definition of a name in the module."""
+        """Return the definition of a name in the module."""
         found = self.module.find(name)
         if isinstance(found, Named) or found is None:
             return Named((*self.path, name), imported=True)
@@ -42,7 +42,7 @@ class Modules:
         self._listed: dict[Path, frozenset[str]] = {}
 
     def imported(self, path: tuple[str, ...], of: Path, level: int) -> Module | None:
-        """The imported module, None if it is not in the repository."""
+        """Return the imported module, None if it is not in the repository."""
         if path[:1] in _OPENRTM:
             return None
         if level:
@@ -61,13 +61,13 @@ class Modules:
         for file in (place.with_name(f"{place.name}.py"), place / "__init__.py"):
             if file in self._read:
                 return self._read[file]
-            if len(self._read) < _MOST_MODULES and file.is_file():
+            if len(self._read) < _MAX_MODULES and file.is_file():
                 self._read[file] = self._module(file)
                 return self._read[file]
         return None
 
     def _entries(self, folder: Path) -> frozenset[str]:
-        """The names in a folder, listed once: most modules are in few of the folders."""
+        """Return the names in a folder, listed once: most modules are in few of the folders."""
         if folder not in self._listed:
             try:
                 self._listed[folder] = frozenset(each.name for each in folder.iterdir())
@@ -84,9 +84,9 @@ class Modules:
 
 
 def _folders(start: Path) -> Iterator[Path]:
-    """The folder and its parents, up to the repository's root."""
+    """Yield the folder and its parents, up to the repository's root."""
     folder = start.absolute()
-    for _ in range(_MOST_FOLDERS):
+    for _ in range(_MAX_FOLDERS):
         yield folder
         if (folder / ".git").exists() or folder.parent == folder:
             return
@@ -94,7 +94,7 @@ def _folders(start: Path) -> Iterator[Path]:
 
 
 def definition(node: ast.stmt, module: Module) -> Value | None:
-    """The class or function that a statement defines."""
+    """Return the class or function that a statement defines."""
     match node:
         case ast.ClassDef():
             return Class(node, module)

@@ -25,7 +25,7 @@ Item = tuple[ast.expr, Value]
 
 
 def module_spec(module: Module, walker: Walker) -> tuple[ast.expr, list[Item]] | None:
-    """The first list of texts with an implementation id: its place and its items."""
+    """Return the first list of texts with an implementation id: its place and its items."""
     for node in ast.walk(module.tree):
         if not isinstance(node, ast.Assign | ast.AnnAssign) or node.value is None:
             continue
@@ -36,7 +36,7 @@ def module_spec(module: Module, walker: Walker) -> tuple[ast.expr, list[Item]] |
 
 
 def _items(node: ast.expr, frame: Frame, walker: Walker) -> Iterator[Item]:
-    """The items of a list, including those appended to it."""
+    """Yield the items of a list, including those appended to it."""
     parts = [node]
     while isinstance(parts[0], ast.BinOp) and isinstance(parts[0].op, ast.Add):
         parts[:1] = [parts[0].left, parts[0].right]
@@ -54,7 +54,7 @@ def _items(node: ast.expr, frame: Frame, walker: Walker) -> Iterator[Item]:
 
 
 def component_classes(module: Module, walker: Walker) -> list[Class]:
-    """The class of the component, then its bases in the repository.
+    """Return the class of the component, then its bases in the repository.
 
     It is the class that a factory is registered for, else the first that derives from OpenRTM's.
     """
@@ -82,7 +82,7 @@ def component_classes(module: Module, walker: Walker) -> list[Class]:
 def _line(
     made: Class, own: dict[str, Class], walker: Walker, above: list[ast.ClassDef]
 ) -> list[Class]:
-    """The class and its bases, if one of them derives from OpenRTM's."""
+    """Return the class and its bases, if one of them derives from OpenRTM's."""
     if made.node in above or len(above) > 50:
         return []
     rest: list[Class] = []
@@ -103,7 +103,7 @@ def _line(
 
 
 def unknown_bases(module: Module, walker: Walker) -> Iterator[tuple[ast.expr, str]]:
-    """The bases of the module's classes that are defined elsewhere."""
+    """Yield the bases of the module's classes that are defined elsewhere."""
     for node in ast.walk(module.tree):
         for base in node.bases if isinstance(node, ast.ClassDef) else ():
             value = walker.expressions.value(base, Frame(module))

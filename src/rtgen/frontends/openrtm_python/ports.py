@@ -61,7 +61,7 @@ class Ports:
         return Span(made.file, node.lineno, node.col_offset + 1, end, column)
 
     def _holder(self, made: Made) -> str:
-        """The attribute of a port, with a leading blank; empty without one."""
+        """Return the attribute of a port, with a leading blank; empty without one."""
         for name, value in self._component.attributes.items():
             if value is made:
                 return f" {name}"
@@ -70,7 +70,7 @@ class Ports:
     # Data ports.
 
     def data_ports(self) -> Iterator[ProfileDataPort]:
-        """The data ports in order of creation."""
+        """Yield the data ports in order of creation."""
         adding = [call for call in self._walker.calls if call.name in ADD_DATA_PORT]
         added: dict[Made, bool] = {}
         for call in adding:
@@ -187,7 +187,7 @@ class Ports:
     # Service ports.
 
     def service_ports(self) -> Iterator[ProfileServicePort]:
-        """The service ports with their interfaces, in order of creation."""
+        """Yield the service ports with their interfaces, in order of creation."""
         added = {
             port
             for call in self._walker.calls
@@ -241,7 +241,7 @@ class Ports:
             )
 
     def _consumed(self, call: Call) -> str | None:
-        """The interface of a `CorbaConsumer`, whose registration may omit its module."""
+        """Return the interface of a `CorbaConsumer`, whose registration may omit its module."""
         consumer = call.argument(2, "consumer")
         if not is_made(consumer, "CorbaConsumer"):
             return None

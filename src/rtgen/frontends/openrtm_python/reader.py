@@ -28,7 +28,7 @@ from rtgen.frontends.openrtm_python.values import (
     dotted,
 )
 from rtgen.frontends.openrtm_python.walker import (
-    MOST_STEPS,
+    MAX_STEPS,
     Call,
     TooMuchError,
     Walker,
@@ -76,14 +76,14 @@ class ModuleReader:
         )
 
     def profile(self) -> RtcProfile | None:
-        """The component, None if there is none."""
+        """Return the component, None if there is none."""
         try:
             self._walker.module(self._module)
             spec = module_spec(self._module, self._walker)
             classes = component_classes(self._module, self._walker)
         except (TooMuchError, RecursionError):
             start = Span(self._file, 1, 1, 1, 2)
-            message = f"the module does more than {MOST_STEPS:,} steps before its class"
+            message = f"the module does more than {MAX_STEPS:,} steps before its class"
             self._report_at(rules.NO_COMPONENT, start, message)
             return None
         if spec is None or not classes:
@@ -160,7 +160,7 @@ class ModuleReader:
                         self._walker.perhaps(function, component)
         except (TooMuchError, RecursionError):
             place = component.line[0]
-            message = f"more than {MOST_STEPS:,} steps are needed; the rest is left out"
+            message = f"more than {MAX_STEPS:,} steps are needed; the rest is left out"
             self._report_at(
                 rules.COMPUTED,
                 self._span(place.node, place.module.source.file),
@@ -268,7 +268,7 @@ class ModuleReader:
             yield name, call
 
     def _word(self, name: str, call: Call | None, span: Span) -> str:
-        """The type of the variable that a parameter is bound to, from its first value."""
+        """Return the type of the variable that a parameter is bound to, from its first value."""
         first = UNKNOWN if call is None else call.argument(1, "var")
         if isinstance(first, list) and len(first) == 1:
             item = first[0]
@@ -291,7 +291,7 @@ class ModuleReader:
 
 
 def span_of(node: ast.AST, file: str) -> Span:
-    """The place of a node; for a class, that of its name."""
+    """Return the place of a node; for a class, that of its name."""
     line = getattr(node, "lineno", 1)
     column = getattr(node, "col_offset", 0) + 1
     end = getattr(node, "end_lineno", line)
@@ -302,7 +302,7 @@ def span_of(node: ast.AST, file: str) -> Span:
 
 
 def _adds(function: ast.FunctionDef) -> bool:
-    """Whether a method itself adds ports or parameters."""
+    """Return whether a method itself adds ports or parameters."""
     wanted = {*ADD_DATA_PORT, *ADD_SERVICE_PORT, "bindParameter"}
     return any(
         isinstance(node, ast.Attribute) and node.attr in wanted
@@ -311,7 +311,7 @@ def _adds(function: ast.FunctionDef) -> bool:
 
 
 def _is_empty(function: ast.FunctionDef) -> bool:
-    """Whether a callback only returns a code."""
+    """Return whether a callback only returns a code."""
     rest = [
         node
         for node in function.body
@@ -322,7 +322,7 @@ def _is_empty(function: ast.FunctionDef) -> bool:
 
 
 def _own_text(docstring: str | None) -> str:
-    """The class's docstring, without the lines of RTCBuilder's template."""
+    """Return the class's docstring, without the lines of RTCBuilder's template."""
     lines = (line.strip() for line in (docstring or "").split("\n"))
     kept = [
         line for line in lines if not line.startswith(("\\brief", "@class", "@brief"))

@@ -25,7 +25,7 @@ _FIXES = (
 )
 """Conversions of Python 2: only syntax; names stay, because nothing is executed."""
 
-_MOST_CONVERTED = 300_000
+_MAX_CONVERTED = 300_000
 """Maximum length of a module that is converted, which takes seconds."""
 
 _NOT_PYTHON_3 = "this is not Python 3"
@@ -80,7 +80,7 @@ def read_source(path: Path) -> Source:
 
 
 def _decoded(data: bytes) -> tuple[str, str | None]:
-    """The text, and the encoding if it had to be guessed."""
+    """Return the text, and the encoding if it had to be guessed."""
     try:
         encoding, _ = tokenize.detect_encoding(BytesIO(data).readline)
         return _lines(data.decode(encoding)), None
@@ -115,8 +115,8 @@ def _parsed(text: str, file: str) -> tuple[ast.Module | None, Diagnostic | None]
 
 
 def _python_3(text: str, problem: str) -> str | None:
-    """The text converted to Python 3; None if it cannot be converted."""
-    if len(text) > _MOST_CONVERTED or _NOT_PYTHON_3 not in problem or _DEEP in problem:
+    """Return the text converted to Python 3; None if it cannot be converted."""
+    if len(text) > _MAX_CONVERTED or _NOT_PYTHON_3 not in problem or _DEEP in problem:
         return None
     try:
         refactor = import_module("fissix.refactor")

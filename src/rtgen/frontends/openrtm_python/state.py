@@ -16,7 +16,7 @@ class State:
 
     @classmethod
     def of(cls, frame: Frame) -> State:
-        """A copy of the present state."""
+        """Return a copy of the present state."""
         held = {} if frame.component is None else frame.component.attributes
         names = frame.module.names if frame.names is None else frame.names
         return cls(dict(names), dict(held))
@@ -31,7 +31,7 @@ class State:
             frame.component.attributes.update(self.attributes)
 
     def merged(self, other: State) -> State:
-        """The state after one of two branches; values that differ are merged."""
+        """Return the state after one of two branches; values that differ are merged."""
         return State(
             _merged(self.names, other.names), _merged(self.attributes, other.attributes)
         )

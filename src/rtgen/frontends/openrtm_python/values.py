@@ -63,7 +63,7 @@ class Made:
     certain: bool
 
     def argument(self, place: int, *names: str) -> Value:
-        """An argument by position, or by one of its names; UNKNOWN if it is not given."""
+        """Return an argument by position, or by one of its names; UNKNOWN if it is not given."""
         if place < len(self.arguments):
             return self.arguments[place]
         return next((self.keywords[n] for n in names if n in self.keywords), UNKNOWN)
@@ -83,7 +83,7 @@ class Module:
     open_names: list[Module] = field(default_factory=list)
 
     def find(self, name: str) -> Value | None:
-        """The value of a name; None if the module does not define it."""
+        """Return the value of a name; None if the module does not define it."""
         if name in self.names:
             return self.names[name]
         for other in self.open_names:
@@ -117,7 +117,9 @@ class Component:
     attributes: dict[str, Value] = field(default_factory=dict)
 
     def method(self, name: str, behind: Class | None = None) -> Function | None:
-        """The method of that name; with a class given, the next one in the resolution order."""
+        """Return the method of that name; with a class given, the next one in the resolution
+        order.
+        """
         place = 0 if behind is None else self.line.index(behind) + 1
         for each in self.line[place:]:
             for node in each.node.body:
@@ -136,7 +138,7 @@ class Frame:
     owner: Class | None = None
 
     def find(self, name: str) -> Value:
-        """The value of a name."""
+        """Return the value of a name."""
         if self.names is not None and name in self.names:
             return self.names[name]
         found = self.module.find(name)
@@ -147,7 +149,7 @@ class Frame:
         (self.module.names if self.names is None else self.names)[name] = value
 
     def inner(self) -> Frame:
-        """The frame of an expression with variables of its own."""
+        """Return the frame of an expression with variables of its own."""
         return Frame(self.module, dict(self.names or {}), self.component, self.owner)
 
 
@@ -169,7 +171,7 @@ class Super:
 
 
 def alternatives(value: Value) -> Iterator[Value]:
-    """The value, or all candidates of an unknown one."""
+    """Yield the value, or all candidates of an unknown one."""
     if isinstance(value, Unknown):
         for choice in value.choices:
             yield from alternatives(choice)
@@ -178,7 +180,7 @@ def alternatives(value: Value) -> Iterator[Value]:
 
 
 def merged(one: Value, other: Value) -> Value:
-    """The common knowledge about two alternative values."""
+    """Return the common knowledge about two alternative values."""
     same = one is other or (
         isinstance(one, CONSTANTS) and type(one) is type(other) and one == other
     )
@@ -200,7 +202,7 @@ def dotted(node: ast.expr | None) -> tuple[str, ...]:
 
 
 def scoped(value: Named | Made | Class | Value, open_modules: list[str]) -> str | None:
-    """The IDL name of a class of stubs, None for other classes."""
+    """Return the IDL name of a class of stubs, None for other classes."""
     if not isinstance(value, Named | Made) or not value.path:
         return None
     path = value.path

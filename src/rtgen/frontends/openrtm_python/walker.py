@@ -34,18 +34,18 @@ from rtgen.frontends.openrtm_python.values import (
     dotted,
 )
 
-MOST_STEPS = 200_000
+MAX_STEPS = 200_000
 """Maximum number of expressions and statements evaluated."""
 
 _DEEPEST = 20
 _NO_DATA = ("OpenRTM_aist", "typing")
 """Packages without data types."""
 
-_MOST_ROUNDS = 1000
+_MAX_ROUNDS = 1000
 
 
 class TooMuchError(Exception):
-    """The module exceeds MOST_STEPS steps."""
+    """The module exceeds MAX_STEPS steps."""
 
 
 @dataclass(eq=False, slots=True)
@@ -57,7 +57,7 @@ class Call:
     made: Made
 
     def argument(self, place: int, *names: str) -> Value:
-        """An argument by position, or by one of its names."""
+        """Return an argument by position, or by one of its names."""
         return self.made.argument(place, *names)
 
 
@@ -88,11 +88,11 @@ class Walker:
     def step(self) -> None:
         """Count a step. Raises TooMuchError."""
         self._steps += 1
-        if self._steps > MOST_STEPS:
+        if self._steps > MAX_STEPS:
             raise TooMuchError
 
     def module(self, module: Module) -> None:
-        """Runs a module once."""
+        """Run a module once."""
         if module not in self._known:
             self._known.add(module)
             module.names["__name__"] = "module"
@@ -167,7 +167,7 @@ class Walker:
     def _of_type(
         self, type_: Value, found: Value, node: ast.AnnAssign, frame: Frame
     ) -> Value:
-        """The annotated type of a variable assigned from an unknown call."""
+        """Return the annotated type of a variable assigned from an unknown call."""
         if not isinstance(type_, Named) or type_.path[0] in _NO_DATA:
             return found
         known = isinstance(found, Made) and found.path
@@ -240,7 +240,7 @@ class Walker:
         self, node: ast.For, target: ast.expr, value: Value, frame: Frame
     ) -> _End | None:
         items = iterated(value)
-        if items is None or len(items) > _MOST_ROUNDS:
+        if items is None or len(items) > _MAX_ROUNDS:
             self.assign(target, UNKNOWN, frame)
             return self._any_of([node.body, []], frame)
         for item in items:
@@ -253,7 +253,7 @@ class Walker:
         return self._block(node.orelse, frame)
 
     def _while(self, node: ast.While, frame: Frame) -> _End | None:
-        for _ in range(_MOST_ROUNDS):
+        for _ in range(_MAX_ROUNDS):
             test = self.expressions.value(node.test, frame)
             if not is_known(test):
                 break
@@ -317,7 +317,7 @@ class Walker:
     # Calls.
 
     def call(self, node: ast.Call, frame: Frame) -> Value:
-        """The result of a call; calls of OpenRTM are recorded."""
+        """Return the result of a call; calls of OpenRTM are recorded."""
         value = self.expressions.value
         function = value(node.func, frame)
         arguments: list[Value] = []

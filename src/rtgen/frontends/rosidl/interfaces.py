@@ -45,7 +45,7 @@ class Message(msgspec.Struct, frozen=True):
 def messages_of(
     package: str, kind: str, name: str, parts: Sequence[Part], span: Span
 ) -> Iterator[Message]:
-    """The messages of a file, those that others contain first."""
+    """Yield the messages of a file, those that others contain first."""
     for suffix, part in zip(PARTS[kind], parts, strict=True):
         yield Message((package, kind, name + suffix), part, span)
     if kind == "action":

@@ -43,7 +43,7 @@ FILLER: Final = "structure_needs_at_least_one_member"
 
 
 def declarations(message: Message, file: str) -> Iterator[Declaration]:
-    """The constants and the struct of a message. Its types are known."""
+    """Yield the constants and the struct of a message. Its types are known."""
     constants = (*message.name[:-1], f"{message.name[-1]}_Constants")
     for constant in message.part.constants:
         name = (*constants, constant.name)
@@ -70,7 +70,9 @@ def declarations(message: Message, file: str) -> Iterator[Declaration]:
 
 
 def action_interfaces(action: ScopedName, file: str, span: Span) -> Iterator[Interface]:
-    """The interfaces of an action, of its services and of its topics: `Go` and `Go_Events`."""
+    """Yield the interfaces of an action, of its services and of its topics: `Go` and
+    `Go_Events`.
+    """
     whole = "/".join(action)
 
     def scoped_type(form: str, suffix: str = "") -> NamedType:

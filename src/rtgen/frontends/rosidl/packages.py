@@ -53,7 +53,7 @@ def identity(path: Path, findings: Findings, span: Span) -> tuple[str, str, str]
 def candidates(
     name: ScopedName, beside: Path, include: Sequence[Path]
 ) -> list[tuple[Path, Path | None]]:
-    """The paths where the file of a message can be, as seen from a file that names it.
+    """Return the paths where the file of a message can be, as seen from a file that names it.
 
     With each path the include folder that it is in.
     """
@@ -66,7 +66,7 @@ def candidates(
 
 
 def file_of(name: ScopedName) -> str:
-    """The file of a message below a folder of packages: `std_msgs/msg/Header.msg`.
+    """Return the file of a message below a folder of packages: `std_msgs/msg/Header.msg`.
 
     That of `std_srvs/srv/SetBool_Request` is `std_srvs/srv/SetBool.srv`.
     """
@@ -75,7 +75,7 @@ def file_of(name: ScopedName) -> str:
 
 
 def shipped() -> dict[str, VirtualFile | Path]:
-    """The interface files that ship with rtgen, by name."""
+    """Return the interface files that ship with rtgen, by name."""
     return {
         name: VirtualFile(f"{_KEYS}{name}", partial(ros_source, name))
         for name in ros_interfaces()

@@ -31,7 +31,7 @@ from rtgen.frontends.rosidl.syntax import PRIMITIVES, STRINGS, FieldType, parts_
 from rtgen.frontends.rosidl.types import scoped
 from rtgen.model import Declaration, Model, ScopedName, SourceFile
 
-_MOST_FILES: Final = 10_000
+_MAX_FILES: Final = 10_000
 
 
 class InterfaceFile(msgspec.Struct, frozen=True):
@@ -225,7 +225,7 @@ class _Run:
 
     def _find(self, name: ScopedName, file: InterfaceFile) -> None:
         """Read the file of a message, if there is one."""
-        if len(self._read) >= _MOST_FILES:
+        if len(self._read) >= _MAX_FILES:
             return
         found = None
         for path, folder in candidates(name, file.path, self._library.include):

@@ -90,7 +90,7 @@ class Part(msgspec.Struct, frozen=True):
 
 
 def parts_of(text: str, file: str, findings: Findings) -> list[Part]:
-    """The parts of a file, one for a message. Faulty lines are reported and left out."""
+    """Return the parts of a file, one for a message. Faulty lines are reported and left out."""
     reader = _Reader(file, findings)
     for number, line in enumerate(text.split("\n"), 1):
         reader.read(line, number)
@@ -110,7 +110,7 @@ class _Reader:
         self._doc: str | None = None
 
     def finished(self) -> list[Part]:
-        """The parts, with the last one."""
+        """Return the parts, with the last one."""
         self._end_part()
         return self._parts
 
@@ -127,7 +127,9 @@ class _Reader:
         self._begin()
 
     def _end_of_comment(self) -> str:
-        """The comment above; the first one that a blank line or the end follows is the part's."""
+        """Return the comment above; the first one that a blank line or the end follows is the
+        part's.
+        """
         comment = "\n".join(self._comment).strip("\n")
         self._comment = []
         return comment

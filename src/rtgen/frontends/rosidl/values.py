@@ -20,7 +20,7 @@ _QUOTED: Final = re.compile(
 def parsed(
     text: str, kind: Primitive | None, *, many: bool, verbatim: bool = False
 ) -> Value:
-    """The value of a text; `kind` None is a string. Raises ValueError: why not.
+    """Return the value of a text; `kind` None is a string. Raises ValueError: why not.
 
     `many`: `[a, b]`. `verbatim`: the string of a constant, whose quotes may be missing.
     """

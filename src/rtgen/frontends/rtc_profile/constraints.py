@@ -57,7 +57,7 @@ def _key(element: Element) -> str:
 
 
 def _only(element: Element) -> tuple[str, Element]:
-    """The one element inside, and its name."""
+    """Return the one element inside, and its name."""
     inside = [child for child in element.children if child.name[0] == RTC]
     if len(inside) != 1:
         found = ", ".join(child.name[1] for child in inside) or "nothing"

@@ -47,7 +47,7 @@ class Reader:
         self._misspellings: set[str] = set()
 
     def profile(self, root: Element) -> RtcProfile | None:
-        """The profile, None if it is unusable."""
+        """Return the profile, None if it is unusable."""
         if root.name != (RTC, "RtcProfile"):
             message = f"the root element is `{root.name[1]}`, not `RtcProfile` of {RTC}"
             self._findings.add(rules.NOT_A_PROFILE, root.span, message)
@@ -90,7 +90,7 @@ class Reader:
     # Attributes.
 
     def _get(self, element: Element, name: str, *others: str) -> str:
-        """The attribute `rtc:name` or a variant: without prefix, or misspelt."""
+        """Return the attribute `rtc:name` or a variant: without prefix, or misspelt."""
         value = element.attributes.get((RTC, name))
         if value is not None:
             return value
@@ -122,7 +122,7 @@ class Reader:
             self._findings.add(rules.MISSPELT, element.place(local), message)
 
     def _name(self, root: Element, info: Element) -> str | None:
-        """The component's name; falls back on the id."""
+        """Return the component's name; falls back on the id."""
         name = self._get(info, "name").strip()
         if name:
             return name
@@ -136,7 +136,7 @@ class Reader:
         return None
 
     def _required(self, element: Element, name: str) -> str | None:
-        """An attribute without which the element is unusable."""
+        """Return an attribute without which the element is unusable."""
         value = self._get(element, name).strip()
         if value:
             return value
@@ -145,7 +145,7 @@ class Reader:
         return None
 
     def _wanted(self, element: Element, name: str, usual: str) -> str:
-        """An attribute that the schema requires; an empty one counts as written."""
+        """Return an attribute that the schema requires; an empty one counts as written."""
         known = (RTC, name) in element.attributes or ("", name) in element.attributes
         value = self._get(element, name).strip()
         if not known:
@@ -386,7 +386,7 @@ def _base_name(path: str) -> str:
 
 
 def idl_files(profiles: Iterable[RtcProfile]) -> list[str]:
-    """The base names of the IDL files that profiles name, in order."""
+    """Return the base names of the IDL files that profiles name, in order."""
     named = []
     for profile in profiles:
         named += [port.idl_file for port in profile.data_ports]

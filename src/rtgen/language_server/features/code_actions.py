@@ -30,12 +30,12 @@ _INCLUDED = re.compile(r"^[ \t]*#[ \t]*include\b[^\n]*\n", re.MULTILINE)
 def code_actions(
     view: View, range_: Range, diagnostics: Sequence[Diagnostic]
 ) -> list[CodeAction]:
-    """The changes for a range, and for the findings of rtgen that the editor has there."""
+    """Return the changes for a range, and for the findings of rtgen that the editor has there."""
     return [*_fixes(view, range_), *_hinted(view, diagnostics)]
 
 
 def _fixes(view: View, range_: Range) -> Iterator[CodeAction]:
-    """The fixes of findings in the document that begin or end in a range; and all of them."""
+    """Yield the fixes of findings in the document that begin or end in a range; and all of them."""
     if view.analysis is None or view.file is None:
         return
     low, high = view.offset(range_.start), view.offset(range_.end)

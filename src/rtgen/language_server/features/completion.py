@@ -22,7 +22,7 @@ from rtgen.language_server.workspace import View
 from rtgen.resources import IDL_FILES
 from rtgen.typemap.idl_keywords import CORBA_3, RESERVED
 
-MOST_ITEMS = 500
+MAX_ITEMS = 500
 """The largest number of items in an answer; with more, the editor asks again as letters follow."""
 
 _ITEMS = {
@@ -83,7 +83,7 @@ def completion(view: View, position: Position) -> CompletionList:
     for item in _proposed(view, line, offset):
         if item.label in seen:
             continue
-        if len(items) == MOST_ITEMS:
+        if len(items) == MAX_ITEMS:
             complete = False
             break
         seen.add(item.label)
@@ -122,7 +122,7 @@ def _keyword(word: str) -> CompletionItem:
 
 
 def _files(view: View, suffixes: tuple[str, ...], written: str) -> Iterator[Path]:
-    """The files beside the document and in the include folders of its project."""
+    """Yield the files beside the document and in the include folders of its project."""
     folders = [Path(view.document.path).parent]
     if view.analysis is not None:
         folders += view.analysis.project.include
@@ -130,13 +130,13 @@ def _files(view: View, suffixes: tuple[str, ...], written: str) -> Iterator[Path
     for folder in folders:
         below = folder / inner
         if below.is_dir():
-            for path in sorted(below.iterdir())[:MOST_ITEMS]:
+            for path in sorted(below.iterdir())[:MAX_ITEMS]:
                 if path.suffix.lower() in suffixes and path.is_file():
                     yield path
 
 
 def _scope(view: View, offset: int) -> list[str]:
-    """The keys of the scopes around an offset, innermost first, and the global one."""
+    """Return the keys of the scopes around an offset, innermost first, and the global one."""
     if view.file is None:
         return [""]
     found = view.file.around(view.shift.back(offset))
@@ -177,7 +177,7 @@ def _idl(view: View, line: str, offset: int) -> Iterator[CompletionItem]:
 def _resolved(
     view: View, parts: list[str], offset: int, absolute: bool
 ) -> Iterator[str]:
-    """The keys that a scoped name may stand for, seen from an offset."""
+    """Yield the keys that a scoped name may stand for, seen from an offset."""
     for scope in [""] if absolute else _scope(view, offset):
         outer = scope.removeprefix("idl ").split("::") if scope else []
         key = "idl " + "::".join([*outer, *parts])
@@ -187,7 +187,7 @@ def _resolved(
 
 
 def _types(index: Index) -> Iterator[CompletionItem]:
-    """All types and interfaces of IDL by their scoped names."""
+    """Yield all types and interfaces of IDL by their scoped names."""
     for _, d in index.all():
         if d.key.startswith("idl ") and d.kind in _TYPES - {Kind.MODULE}:
             yield _item(d, d.key.removeprefix("idl "))
@@ -261,7 +261,7 @@ def _bus(view: View, line: str, offset: int) -> Iterator[CompletionItem]:
 
 
 def _objects(view: View, name: str) -> Iterator[CompletionItem]:
-    """The objects of a kind of device, or of that of a node."""
+    """Yield the objects of a kind of device, or of that of a node."""
     for bus in view.analysis.model.buses if view.analysis else ():
         kinds = [
             *(kind for kind in bus.kinds if kind.name == name),

@@ -11,7 +11,7 @@ _START = Range(Position(0, 0), Position(0, 0))
 
 
 def definition(view: View, position: Position) -> list[Location]:
-    """The definitions of the name at a position; a file is defined at its beginning."""
+    """Return the definitions of the name at a position; a file is defined at its beginning."""
     found = view.occurrence(position)
     if found is None:
         return []

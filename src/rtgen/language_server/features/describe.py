@@ -41,11 +41,11 @@ from rtgen.model import (
 from rtgen.model.canopen import Device, Object, Variable
 from rtgen.model.tecs import Signature, TecsDeclaration, TecsUnit
 
-_MOST_ROWS = 40
+_MAX_ROWS = 40
 
 
 def described(analysis: Analysis, key: str) -> str | None:
-    """The description of what a key stands for; None if the model has it not."""
+    """Return the description of what a key stands for; None if the model has it not."""
     language, _, name = key.partition(" ")
     match language:
         case "idl":
@@ -75,7 +75,7 @@ def representations_of(analysis: Analysis) -> Representations:
 
 
 def find(model: Model, name: ScopedName) -> Declaration | None:
-    """A declaration by its scoped name."""
+    """Return a declaration by its scoped name."""
     try:
         return model.find(name)
     except KeyError:
@@ -83,7 +83,7 @@ def find(model: Model, name: ScopedName) -> Declaration | None:
 
 
 def idl(analysis: Analysis, name: ScopedName) -> str | None:
-    """The description of a declaration of IDL, or of a part of one."""
+    """Return the description of a declaration of IDL, or of a part of one."""
     model = analysis.model
     declaration = find(model, name)
     if declaration is not None:
@@ -116,16 +116,16 @@ def _declaration(analysis: Analysis, d: Declaration) -> str:
         case Typedef(type=type_):
             lines.append(f"// {_resolved(model, type_)}")
         case Enum(members=members):
-            lines += [f"  {m.name} = {m.value}" for m in members[:_MOST_ROWS]]
+            lines += [f"  {m.name} = {m.value}" for m in members[:_MAX_ROWS]]
         case Component():
             lines += [f"  {p.kind} {p.type} {p.name}" for p in d.ports]
             lines += [f"  parameter {c.type} {c.name}" for c in d.configuration]
         case Interface(operations=operations) | Valuetype(operations=operations):
-            lines += [f"  {_operation(o)}" for o in operations[:_MOST_ROWS]]
+            lines += [f"  {_operation(o)}" for o in operations[:_MAX_ROWS]]
         case ExceptionDecl(members=parts):
-            lines += [f"  {m.type} {m.name}" for m in parts[:_MOST_ROWS]]
+            lines += [f"  {m.type} {m.name}" for m in parts[:_MAX_ROWS]]
         case Union(cases=cases):
-            lines += [f"  {c.type} {c.name}" for c in cases[:_MOST_ROWS]]
+            lines += [f"  {c.type} {c.name}" for c in cases[:_MAX_ROWS]]
     return _joined(_code("idl", *lines), d.doc)
 
 
@@ -154,7 +154,7 @@ def _operation(o: Operation) -> str:
 
 
 def parts_of(d: Declaration) -> Iterator[tuple[str, Documented]]:
-    """The named parts of a declaration."""
+    """Yield the named parts of a declaration."""
     match d:
         case Struct(members=members) | ExceptionDecl(members=members):
             yield from ((m.name, m) for m in members)
@@ -225,7 +225,7 @@ def _parameter_notes(parameter: ConfigurationParameter) -> list[str]:
 
 
 def _resolved(model: Model, type_: Type) -> str:
-    """The type behind typedefs."""
+    """Return the type behind typedefs."""
     try:
         return str(model.unalias(type_))
     except KeyError:
@@ -254,7 +254,7 @@ def _octets(count: int) -> str:
 def layout_of_struct(
     analysis: Analysis, struct: Struct
 ) -> tuple[offsets.MemberPlace, ...]:
-    """The places of a struct's members; none if a type is missing."""
+    """Return the places of a struct's members; none if a type is missing."""
     try:
         made = offsets.layout(analysis.model, struct, representations_of(analysis))
     except KeyError:
@@ -270,13 +270,13 @@ def _layout(analysis: Analysis, struct: Struct) -> str:
     if not made.members:
         return ""
     rows = ["| offset | size | member | type |", "|--:|--:|---|---|"]
-    for place in made.members[:_MOST_ROWS]:
+    for place in made.members[:_MAX_ROWS]:
         offset = "" if place.offset is None else place.offset
         size = "" if place.size is None else place.size
         type_ = str(place.member.type).replace("|", "\\|")
         rows.append(f"| {offset} | {size} | {place.member.name} | `{type_}` |")
-    if len(made.members) > _MOST_ROWS:
-        rows.append(f"| | | {len(made.members) - _MOST_ROWS} more | |")
+    if len(made.members) > _MAX_ROWS:
+        rows.append(f"| | | {len(made.members) - _MAX_ROWS} more | |")
     size = "variable" if made.size is None else _octets(made.size)
     return "\n".join([*rows, "", f"{'XCDR2' if made.xcdr2 else 'CDR'}: {size}"])
 
@@ -312,11 +312,11 @@ def _tecs(unit: TecsUnit, d: TecsDeclaration, way: ScopedName) -> str:
     lines = list(tecs_text.lines(d))
     if way:
         lines = [line for line in lines if way[-1] in line] or lines[:1]
-    return _joined(_code("cdl", *lines[:_MOST_ROWS]), d.doc)
+    return _joined(_code("cdl", *lines[:_MAX_ROWS]), d.doc)
 
 
 def _message(unit: TecsUnit, signature: Signature, name: str) -> str:
-    """The layout of a request of OpaqueRPC: its values and their octets."""
+    """Return the layout of a request of OpaqueRPC: its values and their octets."""
     try:
         made = layout_of(unit, signature)
     except TransferError as error:
@@ -356,7 +356,7 @@ def _entry(device: Device, entry: Object, subindex: int | None) -> str:
     if subindex is None and len(entry.variables) > 1:
         rows = [
             f"| {v.subindex} | {v.name} | {_type(v)} | {v.access} |"
-            for v in entry.variables[:_MOST_ROWS]
+            for v in entry.variables[:_MAX_ROWS]
         ]
         head = f"**{entry.index:04X}h {entry.name}** ({entry.type.name})"
         table = ["| sub | name | type | access |", "|--:|---|---|---|", *rows]
@@ -391,7 +391,7 @@ def _type(variable: Variable) -> str:
 
 
 def _mappings(device: Device, index: int, subindex: int | None) -> str:
-    """The PDOs that carry an object, with the offset of its bits."""
+    """Return the PDOs that carry an object, with the offset of its bits."""
     rows = []
     for pdo in device.pdos:
         offset = 0

@@ -23,7 +23,7 @@ SOURCE = "rtgen"
 def published(
     workspace: Workspace, path: str, findings: Iterable[diagnostics.Diagnostic]
 ) -> list[types.Diagnostic]:
-    """The findings in a file, with places of its present text."""
+    """Return the findings in a file, with places of its present text."""
     text = workspace.text_of(path) or Text("")
     return [_published(workspace, text, finding) for finding in findings]
 

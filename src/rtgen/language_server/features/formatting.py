@@ -16,7 +16,9 @@ _TOML = (Language.BUS, Language.PROJECT)
 
 
 def formatting(view: View, range_: Range | None = None) -> list[TextEdit]:
-    """The edits that give a document its form; none where it has none, or tombi is missing."""
+    """Return the edits that give a document its form; none where it has none, or tombi is
+    missing.
+    """
     form = _FORMS.get(view.language)
     if form is None and not (view.language in _TOML and toml.is_available()):
         return []

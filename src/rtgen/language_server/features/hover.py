@@ -16,7 +16,7 @@ _CODE = re.compile(r"[A-Z]{2,6}\d{3,4}")
 
 
 def hover(view: View, position: Position) -> Hover | None:
-    """The description of the name at a position."""
+    """Return the description of the name at a position."""
     found = view.occurrence(position)
     if found is not None and view.analysis is not None:
         text = described(view.analysis, found[0].key)
@@ -35,7 +35,7 @@ def hover(view: View, position: Position) -> Hover | None:
 
 
 def _rule(view: View, position: Position) -> Hover | None:
-    """The explanation of a code of a finding, such as those in `[lint] ignore`."""
+    """Return the explanation of a code of a finding, such as those in `[lint] ignore`."""
     offset = view.offset(position)
     line = view.text.source.rfind("\n", 0, offset) + 1
     for match in _CODE.finditer(view.text.source, line):

@@ -19,7 +19,7 @@ from rtgen.model.canopen import Device, PdoEntry
 
 
 def inlay_hints(view: View, range_: Range) -> list[InlayHint]:
-    """The hints in a range."""
+    """Return the hints in a range."""
     low, high = view.offset(range_.start), view.offset(range_.end)
     structs = view.language is Language.IDL
     found = _of_structs(view, low, high) if structs else _of_pdos(view)

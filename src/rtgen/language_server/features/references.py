@@ -13,7 +13,7 @@ from rtgen.language_server.workspace import View
 
 
 def references(view: View, position: Position, *, declaration: bool) -> list[Location]:
-    """The places of the name at a position, with those that define it if asked for."""
+    """Return the places of the name at a position, with those that define it if asked for."""
     found = view.occurrence(position)
     if found is None:
         return []
@@ -27,7 +27,7 @@ def references(view: View, position: Position, *, declaration: bool) -> list[Loc
 
 
 def highlights(view: View, position: Position) -> list[DocumentHighlight]:
-    """The places of the name at a position in its document."""
+    """Return the places of the name at a position in its document."""
     found = view.occurrence(position)
     if found is None:
         return []

@@ -29,7 +29,7 @@ class RenameError(Exception):
 
 
 def prepared(view: View, position: Position) -> PrepareRenamePlaceholder | None:
-    """The name at a position with its range; None if it cannot be renamed."""
+    """Return the name at a position with its range; None if it cannot be renamed."""
     found = view.occurrence(position)
     if found is None or view.index.definition(found[0].key) is None:
         return None
@@ -42,7 +42,7 @@ def prepared(view: View, position: Position) -> PrepareRenamePlaceholder | None:
 
 
 def renamed(view: View, position: Position, name: str) -> WorkspaceEdit:
-    """The edits that give the name at a position another one. Raises RenameError."""
+    """Return the edits that give the name at a position another one. Raises RenameError."""
     found = view.occurrence(position)
     if found is None:
         raise RenameError("there is no name here")
@@ -99,7 +99,7 @@ def _edit(
 
 
 def _sorted(edits: Mapping[str, list[TextEdit]]) -> dict[str, list[TextEdit]]:
-    """The edits by file, each once, in order."""
+    """Return the edits by file, each once, in order."""
     return {
         uri: sorted(
             {(e.range.start.line, e.range.start.character): e for e in each}.values(),

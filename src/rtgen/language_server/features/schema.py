@@ -27,7 +27,7 @@ class Key:
 
 
 def table_at(source: str, offset: int) -> tuple[str, ...]:
-    """The names of the table that an offset is in."""
+    """Return the names of the table that an offset is in."""
     found: tuple[str, ...] = ()
     for match in _HEADER.finditer(source, 0, offset):
         found = tuple(part.strip("\"'") for part in _PART.findall(match[2]))
@@ -35,7 +35,7 @@ def table_at(source: str, offset: int) -> tuple[str, ...]:
 
 
 def bus_table(path: tuple[str, ...]) -> Mapping[str, Any]:
-    """The schema of a table of a bus file; empty for an unknown one."""
+    """Return the schema of a table of a bus file; empty for an unknown one."""
     schema: Any = BUS
     for name in path:
         schema = _below(schema, name)
@@ -54,13 +54,13 @@ def _below(schema: Mapping[str, Any], name: str) -> Any:
 
 
 def bus_keys(path: tuple[str, ...]) -> Iterator[tuple[str, str]]:
-    """The keys of a table of a bus file with their descriptions."""
+    """Yield the keys of a table of a bus file with their descriptions."""
     for name, schema in bus_table(path).get("properties", {}).items():
         yield name, schema.get("description", "")
 
 
 def project_keys(path: tuple[str, ...]) -> Iterator[tuple[str, str]]:
-    """The sections of rtgen.toml, or the keys of one of them."""
+    """Yield the sections of rtgen.toml, or the keys of one of them."""
     if not path:
         yield from ((name, "") for name in PROJECT)
         return
@@ -72,7 +72,7 @@ def project_keys(path: tuple[str, ...]) -> Iterator[tuple[str, str]]:
 
 
 def key_at(text: Text, offset: int) -> Key | None:
-    """The key of a bus file that is written at an offset."""
+    """Return the key of a bus file that is written at an offset."""
     source = text.source
     line = source.rfind("\n", 0, offset) + 1
     match = _KEY.match(source, line)

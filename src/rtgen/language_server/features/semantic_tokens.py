@@ -54,7 +54,7 @@ LEGEND = SemanticTokensLegend(
 
 
 def semantic_tokens(view: View, range_: Range | None = None) -> SemanticTokens:
-    """The names of a document, or of a range, that stand for something known."""
+    """Return the names of a document, or of a range, that stand for something known."""
     text = view.text
     encoding = view.workspace.documents.encoding
     low = 0 if range_ is None else view.offset(range_.start)

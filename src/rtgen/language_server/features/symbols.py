@@ -43,12 +43,12 @@ SYMBOLS = {
     Kind.INSTANCE: SymbolKind.Object,
 }
 _LEFT_OUT = (Kind.PARAMETER,)
-MOST_SYMBOLS = 1000
+MAX_SYMBOLS = 1000
 """The largest number of symbols of projects in an answer."""
 
 
 def document_symbols(view: View) -> list[DocumentSymbol]:
-    """The outline of a document: definitions inside those that hold them."""
+    """Return the outline of a document: definitions inside those that hold them."""
     outermost: list[DocumentSymbol] = []
     holders: dict[str, DocumentSymbol] = {}
     entries = [e for e in view.definitions() if e[4].kind not in _LEFT_OUT]
@@ -85,7 +85,7 @@ def _after(one: Position, two: Position) -> bool:
 
 
 def workspace_symbols(workspace: Workspace, query: str) -> list[WorkspaceSymbol]:
-    """The names that have the letters of a query in their order, whole parts first."""
+    """Return the names that have the letters of a query in their order, whole parts first."""
     wanted = query.lower()
     found: dict[tuple[str, str, int], tuple[tuple[int, str], WorkspaceSymbol]] = {}
     for analysis in workspace.analyses():
@@ -104,10 +104,10 @@ def workspace_symbols(workspace: Workspace, query: str) -> list[WorkspaceSymbol]
                 container_name=_named(d.container) or None,
             )
             found[file.path, d.key, d.start] = (rank, d.name), symbol
-            if len(found) > 16 * MOST_SYMBOLS:
+            if len(found) > 16 * MAX_SYMBOLS:
                 break
     ordered = sorted(found.items(), key=lambda item: (item[1][0], item[0]))
-    return [symbol for _, (_, symbol) in ordered[:MOST_SYMBOLS]]
+    return [symbol for _, (_, symbol) in ordered[:MAX_SYMBOLS]]
 
 
 def _rank(query: str, name: str) -> int | None:

@@ -27,7 +27,7 @@ _KINDS = {
 
 
 def key_of(entity: Entity) -> str:
-    """The key of an entity: its file and its name; tags have a name space of their own."""
+    """Return the key of an entity: its file and its name; tags have a name space of their own."""
     tag = entity.kind in (scopes.Kind.STRUCT, scopes.Kind.ENUM)
     name = "::".join(entity.name)
     return f"cdl {path_of(entity.place.file)}#{'struct ' if tag else ''}{name}"
@@ -440,6 +440,6 @@ class _Walk:
 
 
 def file_and_name(key: str) -> tuple[str, tuple[str, ...]]:
-    """The file and the scoped name of a key; the name of a tag without the word for it."""
+    """Return the file and the scoped name of a key; the name of a tag without the word for it."""
     file, _, name = key.removeprefix("cdl ").partition("#")
     return file, tuple(name.removeprefix("struct ").split("::"))

@@ -22,7 +22,7 @@ _FIRST_OF_PDOS = {"tpdo": TPDO_COMMUNICATION, "rpdo": RPDO_COMMUNICATION}
 
 
 def object_key(file: str, index: int, subindex: int | None = None) -> str:
-    """The key of an object of a device description, or of one of its sub-objects."""
+    """Return the key of an object of a device description, or of one of its sub-objects."""
     sub = "" if subindex is None else f":{subindex:X}"
     return f"eds {path_of(file)}#{index:04X}{sub}"
 
@@ -49,7 +49,7 @@ def add_device(collector: Collector, device: Device) -> None:
 
 
 def _mapped(variable: Variable) -> tuple[int, int] | None:
-    """The object that an entry of a PDO mapping maps."""
+    """Return the object that an entry of a PDO mapping maps."""
     value = variable.current
     if (
         not variable.subindex
@@ -61,7 +61,7 @@ def _mapped(variable: Variable) -> tuple[int, int] | None:
 
 
 def _known(device: Device, index: int, subindex: int | None) -> str | None:
-    """The key of an object of the device; that of the whole object for a plain variable."""
+    """Return the key of an object of the device; that of the whole object for a plain variable."""
     for entry in device.objects:
         if entry.index == index:
             alone = subindex is None or len(entry.variables) == 1
@@ -109,12 +109,12 @@ class BusNames:
                 self._end(("link", number, end), link, nodes)
 
     def _last(self, path: Path, name: str) -> Span:
-        """The place of the last part of a table's name in its header."""
+        """Return the place of the last part of a table's name in its header."""
         span = self._toml.span(path)
         return self._inside(span, name) or span
 
     def _inside(self, span: Span, text: str, after: str = "") -> Span | None:
-        """The place of a text in the lines of a key and its value."""
+        """Return the place of a text in the lines of a key and its value."""
         start, _ = self._text.offsets(span)
         found = self._text.source.find(after, start)
         if found < 0:
@@ -189,7 +189,7 @@ def _next_key(text: str, offset: int) -> int:
 
 
 def object_of(key: str) -> tuple[str, int, int | None]:
-    """The file, index and sub-index of a key of an object."""
+    """Return the file, index and sub-index of a key of an object."""
     file, _, number = key.removeprefix("eds ").rpartition("#")
     index, _, sub = number.partition(":")
     return file, int(index, 16), int(sub, 16) if sub else None

@@ -42,7 +42,7 @@ _LONGEST_DETAIL = 80
 
 
 def key_of(name: ScopedName) -> str:
-    """The key of a scoped name of IDL."""
+    """Return the key of a scoped name of IDL."""
     return "idl " + "::".join(name)
 
 
@@ -109,7 +109,7 @@ class IdlNames:
 
 
 def _parts(name: tree.ScopedName, found: Entity) -> Iterator[tuple[tree.Name, Entity]]:
-    """The parts of a scoped name with what each stands for, the last one first."""
+    """Yield the parts of a scoped name with what each stands for, the last one first."""
     entity: Entity | None = found
     for part in reversed(name.parts):
         if entity is None or entity.name != part.text:
@@ -119,7 +119,7 @@ def _parts(name: tree.ScopedName, found: Entity) -> Iterator[tuple[tree.Name, En
 
 
 def _extent(entity: Entity, unit: Unit) -> Span | None:
-    """All of a definition."""
+    """Return all of a definition."""
     node = entity.item
     if node is not None:
         return unit.span(node.start, node.end)
@@ -129,7 +129,7 @@ def _extent(entity: Entity, unit: Unit) -> Span | None:
 
 
 def _detail(entity: Entity, unit: Unit) -> str:
-    """The type of a member, parameter, typedef or port, as written."""
+    """Return the type of a member, parameter, typedef or port, as written."""
     node: object = entity.type_node
     if isinstance(entity.node, tree.PortItem | tree.Operation):
         node = entity.node.type

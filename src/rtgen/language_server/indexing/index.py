@@ -88,7 +88,7 @@ class FileIndex:
         self._starts.extend(each.start for each in self.occurrences)
 
     def at(self, offset: int) -> Occurrence | None:
-        """The innermost name at an offset, or that ends there."""
+        """Return the innermost name at an offset, or that ends there."""
         found = None
         index = bisect_right(self._starts, offset)
         for each in reversed(self.occurrences[max(index - 8, 0) : index]):
@@ -99,7 +99,7 @@ class FileIndex:
         return found
 
     def between(self, start: int, end: int) -> Iterator[Occurrence]:
-        """The names that begin in [start, end)."""
+        """Yield the names that begin in [start, end)."""
         index = bisect_right(self._starts, start - 1)
         for each in self.occurrences[index:]:
             if each.start >= end:
@@ -107,7 +107,7 @@ class FileIndex:
             yield each
 
     def around(self, offset: int) -> list[Definition]:
-        """The definitions that an offset is inside of, outermost first."""
+        """Return the definitions that an offset is inside of, outermost first."""
         return [d for d in self.definitions if d.first <= offset < d.last]
 
 
@@ -138,16 +138,16 @@ class Index:
                 self._places.setdefault(o.key, []).append(place)
 
     def definitions(self, key: str) -> list[tuple[FileIndex, Definition]]:
-        """The definitions of a key."""
+        """Return the definitions of a key."""
         return self._definitions.get(key, [])
 
     def definition(self, key: str) -> Definition | None:
-        """The first definition of a key."""
+        """Return the first definition of a key."""
         found = self._definitions.get(key)
         return found[0][1] if found else None
 
     def places(self, key: str) -> list[Place]:
-        """All places of a key's name."""
+        """Return all places of a key's name."""
         return self._places.get(key, [])
 
     def inside(self, key: str) -> list[Definition]:
@@ -155,7 +155,7 @@ class Index:
         return [definition for _, definition in self._children.get(key, [])]
 
     def all(self) -> Iterator[tuple[FileIndex, Definition]]:
-        """All definitions."""
+        """Yield all definitions."""
         for found in self._definitions.values():
             yield from found
 
@@ -207,7 +207,7 @@ class Collector:
         return list(self._files)
 
     def indexes(self, texts: Mapping[str, Text]) -> Iterator[FileIndex]:
-        """The indexes of the files with a text; `texts` are by displayed path."""
+        """Yield the indexes of the files with a text; `texts` are by displayed path."""
         for file, names in self._files.items():
             path = path_of(file)
             text = texts.get(file)
@@ -238,7 +238,7 @@ def _file_index(path: str, text: Text, names: _Names) -> FileIndex:
 
 
 def path_of(file: str) -> str:
-    """The absolute path of a file by its displayed path."""
+    """Return the absolute path of a file by its displayed path."""
     path = absolute_path(file)
     if file in IDL_FILES and not Path(path).is_file():
         return str(idl_file(file))

@@ -16,12 +16,12 @@ _TYPE_ID = re.compile(r"IDL:([\w/]+):[\d.]+")
 
 
 def component_key(name: str) -> str:
-    """The key of a component that a profile defines."""
+    """Return the key of a component that a profile defines."""
     return f"component {name}"
 
 
 def named_type(text: str) -> tuple[str, ...]:
-    """The scoped name of a type as profiles write it: `A::B`, or `IDL:A/B:1.0`."""
+    """Return the scoped name of a type as profiles write it: `A::B`, or `IDL:A/B:1.0`."""
     match = _TYPE_ID.fullmatch(text.strip())
     parts = match[1].split("/") if match else text.strip().split("::")
     return tuple(part for part in parts if part)
@@ -128,7 +128,9 @@ class ProfileNames:
             self._collector.refer(key_of(name), place or span)
 
     def _inside(self, span: Span, word: str, *, last: bool = False) -> Span | None:
-        """The place of a word on the line of a value, within the value or the tag around it."""
+        """Return the place of a word on the line of a value, within the value or the tag around
+        it.
+        """
         text = self._texts.get(span.file)
         if text is None or not word:
             return None

@@ -50,7 +50,7 @@ def add_project_file(collector: Collector, file: str, text: Text) -> None:
 def _value(
     text: Text, toml: Toml, path: tuple[str, ...], written: str
 ) -> tuple[int, int] | None:
-    """The place of a quoted text behind a key."""
+    """Return the place of a quoted text behind a key."""
     start, _ = text.offsets(toml.span(path))
     for quote in "\"'":
         found = text.source.find(quote + written + quote, start)

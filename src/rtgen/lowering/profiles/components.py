@@ -129,7 +129,7 @@ class Lowering:
         self.diagnostics.append(rule.at(span, message, hint=hint))
 
     def _name(self, profile: RtcProfile) -> ScopedName:
-        """The component's name, with a diagnostic if it had to be changed."""
+        """Return the component's name, with a diagnostic if it had to be changed."""
         last = profile_escapes.word(profile.name, "Component")[:_LONGEST_NAME]
         why = "is not an identifier" if len(last) < _LONGEST_NAME else "is too long"
         name = self._definitions.name(profile, last)
@@ -152,7 +152,7 @@ class Lowering:
     def _id_part(
         self, profile: RtcProfile, text: str, breaking: re.Pattern[str]
     ) -> str:
-        """A part of the profile's id, with a diagnostic if it had to be changed."""
+        """Return a part of the profile's id, with a diagnostic if it had to be changed."""
         mended = breaking.sub("_", text)
         if mended != text:
             message = f"{text!r} would break the profile's id; {mended!r} is taken"
@@ -160,7 +160,9 @@ class Lowering:
         return mended
 
     def _outside_name(self, span: Span, text: str) -> str:
-        """The name of a port, interface or parameter, with a diagnostic if it had to be changed."""
+        """Return the name of a port, interface or parameter, with a diagnostic if it had to be
+        changed.
+        """
         mended = "".join(c if c.isprintable() else "_" for c in text)
         mended = mended if mended.strip() else "_"
         if mended != text:
@@ -169,7 +171,9 @@ class Lowering:
         return mended
 
     def _is_taken(self, name: ScopedName) -> bool:
-        """Whether the name, in any case, is that of a type or module, or used inside a type."""
+        """Return whether the name, in any case, is that of a type or module, or used inside a
+        type.
+        """
         scopes = tuple(_scopes(name))
         return scopes[-1] in self._bound or not self._types.isdisjoint(scopes)
 
@@ -229,7 +233,7 @@ class Lowering:
         *,
         service: bool,
     ) -> Type:
-        """The type of a port in the model, or a placeholder."""
+        """Return the type of a port in the model, or a placeholder."""
         facts = port.facts if port.facts.get("type_name") == port.type else {}
         written = _scoped(facts.get("type", port.type))
         name = self._found(written, service)
@@ -248,7 +252,7 @@ class Lowering:
         return self._stand_in(profile, port, written, service)
 
     def _found(self, written: ScopedName, service: bool) -> ScopedName | None:
-        """The declared name; a name without its module is searched for in all modules."""
+        """Return the declared name; a name without its module is searched for in all modules."""
         if written in self._by_name:
             return written
         if len(written) != 1:
@@ -290,7 +294,7 @@ class Lowering:
         written: ScopedName,
         service: bool,
     ) -> Type:
-        """The placeholder for a name, under that name if it is free."""
+        """Return the placeholder for a name, under that name if it is free."""
         name = self._stand_ins.get((written, service))
         if name is None:
             parts = [profile_escapes.word(part, "Unknown") for part in written]
@@ -384,14 +388,14 @@ class Lowering:
 
 
 def _scopes(name: ScopedName) -> Iterator[ScopedName]:
-    """The name and the scopes that it stands in, outermost first, in lower case."""
+    """Yield the name and the scopes that it stands in, outermost first, in lower case."""
     small = tuple(part.lower() for part in name)
     for depth in range(1, len(name) + 1):
         yield small[:depth]
 
 
 def _scoped(text: str) -> ScopedName:
-    """A type's name in its variants: IDL, repository id, with dots or slashes."""
+    """Return a type's name in its variants: IDL, repository id, with dots or slashes."""
     text = text.strip()
     if (found := _REPOSITORY_ID.fullmatch(text)) is not None:
         text = found[1]
@@ -401,14 +405,14 @@ def _scoped(text: str) -> ScopedName:
 
 
 def _type_name(interface: ProfileInterface, type_: Type) -> str:
-    """The name of an interface's type in a profile, if it is not the scoped name."""
+    """Return the name of an interface's type in a profile, if it is not the scoped name."""
     written = interface.type.strip()
     is_name = _TYPE_NAME.fullmatch(written) or interface.facts.get("type_name")
     return written if is_name and written != str(type_) else ""
 
 
 def _opaque(name: ScopedName, service: bool, file: str, span: Span) -> Declaration:
-    """A placeholder: an interface, or a struct."""
+    """Return a placeholder: an interface, or a struct."""
     repository_id = f"IDL:{'/'.join(name)}:1.0"
     annotations = (Annotation(OPAQUE),)
     if service:
@@ -433,7 +437,7 @@ _Item = TypeVar("_Item", Port, ConfigurationParameter)
 
 
 def _beside(component: str, item: _Item, taken: set[str]) -> _Item:
-    """The item, renamed if it has the component's identifier, which IDL does not allow."""
+    """Return the item, renamed if it has the component's identifier, which IDL does not allow."""
     if item.identifier.lower() != component.lower():
         return item
     name, number = item.identifier, 1
@@ -448,7 +452,7 @@ def _identifier(
     otherwise: str,
     taken: set[str],
 ) -> str:
-    """An identifier unique in the component, in any case."""
+    """Return an identifier unique in the component, in any case."""
     text = profile_escapes.identifier(item.variable or item.name, otherwise)
     base = name = identifier_of(item.variable, item.facts) or text
     number = 1
@@ -462,14 +466,14 @@ def _identifier(
 def components(
     profiles: Sequence[RtcProfile], model: Model, given: frozenset[str] = frozenset()
 ) -> tuple[tuple[Declaration, ...], tuple[Diagnostic, ...]]:
-    """The placeholders and components of profiles, in that order, with the diagnostics."""
+    """Return the placeholders and components of profiles, in that order, with the diagnostics."""
     lowering = Lowering(model, given)
     made = [lowering.component(profile) for profile in _bases_first(profiles)]
     return (*lowering.placeholders.values(), *made), tuple(lowering.diagnostics)
 
 
 def _bases_first(profiles: Sequence[RtcProfile]) -> list[RtcProfile]:
-    """The profiles, each after that of its base if there is one."""
+    """Return the profiles, each after that of its base if there is one."""
     rest = list(profiles)
     made: list[RtcProfile] = []
     while rest:

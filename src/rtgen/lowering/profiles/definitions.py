@@ -52,7 +52,9 @@ class Definitions:
     # Ports.
 
     def port(self, made: Port, facts: Facts, events: Sequence[Annotation] = ()) -> Port:
-        """The port with its facts applied; `events` are those of an event port, as annotations."""
+        """Return the port with its facts applied; `events` are those of an event port, as
+        annotations.
+        """
         with self._passing_over(made.span):
             is_data = made.kind in (PortKind.INPORT, PortKind.OUTPORT)
             name = facts.get("name")
@@ -69,7 +71,7 @@ class Definitions:
     # Parameters.
 
     def type(self, parameter: ProfileParameter) -> Type | None:
-        """The IDL type of a parameter, None if its attribute determines the type."""
+        """Return the IDL type of a parameter, None if its attribute determines the type."""
         with self._passing_over(parameter.type_span):
             text = parameter.facts.get("type")
             if text is None:
@@ -87,7 +89,7 @@ class Definitions:
     def default(
         self, made: ConfigurationParameter, parameter: ProfileParameter
     ) -> ConfigurationParameter:
-        """The parameter with the default of its facts, if the attribute agrees."""
+        """Return the parameter with the default of its facts, if the attribute agrees."""
         if "default" not in parameter.facts:
             return made
         with self._passing_over(parameter.default_span):
@@ -103,7 +105,7 @@ class Definitions:
     def parameter(
         self, made: ConfigurationParameter, parameter: ProfileParameter
     ) -> ConfigurationParameter:
-        """The parameter with the rest of its facts."""
+        """Return the parameter with the rest of its facts."""
         facts = parameter.facts
         with self._passing_over(made.span):
             name = facts.get("name")
@@ -118,7 +120,7 @@ class Definitions:
     def _with_limits(
         self, made: ConfigurationParameter, parameter: ProfileParameter
     ) -> ConfigurationParameter:
-        """The parameter with bounds and the wording of its constraint. Raises ValueError."""
+        """Return the parameter with bounds and the wording of its constraint. Raises ValueError."""
         facts = parameter.facts
         constraint = facts.get("constraint")
         tried = replace(
@@ -151,7 +153,7 @@ class Definitions:
     # The component.
 
     def name(self, profile: RtcProfile, last: str) -> ScopedName:
-        """The scoped name; `last` is the component's own."""
+        """Return the scoped name; `last` is the component's own."""
         with self._passing_over(profile.span):
             text = profile.facts.get("name")
             if text is None:
@@ -168,7 +170,7 @@ class Definitions:
         return (last,)
 
     def component(self, made: Component, profile: RtcProfile) -> Component:
-        """The component with its facts applied."""
+        """Return the component with its facts applied."""
         facts = profile.facts
         with self._passing_over(made.span):
             for field, usual in profile_facts.WITH_USUAL.items():
@@ -210,7 +212,7 @@ class Definitions:
                 self._report_at(made.span, f"the interface {text} is not found")
 
     def _with_base(self, made: Component, facts: Facts) -> Component:
-        """The component with its base, if it has all members of the base."""
+        """Return the component with its base, if it has all members of the base."""
         text = facts.get("base")
         if text is None:
             return made
@@ -261,7 +263,7 @@ class Definitions:
 
 
 def identifier_of(variable: str, facts: Facts) -> str | None:
-    """The identifier in the facts, if the attribute agrees."""
+    """Return the identifier in the facts, if the attribute agrees."""
     found = facts.get("identifier")
     return variable if found == variable else None
 
@@ -274,7 +276,7 @@ def _with_doc(made: _Item, facts: Facts) -> _Item:
 
 
 def _in_order(ports: Sequence[Port], order: Sequence[Any] | None) -> tuple[Port, ...]:
-    """The ports as the definition has them; new ones come last."""
+    """Return the ports as the definition has them; new ones come last."""
     if order is None:
         return tuple(ports)
     places = {str(name): place for place, name in enumerate(order)}
@@ -289,7 +291,7 @@ _Part = TypeVar("_Part", Port, ConfigurationParameter)
 def _inherited(
     own: Sequence[_Part], of_base: Sequence[_Part]
 ) -> tuple[_Part, ...] | None:
-    """All items, those of the base first and unchanged; None if one of those differs."""
+    """Return all items, those of the base first and unchanged; None if one of those differs."""
     rest: list[_Part] = list(own)
     for item in of_base:
         same = [each for each in rest if replace(each, span=item.span) == item]

@@ -11,7 +11,7 @@ from rtgen.model import Model
 
 
 def lower(model: Model, settings: Settings) -> Lowered:
-    """The model with a component for each profile, and placeholders for unknown types.
+    """Return the model with a component for each profile, and placeholders for unknown types.
 
     The component of a profile replaces the one of its name in an IDL file.
     """

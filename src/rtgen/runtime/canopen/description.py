@@ -51,11 +51,11 @@ class ObjectDescription:
         return self.low is not None or self.high is not None
 
     def named(self, name: str) -> ObjectDescription:
-        """A copy with another name."""
+        """Return a copy with another name."""
         return replace(self, name=name)
 
     def initial(self, node_id: int) -> ObjectValue | None:
-        """The default value in a node with this node-id."""
+        """Return the default value in a node with this node-id."""
         if self.relative and isinstance(self.default, int):
             return node_id + self.default
         return self.default
@@ -83,7 +83,7 @@ class PdoDescription:
     fixed: bool = False
 
     def cob_id_of(self, node_id: int) -> int | None:
-        """The COB-ID, with its flags, in a node with this node-id."""
+        """Return the COB-ID, with its flags, in a node with this node-id."""
         if self.cob_id is None:
             return None
         return self.cob_id + node_id if self.relative else self.cob_id
@@ -143,7 +143,7 @@ class Write:
     relative: bool = False
 
     def octets(self, node_id: int) -> bytes:
-        """The octets to write to a node with this node-id."""
+        """Return the octets to write to a node with this node-id."""
         if not self.relative:
             return self.value
         size = len(self.value)

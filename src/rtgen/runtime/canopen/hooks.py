@@ -68,7 +68,7 @@ class ProxyHooks(CanopenHooks):
 
     @abstractmethod
     def _parameter_values(self) -> Mapping[ObjectNumber, ObjectValue]:
-        """The configuration parameters that correspond to objects, as values of the objects.
+        """Return the configuration parameters that correspond to objects, as values of the objects.
 
         Raises PdoError for a parameter outside the range of its object's type.
         """
@@ -106,7 +106,7 @@ class DeviceHooks(CanopenHooks):
 
     @abstractmethod
     def get_object(self, number: ObjectNumber) -> Any:
-        """The value (ObjectValue) of an object. Raises KeyError for an unknown object.
+        """Return the value (ObjectValue) of an object. Raises KeyError for an unknown object.
 
         Defined by `CanopenDevice`.
         """

@@ -79,10 +79,10 @@ def set_up(node: NodeDescription, identified: Callable[[], None]) -> SetUp:
 
 
 def number_text(index: int, subindex: int) -> str:
-    """An object's number as users write it, `1018:1`."""
+    """Return an object's number as users write it, `1018:1`."""
     return f"{index:04X}:{subindex:X}"
 
 
 def same(kept: bytes, written: bytes) -> bool:
-    """Whether the node kept a value; trailing zeros are padding."""
+    """Return whether the node kept a value; trailing zeros are padding."""
     return kept.startswith(written) and not any(kept[len(written) :])

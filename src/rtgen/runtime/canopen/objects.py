@@ -103,7 +103,7 @@ O = TypeVar("O", bound=Objects)  # noqa: E741
 
 
 def descriptions(class_: type[Objects]) -> tuple[ObjectDescription, ...]:
-    """The objects of a device, in the order of its description."""
+    """Return the objects of a device, in the order of its description."""
     return tuple(entry.description for entry in _entries(class_).values())
 
 
@@ -111,14 +111,14 @@ class ObjectDictionary(Protocol):
     """The operations of a consumer of the service `CANopen::ObjectDictionary`."""
 
     def read(self, index: int, subindex: int, /) -> bytes:
-        """The octets of an object."""
+        """Return the octets of an object."""
 
     def write(self, index: int, subindex: int, value: bytes, /) -> None:
-        """Sets the octets of an object."""
+        """Set the octets of an object."""
 
 
 def over_service(class_: type[O], service: ObjectDictionary) -> O:
-    """The objects of a node by the SDO service of its proxy.
+    """Return the objects of a node by the SDO service of its proxy.
 
     `service` is a consumer of the proxy's port `sdo`. Raises what the service raises
     (CANopen::SdoAbort, CANopen::BusGone), and ObjectValueError for a value that an object cannot
@@ -138,7 +138,9 @@ def over_service(class_: type[O], service: ObjectDictionary) -> O:
 
 
 def over_sdo(class_: type[O], proxy: ProxyHooks) -> O:
-    """The objects of a node by its proxy. Raises what `read_object` and `write_object` do."""
+    """Return the objects of a node by its proxy. Raises what `read_object` and `write_object`
+    do.
+    """
     return class_(
         lambda number: proxy.read_object(*number),
         lambda number, value: proxy.write_object(*number, value),

@@ -21,27 +21,27 @@ class PdoError(ValueError):
 
 
 def outside(name: str, value: object, low: int, high: int) -> PdoError:
-    """The error for a value outside of its field's range."""
+    """Return the error for a value outside of its field's range."""
     return PdoError(f"{name} is {value!r}, not {low} to {high}")
 
 
 def real32(bits: int) -> float:
-    """The REAL32 of these bits."""
+    """Return the REAL32 of these bits."""
     return cast("float", _F32.unpack(_U32.pack(bits))[0])
 
 
 def real32_bits(value: float) -> int:
-    """The bits of a REAL32. Raises struct.error or OverflowError if out of range."""
+    """Return the bits of a REAL32. Raises struct.error or OverflowError if out of range."""
     return cast("int", _U32.unpack(_F32.pack(value))[0])
 
 
 def real64(bits: int) -> float:
-    """The REAL64 of these bits."""
+    """Return the REAL64 of these bits."""
     return cast("float", _F64.unpack(_U64.pack(bits))[0])
 
 
 def real64_bits(value: float) -> int:
-    """The bits of a REAL64. Raises struct.error if out of range."""
+    """Return the bits of a REAL64. Raises struct.error if out of range."""
     return cast("int", _U64.unpack(_F64.pack(value))[0])
 
 
@@ -77,7 +77,7 @@ def wide_octets(name: str, value: str) -> bytes:
 
 
 def unscaled(name: str, value: float, factor: float) -> int:
-    """The integer nearest to `value / factor`."""
+    """Return the integer nearest to `value / factor`."""
     try:
         return round(value / factor)
     except (OverflowError, ValueError, TypeError):
@@ -85,29 +85,29 @@ def unscaled(name: str, value: float, factor: float) -> int:
 
 
 def quotient(value: float, factor: float) -> float:
-    """A physical value divided by its factor."""
+    """Return a physical value divided by its factor."""
     return value / factor
 
 
 def nanoseconds(time: Time) -> int:
-    """A time in ns."""
+    """Return a time in ns."""
     return time.sec * SECOND + time.nsec
 
 
 def seconds(raw: int) -> tuple[int, int]:
-    """A TIME_DIFFERENCE (48 bits) in seconds and nanoseconds."""
+    """Return a TIME_DIFFERENCE (48 bits) in seconds and nanoseconds."""
     total = milliseconds_of(raw)
     return total // 1000, total % 1000 * 1_000_000
 
 
 def seconds_of_day(raw: int) -> tuple[int, int]:
-    """A TIME_OF_DAY (48 bits) in seconds since 1970 (UTC) and nanoseconds."""
+    """Return a TIME_OF_DAY (48 bits) in seconds since 1970 (UTC) and nanoseconds."""
     whole, rest = seconds(raw)
     return whole + _EPOCH_SECONDS, rest
 
 
 def time_bits(name: str, sec: int, nsec: int) -> int:
-    """The 48 bits of a TIME_DIFFERENCE: milliseconds, then days."""
+    """Return the 48 bits of a TIME_DIFFERENCE: milliseconds, then days."""
     days, milliseconds = divmod(sec * 1000 + nsec // 1_000_000, DAY)
     if not 0 <= days <= MAX_DAYS:
         raise outside(name, days, 0, MAX_DAYS)
@@ -115,5 +115,5 @@ def time_bits(name: str, sec: int, nsec: int) -> int:
 
 
 def day_bits(name: str, sec: int, nsec: int) -> int:
-    """The 48 bits of a TIME_OF_DAY, of a time since 1970 (UTC)."""
+    """Return the 48 bits of a TIME_OF_DAY, of a time since 1970 (UTC)."""
     return time_bits(name, sec - _EPOCH_SECONDS, nsec)

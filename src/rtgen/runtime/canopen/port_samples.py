@@ -16,7 +16,7 @@ _KEPT: Final = 1024
 
 
 def unread(port: InPort[T]) -> Iterator[T]:
-    """The unread samples, oldest first."""
+    """Yield the unread samples, oldest first."""
     while port.is_new():
         sample = port.read()
         if sample is not None:
@@ -33,7 +33,7 @@ class Inlet:
         }
 
     def take(self, pdo: int) -> Any:
-        """The next sample for a PDO, None if there is none."""
+        """Return the next sample for a PDO, None if there is none."""
         for sample in unread(self._port):
             for queue in self._queues.values():
                 queue.append(sample)
@@ -51,7 +51,7 @@ class Gathering:
         self._values = [value for _, value in fields]
 
     def rounds(self) -> Iterator[list[Any]]:
-        """Yields the values to send, once for each new sample."""
+        """Yield the values to send, once for each new sample."""
         values = self._values
         while True:
             fresh = False

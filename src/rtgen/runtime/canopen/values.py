@@ -62,12 +62,12 @@ def size(kind: Kind) -> int | None:
 
 
 def limits(kind: Kind) -> tuple[int, int] | None:
-    """The range of an integer kind, None for others."""
+    """Return the range of an integer kind, None for others."""
     return _LIMITS.get(kind)
 
 
 def zero(kind: Kind) -> ObjectValue:
-    """The value of an object without a default."""
+    """Return the value of an object without a default."""
     if kind == "bool":
         return False
     if kind in _REALS:
@@ -132,7 +132,7 @@ def decode(kind: Kind, octets: bytes) -> ObjectValue:
 
 
 def uploaded(kind: Kind, octets: bytes) -> ObjectValue:
-    """The value of octets that SDO gave. Raises ObjectValueError, as `decode`.
+    """Return the value of octets that SDO gave. Raises ObjectValueError, as `decode`.
 
     Servers that do not indicate the size of an expedited value send 4 octets.
     """

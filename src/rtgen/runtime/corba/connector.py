@@ -127,7 +127,7 @@ class RemoteProvider:
         return remote
 
     def _another(self, remote: Remote, error: Any) -> Remote | None:
-        """Another provider for a call that did not arrive, if there is one."""
+        """Return another provider for a call that did not arrive, if there is one."""
         if not is_unsent(error):
             return None
         try:
@@ -144,7 +144,7 @@ class RemoteProvider:
         return error
 
     def _reference(self) -> Any:
-        """The reference in the naming service; None if no process provides the port."""
+        """Return the reference in the naming service; None if no process provides the port."""
         served = self._naming.providers((self.port.instance, self.port.port))
         # omniORB answers `_is_a` locally if it can, even for lost objects.
         found = {name: r for name, r in served.items() if is_alive(r)}
@@ -170,7 +170,9 @@ class RemoteProvider:
         return chosen
 
     def _chosen(self, found: Mapping[str, Any]) -> Any:
-        """The provider selected by a property, else of equal name and type, else the only one."""
+        """Return the provider selected by a property, else of equal name and type, else the only
+        one.
+        """
         identity = self._wanted.repository_id
         name = self.consumer.instance if self._selected is None else self._selected
         if name in found and found[name]._is_a(identity):

@@ -48,20 +48,22 @@ def caught(operation: str, error: Any) -> ServiceError:
 
 
 def is_inactive(error: Any) -> bool:
-    """Whether the object exists, but its component is not ACTIVE (by omniORB's minor code)."""
+    """Return whether the object exists, but its component is not ACTIVE (by omniORB's minor
+    code).
+    """
     return isinstance(error, CORBA.OBJECT_NOT_EXIST) and error.minor == _OURS
 
 
 def is_unsent(error: Any) -> bool:
-    """Whether a system exception implies that the call was not carried out."""
+    """Return whether a system exception implies that the call was not carried out."""
     return bool(error.completed == CORBA.COMPLETED_NO)
 
 
 def is_lost(error: Any) -> bool:
-    """Whether a system exception means that the object or its process is gone."""
+    """Return whether a system exception means that the object or its process is gone."""
     return isinstance(error, _LOST)
 
 
 def is_silent(error: Any) -> bool:
-    """Whether the object or its process is gone, or did not answer in time."""
+    """Return whether the object or its process is gone, or did not answer in time."""
     return isinstance(error, (*_LOST, CORBA.TIMEOUT))

@@ -105,7 +105,9 @@ def _answers(process: subprocess.Popen[bytes], port: int) -> bool:
 
 
 def _has_root(port: int) -> bool:
-    """Whether the root context is there, which omniNames makes after it has begun to listen."""
+    """Return whether the root context is there, which omniNames makes after it has begun to
+    listen.
+    """
     key = b"NameService"
     body = struct.pack("<II", 1, len(key)) + key
     header = _HEADER.pack(b"GIOP", 1, 0, 1, _LOCATE_REQUEST, len(body))

@@ -26,7 +26,7 @@ _T = TypeVar("_T")
 PORT = 2809
 """Default port of naming services (IANA: corbaloc)."""
 _AT_ONCE = 100
-MOST_NAMES = 4096
+MAX_NAMES = 4096
 """Names of a naming service that are listed; contexts may contain each other."""
 _HOST = "host_cxt"
 """The kind of contexts in which OpenRTM binds the components of a host."""
@@ -132,7 +132,8 @@ class Naming:
         self._asked(unbind, "unbind")
 
     def component(self, name: str, kind: str) -> Any:
-        """The object of a name in the root, or in the context of a host, as OpenRTM binds it.
+        """Return the object of a name in the root, or in the context of a host, as OpenRTM binds
+        it.
 
         None if there is none.
         """
@@ -147,7 +148,7 @@ class Naming:
         return self._asked(component, "ask")
 
     def at(self, path: Sequence[tuple[str, str]]) -> Any:
-        """The object of a path of ids and kinds; None if there is none."""
+        """Return the object of a path of ids and kinds; None if there is none."""
 
         def at() -> Any:
             try:
@@ -157,8 +158,8 @@ class Naming:
 
         return self._asked(at, "ask")
 
-    def tree(self, most: int = MOST_NAMES) -> list[Bound]:
-        """All names up to a number, each after the context that contains it, in order."""
+    def tree(self, most: int = MAX_NAMES) -> list[Bound]:
+        """Return all names up to a number, each after the context that contains it, in order."""
 
         def tree() -> list[Bound]:
             found = _below(self._root, _names(self._root), (), [])
@@ -167,14 +168,14 @@ class Naming:
         return self._asked(tree, "ask")
 
     def _contexts(self, kind: str) -> list[Any]:
-        """The contexts of a kind in the root."""
+        """Return the contexts of a kind in the root."""
         names = [binding.binding_name[0] for binding in _listed(self._root)]
         found = [_resolved(self._root, n.id, n.kind) for n in names if n.kind == kind]
         contexts = [None if f is None else f._narrow(_Context) for f in found]
         return [context for context in contexts if context is not None]
 
     def providers(self, port: tuple[str, str]) -> dict[str, Any]:
-        """The bound providers of a port by name."""
+        """Return the bound providers of a port by name."""
 
         def providers() -> dict[str, Any]:
             context = self._context(port)
@@ -211,13 +212,13 @@ def _resolved(context: Any, id_: str, kind: str = "") -> Any:
 
 
 def _listed(context: Any) -> list[Any]:
-    """The bindings of a context, at most MOST_NAMES."""
+    """Return the bindings of a context, at most MAX_NAMES."""
     found, more = context.list(_AT_ONCE)
     if more is None:
         return list(found)
     try:
         remain = True
-        while remain and len(found) < MOST_NAMES:
+        while remain and len(found) < MAX_NAMES:
             remain, next_ones = more.next_n(_AT_ONCE)
             found += next_ones
     finally:
@@ -249,7 +250,9 @@ def _below(
 
 
 def _entered(found: Any, around: list[Any]) -> tuple[Any, _Names] | None:
-    """A context and its names; None for one that contains itself, or whose service is silent."""
+    """Return a context and its names; None for one that contains itself, or whose service is
+    silent.
+    """
     try:
         context = None if found is None else found._narrow(_Context)
         if context is None or any(context._is_equivalent(each) for each in around):
@@ -270,7 +273,7 @@ def _name_text(name: tuple[str, str]) -> str:
 
 
 def is_alive(reference: Any) -> bool:
-    """Whether the process of an object answers in time."""
+    """Return whether the process of an object answers in time."""
     if reference is None:
         return False
     try:

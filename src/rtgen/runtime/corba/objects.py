@@ -90,7 +90,7 @@ _TELLING = ((), (_TEXTS,), None)
 
 
 def signatures(reference: Any) -> list[str] | None:
-    """The signatures of an object's interface; None for an object not served by rtgen.
+    """Return the signatures of an object's interface; None for an object not served by rtgen.
 
     Raises omniORB's exception if the object cannot be reached.
     """
@@ -122,7 +122,7 @@ class Objects:
         self._exporting = threading.Lock()
 
     def operations(self, interface: type[Servant]) -> Operations:
-        """The operations of an interface. Raises ServiceError if it is local."""
+        """Return the operations of an interface. Raises ServiceError if it is local."""
         found = self._operations.get(interface)
         if found is None:
             found = self._operations[interface] = Operations(interface, self.types)
@@ -150,12 +150,12 @@ class Objects:
         self._poa.deactivate_object(self._poa.reference_to_id(reference))
 
     def remote(self, interface: type[Servant], reference: Any) -> Remote:
-        """A caller of the object, using an interface."""
+        """Return a caller of the object, using an interface."""
         self._limit(reference)
         return Remote(reference, self.operations(interface))
 
     def stub(self, interface: type[_S], reference: Any) -> _S:
-        """A stub that calls the object of a reference."""
+        """Return a stub that calls the object of a reference."""
         made: _S = interface._stub_(self.remote(interface, reference).call)
         return made
 
@@ -185,7 +185,7 @@ class Objects:
         return read_reference(octets, 0, True)[0]
 
     def _servant(self, servant: Servant) -> Any:
-        """A reference to a servant passed in a call; it exists as long as the ORB."""
+        """Return a reference to a servant passed in a call; it exists as long as the ORB."""
         with self._exporting:
             known = self._exported.get(id(servant))
             if known is None:

@@ -107,7 +107,7 @@ def _types(
 def _converting(
     converts: Sequence[Callable[[Any], Any] | None], rest: Sequence[Any]
 ) -> Callable[[Values], Values] | None:
-    """A function that converts values one by one and appends the rest.
+    """Return a function that converts values one by one and appends the rest.
 
     None if nothing is converted.
     """

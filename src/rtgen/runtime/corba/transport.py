@@ -153,7 +153,9 @@ class CorbaTransport:
         self._objects.withdraw(reference)
 
     def reach(self, interface: Any, provider: Provider[Any]) -> Carrier:
-        """The carrier of calls to a provider of this process, which also go through the ORB."""
+        """Return the carrier of calls to a provider of this process, which also go through the
+        ORB.
+        """
         return self._objects.remote(interface, self._references[provider])
 
     def connector(
@@ -163,7 +165,7 @@ class CorbaTransport:
         there: RemotePort,
         properties: Mapping[str, str],
     ) -> RemoteConnector | ServicePeer:
-        """A connection to a port of another process. Raises ConnectError."""
+        """Return a connection to a port of another process. Raises ConnectError."""
         if self._naming is None:
             raise TransportError(f"{there} is in no process that could be asked")
         directory = self._directory
@@ -185,7 +187,7 @@ class CorbaTransport:
         there: RemotePort,
         properties: Mapping[str, str],
     ) -> PeerConnection:
-        """A connection to an InPort of another process, not established."""
+        """Return a connection to an InPort of another process, not established."""
         return self._peer(name, here, there, properties)
 
     def receiving(
@@ -196,7 +198,7 @@ class CorbaTransport:
         properties: Mapping[str, str],
         guard: Callable[[], Guard],
     ) -> PeerConnection:
-        """A connection from an OutPort of another process, not established."""
+        """Return a connection from an OutPort of another process, not established."""
         return self._peer(name, here, there, properties)
 
     def _peer(
@@ -285,7 +287,9 @@ class CorbaTransport:
         return [p for c in self._connectors if c.connected for p in c.providers]
 
     def is_ready(self, instance: str, before: Collection[str]) -> bool:
-        """Whether the providers are ACTIVE that other processes activate before an instance."""
+        """Return whether the providers are ACTIVE that other processes activate before an
+        instance.
+        """
         foreign = {} if self._directory is None else self._directory.foreign
         called = {
             peer.there.instance

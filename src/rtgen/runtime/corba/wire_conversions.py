@@ -9,26 +9,26 @@ Convert: TypeAlias = Callable[[Any], Any]
 
 
 def each(convert: Convert | None) -> Convert | None:
-    """The conversion of a list of items."""
+    """Return the conversion of a list of items."""
     if convert is None:
         return None
     return lambda items: [convert(item) for item in items]
 
 
 def through(convert: Convert | None, value: Any) -> Any:
-    """The converted value; None converts nothing."""
+    """Return the converted value; None converts nothing."""
     return value if convert is None else convert(value)
 
 
 def octet_of(number: int) -> int:
-    """An int8 as an octet. Raises ValueError."""
+    """Return an int8 as an octet. Raises ValueError."""
     if not -128 <= number < 128:
         raise ValueError(f"{number} is not an int8")
     return number & 255
 
 
 def int8_of(octet: int) -> int:
-    """An octet as an int8."""
+    """Return an octet as an int8."""
     return octet - 256 if octet > 127 else octet
 
 

@@ -126,7 +126,9 @@ class WireTypes:
         self._begun: dict[int, list[Any]] = {}
 
     def of(self, descriptor: Any, interface: Interface = None) -> WireType:
-        """The type of a descriptor; with an interface, that of a reference to its objects."""
+        """Return the type of a descriptor; with an interface, that of a reference to its
+        objects.
+        """
         if interface is not None:
             return self._reference(descriptor, interface)
         found = self._made.get(id(descriptor))
@@ -135,7 +137,7 @@ class WireTypes:
         return found[1]
 
     def exception(self, class_: type[UserException]) -> WireException:
-        """The wire form of an exception."""
+        """Return the wire form of an exception."""
         found = self._exceptions.get(class_)
         if found is None:
             found = self._exceptions[class_] = self._exception(class_)
@@ -200,7 +202,7 @@ class WireTypes:
         return made
 
     def _link(self, descriptor: LinkDescriptor) -> WireType:
-        """A type used within its own definition, possibly still incomplete."""
+        """Return a type used within its own definition, possibly still incomplete."""
         target = plain(descriptor)
         cell = self._begun.get(id(target))
         if cell is None:
@@ -322,7 +324,7 @@ class _Members:
         ]
 
     def outgoing(self, value: Any) -> SimpleNamespace:
-        """An object with the members for omniORBpy to read."""
+        """Return an object with the members for omniORBpy to read."""
         made = SimpleNamespace()
         for name, attribute, wire in self.entries:
             setattr(made, name, through(wire.outgoing, getattr(value, attribute)))
@@ -334,7 +336,7 @@ class _Members:
             yield through(wire.incoming, value)
 
     def maker(self, class_: Callable[..., Any]) -> Convert:
-        """The function by which omniORBpy constructs a struct."""
+        """Return the function by which omniORBpy constructs a struct."""
         return lambda *values: class_(*self.incoming(values))
 
 
@@ -410,7 +412,7 @@ def _label(switch: Descriptor, label: Any) -> Any:
 
 
 def _unused(switch: Descriptor, union: UnionDescriptor) -> Any:
-    """A discriminator that selects the default branch."""
+    """Return a discriminator that selects the default branch."""
     used = {label for branch in union.branches for label in branch.labels}
     candidates: Iterable[Any] = range(len(used) + 1)
     if isinstance(switch, EnumDescriptor):
@@ -423,7 +425,7 @@ def _unused(switch: Descriptor, union: UnionDescriptor) -> Any:
 
 
 def _converted(descriptors: Iterable[Descriptor], seen: set[int]) -> bool:
-    """Whether values of these types are converted in either direction."""
+    """Return whether values of these types are converted in either direction."""
     return any(_is_converted(descriptor, seen) for descriptor in descriptors)
 
 
@@ -463,7 +465,7 @@ def _formed(
     descriptor: SequenceDescriptor | ArrayDescriptor,
     items: tuple[Convert | None, Convert | None],
 ) -> tuple[Convert | None, Convert | None]:
-    """The conversions, from numbers in any form and to the form of the descriptor."""
+    """Return the conversions, from numbers in any form and to the form of the descriptor."""
     if descriptor.numeric == "list":
         return items
     outgoing, incoming = items

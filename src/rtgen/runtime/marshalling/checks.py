@@ -42,17 +42,17 @@ TEXTS = {"octet": (bytes, bytearray), "uint8": (bytes, bytearray), "char": (str,
 
 
 def size_of(name: str) -> int:
-    """The size of a basic type, which is its alignment too."""
+    """Return the size of a basic type, which is its alignment too."""
     return struct.calcsize(f"<{CODES[name]}")
 
 
 def bits_code(bound: int) -> str:
-    """The `struct` code of the smallest unsigned integer of at least that many bits."""
+    """Return the `struct` code of the smallest unsigned integer of at least that many bits."""
     return "BHIQ"[(bound > 8) + (bound > 16) + (bound > 32)]
 
 
 def packed(code: str, name: str, value: Any, order: str) -> bytes:
-    """The octets of a number; raises Fault."""
+    """Return the octets of a number; raises Fault."""
     try:
         return struct.pack(order + code, value)
     except struct.error as failure:
@@ -84,7 +84,7 @@ class LeastSizes:
         self._known: dict[int, int] = {}
 
     def of(self, element: Descriptor) -> int:
-        """The minimum size of a value in octets, without padding."""
+        """Return the minimum size of a value in octets, without padding."""
         known = self._known.get(id(element))
         if known is None:
             self._known[id(element)] = 1

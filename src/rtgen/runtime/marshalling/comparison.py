@@ -29,13 +29,17 @@ from rtgen.runtime.marshalling.descriptors import (
 
 
 def known(descriptor: Descriptor) -> Descriptor:
-    """The generated type with the same repository id and structure, or the descriptor itself."""
+    """Return the generated type with the same repository id and structure, or the descriptor
+    itself.
+    """
     found = registered(getattr(descriptor, "repository_id", ""))
     return found if found is not None and _same(descriptor, found) else descriptor
 
 
 def _same(a: Descriptor, b: Descriptor) -> bool:
-    """Whether a type code describes a generated type; names that it leaves out are ignored."""
+    """Return whether a type code describes a generated type; names that it leaves out are
+    ignored.
+    """
     if isinstance(a, LinkDescriptor) or isinstance(b, LinkDescriptor):
         return getattr(a, "repository_id", None) == getattr(b, "repository_id", "")
     if type(a) is not type(b):
@@ -110,7 +114,7 @@ def text_difference(a: str, b: str) -> str | None:
 
 
 def _lines(descriptor: Descriptor) -> Iterator[str]:
-    """The definition as text, with the structs inside of it taken apart."""
+    """Yield the definition as text, with the structs inside of it taken apart."""
     descriptor = plain(descriptor)
     if isinstance(descriptor, Named):
         yield f"{descriptor.name}  {descriptor.repository_id}"

@@ -24,7 +24,7 @@ _LOCK = RLock()
 def compiled(
     kind: str, descriptor: Any, format_: Format = CLASSIC
 ) -> Callable[..., Any]:
-    """The compiled function of a kind (a key of `FUNCTIONS`) for a type in a format.
+    """Return the compiled function of a kind (a key of `FUNCTIONS`) for a type in a format.
 
     The codec of a type that XCDR does not have raises CdrError. Raises UnsupportedError for one
     that CDR does not have.
@@ -45,7 +45,8 @@ def compiled(
 def decoded_again(
     type_: Any, data: Buffer, format_: Format, little_endian: bool, failure: Exception
 ) -> Any:
-    """The value of a body that the codec of its type refused: of another version of the type.
+    """Return the value of a body that the codec of its type refused: of another version of the
+    type.
 
     Raises CdrError with the place of the fault.
     """
@@ -73,7 +74,7 @@ def decoded_again(
 
 
 def _evolves(descriptor: Any, format_: Format) -> bool:
-    """Whether octets of another version of the type can be read."""
+    """Return whether octets of another version of the type can be read."""
     if format_.version == 1:
         extensibility = getattr(descriptor, "extensibility", "")
         return isinstance(descriptor, StructDescriptor) and (
@@ -87,7 +88,7 @@ def _evolves(descriptor: Any, format_: Format) -> bool:
 
 
 def _refusing(descriptor: Any, format_: Format) -> Callable[..., Any]:
-    """The codec of a type that the format does not have."""
+    """Return the codec of a type that the format does not have."""
     name = str(descriptor.name).rpartition("::")[2]
     path, message = unsupported(descriptor, format_)
 
@@ -98,7 +99,7 @@ def _refusing(descriptor: Any, format_: Format) -> Callable[..., Any]:
 
 
 def _compile(kind: str, descriptor: Any, format_: Format) -> None:
-    """Compiles a function and its callees; none is cached before all are complete."""
+    """Compile a function and its callees; none is cached before all are complete."""
     made: dict[tuple[str, int], tuple[Any, Callable[..., Any]]] = {}
     calls: list[tuple[dict[str, Any], str, str, Any]] = []
     waiting = [(kind, descriptor)]

@@ -44,12 +44,12 @@ class Conversions:
         return self._namespace.bind("BOOLEAN", BOOLEAN)
 
     def made(self, descriptor: Any) -> str:
-        """The class that values of the type are instances of."""
+        """Return the class that values of the type are instances of."""
         class_ = descriptor.class_
         return self._namespace.bind(class_.__name__, class_)
 
     def _members(self, atom: Atom) -> str:
-        """The table of an enum's members by number, which rejects every other number."""
+        """Return the table of an enum's members by number, which rejects every other number."""
         table = atom.type.codecs.get("members")
         if table is None:
             members = (atom.type.class_(number) for _, number in atom.type.members)
@@ -57,7 +57,7 @@ class Conversions:
         return self._namespace.bind(f"{atom.type.class_.__name__}_members", table)
 
     def packed(self, atom: Atom, value: str) -> str:
-        """The expression for the item that `struct` packs for a value."""
+        """Return the expression for the item that `struct` packs for a value."""
         name = self._name
         match atom.form:
             case Form.BOOLEAN:
@@ -81,7 +81,7 @@ class Conversions:
         return value
 
     def unpacked(self, atom: Atom, raw: str) -> str:
-        """The expression for the value from the item that `struct` unpacked."""
+        """Return the expression for the value from the item that `struct` unpacked."""
         name = self._name
         match atom.form:
             case Form.BOOLEAN:
@@ -108,7 +108,7 @@ class Conversions:
         return raw
 
     def packed_text(self, text: Text, value: str) -> str:
-        """The expression for the octets of a string or an octet sequence."""
+        """Return the expression for the octets of a string or an octet sequence."""
         name = self._name
         conversions: dict[Text, str] = {
             Text.OCTETS: value,
@@ -137,13 +137,13 @@ class Conversions:
         return f"{name(wide_value)}({raw}{'' if bound is None else f', {bound}'})"
 
     def unpacked_string(self, raw: str, last: str) -> str:
-        """The expression for a string from its octets and the last one, which is NUL."""
+        """Return the expression for a string from its octets and the last one, which is NUL."""
         # As `text_value`, which is called to raise, since calls are most of the time.
         refused = f"{self._name(text_value)}({raw} + bytes([{last}]))"
         return f"{raw}.decode() if not {last} and 0 not in {raw} else {refused}"
 
 
 def each(convert: Callable[[Atom, str], str], atom: Atom, items: str) -> str | None:
-    """A list of the converted items, or None if nothing has to be converted."""
+    """Return a list of the converted items, or None if nothing has to be converted."""
     converted = convert(atom, "item")
     return None if converted == "item" else f"[{converted} for item in {items}]"

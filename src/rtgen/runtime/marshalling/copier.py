@@ -34,7 +34,7 @@ class Copier:
         self.body = Body(references.namespace)
 
     def copy(self, node: Node, value: str, path: Path = ()) -> str:
-        """An expression for a deep copy; immutable values are shared."""
+        """Return an expression for a deep copy; immutable values are shared."""
         match node:
             case AtomSequence() | AtomArray() | Records() if node.form != "list":
                 return self._numbers(value, path)
@@ -82,7 +82,7 @@ class Copier:
         return f"{variable}[:] if {variable}.__class__ is list else {copy}"
 
     def _inner(self, node: Node) -> str:
-        """The copy of `item`, within a comprehension."""
+        """Return the copy of `item`, within a comprehension."""
         return _Inline(self._refer, self._unset).copy(node, "item")
 
 

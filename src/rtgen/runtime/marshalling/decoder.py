@@ -49,7 +49,7 @@ from rtgen.runtime.marshalling.text import Body, Locals
 EMPTY_ELEMENTS = 65536
 """The largest number of elements without octets in a collection."""
 
-_MOST_COMPARED = 8
+_MAX_COMPARED = 8
 """The number of ids that are compared one by one."""
 
 
@@ -67,7 +67,7 @@ class Decoder(Position):
         """Whether `data` stands for a part of the data somewhere."""
 
     def fixed(self, run: Run, node: Node) -> list[str]:
-        """The body for a value of fixed size, unpacked by one `struct` call."""
+        """Return the body for a value of fixed size, unpacked by one `struct` call."""
         entries = run.sections[0].entries
         layout = self._layouts.of(run, whole=True)
         self.body.choose("unpack", "unpack_all", layout, "unpack")
@@ -75,7 +75,7 @@ class Decoder(Position):
         return self._returning(self.value(node, (), True))
 
     def whole(self, steps: tuple[Step, ...], node: Node) -> list[str]:
-        """The body for a value that must use all of the data."""
+        """Return the body for a value that must use all of the data."""
         self._offset = 0
         self.steps(steps, ())
         end = self._offset if self._offset is not None else "offset"
@@ -85,7 +85,7 @@ class Decoder(Position):
         return self._returning(self.value(node, (), True))
 
     def repeated(self, lines: list[str], run: Step, title: str) -> list[str]:
-        """The body of `whole` for one run, with readers of the shapes that repeat."""
+        """Return the body of `whole` for one run, with readers of the shapes that repeat."""
         assert isinstance(run, Run)
         value = lines[-1].removeprefix("return ")
         layout = self._layouts.of(run)
@@ -96,7 +96,7 @@ class Decoder(Position):
         return readers.lines(lines)
 
     def parts(self, steps: tuple[Step, ...], node: Node) -> list[str]:
-        """The body for a value within other data; its end offset is returned too."""
+        """Return the body for a value within other data; its end offset is returned too."""
         self.steps(steps, ())
         return self._returning(f"{self.value(node, ())}, offset")
 
@@ -206,7 +206,7 @@ class Decoder(Position):
                 self.refuse(f"{attribute!r} not in {found}", "a key is missing")
 
     def found(self, path: Path) -> str:
-        """The variable for the members of a list that were found."""
+        """Return the variable for the members of a list that were found."""
         return self._locals.name(path, "found_")
 
     def _select(
@@ -214,7 +214,7 @@ class Decoder(Position):
     ) -> None:
         """Read the member of the id in `member`; skip one that is not known."""
         body = self.body
-        if len(members) > _MOST_COMPARED:
+        if len(members) > _MAX_COMPARED:
             half = len(members) // 2
             body.block(f"if member < {members[half][1].id}:")
             self._select(members[:half], path, stop)
@@ -286,7 +286,7 @@ class Decoder(Position):
         self.body.end()
 
     def value(self, node: Node, path: Path, outermost: bool = False) -> str:
-        """The expression for a value from its unpacked items."""
+        """Return the expression for a value from its unpacked items."""
         convert = self._convert
         match node:
             case Group(type=type_, members=members):
@@ -322,7 +322,7 @@ class Decoder(Position):
         return raw
 
     def _made(self, node: AtomArray, path: Path) -> str:
-        """The function that makes an array of octets."""
+        """Return the function that makes an array of octets."""
         made = self._locals.name(path, "made_")
         self.body.choose(made, made, Arrays(node), "made")
         return made
@@ -425,7 +425,7 @@ class Decoder(Position):
         return self._locals.name(path, "n_" if entry.count else "")
 
     def _further(self, entry: Entry, prefix: Path = ()) -> list[str]:
-        """The variable for the last octet of a string, which `struct` reads by itself."""
+        """Return the variable for the last octet of a string, which `struct` reads by itself."""
         if entry.count or getattr(entry.field.node, "text", None) is not Text.STRING:
             return []
         return [self._locals.name((*prefix, *entry.field.path), "nul_")]
@@ -483,11 +483,11 @@ class _Record(Decoder):
     """The values of one element of a sequence of records, within a comprehension."""
 
     def targets(self, fields: tuple[Field, ...]) -> str:
-        """The variables of an element."""
+        """Return the variables of an element."""
         entries = (Entry(f, star=_is_star(f.node)) for f in fields)
         return self._targets(tuple(entries), ())
 
 
 def _is_star(node: Node) -> bool:
-    """Whether `struct` unpacks several values of a field."""
+    """Return whether `struct` unpacks several values of a field."""
     return isinstance(node, AtomArray) and node.form == "list"

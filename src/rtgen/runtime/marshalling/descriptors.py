@@ -168,7 +168,7 @@ class BitfieldDescriptor(msgspec.Struct, frozen=True):
         _name_attribute(self)
 
     def packed(self, value: int) -> int:
-        """The bits of a value. Raises ValueError if it does not fit."""
+        """Return the bits of a value. Raises ValueError if it does not fit."""
         lowest, beyond = 0, 1 << self.bits
         if self.signed:
             lowest, beyond = -beyond // 2, beyond // 2
@@ -177,7 +177,7 @@ class BitfieldDescriptor(msgspec.Struct, frozen=True):
         return value & ((1 << self.bits) - 1)
 
     def unpacked(self, number: int) -> int:
-        """The value of the field in the number of its bitset."""
+        """Return the value of the field in the number of its bitset."""
         value = number >> self.position & ((1 << self.bits) - 1)
         if self.boolean:
             return bool(value)
@@ -272,7 +272,7 @@ class UnionDescriptor(Named):
         object.__setattr__(self, "branches", _numbered(self.branches, 1))
 
     def branch(self, discriminator: int | str | bool) -> BranchDescriptor | None:
-        """The branch that a value of the discriminator selects, or None."""
+        """Return the branch that a value of the discriminator selects, or None."""
         for branch in self.branches:
             if discriminator in branch.labels:
                 return branch
@@ -293,7 +293,7 @@ class InterfaceDescriptor(Named):
     opaque: bool = False
 
     def is_a(self, repository_id: str) -> bool:
-        """Whether it is the interface of that id or derives from it."""
+        """Return whether it is the interface of that id or derives from it."""
         return repository_id in lineage(self)
 
 
@@ -306,23 +306,23 @@ class ValueDescriptor(Named):
     modifier: str = ""
 
     def concrete_base(self) -> ValueDescriptor | None:
-        """The base that has state; None if there is none."""
+        """Return the base that has state; None if there is none."""
         return next((b for b in self.bases if b.modifier != "abstract"), None)
 
     def all_members(self) -> tuple[MemberDescriptor, ...]:
-        """The state, that of the base first."""
+        """Return the state, that of the base first."""
         base = self.concrete_base()
         return self.members if base is None else base.all_members() + self.members
 
     def truncates_to(self) -> tuple[str, ...]:
-        """The ids of the bases that a value can be truncated to, the nearest first."""
+        """Return the ids of the bases that a value can be truncated to, the nearest first."""
         base = self.concrete_base()
         if self.modifier != "truncatable" or base is None:
             return ()
         return (base.repository_id, *base.truncates_to())
 
     def is_a(self, repository_id: str) -> bool:
-        """Whether it is the valuetype of that id or derives from it."""
+        """Return whether it is the valuetype of that id or derives from it."""
         return repository_id in lineage(self)
 
 
@@ -330,7 +330,7 @@ _Derived = TypeVar("_Derived", InterfaceDescriptor, ValueDescriptor)
 
 
 def lineage(descriptor: _Derived) -> dict[str, _Derived]:
-    """The descriptor and all that it derives from, each once, by repository id."""
+    """Return the descriptor and all that it derives from, each once, by repository id."""
     found: dict[str, _Derived] = {}
     waiting = [descriptor]
     while waiting:
@@ -352,7 +352,7 @@ class BoxDescriptor(Named):
         return ()
 
     def is_a(self, repository_id: str) -> bool:
-        """Whether it is the box of that id."""
+        """Return whether it is the box of that id."""
         return self.repository_id == repository_id
 
 
@@ -374,7 +374,7 @@ _E = TypeVar("_E", MemberDescriptor, BranchDescriptor)
 
 
 def _numbered(entries: tuple[_E, ...], first: int) -> tuple[_E, ...]:
-    """The members with their ids settled."""
+    """Return the members with their ids settled."""
     for entry in entries:
         if entry.id == NEXT:
             break
@@ -391,13 +391,13 @@ def _numbered(entries: tuple[_E, ...], first: int) -> tuple[_E, ...]:
 
 
 def bind(class_: Any, descriptor: EnumDescriptor | FlagsDescriptor) -> None:
-    """Gives an enum or a bitmask its descriptor, which a class body of theirs cannot hold."""
+    """Give an enum or a bitmask its descriptor, which a class body of theirs cannot hold."""
     class_._descriptor_ = descriptor
     register(class_, descriptor)
 
 
 def plain(descriptor: Descriptor) -> Descriptor:
-    """The type behind typedefs, and behind the link of a recursive one."""
+    """Return the type behind typedefs, and behind the link of a recursive one."""
     while isinstance(descriptor, AliasDescriptor | LinkDescriptor):
         if isinstance(descriptor, AliasDescriptor):
             descriptor = descriptor.target
@@ -439,7 +439,7 @@ _REGISTERED: dict[str, Named] = {}
 
 
 def register(class_: type[Any], descriptor: Named) -> None:
-    """Makes a class the one that values of the descriptor are made as.
+    """Make a class the one that values of the descriptor are made as.
 
     Of two types with one repository id the last is found by it.
     """
@@ -449,13 +449,13 @@ def register(class_: type[Any], descriptor: Named) -> None:
 
 
 def registered(repository_id: str) -> Descriptor | None:
-    """The descriptor of the generated type with that id, or None."""
+    """Return the descriptor of the generated type with that id, or None."""
     found: Any = _REGISTERED.get(repository_id)
     return found  # type: ignore[no-any-return]
 
 
 def class_of(descriptor: Descriptor) -> Any:
-    """The class that values of the descriptor are made as; None if there is none."""
+    """Return the class that values of the descriptor are made as; None if there is none."""
     return getattr(descriptor, "class_", None)
 
 
@@ -465,14 +465,14 @@ class DataType(Protocol):
     _descriptor_: ClassVar[Any]
 
     def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
+        """Return the value as a CDR body; raises CdrError."""
         ...
 
     @classmethod
     def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
+        """Return the value of a CDR body; raises CdrError."""
         ...
 
     def _snapshot_(self) -> Self:
-        """A copy that shares nothing that can change."""
+        """Return a copy that shares nothing that can change."""
         ...

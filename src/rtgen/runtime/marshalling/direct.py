@@ -15,7 +15,8 @@ from rtgen.runtime.marshalling.trees import has_headers, parts
 
 
 def compiled_class(descriptor: StructDescriptor | UnionDescriptor) -> Any:
-    """The class whose `_read_` and `_write_` marshal the type; None if it has to be walked along.
+    """Return the class whose `_read_` and `_write_` marshal the type; None if it has to be walked
+    along.
 
     That is a type without a generated class, one that classic CDR does not have, and one with an
     array of elements without octets, of which a few octets would make any number.

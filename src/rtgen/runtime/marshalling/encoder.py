@@ -61,7 +61,7 @@ class Encoder:
         self.body = Body(references.namespace)
 
     def whole(self, run: Run, base: str, number: int | None = None) -> list[str]:
-        """The body for a value packed by one `struct` call.
+        """Return the body for a value packed by one `struct` call.
 
         With the number of its representation (big-endian) it is the value's payload.
         """
@@ -75,7 +75,7 @@ class Encoder:
         return [*self.body.lines, f"return pack{shape}({', '.join(arguments)})"]
 
     def parts(self, steps: tuple[Step, ...], base: str) -> list[str]:
-        """The body for a value whose parts are appended to `out`."""
+        """Return the body for a value whose parts are appended to `out`."""
         self._bound = {(): base}
         self.steps(steps, ())
         return self.body.lines
@@ -237,7 +237,9 @@ class Encoder:
         self.body.end()
 
     def _arguments(self, run: Run, prefix: Path) -> tuple[list[str], list[str]]:
-        """The arguments of `pack` for a run, and what selects its shape: the counts among them."""
+        """Return the arguments of `pack` for a run, and what selects its shape: the counts among
+        them.
+        """
         arguments: list[str] = []
         counts: list[str] = []
         for field in run.fields:
@@ -252,7 +254,7 @@ class Encoder:
         return arguments, counts
 
     def _field(self, node: Node, path: Path) -> tuple[str | None, str | None]:
-        """The expressions for the count of a field and for its value."""
+        """Return the expressions for the count of a field and for its value."""
         convert = self.convert
         match node:
             case Atom():
@@ -295,7 +297,7 @@ class Encoder:
         raise TypeError(node)
 
     def _bulk(self, node: AtomSequence, path: Path, items: str, count: str) -> str:
-        """The items of a list, or their octets; `_keys` gets the key of the shape."""
+        """Return the items of a list, or their octets; `_keys` gets the key of the shape."""
         put = self._locals.name(path, "put_")
         self.body.choose(put, put, Sequences(node), "put")
         key = self._keys[path] = self._locals.name(path, "key_")
@@ -310,7 +312,7 @@ class Encoder:
         return f"*{packed}"
 
     def _octets(self, node: AtomArray, path: Path) -> str:
-        """The function that gives the octets of an array."""
+        """Return the function that gives the octets of an array."""
         octets = self._locals.name(path, "octets_")
         self.body.choose(octets, octets, Arrays(node), "octets")
         return octets
@@ -379,7 +381,7 @@ class Encoder:
         self.body.end()
 
     def _items(self, path: Path) -> str:
-        """A variable for a collection that is used more than once."""
+        """Return a variable for a collection that is used more than once."""
         value = self._value(path)
         if "." not in value:
             return value
@@ -389,7 +391,7 @@ class Encoder:
         return name
 
     def _value(self, path: Path) -> str:
-        """The expression for a value; enclosing structs are bound to variables."""
+        """Return the expression for a value; enclosing structs are bound to variables."""
         if path in self._bound:
             return self._bound[path]
         parent = self._value(path[:-1])

@@ -20,19 +20,19 @@ _BIG_ENDIAN = {
 
 
 def identifier(descriptor: Any, version: int, little_endian: bool) -> int:
-    """The number of the representation of a type in a version of XCDR and a byte order."""
+    """Return the number of the representation of a type in a version of XCDR and a byte order."""
     extensibility = getattr(descriptor, "extensibility", "final")
     return _BIG_ENDIAN[version, extensibility] | little_endian
 
 
 def framed(number: int, body: bytes) -> bytes:
-    """The payload of a body: header, body, and padding to a multiple of 4 octets."""
+    """Return the payload of a body: header, body, and padding to a multiple of 4 octets."""
     padding = -len(body) % 4
     return b"%b%b%b" % (bytes((0, number, 0, padding)), body, bytes(padding))
 
 
 def framing(order: str, format_: str, number: int) -> Callable[..., bytes]:
-    """A function that packs a body, given as a `struct` format, into its payload."""
+    """Return a function that packs a body, given as a `struct` format, into its payload."""
     padding = -struct.calcsize(order + format_) % 4
     packer = struct.Struct(f"{order}{HEADER}s{format_}{padding}x")
     return partial(packer.pack, bytes((0, number, 0, padding)))

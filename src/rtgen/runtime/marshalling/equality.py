@@ -21,7 +21,9 @@ _COLLECTIONS: Final = (AliasDescriptor, ArrayDescriptor, SequenceDescriptor)
 
 
 def holds_numpy(descriptor: Named | None) -> bool:
-    """Whether a member of a struct or exception, or a branch of a union, is a numpy array."""
+    """Return whether a member of a struct or exception, or a branch of a union, is a numpy
+    array.
+    """
     entries: Iterable[MemberDescriptor | BranchDescriptor] = ()
     if isinstance(descriptor, StructDescriptor | ExceptionDescriptor):
         entries = descriptor.members
@@ -40,7 +42,7 @@ def _is_numpy(type_: Any) -> bool:
 
 
 def same(one: Any, other: Any) -> bool:
-    """Whether both are equal, with numpy arrays inside of lists, too."""
+    """Return whether both are equal, with numpy arrays inside of lists, too."""
     if hasattr(one, "dtype") or hasattr(other, "dtype"):
         import numpy
 

@@ -45,7 +45,7 @@ class Fault(ValueError):
         super().__init__(message)
 
     def error(self, root: str) -> CdrError:
-        """The exception to raise, with the path starting at `root`."""
+        """Return the exception to raise, with the path starting at `root`."""
         return CdrError(root + "".join(reversed(self.parts)), self.message)
 
 

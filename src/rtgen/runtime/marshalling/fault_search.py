@@ -54,7 +54,7 @@ _Members: TypeAlias = Iterable[tuple[str, Member | Parameter]]
 def fault_in_body(
     descriptor: Any, data: Octets, format_: Format, little_endian: bool
 ) -> Fault | None:
-    """The first fault of a body; None if there is none."""
+    """Return the first fault of a body; None if there is none."""
     search = _Search(format_, little_endian)
     try:
         extensibility = getattr(descriptor, "extensibility", "")
@@ -85,13 +85,13 @@ class _Search:
         self._conversions: dict[str, Callable[[Any, bool], Any]] = {}
 
     def whole(self, descriptor: Any, data: Octets) -> tuple[Any, int]:
-        """The value of a type at the start of the data."""
+        """Return the value of a type at the start of the data."""
         if isinstance(descriptor, StructDescriptor | UnionDescriptor):
             return self.declared(descriptor, data, 0)
         return self.read(tree_of(descriptor, self._format), data, 0)
 
     def declared(self, descriptor: Any, data: Octets, offset: int) -> tuple[Any, int]:
-        """A struct or union."""
+        """Return a struct or union."""
         union = isinstance(descriptor, UnionDescriptor)
         read = self._union if union else self.members
         if not is_delimited(descriptor, self._format):
@@ -106,7 +106,9 @@ class _Search:
     def members(
         self, descriptor: Any, data: Octets, offset: int, evolving: bool
     ) -> int:
-        """The members of a struct; `evolving`: it may end early, and what follows is ignored."""
+        """Return the members of a struct; `evolving`: it may end early, and what follows is
+        ignored.
+        """
         body = body_of(descriptor, self._format)
         names = {m.attribute: m.name for m in descriptor.members}
         if isinstance(body, MemberList):
@@ -130,7 +132,7 @@ class _Search:
             raise _extended(failure, part) from failure
 
     def read(self, node: Node, data: Octets, offset: int) -> tuple[Any, int]:
-        """The value of a node, if it is an atom or a text, and the offset behind it."""
+        """Return the value of a node, if it is an atom or a text, and the offset behind it."""
         match node:
             case Atom():
                 return self._atom(node, data, offset)
@@ -187,7 +189,7 @@ class _Search:
         return value, offset + atom.size
 
     def _converted(self, expression: str, raw: Any) -> Any:
-        """The value of an expression of `Conversions` for `raw`."""
+        """Return the value of an expression of `Conversions` for `raw`."""
         if expression not in self._conversions:
             text = f"lambda raw, little_endian: {expression}"
             self._conversions[expression] = eval(text, self._namespace.values)
@@ -298,7 +300,9 @@ class _Search:
     def _list(
         self, members: _Members, names: dict[str, str], data: Octets, offset: int
     ) -> tuple[set[str], int]:
-        """The attributes of the members of a list that are there, and the offset behind it."""
+        """Return the attributes of the members of a list that are there, and the offset behind
+        it.
+        """
         known = {member.id: (attribute, member) for attribute, member in members}
         found: set[str] = set()
         while self._format.version == 1 or offset < len(data):
@@ -340,7 +344,7 @@ def _numbers(count: int) -> Iterable[str]:
 
 
 def _extended(failure: Exception, part: str) -> Fault:
-    """The failure as a fault, with one more part of its path."""
+    """Return the failure as a fault, with one more part of its path."""
     if isinstance(failure, struct.error):
         failure = Fault("truncated")
     elif isinstance(failure, KeyError):

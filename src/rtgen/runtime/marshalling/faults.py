@@ -8,7 +8,7 @@ from rtgen.runtime.marshalling.errors import Buffer, CdrError
 
 
 def encoding_error(descriptor: Any, value: object, failure: Exception) -> CdrError:
-    """The error for a value whose encoding failed."""
+    """Return the error for a value whose encoding failed."""
     from rtgen.runtime.marshalling.dynamic import fault_in_value
 
     return fault_in_value(descriptor, _name(descriptor), value, failure)
@@ -17,7 +17,7 @@ def encoding_error(descriptor: Any, value: object, failure: Exception) -> CdrErr
 def decoding_error(
     descriptor: Any, data: Buffer, little_endian: bool, failure: Exception
 ) -> CdrError:
-    """The error for octets whose decoding failed."""
+    """Return the error for octets whose decoding failed."""
     from rtgen.runtime.marshalling.dynamic import fault_in_octets
 
     name = _name(descriptor)
@@ -25,5 +25,5 @@ def decoding_error(
 
 
 def _name(descriptor: Any) -> str:
-    """The unscoped name of a type."""
+    """Return the unscoped name of a type."""
     return str(descriptor.name).rpartition("::")[2]

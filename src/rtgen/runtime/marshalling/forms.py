@@ -18,7 +18,7 @@ from rtgen.runtime.marshalling.octets import nested
 
 
 def listed(descriptor: SequenceDescriptor | ArrayDescriptor, value: Any) -> Any:
-    """The items of a buffer as a list, and any other object as it is.
+    """Return the items of a buffer as a list, and any other object as it is.
 
     Raises ValueError for a buffer of another format, or with other dimensions.
     """
@@ -47,7 +47,7 @@ def listed(descriptor: SequenceDescriptor | ArrayDescriptor, value: Any) -> Any:
 
 
 def formed(descriptor: SequenceDescriptor | ArrayDescriptor, items: list[Any]) -> Any:
-    """The form of the items of a list."""
+    """Return the form of the items of a list."""
     if descriptor.numeric == "list":
         return items
     element = plain(descriptor.element)

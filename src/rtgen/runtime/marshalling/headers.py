@@ -52,7 +52,8 @@ class Parameters:
 def next_member(
     data: Any, offset: int, end: int, little_endian: bool
 ) -> tuple[int, bool, int, int]:
-    """The id of the member at an offset before `end`, whether it must be understood, its content.
+    """Return the id of the member at an offset before `end`, whether it must be understood, its
+    content.
 
     The content is given by its offsets. Raises ValueError or struct.error.
     """
@@ -75,7 +76,7 @@ def next_member(
 def next_parameter(
     data: Any, offset: int, little_endian: bool
 ) -> tuple[int, bool, int, int]:
-    """The same of a parameter of XCDR1; the id of the end of a list is negative."""
+    """Return the same of a parameter of XCDR1; the id of the end of a list is negative."""
     offset += -offset & 3
     pid, size = _SHORT[little_endian](data, offset)
     offset += 4

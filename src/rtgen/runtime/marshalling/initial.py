@@ -60,7 +60,7 @@ def initial_value(descriptor: Descriptor) -> Any:
 
 
 def _text(element: Descriptor, length: int) -> Any:
-    """A number of zeros as octets or characters, or an empty list."""
+    """Return a number of zeros as octets or characters, or an empty list."""
     match plain(element):
         case PrimitiveDescriptor("octet" | "uint8"):
             return bytes(length)

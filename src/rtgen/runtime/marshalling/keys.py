@@ -42,7 +42,7 @@ class _TooLongError(Exception):
 
 
 def key_hash(type_: Any, value: object) -> bytes:
-    """The hash of a value's key; raises CdrError, also if the type has none."""
+    """Return the hash of a value's key; raises CdrError, also if the type has none."""
     descriptor = type_._descriptor_
     kept = descriptor.codecs.get(key_hash)
     if kept is None:
@@ -53,7 +53,7 @@ def key_hash(type_: Any, value: object) -> bytes:
 
 
 def _key_codec(descriptor: Any) -> tuple[Any, bool]:
-    """The encoder of the key, and whether the key never exceeds 16 octets."""
+    """Return the encoder of the key, and whether the key never exceeds 16 octets."""
     if not any(member.key for member in getattr(descriptor, "members", ())):
         name = descriptor.name.rpartition("::")[2]
         raise CdrError(name, "the type has no key")
@@ -69,7 +69,7 @@ def _is_short(descriptor: Any) -> bool:
 
 
 def _end(node: Node, offset: int) -> int:
-    """The greatest offset at which a value that begins at `offset` can end."""
+    """Return the greatest offset at which a value that begins at `offset` can end."""
     match node:
         case Atom(size=size, align=align):
             return _behind(offset, size, align)

@@ -155,12 +155,14 @@ ALIGNED = Position(4, 0)
 
 
 def steps_of(node: Node, start: Position) -> tuple[Step, ...]:
-    """The layout of a value that begins at `start`."""
+    """Return the layout of a value that begins at `start`."""
     return _Arrangement(start).steps(fields_of(node))
 
 
 def settled_size(steps: tuple[Step, ...]) -> int | None:
-    """The size of a value that always has the same; None if it varies, or has several runs."""
+    """Return the size of a value that always has the same; None if it varies, or has several
+    runs.
+    """
     if not steps:
         return 0
     if len(steps) > 1 or not isinstance(steps[0], Run):
@@ -170,7 +172,7 @@ def settled_size(steps: tuple[Step, ...]) -> int | None:
 
 
 def fields_of(node: Node, path: Path = ()) -> list[Field | Loop | Jump | Frame]:
-    """The tree in wire order, structs flattened; a loop or jump follows its count."""
+    """Return the tree in wire order, structs flattened; a loop or jump follows its count."""
     match node:
         case Group(members=members):
             return [
@@ -196,7 +198,7 @@ def fields_of(node: Node, path: Path = ()) -> list[Field | Loop | Jump | Frame]:
 
 
 def has_varying_length(member: Member) -> bool:
-    """Whether the length after the EMHEADER has to be worked out for each value."""
+    """Return whether the length after the EMHEADER has to be worked out for each value."""
     return _headers(member) is None
 
 
@@ -262,7 +264,7 @@ def _token(node: Placed | Repeat) -> tuple[str, int, int]:
 
 
 def _aligned(atom: Atom) -> str:
-    """The code of an atom, with its alignment if that is not its size."""
+    """Return the code of an atom, with its alignment if that is not its size."""
     usual = atom.align in (1, atom.size)
     return atom.code if usual else f"{atom.code}/{atom.align}"
 
@@ -370,7 +372,7 @@ class _Section:
     def add(
         self, token: str, size: int, align: int, entry: Entry, before: Position
     ) -> Position:
-        """Appends a value of known size; returns the position after it."""
+        """Append a value of known size; returns the position after it."""
         padding = -before.remainder % align if before.modulus % align == 0 else 0
         self._format += pad(padding) + token.partition("/")[0]
         self._size += padding + size
@@ -401,12 +403,12 @@ def pad(octets: int) -> str:
 
 
 def is_bulk(node: Node) -> bool:
-    """Whether the items of a sequence are read in one piece, by a function of `bulk`."""
+    """Return whether the items of a sequence are read in one piece, by a function of `bulk`."""
     return isinstance(node, AtomSequence | Records) and node.form == "numpy"
 
 
 def has_count(node: Placed | Repeat) -> bool:
-    """Whether a count precedes the node on the wire."""
+    """Return whether a count precedes the node on the wire."""
     match node:
         case AtomSequence() | TextSequence():
             return True

@@ -284,7 +284,7 @@ class Field:
 
 
 def minimum_size(node: Node) -> int:
-    """The minimum number of octets of a value, without padding."""
+    """Return the minimum number of octets of a value, without padding."""
     match node:
         case Atom(size=size):
             return size

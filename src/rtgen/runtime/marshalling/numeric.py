@@ -79,7 +79,7 @@ class NumericArray(_Array[_N]):
 
 
 def is_swapped(order: Order) -> bool:
-    """Whether the byte order (`<`, `>`) is not that of the machine."""
+    """Return whether the byte order (`<`, `>`) is not that of the machine."""
     return _SWAPPED[order]
 
 
@@ -95,7 +95,9 @@ def _swap(numpy: Any, made: Any, numbers: Any, size: int) -> None:
 
 
 def swapped_array(octets: Any, code: str) -> NumericArray[Any]:
-    """The array of numbers whose octets, `bytes` or a view of them, are in the other order."""
+    """Return the array of numbers whose octets, `bytes` or a view of them, are in the other
+    order.
+    """
     made = NumericArray(code)
     count = len(octets) // made.itemsize
     numpy = _numpy_for(count)
@@ -110,7 +112,7 @@ def swapped_array(octets: Any, code: str) -> NumericArray[Any]:
 
 
 def swapped_octets(numbers: Any) -> bytes | bytearray:
-    """The octets of an array, or of a view of numbers, in the other order."""
+    """Return the octets of an array, or of a view of numbers, in the other order."""
     numpy = _numpy_for(len(numbers))
     size = numbers.itemsize
     if numpy is None:
@@ -123,7 +125,8 @@ def swapped_octets(numbers: Any) -> bytes | bytearray:
 
 
 def buffer_of(items: Any, code: str, size: int) -> memoryview | None:
-    """The buffer of numbers of a `struct` code, one behind the other; None for other objects.
+    """Return the buffer of numbers of a `struct` code, one behind the other; None for other
+    objects.
 
     Raises ValueError for a buffer of another format or number of dimensions.
     """
@@ -143,21 +146,21 @@ def buffer_of(items: Any, code: str, size: int) -> memoryview | None:
 
 
 def octets_of(view: memoryview, order: Order) -> bytes | bytearray:
-    """The numbers of a buffer in a byte order."""
+    """Return the numbers of a buffer in a byte order."""
     if _ORDERS.get(view.format[0], False) == _SWAPPED[order]:
         return view.tobytes()
     return swapped_octets(view)
 
 
 def array_of(octets: bytes, code: str, order: Order) -> NumericArray[Any]:
-    """The array of the octets of numbers."""
+    """Return the array of the octets of numbers."""
     return (
         swapped_array(octets, code) if _SWAPPED[order] else NumericArray(code, octets)
     )
 
 
 def packed(items: Any, code: str, size: int, order: Order) -> bytes | bytearray:
-    """The octets of numbers in any form.
+    """Return the octets of numbers in any form.
 
     Raises ValueError or a related error for what the type does not have.
     """
@@ -168,7 +171,7 @@ def packed(items: Any, code: str, size: int, order: Order) -> bytes | bytearray:
 
 
 def copied(items: Any) -> Any:
-    """A copy of numbers in any form, of the same form."""
+    """Return a copy of numbers in any form, of the same form."""
     if isinstance(items, array):
         return NumericArray(items.typecode, items)
     if isinstance(items, list):

@@ -47,7 +47,7 @@ class OctetReader:
             raise Fault(f"{rest} octets too many")
 
     def _take(self, size: int, align: int) -> bytes:
-        """A number of contiguous octets."""
+        """Return a number of contiguous octets."""
         if self._level and self.offset >= self._chunk_end:
             self._open_chunk()
         start = self.offset + -self.offset % align
@@ -59,7 +59,7 @@ class OctetReader:
         return self._data[start : self.offset]
 
     def _octets(self, count: int) -> bytes:
-        """A number of octets, which may be split across chunks."""
+        """Return a number of octets, which may be split across chunks."""
         if not self._level:
             return self._take(count, 1)
         parts = []
@@ -80,7 +80,7 @@ class OctetReader:
         self._chunk_end = self.offset + size
 
     def _between(self, code: str) -> int:
-        """A number outside of chunks."""
+        """Return a number outside of chunks."""
         start = self.offset + -self.offset % 4
         if start + 4 > len(self._data):
             left = max(len(self._data) - self.offset, 0)

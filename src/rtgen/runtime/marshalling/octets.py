@@ -21,28 +21,32 @@ BOOLEAN = {0: False, 1: True}
 
 
 def text_octets(text: str) -> bytes:
-    """The octets of a string, without the final NUL. Raises ValueError for NUL and surrogates."""
+    """Return the octets of a string, without the final NUL. Raises ValueError for NUL and
+    surrogates.
+    """
     if "\0" in text:
         raise ValueError("a string cannot hold NUL")
     return text.encode()
 
 
 def text_value(octets: bytes) -> str:
-    """The string of octets that end with NUL (no octets: an empty string)."""
+    """Return the string of octets that end with NUL (no octets: an empty string)."""
     if octets.find(0) != len(octets) - 1:
         raise ValueError("a string has to end with its only NUL")
     return octets[:-1].decode()
 
 
 def wide_octets(text: str) -> bytes:
-    """A wstring: UTF-16, little-endian with a BOM in either byte order; empty if it is empty."""
+    """Return a wstring: UTF-16, little-endian with a BOM in either byte order; empty if it is
+    empty.
+    """
     if "\0" in text:
         raise ValueError("a wstring cannot hold NUL")
     return b"\xff\xfe" + text.encode("utf-16-le") if text else b""
 
 
 def wide_value(octets: bytes, bound: int | None = None) -> str:
-    """The wstring of octets with a byte-order mark, or without one big-endian (GIOP 1.2).
+    """Return the wstring of octets with a byte-order mark, or without one big-endian (GIOP 1.2).
 
     `bound` is in UTF-16 units. Raises ValueError.
     """
@@ -60,14 +64,14 @@ def wide_value(octets: bytes, bound: int | None = None) -> str:
 
 
 def unit_octets(text: str, little_endian: bool) -> bytes:
-    """A wstring in XCDR: UTF-16 in the byte order, without mark and NUL."""
+    """Return a wstring in XCDR: UTF-16 in the byte order, without mark and NUL."""
     if "\0" in text:
         raise ValueError("a wstring cannot hold NUL")
     return text.encode("utf-16-le" if little_endian else "utf-16-be")
 
 
 def unit_text(octets: bytes, little_endian: bool) -> str:
-    """The wstring of octets in XCDR."""
+    """Return the wstring of octets in XCDR."""
     text = octets.decode("utf-16-le" if little_endian else "utf-16-be")
     if "\0" in text:
         raise ValueError("a wstring cannot hold NUL")
@@ -75,7 +79,7 @@ def unit_text(octets: bytes, little_endian: bool) -> str:
 
 
 def unit_number(character: str) -> int:
-    """A wchar in XCDR: one UTF-16 unit."""
+    """Return a wchar in XCDR: one UTF-16 unit."""
     unit = ord(character)
     if 0xD800 <= unit < 0xE000 or unit > 0xFFFF:
         raise ValueError("a wchar is one character of the basic multilingual plane")
@@ -83,14 +87,14 @@ def unit_number(character: str) -> int:
 
 
 def unit_character(unit: int) -> str:
-    """The character of a unit."""
+    """Return the character of a unit."""
     if 0xD800 <= unit < 0xE000:
         raise ValueError(f"a wchar cannot be the surrogate {unit:#x}")
     return chr(unit)
 
 
 def wide_character(character: str) -> bytes:
-    """A wchar: the number of octets, then one UTF-16 unit, most significant octet first."""
+    """Return a wchar: the number of octets, then one UTF-16 unit, most significant octet first."""
     octets = character.encode("utf-16-be")
     if len(octets) != 2:
         raise ValueError("a wchar is one character of the basic multilingual plane")
@@ -98,14 +102,14 @@ def wide_character(character: str) -> bytes:
 
 
 def wide_character_value(octets: bytes) -> str:
-    """The character of a wchar."""
+    """Return the character of a wchar."""
     if octets[0] != 2:
         raise ValueError(f"a wchar of {octets[0]} octets")
     return octets[1:].decode("utf-16-be")
 
 
 def quad_octets(value: float, little_endian: bool) -> bytes:
-    """A long double (IEEE 754 binary128) of exactly the value of a float."""
+    """Return a long double (IEEE 754 binary128) of exactly the value of a float."""
     bits = int.from_bytes(struct.pack(">d", value))
     sign, exponent, fraction = bits >> 63, bits >> 52 & 0x7FF, bits & ((1 << 52) - 1)
     if exponent == 0x7FF:
@@ -121,7 +125,7 @@ def quad_octets(value: float, little_endian: bool) -> bytes:
 
 
 def quad_value(octets: bytes, little_endian: bool) -> float:
-    """The nearest float (ties to even). Raises OverflowError beyond the range of a float."""
+    """Return the nearest float (ties to even). Raises OverflowError beyond the range of a float."""
     quad = int.from_bytes(octets, "little" if little_endian else "big")
     sign, exponent, fraction = (
         quad >> 127,
@@ -143,7 +147,9 @@ def quad_value(octets: bytes, little_endian: bool) -> float:
 
 
 def fixed_octets(value: Decimal, digits: int, scale: int) -> bytes:
-    """A fixed: decimal digits in half octets, sign last. Raises ValueError if it does not fit."""
+    """Return a fixed: decimal digits in half octets, sign last. Raises ValueError if it does not
+    fit.
+    """
     if not isinstance(value, Decimal) or not value.is_finite():
         raise TypeError("a fixed is a finite Decimal")
     sign, figures, exponent = value.as_tuple()
@@ -165,7 +171,7 @@ def fixed_octets(value: Decimal, digits: int, scale: int) -> bytes:
 
 
 def fixed_value(octets: bytes, digits: int, scale: int) -> Decimal:
-    """The Decimal of a fixed, with `scale` digits after the point."""
+    """Return the Decimal of a fixed, with `scale` digits after the point."""
     text = octets.hex()
     figures, sign = text[:-1], text[-1]
     if sign not in "cd" or not figures.isdecimal() or int(figures) >= 10**digits:
@@ -176,14 +182,14 @@ def fixed_value(octets: bytes, digits: int, scale: int) -> Decimal:
 
 
 def exact(items: Sequence[_T], length: int) -> Sequence[_T]:
-    """The items; raises ValueError unless their number is `length`."""
+    """Return the items; raises ValueError unless their number is `length`."""
     if len(items) != length:
         raise ValueError(f"{len(items)} items instead of {length}")
     return items
 
 
 def flat(items: Sequence[Any], dimensions: Sequence[int]) -> list[Any]:
-    """The items of an array of several dimensions, outermost first, in one list."""
+    """Return the items of an array of several dimensions, outermost first, in one list."""
     for depth, length in enumerate(dimensions):
         if len(items) != length:
             raise ValueError(f"{len(items)} items instead of {length}")
@@ -194,7 +200,7 @@ def flat(items: Sequence[Any], dimensions: Sequence[int]) -> list[Any]:
 
 
 def nested(items: Sequence[Any], dimensions: Sequence[int]) -> list[Any]:
-    """The nested array of the items with those dimensions."""
+    """Return the nested array of the items with those dimensions."""
     if len(dimensions) == 1:
         return list(items)
     step = len(items) // dimensions[0]
@@ -217,7 +223,7 @@ _ULONG = (Struct(">I"), Struct("<I"))
 def write_reference(
     out: bytearray, reference: ObjectReference | None, little_endian: bool
 ) -> None:
-    """Appends a reference; None is nil."""
+    """Append a reference; None is nil."""
     pack = _ULONG[bool(little_endian)].pack
     type_id = b"" if reference is None else text_octets(reference.type_id)
     profiles = () if reference is None else reference.profiles
@@ -230,7 +236,7 @@ def write_reference(
 def read_reference(
     data: bytes | bytearray | memoryview, offset: int, little_endian: bool
 ) -> tuple[ObjectReference | None, int]:
-    """The reference at `offset` (None for nil) and the offset behind it."""
+    """Return the reference at `offset` (None for nil) and the offset behind it."""
     unpack = _ULONG[bool(little_endian)].unpack_from
 
     def octets() -> bytes:
@@ -261,7 +267,7 @@ def read_reference(
 
 
 def flags_number(value: int, bound: int) -> int:
-    """The number of a bitmask with that many bits."""
+    """Return the number of a bitmask with that many bits."""
     if not 0 <= value < 1 << bound:
         raise ValueError(f"{value} has more than {bound} bits")
     return int(value)

@@ -67,13 +67,15 @@ from rtgen.runtime.marshalling.writer import (
 )
 
 _T = TypeVar("_T")
-_MOST_IDS = 100
+_MAX_IDS = 100
 
 
 def read_dynamic(
     data: Buffer, offset: int, descriptor: Descriptor, little_endian: bool
 ) -> tuple[Any, int]:
-    """The value of the descriptor at `offset`, and the offset behind it; raises ValueError."""
+    """Return the value of the descriptor at `offset`, and the offset behind it; raises
+    ValueError.
+    """
     reader = Reader(data, little_endian, offset)
     return reader.value(descriptor), reader.offset
 
@@ -96,7 +98,7 @@ class Reader(OctetReader):
         self._sizes = LeastSizes()
 
     def value(self, descriptor: Descriptor) -> Any:
-        """A value of any type."""
+        """Return a value of any type."""
         self._data.work -= 1
         if self._data.work < 0:
             raise Fault("more values than the octets account for")
@@ -322,7 +324,7 @@ class Reader(OctetReader):
         return self._state(actual, start, chunked, truncated)
 
     def _tag_between_chunks(self) -> tuple[int, int]:
-        """The tag of a header between chunks, and its place; (0, -1) if a chunk follows."""
+        """Return the tag of a header between chunks, and its place; (0, -1) if a chunk follows."""
         before = self.offset
         tag = self._between("I")
         if tag == NULL_TAG or VALUE_TAG <= tag < 0x80000000:
@@ -331,7 +333,7 @@ class Reader(OctetReader):
         return 0, -1
 
     def _header(self, tag: int) -> list[str]:
-        """The repository ids behind a tag, the most derived first."""
+        """Return the repository ids behind a tag, the most derived first."""
         level, self._level = self._level, 0
         if tag & CODEBASE:
             self._id()
@@ -349,14 +351,16 @@ class Reader(OctetReader):
 
     def _id_list(self) -> list[str]:
         count = self._count(4)
-        check_bound(count, _MOST_IDS, "repository ids")
+        check_bound(count, _MAX_IDS, "repository ids")
         return [self._id() for _ in range(count)]
 
     def _id(self) -> str:
         return self._redirected(self._text)
 
     def _redirected(self, read: Callable[[], _T]) -> _T:
-        """The result of `read` here, or at the earlier offset that an indirection points to."""
+        """Return the result of `read` here, or at the earlier offset that an indirection points
+        to.
+        """
         before = self.offset
         if self._integer("I") != INDIRECTION:
             self.offset = before
@@ -389,7 +393,7 @@ class Reader(OctetReader):
     def _actual(
         self, formal: ValueDescriptor | BoxDescriptor | None, ids: list[str]
     ) -> tuple[ValueDescriptor | BoxDescriptor, bool]:
-        """The type of the created value, and whether it truncates the state."""
+        """Return the type of the created value, and whether it truncates the state."""
         if not ids:
             if formal is None:
                 raise Fault("a value that does not say what it is")
@@ -477,7 +481,7 @@ class Reader(OctetReader):
 
 
 def _empty(descriptor: ValueDescriptor | BoxDescriptor) -> Any:
-    """A value without its state, which may refer to the value."""
+    """Return a value without its state, which may refer to the value."""
     class_ = class_of(descriptor)
     if class_ is None:
         return UNKNOWN[type(descriptor)](descriptor)

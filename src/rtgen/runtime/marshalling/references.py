@@ -26,20 +26,20 @@ class References:
         self.needed: dict[tuple[str, int], tuple[str, str, Any]] = {}
 
     def function(self, function: Callable[..., object]) -> str:
-        """A function of the runtime."""
+        """Return a function of the runtime."""
         return self.namespace.bind(function.__name__, function)
 
     def made(self, descriptor: Any) -> str:
-        """The class that values of the type are instances of."""
+        """Return the class that values of the type are instances of."""
         class_ = descriptor.class_
         return self.namespace.bind(class_.__name__, class_)
 
     def descriptor(self, descriptor: Any) -> str:
-        """The descriptor itself."""
+        """Return the descriptor itself."""
         return self.namespace.bind("descriptor", descriptor)
 
     def compiled(self, kind: str, descriptor: Any) -> str:
-        """The function of a kind that is compiled for the type."""
+        """Return the function of a kind that is compiled for the type."""
         key = (kind, id(descriptor))
         if key not in self.needed:
             made = descriptor.name.rpartition("::")[2]
@@ -48,22 +48,22 @@ class References:
         return self.needed[key][0]
 
     def writer(self, descriptor: Any) -> str:
-        """The function that appends a value of the type to a body."""
+        """Return the function that appends a value of the type to a body."""
         return self.compiled("write", descriptor)
 
     def reader(self, descriptor: Any) -> str:
-        """The function that reads a value of the type at an offset."""
+        """Return the function that reads a value of the type at an offset."""
         evolving = self.evolving and can_evolve(descriptor)
         return self.compiled("evolve" if evolving else "read", descriptor)
 
     def dynamic_writer(self) -> str:
-        """The function that appends a value whose type is known only at run time."""
+        """Return the function that appends a value whose type is known only at run time."""
         from rtgen.runtime.marshalling.writer import write_dynamic
 
         return self.function(write_dynamic)
 
     def dynamic_reader(self) -> str:
-        """The function that reads a value whose type is known only at run time."""
+        """Return the function that reads a value whose type is known only at run time."""
         from rtgen.runtime.marshalling.reader import read_dynamic
 
         return self.function(read_dynamic)

@@ -34,7 +34,7 @@ _Reader: TypeAlias = Callable[[type[Any], Any], Any]
 
 
 def is_repeatable(steps: tuple[Step, ...]) -> bool:
-    """Whether the shape of a value follows from the counts in one run, of numbers and texts.
+    """Return whether the shape of a value follows from the counts in one run, of numbers and texts.
 
     Lengths of texts alone repeat too seldom: a search in vain costs more than a reader saves.
     """
@@ -87,7 +87,7 @@ class Repeated:
         self._seen: dict[tuple[int, bool, Counts], int] = {}
 
     def lines(self, lines: list[str]) -> list[str]:
-        """The body of the function around the lines that read section by section."""
+        """Return the body of the function around the lines that read section by section."""
         bind, free = self._namespace.bind, self._namespace.free
         little, big = bind("repeated_little", self.little), bind(
             "repeated_big", self.big
@@ -112,7 +112,7 @@ class Repeated:
             yield from section.entries
 
     def _watch(self, size: int, little_endian: bool, counts: Counts) -> None:
-        """Notes a body that was read section by section."""
+        """Note a body that was read section by section."""
         readers = self.little if little_endian else self.big
         key = size, bool(little_endian), counts
         self._seen[key] = seen = self._seen.get(key, 0) + 1
@@ -133,7 +133,7 @@ class Repeated:
         return size <= LONGEST_BODY and sum(items) <= LONGEST_LIST
 
     def _reader(self, counts: Counts, little_endian: bool) -> _Reader:
-        """The compiled reader of a shape; it gives None for another one."""
+        """Return the compiled reader of a shape; it gives None for another one."""
         following = iter(counts)
         numbers = (f"_{number}" for number in range(1 << 30))
         targets: list[str] = []

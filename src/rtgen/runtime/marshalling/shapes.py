@@ -52,10 +52,10 @@ _NATIVE = "<" if sys.byteorder == "little" else ">"
 
 
 def _struct(order: str, format_: str) -> Struct:
-    """The `Struct` of a format in a byte order.
+    """Return the `Struct` of a format in a byte order.
 
-    Where the machine's own layout is the same, its mode packs and reads doubles in 0.8 of the
-    time; that of floats does not refuse those that are too large. It only ever adds padding.
+    Where the machine's own layout is the same, its mode packs and reads doubles in 0.8 of the time;
+    that of floats does not refuse those that are too large. It only ever adds padding.
     """
     if (
         order == _NATIVE
@@ -166,7 +166,7 @@ def _framed(order: str, run: Run, number: int) -> Any:
 
 
 def _readers(order: str, sections: Iterable[str]) -> tuple[Any, ...]:
-    """The readers of the sections that `struct` reads."""
+    """Return the readers of the sections that `struct` reads."""
     return tuple(_reader(order, s) for s in sections if s[0] != "!")
 
 
@@ -192,10 +192,10 @@ class _Table(dict[Any, _V], ABC):
 
     @abstractmethod
     def _made(self, key: Any) -> _V:
-        """The value of a key that is not in the cache."""
+        """Return the value of a key that is not in the cache."""
 
     def shape(self, counts: Iterable[int]) -> Struct:
-        """The shape of those counts, from offset 0, for reading."""
+        """Return the shape of those counts, from offset 0, for reading."""
         return self._struct(0, counts, True)
 
     def _struct(self, phase: int, counts: Iterable[int], reads: bool) -> Struct:
@@ -240,7 +240,9 @@ class _PhasedReaders(_Table[_Reader]):
 def _arranged(
     sections: Iterable[str], phase: int, counts: Iterator[int], reads: bool
 ) -> str:
-    """The `struct` format of the sections from offset `phase`, for reading or for writing."""
+    """Return the `struct` format of the sections from offset `phase`, for reading or for
+    writing.
+    """
     texts: list[str] = []
     offset = phase
     for section in sections:
@@ -273,11 +275,13 @@ class Layouts:
         self._kept: list[tuple[Run | Records, Any]] = []
 
     def of(self, part: Run | Records, whole: bool = False) -> Any:
-        """The table of a run (`whole`: it is all of a value), or of an element of records."""
+        """Return the table of a run (`whole`: it is all of a value), or of an element of
+        records.
+        """
         return self._kept[self._number(part, whole) - 1][1]
 
     def variable(self, kind: str, part: Run | Records) -> str:
-        """The variable for an attribute of a table."""
+        """Return the variable for an attribute of a table."""
         return f"{kind}_{self._number(part)}"
 
     def _number(self, part: Run | Records, whole: bool = False) -> int:

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
 
 def dtype_of(class_: Any) -> numpy.dtype[Any]:
-    """The dtype of a generated struct of numbers: its layout in CDR, padding included.
+    """Return the dtype of a generated struct of numbers: its layout in CDR, padding included.
 
     The fields have the names of the definition.
 
@@ -48,7 +48,7 @@ def dtype_of(class_: Any) -> numpy.dtype[Any]:
 
 
 def _dtype(node: Node, start: int, order: Order) -> tuple[numpy.dtype[Any], int]:
-    """The dtype of a value that begins at or behind `start`, and its first offset."""
+    """Return the dtype of a value that begins at or behind `start`, and its first offset."""
     match node:
         case Atom(code=code, align=align):
             return numpy.dtype(code).newbyteorder(order), start + -start % align
@@ -78,7 +78,7 @@ def _dtype(node: Node, start: int, order: Order) -> tuple[numpy.dtype[Any], int]
 
 
 def octets(node: Records, order: Order) -> Callable[[_Records], bytes]:
-    """The function that gives the octets of the records. It raises ValueError."""
+    """Return the function that gives the octets of the records. It raises ValueError."""
     there = _dtype(node.element, 0, order)[0]
     value = _value_dtype(node)
 
@@ -96,7 +96,9 @@ def octets(node: Records, order: Order) -> Callable[[_Records], bytes]:
 def taker(
     node: Records, order: Order
 ) -> Callable[[Buffer, int, int], tuple[_Records, int]]:
-    """The function that gives so many records behind an offset, and the offset behind them."""
+    """Return the function that gives so many records behind an offset, and the offset behind
+    them.
+    """
     there = _dtype(node.element, 0, order)[0]
     here = _value_dtype(node)
     padding = node.align - 1
@@ -128,7 +130,7 @@ def check(records: Any, wanted: numpy.dtype[Any]) -> None:
 
 
 def _alike(one: numpy.dtype[Any], other: numpy.dtype[Any]) -> bool:
-    """Whether both have the same fields, in any layout and byte order."""
+    """Return whether both have the same fields, in any layout and byte order."""
     if one.names != other.names or one.shape != other.shape:
         return False
     if one.names is None or other.names is None:
@@ -137,7 +139,7 @@ def _alike(one: numpy.dtype[Any], other: numpy.dtype[Any]) -> bool:
 
 
 def _assign(made: Any, found: Any) -> None:
-    """Fills the fields alone, so that padding stays zero."""
+    """Fill the fields alone, so that padding stays zero."""
     if made.dtype.names is None:
         made[...] = found
         return
@@ -146,14 +148,14 @@ def _assign(made: Any, found: Any) -> None:
 
 
 def _value_dtype(node: Records) -> numpy.dtype[Any]:
-    """The dtype in Python, which is the same for every format."""
+    """Return the dtype in Python, which is the same for every format."""
     element = node.element
     assert isinstance(element, Group)
     return dtype_of(element.type)
 
 
 def records_of(items: list[Any], struct: Descriptor) -> _Records:
-    """The structured array of a list of structs."""
+    """Return the structured array of a list of structs."""
     return numpy.array([_row(item, struct) for item in items], dtype_of(struct))
 
 
@@ -165,7 +167,7 @@ def _row(value: Any, descriptor: Descriptor) -> Any:
 
 
 def values_of(records: _Records, struct: Descriptor) -> list[Any]:
-    """The structs of a structured array."""
+    """Return the structs of a structured array."""
     return [_value(row, struct) for row in records.tolist()]
 
 

@@ -65,7 +65,7 @@ class Namespace:
         return known
 
     def free(self, wanted: str) -> str:
-        """An unused name."""
+        """Return an unused name."""
         name = wanted
         while name in self._taken or iskeyword(name):
             name += "_"
@@ -81,7 +81,9 @@ class Locals:
         self._names: dict[tuple[str, Path], str] = {}
 
     def name(self, path: Path, prefix: str = "") -> str:
-        """The variable for a value; with a prefix, for a property of it (`n_`: its count)."""
+        """Return the variable for a value; with a prefix, for a property of it (`n_`: its
+        count).
+        """
         key = (prefix, path)
         if key not in self._names:
             joined = "_".join(part for part in path if part.isidentifier()) or "value"
@@ -109,7 +111,7 @@ class Body:
         self._indent += 1
 
     def end(self) -> None:
-        """Closes the innermost block."""
+        """Close the innermost block."""
         self._indent -= 1
 
     def choose_here(self) -> None:

@@ -82,15 +82,15 @@ DISCRIMINATOR = "discriminator"
 
 _DYNAMIC = (Primitive.ANY, Primitive.TYPE_CODE, Primitive.VALUE_BASE)
 
-MOST_IN_PLACE = 128
+MAX_IN_PLACE = 128
 """A struct of more values has a codec of its own, which enclosing codecs call."""
 
-MOST_LOOPS_IN_PLACE = 6
+MAX_LOOPS_IN_PLACE = 6
 """A struct with deeper loops has one, too: Python nests at most 20 blocks in a function."""
 
 
 def tree_of(descriptor: Descriptor, format_: Format) -> Node:
-    """The tree of a type in a member or element.
+    """Return the tree of a type in a member or element.
 
     Raises UnsupportedError.
     """
@@ -100,14 +100,14 @@ def tree_of(descriptor: Descriptor, format_: Format) -> Node:
 def body_of(
     descriptor: StructDescriptor | ExceptionDescriptor, format_: Format
 ) -> Group | MemberList:
-    """The members of a struct or exception in place, those of its bases first."""
+    """Return the members of a struct or exception in place, those of its bases first."""
     return _Trees(format_).body(descriptor)
 
 
 def union_members(
     descriptor: UnionDescriptor, format_: Format
 ) -> tuple[tuple[str, Member | Parameter], ...]:
-    """The members of a mutable union: the discriminator, then each branch."""
+    """Return the members of a mutable union: the discriminator, then each branch."""
     trees = _Trees(format_)
     switch = MemberDescriptor(
         DISCRIMINATOR, descriptor.switch, DISCRIMINATOR, 0, key=True
@@ -119,13 +119,13 @@ def union_members(
 
 
 def has_list(descriptor: Any, format_: Format) -> bool:
-    """Whether values of the type are lists of members with headers."""
+    """Return whether values of the type are lists of members with headers."""
     extensibility = getattr(descriptor, "extensibility", "")
     return extensibility == "mutable" and format_.version > 0 and not format_.key
 
 
 def is_delimited(descriptor: Any, format_: Format) -> bool:
-    """Whether a DHEADER precedes values of the type."""
+    """Return whether a DHEADER precedes values of the type."""
     extensibility = getattr(descriptor, "extensibility", "final")
     return format_.version == 2 and extensibility != "final" and not format_.key
 
@@ -133,7 +133,7 @@ def is_delimited(descriptor: Any, format_: Format) -> bool:
 def key_members(
     descriptor: StructDescriptor | ExceptionDescriptor,
 ) -> list[MemberDescriptor]:
-    """The members of the key, by id: those marked, or all if none is (7.2.2.4.7)."""
+    """Return the members of the key, by id: those marked, or all if none is (7.2.2.4.7)."""
     marked = [m for m in descriptor.members if m.key] or descriptor.members
     return sorted(marked, key=lambda member: member.id)
 
@@ -200,7 +200,7 @@ class _Trees:
         return found
 
     def _of_corba(self, descriptor: Descriptor) -> Node | None:
-        """The node of a type that only CORBA marshals, None for any other."""
+        """Return the node of a type that only CORBA marshals, None for any other."""
         match descriptor:
             case ValueDescriptor() | BoxDescriptor():
                 return Dynamic(descriptor)
@@ -224,7 +224,7 @@ class _Trees:
     def headed(
         self, entry: MemberDescriptor | BranchDescriptor, in_list: bool = True
     ) -> Member | Parameter:
-        """A member with a header of its own."""
+        """Return a member with a header of its own."""
         node = self.of(entry.type)
         traits = (False, False, False)
         if isinstance(entry, MemberDescriptor):
@@ -249,7 +249,7 @@ class _Trees:
         return Optional(self.of(member.type))
 
     def _delimited(self, node: Node, *parts: Descriptor) -> Node:
-        """A collection, after its DHEADER in version 2 if its elements are not primitive."""
+        """Return a collection, after its DHEADER in version 2 if its elements are not primitive."""
         if self._version < 2 or all(map(_is_primitive, parts)):
             return node
         return Delimited(node)
@@ -308,31 +308,33 @@ class _Trees:
         return atom if atom.align <= widest else replace(atom, align=widest)
 
     def _bits(self, count: int, form: Form, descriptor: Any) -> Atom:
-        """The smallest unsigned integer of at least that many bits."""
+        """Return the smallest unsigned integer of at least that many bits."""
         size = next(n for n in (1, 2, 4, 8) if count <= 8 * n)
         return self._atom(Atom(" BH I   Q"[size], size, size, form, descriptor, count))
 
 
 def _is_primitive(descriptor: Descriptor) -> bool:
-    """Whether a collection of such elements has no DHEADER (DDS-XTypes 1.3, 7.4.3.5)."""
+    """Return whether a collection of such elements has no DHEADER (DDS-XTypes 1.3, 7.4.3.5)."""
     return isinstance(plain(descriptor), PrimitiveDescriptor)
 
 
 def _innermost(array: ArrayDescriptor) -> Descriptor:
-    """The element of an array of arrays."""
+    """Return the element of an array of arrays."""
     element = plain(array.element)
     return _innermost(element) if isinstance(element, ArrayDescriptor) else element
 
 
 def can_evolve(descriptor: Descriptor) -> bool:
-    """Whether values of other versions of the type are read: it has an appendable part."""
+    """Return whether values of other versions of the type are read: it has an appendable part."""
     return any(
         getattr(part, "extensibility", "") == "appendable" for part in parts(descriptor)
     )
 
 
 def unsupported(descriptor: Descriptor, format_: Format) -> tuple[str, str]:
-    """The path to the first part of a type that the format does not have, and what that is."""
+    """Return the path to the first part of a type that the format does not have, and what that
+    is.
+    """
     trees = _Trees(format_)
     seen: set[int] = set()
 
@@ -359,12 +361,14 @@ def unsupported(descriptor: Descriptor, format_: Format) -> tuple[str, str]:
 
 
 def is_dynamic(descriptor: Descriptor) -> bool:
-    """Whether values of the type contain one marshalled by its descriptor."""
+    """Return whether values of the type contain one marshalled by its descriptor."""
     return any(_is_dynamic_leaf(part) for part in parts(descriptor))
 
 
 def has_headers(descriptor: Descriptor) -> bool:
-    """Whether XCDR1 puts headers before members in the type: optional ones, mutable types'."""
+    """Return whether XCDR1 puts headers before members in the type: optional ones, mutable
+    types'.
+    """
     return any(_has_headers(part) for part in parts(descriptor))
 
 
@@ -400,7 +404,7 @@ def _is_link(descriptor: Descriptor) -> bool:
 
 
 def parts(descriptor: Descriptor) -> list[Descriptor]:
-    """All types that a type consists of, itself included, each once."""
+    """Return all types that a type consists of, itself included, each once."""
     found: dict[int, Descriptor] = {}
     waiting = [descriptor]
     while waiting:
@@ -428,14 +432,14 @@ def _text(element: Descriptor) -> Text | None:
 
 
 def _called_if_large(body: Group) -> Group | Call:
-    """A struct as a member or element: in place, or by a call if its code is large."""
-    if _values(body) > MOST_IN_PLACE or _loops(body) > MOST_LOOPS_IN_PLACE:
+    """Return a struct as a member or element: in place, or by a call if its code is large."""
+    if _values(body) > MAX_IN_PLACE or _loops(body) > MAX_LOOPS_IN_PLACE:
         return Call(body.type, minimum_size(body))
     return body
 
 
 def _values(node: Node) -> int:
-    """The number of values in the source text of a tree."""
+    """Return the number of values in the source text of a tree."""
     match node:
         case Group(members=members):
             return sum(_values(inner) for _, inner in members)
@@ -449,7 +453,7 @@ def _values(node: Node) -> int:
 
 
 def _loops(node: Node) -> int:
-    """The nesting depth of loops in the source text of a tree."""
+    """Return the nesting depth of loops in the source text of a tree."""
     match node:
         case Group(members=members):
             return max((_loops(inner) for _, inner in members), default=0)

@@ -74,7 +74,7 @@ DEEPEST = 100
 
 
 def type_code_octets(descriptor: Any, little_endian: bool) -> tuple[int, bytes]:
-    """The kind of a type code and its parameters, which begin at a multiple of 4."""
+    """Return the kind of a type code and its parameters, which begin at a multiple of 4."""
     writer = _Writer()
     writer.type(descriptor, little_endian)
     kind = struct.unpack_from("<I" if little_endian else ">I", writer.out)[0]
@@ -257,7 +257,7 @@ class TypeCodeReader:
         self._done: dict[int, Descriptor] = {}
 
     def parameters(self, kind: int) -> Descriptor:
-        """The type of a kind whose parameters the encapsulation holds."""
+        """Return the type of a kind whose parameters the encapsulation holds."""
         return self._inside(kind, 0, self._end)
 
     def _type(self) -> Descriptor:
@@ -427,7 +427,7 @@ class TypeCodeReader:
 
 
 def plain_value(descriptor: Descriptor) -> ValueDescriptor | None:
-    """The concrete base in the type code of a value; None for `null`."""
+    """Return the concrete base in the type code of a value; None for `null`."""
     if descriptor == PrimitiveDescriptor("null"):
         return None
     descriptor = plain(descriptor)
@@ -437,7 +437,7 @@ def plain_value(descriptor: Descriptor) -> ValueDescriptor | None:
 
 
 def simple_type(kind: int, number: Callable[[str], int]) -> Descriptor | None:
-    """The type of a kind without an encapsulation; `number` reads its parameters."""
+    """Return the type of a kind without an encapsulation; `number` reads its parameters."""
     if kind in _SIMPLE:
         return PrimitiveDescriptor(_SIMPLE[kind])
     if kind in (_STRING, _WSTRING):

@@ -35,7 +35,7 @@ _PATH = (DISCRIMINATOR,)
 def encode(
     descriptor: UnionDescriptor, encoder: Encoder, refer: References
 ) -> list[str]:
-    """The body of a function that appends a union to a buffer."""
+    """Return the body of a function that appends a union to a buffer."""
     switch = _switch(descriptor, refer.format)
     listed = has_list(descriptor, refer.format)
     members = dict(union_members(descriptor, refer.format)) if listed else {}
@@ -77,7 +77,7 @@ def encode(
 def decode(
     descriptor: UnionDescriptor, decoder: Decoder, refer: References
 ) -> list[str]:
-    """The body of a function that reads a union at an offset."""
+    """Return the body of a function that reads a union at an offset."""
     delimited = is_delimited(descriptor, refer.format)
     if delimited:
         decoder.take_length("end")
@@ -121,7 +121,7 @@ def _behind(switch: Atom) -> Position:
 def _decode_list(
     descriptor: UnionDescriptor, decoder: Decoder, refer: References, end: str | None
 ) -> list[str]:
-    """A mutable union: the discriminator and the value in a list of members."""
+    """Return a mutable union: the discriminator and the value in a list of members."""
     body = decoder.body
     decoder.listed(union_members(descriptor, refer.format), (), end)
     found = decoder.found(())
@@ -155,7 +155,7 @@ def _no_value(descriptor: UnionDescriptor, decoder: Decoder) -> None:
 def copy(
     descriptor: UnionDescriptor, copier: Copier, refer: References, format_: Format
 ) -> list[str]:
-    """The body of `_snapshot_`, from the trees of branches in a format."""
+    """Return the body of `_snapshot_`, from the trees of branches in a format."""
     made = refer.made(descriptor)
     body = copier.body
     body.add("inner = self.value")
@@ -178,14 +178,14 @@ def _switch(descriptor: UnionDescriptor, format_: Format) -> Atom:
 
 
 def _complete(descriptor: UnionDescriptor) -> bool:
-    """Whether a `default` label covers every discriminator without a branch."""
+    """Return whether a `default` label covers every discriminator without a branch."""
     return any(branch.default for branch in descriptor.branches)
 
 
 def _choices(
     descriptor: UnionDescriptor, variable: str
 ) -> Iterator[tuple[str, BranchDescriptor]]:
-    """The condition of each branch; the default one is last."""
+    """Yield the condition of each branch; the default one is last."""
     word = "if"
     for branch in sorted(descriptor.branches, key=lambda branch: branch.default):
         labels = [repr(x.value if isinstance(x, Enum) else x) for x in branch.labels]

@@ -77,7 +77,7 @@ class Output(bytearray):
 def write_dynamic(
     out: bytearray, value: object, descriptor: Descriptor, little_endian: bool
 ) -> None:
-    """Appends a value of the descriptor to a body; raises ValueError or a related error."""
+    """Append a value of the descriptor to a body; raises ValueError or a related error."""
     Writer(out, little_endian).value(descriptor, value)
 
 
@@ -173,7 +173,7 @@ class Writer:
         self._put(octets, len(octets))
 
     def _close_chunk(self) -> None:
-        """Writes the size of the open chunk."""
+        """Write the size of the open chunk."""
         if self._chunk >= 0:
             size = len(self._out) - self._chunk - 4
             struct.pack_into(f"{self._order}i", self._out, self._chunk, size)
@@ -218,7 +218,7 @@ class Writer:
         self._put(octets if wide else octets + b"\0", 1)
 
     def _text(self, element: Descriptor, value: Any) -> bytes | None:
-        """The octets of a collection that is `bytes` or `str`; None for other elements."""
+        """Return the octets of a collection that is `bytes` or `str`; None for other elements."""
         element = plain(element)
         name = element.name if isinstance(element, PrimitiveDescriptor) else ""
         types = TEXTS.get(name)
@@ -415,7 +415,9 @@ class Writer:
             self._string(repository_id, False, None)
 
     def _indirect(self, shared: str | tuple[str, ...]) -> bool:
-        """Whether an id or id list was written before, so that an indirection was written."""
+        """Return whether an id or id list was written before, so that an indirection was
+        written.
+        """
         out = self._out
         out += bytes(-len(out) % 4)
         if shared in self._shared.ids:

@@ -25,13 +25,13 @@ class Channel(Protocol):
     """
 
     def begin(self, request: bytes, first: int) -> bytes:
-        """Takes the channel, writes the request in one send; the reply's leading `first` bytes.
+        """Take the channel, writes the request in one send; the reply's leading `first` bytes.
 
         `first` is 0 where no reply is awaited. Nothing is ever sent twice.
         """
 
     def more(self, n: int) -> bytes:
-        """The next n bytes of the reply."""
+        """Return the next n bytes of the reply."""
 
     def end(self) -> None:
         """The reply was read to its end: frees the channel."""

@@ -103,7 +103,7 @@ class Codec:
         return {n: f for n, f in vars(self).items() if isinstance(f, Messages)}
 
     def request_head(self, number: int) -> bytes:
-        """The first bytes of requests of the function with this id: SOP and id."""
+        """Return the first bytes of requests of the function with this id: SOP and id."""
         return self.request_sop + self.tdr.int16(number)
 
 
@@ -152,7 +152,7 @@ class Messages(Generic[_P, _R]):
         self.call = call
 
     def wrong_mark(self, mark: str, expected: int, found: int | bytes) -> ProtocolError:
-        """The exception for a wrong start or end of a message.
+        """Return the exception for a wrong start or end of a message.
 
         `mark` is `SOP` or `EOP`, `found` the octets of the message there.
         """
@@ -176,7 +176,7 @@ class Messages(Generic[_P, _R]):
         return E_OK
 
     def _kept_of(self, arguments: tuple[Any, ...]) -> tuple[Any, ...]:
-        """The arguments that the reply depends on."""
+        """Return the arguments that the reply depends on."""
         kept = self.kept
         if len(kept) == 1:
             return (arguments[kept[0]],)
@@ -220,12 +220,12 @@ class Messages(Generic[_P, _R]):
         return None
 
     def _failed(self, error: RpcError, channel: Channel) -> int:
-        """The code to return; the log says why, since the code alone does not."""
+        """Return the code to return; the log says why, since the code alone does not."""
         log.warning("%s at %s: %s", self.function, channel, error)
         return error.code
 
     def handler(self, target: Callable[_P, _R]) -> Handler:
-        """The handler that serves requests of the function by calling `target`."""
+        """Return the handler that serves requests of the function by calling `target`."""
         read, kept, results = self.read_request, self.kept, self.results
         function: Callable[..., Any] = target
 

@@ -117,20 +117,20 @@ class OpaqueRpcCommunication(Component):
         self._link = Link()
 
     def on_initialize(self) -> ReturnCode_t:
-        """Puts the link behind the service port."""
+        """Put the link behind the service port."""
         self.service.set_servant(_Servant(self._link, self))
         return RTC_OK
 
     def on_activated(self, ec_id: int) -> ReturnCode_t:
-        """Takes over the settings; the first call connects."""
+        """Take over the settings; the first call connects."""
         return self._use_settings()
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
-        """Takes over settings that have changed."""
+        """Take over settings that have changed."""
         return self._use_settings()
 
     def on_deactivated(self, ec_id: int) -> ReturnCode_t:
-        """Closes the connection."""
+        """Close the connection."""
         self._link.close()
         return RTC_OK
 

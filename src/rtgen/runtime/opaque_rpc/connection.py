@@ -20,7 +20,9 @@ _KEEP_ALIVE = {"TCP_KEEPIDLE": 5, "TCP_KEEPINTVL": 2, "TCP_KEEPCNT": 3}
 
 
 def checked_timeout(seconds: float) -> float:
-    """The time-out as given; ValueError unless it is positive and at most `LONGEST_TIMEOUT`."""
+    """Return the time-out as given; ValueError unless it is positive and at most
+    `LONGEST_TIMEOUT`.
+    """
     if not 0 < seconds <= LONGEST_TIMEOUT:
         raise ValueError(
             f"a time-out is a positive number of seconds up to {LONGEST_TIMEOUT:.0f}, "
@@ -57,14 +59,14 @@ class Connection:
             self.seconds = seconds
 
     def send_all(self, data: bytes, deadline: float, sent: int = 0) -> None:
-        """Sends what is behind the first `sent` bytes."""
+        """Send what is behind the first `sent` bytes."""
         view = memoryview(data)
         while sent < len(data):
             self.limit(deadline - monotonic())
             sent += self.send(view[sent:])
 
     def acknowledge(self) -> None:
-        """Acknowledges at once what has come.
+        """Acknowledge at once what has come.
 
         A peer that writes each scalar by itself, with Nagle's algorithm on, waits for that.
         """
@@ -72,7 +74,7 @@ class Connection:
             self.socket.setsockopt(socket.IPPROTO_TCP, _QUICKACK, 1)
 
     def is_quiet(self) -> bool:
-        """Whether the connection is open and no bytes wait to be read."""
+        """Return whether the connection is open and no bytes wait to be read."""
         self.socket.setblocking(False)
         self.seconds = 0.0
         try:
@@ -84,12 +86,12 @@ class Connection:
         return False
 
     def shut(self) -> None:
-        """Ends the connection; a thread that waits for it wakes up, and has to close it."""
+        """End the connection; a thread that waits for it wakes up, and has to close it."""
         try:
             self.socket.shutdown(socket.SHUT_RDWR)
         except OSError as error:
             log.debug("shutdown: %s", error)
 
     def close(self) -> None:
-        """Closes the socket."""
+        """Close the socket."""
         self.socket.close()

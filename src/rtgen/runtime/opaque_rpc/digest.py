@@ -56,7 +56,7 @@ def check_signature(channel: Channel, codec: Codec) -> None:
 
 
 def digest_handler(codec: Codec) -> Handler:
-    """The handler of the request in a server."""
+    """Return the handler of the request in a server."""
     tdr = codec.tdr
     value = int(codec.digest, 16).to_bytes(_SIZE, tdr.byte_order)
     reply = tdr.int16(SOP_REPLY) + value + codec.nothing_follows

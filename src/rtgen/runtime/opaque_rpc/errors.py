@@ -34,17 +34,17 @@ E_MAGIC: Final = -102
 
 
 def ERCD(main: int, sub: int) -> int:
-    """The composite of a main and a sub code, as a C int."""
+    """Return the composite of a main and a sub code, as a C int."""
     return (sub << 8) | (main & 0xFF)
 
 
 def MERCD(code: int) -> int:
-    """The main code: the low 8 bits, signed."""
+    """Return the main code: the low 8 bits, signed."""
     return ((code & 0xFF) ^ 0x80) - 0x80
 
 
 def SERCD(code: int) -> int:
-    """The sub code; -1 for a code that is not composite and negative."""
+    """Return the sub code; -1 for a code that is not composite and negative."""
     return code >> 8
 
 

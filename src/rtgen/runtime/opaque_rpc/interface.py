@@ -53,7 +53,7 @@ class OpaqueRpc(Servant):
     @abstractmethod
     @operation(raises=(OpaqueRpcFailed,))
     def begin(self, request: bytes, first: int) -> bytes:
-        """Takes the channel and sends a request; the leading octets of its reply.
+        """Take the channel and sends a request; the leading octets of its reply.
 
         The channel is free again if it fails.
         """
@@ -61,7 +61,7 @@ class OpaqueRpc(Servant):
     @abstractmethod
     @operation(raises=(OpaqueRpcFailed,))
     def more(self, count: int) -> bytes:
-        """The next octets of the reply."""
+        """Return the next octets of the reply."""
 
     @abstractmethod
     def end(self) -> None:

@@ -28,7 +28,7 @@ class ClosableChannel(Channel, Protocol):
     """A channel that can be left for another one."""
 
     def close(self) -> None:
-        """Closes the connection."""
+        """Close the connection."""
 
 
 @dataclass(slots=True)
@@ -54,7 +54,7 @@ class LinkSettings:
         return self.type in _SERIAL
 
     def open(self, network: SimulatedNetwork | None = None) -> ClosableChannel:
-        """The channel; in simulated time that of the system's network. Raises ValueError."""
+        """Return the channel; in simulated time that of the system's network. Raises ValueError."""
         checked_timeout(self.timeout)
         place = self._device() if self.is_serial else self._address()
         if network is not None:
@@ -148,7 +148,7 @@ class Link:
             self._release()
 
     def close(self) -> None:
-        """Closes the connection when the call under way is over; a later call connects anew."""
+        """Close the connection when the call under way is over; a later call connects anew."""
         channel = self._channel
         if channel is not None:
             channel.close()
@@ -159,7 +159,7 @@ class Link:
         return self._channel
 
     def _chosen(self) -> ClosableChannel:
-        """The channel for the latest settings; the lock must be held."""
+        """Return the channel for the latest settings; the lock must be held."""
         with self._change:
             wanted, self._wanted = self._wanted, None
         if wanted is not None:
@@ -172,7 +172,7 @@ class Link:
         return self._channel
 
     def _release(self) -> None:
-        """Frees the channel, changed to the newest settings."""
+        """Free the channel, changed to the newest settings."""
         try:
             if self._wanted is not None:
                 self._chosen()

@@ -81,7 +81,9 @@ class MessageReader(ABC):
 
     @abstractmethod
     def _wait(self) -> bytes:
-        """The first bytes of a message, whenever they come; empty at the end of the stream."""
+        """Return the first bytes of a message, whenever they come; empty at the end of the
+        stream.
+        """
 
     @abstractmethod
     def _receive(self, size: int) -> bytes:
@@ -92,7 +94,7 @@ class MessageReader(ABC):
         """
 
     def head(self, n: int) -> bytes:
-        """Waits for a message; its first n bytes, or those that are here.
+        """Wait for a message; its first n bytes, or those that are here.
 
         Empty at the end of the stream. Size and time of the message are counted from now.
         """
@@ -102,7 +104,7 @@ class MessageReader(ABC):
         return self._begin(self._wait(), 0, n)
 
     def serve(self, handlers: Handlers, send: Send) -> None:
-        """Serves requests until the stream ends; raises what `serve_message` raises."""
+        """Serve requests until the stream ends; raises what `serve_message` raises."""
         next_head, more, find = self.head, self.more, handlers.get
         while head := next_head(HEAD):
             handler = find(head) or find_handler(head, more, handlers)
@@ -111,7 +113,7 @@ class MessageReader(ABC):
                 send(reply)
 
     def more(self, n: int) -> bytes:
-        """The next n bytes of the message.
+        """Return the next n bytes of the message.
 
         Raises ProtocolError (E_NOMEM) before anything is read if the message is larger than the
         limit, ChannelError (E_BOVR) at the end of the stream.
@@ -124,7 +126,7 @@ class MessageReader(ABC):
         return self._data[at:end]
 
     def _begin(self, data: bytes, at: int, n: int) -> bytes:
-        """Begins a message that starts there; its first n bytes, or those that are here."""
+        """Begin a message that starts there; its first n bytes, or those that are here."""
         self._data = data
         self._deadline = None
         self._start = at
@@ -170,7 +172,7 @@ class PacketReader(MessageReader):
 
 
 def serve_message(reader: MessageReader, handlers: Handlers) -> bytes | None:
-    """Waits for a message and serves it; its reply, None for a oneway function.
+    """Wait for a message and serves it; its reply, None for a oneway function.
 
     Raises ProtocolError and ChannelError; the function was not executed then.
     """
@@ -179,7 +181,7 @@ def serve_message(reader: MessageReader, handlers: Handlers) -> bytes | None:
 
 
 def find_handler(head: bytes, more: More, handlers: Handlers) -> Handler:
-    """The handler of a message whose head may be incomplete or wrong.
+    """Return the handler of a message whose head may be incomplete or wrong.
 
     A wrong octet is reported immediately, without waiting for the rest of the head.
     """
@@ -214,7 +216,7 @@ class SharedUnmarshaller:
         return {SHARED_BEGIN.to_bytes(2, self._order)}
 
     def serve(self, reader: MessageReader, send: Send) -> None:
-        """Serves requests until the stream ends or is broken (ChannelError)."""
+        """Serve requests until the stream ends or is broken (ChannelError)."""
         while head := reader.head(2):
             try:
                 self._exchange(head, reader, send)
@@ -244,7 +246,7 @@ Service: TypeAlias = Unmarshaller | SharedUnmarshaller
 
 
 def starts(service: Service) -> set[bytes]:
-    """The leading 2 bytes that messages to the service have."""
+    """Return the leading 2 bytes that messages to the service have."""
     if isinstance(service, SharedUnmarshaller):
         return service.starts
     return {key[:_SOP] for key in service.handlers}
@@ -253,10 +255,10 @@ def starts(service: Service) -> set[bytes]:
 def serve(
     service: Service, reader: MessageReader, send: Send, peer: str = "a client"
 ) -> bool:
-    """Serves a connection; whether it ended as it should.
+    """Serve a connection; whether it ended as it should.
 
-    False: an error of the peer or of the target, which is logged with the name of the peer, and
-    the connection is not fit for further messages.
+    False: an error of the peer or of the target, which is logged with the name of the peer, and the
+    connection is not fit for further messages.
     """
     try:
         if isinstance(service, SharedUnmarshaller):
@@ -290,7 +292,7 @@ class PacketServer:
         self._limit = limit
 
     def __call__(self, packet: bytes) -> bytes:
-        """The replies to the requests of a packet, one after the other."""
+        """Return the replies to the requests of a packet, one after the other."""
         replies: list[bytes] = []
         if not serve(self._service, PacketReader(packet, self._limit), replies.append):
             raise ChannelError(E_BOVR, "the server closed the connection")

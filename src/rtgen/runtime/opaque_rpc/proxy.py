@@ -83,7 +83,7 @@ class ProxyServant:
 
     @classmethod
     def of(cls, proxy: Any) -> Self:
-        """The servant for a proxy."""
+        """Return the servant for a proxy."""
         return cls(proxy)
 
 

@@ -90,7 +90,7 @@ class _Line:
             raise ChannelError(E_OBJ, f"{device}: {_reason(error)}") from error
 
     def read(self, size: int, seconds: float) -> bytes:
-        """The available octets, at least one; empty on time-out."""
+        """Return the available octets, at least one; empty on time-out."""
         port = self._port
         with _as_os_errors():
             if port.timeout != seconds:
@@ -106,7 +106,7 @@ class _Line:
             self._port.write(data)
 
     def drain(self, deadline: float) -> bool:
-        """Discards what comes until the line is silent; False when time is over before."""
+        """Discard what comes until the line is silent; False when time is over before."""
         while monotonic() < deadline:
             if not self.read(_BLOCK, self._silence):
                 return True
@@ -118,11 +118,11 @@ class _Line:
             self._port.reset_input_buffer()
 
     def interrupt(self) -> None:
-        """Lets another thread's `read` return."""
+        """Let another thread's `read` return."""
         self._port.cancel_read()
 
     def close(self) -> None:
-        """Closes the line."""
+        """Close the line."""
         self._port.close()
 
 
@@ -179,7 +179,7 @@ class SerialChannel:
             raise self._error(error) from error
 
     def write(self, data: bytes) -> None:
-        """Writes what belongs to the call under way behind its reply; raises ChannelError."""
+        """Write what belongs to the call under way behind its reply; raises ChannelError."""
         try:
             self._open().write(data, self.timeout)
         except OSError as error:
@@ -201,7 +201,7 @@ class SerialChannel:
             self._lock.release()
 
     def close(self) -> None:
-        """Closes the line when the call under way is over, which `timeout` limits."""
+        """Close the line when the call under way is over, which `timeout` limits."""
         held = self._lock.acquire(timeout=2 * self.timeout)
         self._drop()
         if held:
@@ -218,7 +218,7 @@ class SerialChannel:
             line.close()
 
     def _error(self, error: OSError) -> ChannelError:
-        """The error to raise; a line that is lost is opened anew by the next call."""
+        """Return the error to raise; a line that is lost is opened anew by the next call."""
         from serial import SerialTimeoutException
 
         if isinstance(error, SerialTimeoutException):
@@ -237,7 +237,7 @@ class SerialChannel:
         return data
 
     def _hunt(self, sop: bytes) -> None:
-        """Passes over noise; the start of the reply then leads what is to be taken."""
+        """Pass over noise; the start of the reply then leads what is to be taken."""
         data = b""
         while (at := data.find(sop)) < 0:
             data = data[-1:] + self._receive(_BLOCK)
@@ -320,7 +320,7 @@ class SerialServer:
         self._thread: threading.Thread | None = None
 
     def serve_forever(self) -> None:
-        """Serves requests until another thread or a signal handler calls `close`."""
+        """Serve requests until another thread or a signal handler calls `close`."""
         try:
             while not self.closed:
                 reader = _SerialReader(self._line, self)
@@ -333,14 +333,14 @@ class SerialServer:
             self._line.close()
 
     def start(self) -> None:
-        """Serves requests in a thread of its own."""
+        """Serve requests in a thread of its own."""
         self._thread = threading.Thread(
             target=self.serve_forever, name="OpaqueRPC server", daemon=True
         )
         self._thread.start()
 
     def close(self) -> None:
-        """Closes the line; waits for the thread of `start`."""
+        """Close the line; waits for the thread of `start`."""
         self.closed = True
         self._line.interrupt()
         if self._thread not in (None, threading.current_thread()):

@@ -14,7 +14,7 @@ class StreamChannel(Channel, Protocol):
     """A channel that takes bytes behind a reply: those over TCP and serial lines."""
 
     def write(self, data: bytes) -> None:
-        """Writes what belongs to the call under way; raises ChannelError."""
+        """Write what belongs to the call under way; raises ChannelError."""
 
 
 class SharedChannel:

@@ -52,7 +52,7 @@ class SimulatedChannel:
             raise ChannelError(E_BOVR, reason) from None
 
     def write(self, data: bytes) -> None:
-        """Writes what belongs to the call under way behind its reply; raises ChannelError."""
+        """Write what belongs to the call under way behind its reply; raises ChannelError."""
         try:
             self._open().send(data)
         except OSError as error:
@@ -68,7 +68,7 @@ class SimulatedChannel:
         self._busy = False
 
     def close(self) -> None:
-        """Closes the connection; a later call connects anew."""
+        """Close the connection; a later call connects anew."""
         self.reset()
 
     def _connect(self) -> Stream:
@@ -111,7 +111,7 @@ class _StreamReader(MessageReader):
             raise ChannelError(E_TMOUT, "the rest of a request is missing") from None
 
     def send(self, reply: bytes) -> None:
-        """Sends a reply; raises ChannelError."""
+        """Send a reply; raises ChannelError."""
         try:
             self._stream.send(reply)
         except OSError as error:
@@ -137,7 +137,7 @@ class SimulatedServer:
         self._listener = network.listen(address, self._accept)
 
     def close(self) -> None:
-        """Ends the connection and listens no more."""
+        """End the connection and listens no more."""
         self._listener.close()
         self._end()
 

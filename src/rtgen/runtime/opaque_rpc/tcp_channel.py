@@ -93,7 +93,7 @@ class TcpChannel:
             raise self._error(error) from error
 
     def write(self, data: bytes) -> None:
-        """Writes what belongs to the call under way behind its reply; raises ChannelError."""
+        """Write what belongs to the call under way behind its reply; raises ChannelError."""
         try:
             self._open().send_all(data, self._deadline)
         except OSError as error:
@@ -113,7 +113,7 @@ class TcpChannel:
             self._lock.release()
 
     def close(self) -> None:
-        """Closes the connection when the call under way is over, or by force after `timeout`.
+        """Close the connection when the call under way is over, or by force after `timeout`.
 
         A later call connects anew.
         """
@@ -163,7 +163,7 @@ class TcpChannel:
         return data[:n]
 
     def _ready(self, idle: float) -> Connection:
-        """The connection with its time limit set, checked after a pause, or a new one."""
+        """Return the connection with its time limit set, checked after a pause, or a new one."""
         connection = self._connection
         if connection is None or (idle > _IDLE and not connection.is_quiet()):
             self._drop()
@@ -174,7 +174,9 @@ class TcpChannel:
         return connection
 
     def _connect(self) -> Connection:
-        """A new connection. Servers need a moment until they listen again, so it tries again."""
+        """Return a new connection. Servers need a moment until they listen again, so it tries
+        again.
+        """
         pause = _FIRST_PAUSE
         while True:
             try:
@@ -212,7 +214,7 @@ class TcpChannel:
 
 
 def _bind(peer: socket.socket, place: str) -> None:
-    """Binds to a local address, or to a network interface by its name."""
+    """Bind to a local address, or to a network interface by its name."""
     option: int | None = getattr(socket, "SO_BINDTODEVICE", None)
     if option is not None and place in (name for _, name in socket.if_nameindex()):
         peer.setsockopt(socket.SOL_SOCKET, option, place.encode())

@@ -95,7 +95,7 @@ class _SocketReader(MessageReader):
             raise _lost(error) from error
 
     def send(self, reply: bytes) -> None:
-        """Sends a reply; raises ChannelError."""
+        """Send a reply; raises ChannelError."""
         connection = self._connection
         try:
             sent = connection.send(reply)
@@ -133,7 +133,7 @@ class _Listener:
         self._since = monotonic()
 
     def next(self) -> socket.socket | None:
-        """The next client; None when the door is closed."""
+        """Return the next client; None when the door is closed."""
         waited = monotonic() - self._since > self._patience
         while not self.closed:
             try:
@@ -161,7 +161,7 @@ class _Listener:
             log.debug("shutdown: %s", error)
 
     def release(self) -> None:
-        """Frees the socket, after `close`."""
+        """Free the socket, after `close`."""
         self._listener.close()
 
     def _wait(self) -> None:
@@ -172,7 +172,7 @@ class _Listener:
 
 
 def _has_left(peer: socket.socket) -> bool:
-    """Whether a client has given up; its request must not be executed then."""
+    """Return whether a client has given up; its request must not be executed then."""
     if not _HANG_UP:
         return False
     poll = select.poll()
@@ -207,7 +207,7 @@ class TcpServer:
         self._connection: Connection | None = None
 
     def serve_forever(self) -> None:
-        """Serves clients until another thread calls `close`."""
+        """Serve clients until another thread calls `close`."""
         while (peer := self._door.next()) is not None:
             self._connection = connection = Connection(peer, self.timeout)
             try:
@@ -217,14 +217,14 @@ class TcpServer:
                 connection.close()
 
     def start(self) -> None:
-        """Serves clients in a thread of its own."""
+        """Serve clients in a thread of its own."""
         self._thread = threading.Thread(
             target=self.serve_forever, name="OpaqueRPC server", daemon=True
         )
         self._thread.start()
 
     def close(self) -> None:
-        """Ends the connection and listens no more; waits for the thread of `start`."""
+        """End the connection and listens no more; waits for the thread of `start`."""
         self._door.close()
         connection, thread = self._connection, self._thread
         if connection is not None:

@@ -56,7 +56,7 @@ class Tdr:
         return "little" if self.order == "little" else "big"
 
     def struct(self, kinds: str) -> struct.Struct:
-        """The compiled form of a run of values.
+        """Return the compiled form of a run of values.
 
         A kind is a letter of the `struct` module of a fixed size (`?bBhHiIqQfds`, counts too), or
         one whose width is defined by the TDR: `k` short, `n` int, `l` long, `p` intptr_t, upper
@@ -67,16 +67,16 @@ class Tdr:
         )
 
     def int16(self, value: int) -> bytes:
-        """A magic or a function id, 0 to 0xFFFF."""
+        """Return a magic or a function id, 0 to 0xFFFF."""
         return value.to_bytes(2, self.byte_order)
 
     def wide(self, value: int, signed: bool) -> bytes:
-        """A 128-bit integer; raises OverflowError."""
+        """Return a 128-bit integer; raises OverflowError."""
         data = value.to_bytes(16, self.byte_order, signed=signed)
         return self._swapped(data)
 
     def from_wide(self, data: bytes, signed: bool) -> int:
-        """The 128-bit integer of 16 bytes."""
+        """Return the 128-bit integer of 16 bytes."""
         return int.from_bytes(self._swapped(data), self.byte_order, signed=signed)
 
     def _swapped(self, data: bytes) -> bytes:
@@ -101,7 +101,7 @@ def make_tdr(
     intptr_bits: int | None = None,
     low_word_first: bool = True,
 ) -> Tdr:
-    """A TDR with the usual widths: long and intptr_t have 32 bits in network order, else 64.
+    """Return a TDR with the usual widths: long and intptr_t have 32 bits in network order, else 64.
 
     Raises ValueError for an unknown order or width.
     """
@@ -143,7 +143,7 @@ class Items:
             self._letter, self.width = one.format[1:], one.size
 
     def pack(self, values: Sequence[int] | Sequence[float] | Sequence[bool]) -> bytes:
-        """The bytes of all; raises struct.error, OverflowError or KeyError."""
+        """Return the bytes of all; raises struct.error, OverflowError or KeyError."""
         if self._kind == "b":
             return bytes([UINT8[int(value)] for value in values])
         if not self._letter:

@@ -39,10 +39,10 @@ class ByteBudget:
         self._left = size
 
     def take(self, count: int, width: int, most: int | None = None) -> int:
-        """The size of `count` elements in octets, subtracted from the budget.
+        """Return the size of `count` elements in octets, subtracted from the budget.
 
-        Raises ProtocolError: E_PAR if the count is negative or over `most`, E_NOMEM if the
-        budget is exceeded.
+        Raises ProtocolError: E_PAR if the count is negative or over `most`, E_NOMEM if the budget
+        is exceeded.
         """
         if count < 0:
             raise ProtocolError(E_PAR, f"a size of {count}")
@@ -63,10 +63,10 @@ class Text:
         self._encoding = encoding
 
     def units(self, text: str, most: int | None = None) -> bytes:
-        """The octets after the length: code units and a zero.
+        """Return the octets after the length: code units and a zero.
 
-        With `most`, the size of the buffer, C peers send another zero if there is room, and none
-        if the text fills it. Raises ValueError if the text is longer or contains NUL.
+        With `most`, the size of the buffer, C peers send another zero if there is room, and none if
+        the text fills it. Raises ValueError if the text is longer or contains NUL.
         """
         data = text.encode(self._encoding)
         if 0 in data:
@@ -76,16 +76,16 @@ class Text:
         return (data + b"\0\0")[: _sent(len(data), most)]
 
     def whole(self, text: str, most: int | None = None) -> bytes:
-        """The length, and the octets of `units`."""
+        """Return the length, and the octets of `units`."""
         data = self.units(text, most)
         return len(data).to_bytes(4, self._order) + data
 
     def text(self, data: bytes) -> str:
-        """The text up to the first zero; octets invalid in the encoding become U+FFFD."""
+        """Return the text up to the first zero; octets invalid in the encoding become U+FFFD."""
         return data.partition(b"\0")[0].decode(self._encoding, "replace")
 
     def read(self, more: More, budget: ByteBudget, most: int | None = None) -> str:
-        """A text after its length; raises ProtocolError."""
+        """Return a text after its length; raises ProtocolError."""
         count = int.from_bytes(more(4), self._order, signed=True)
         return self.text(more(budget.take(count, 1, most)))
 
@@ -111,7 +111,7 @@ class WideText:
         return (len(data) // self.width).to_bytes(4, self._order) + data
 
     def text(self, data: bytes) -> list[int]:
-        """The units up to the first zero."""
+        """Return the units up to the first zero."""
         units = self._items.integers(data, len(data) // self.width)
         return units[: units.index(0)] if 0 in units else units
 
@@ -131,14 +131,14 @@ def _sent(length: int, most: int) -> int:
 
 
 def exactly(values: _S, count: int) -> _S:
-    """The values, after a check of their number. Raises ValueError."""
+    """Return the values, after a check of their number. Raises ValueError."""
     if len(values) != count:
         raise ValueError(f"{len(values)} elements, {count} are needed")
     return values
 
 
 def leading(values: Sequence[_T], count: int, most: int) -> Sequence[_T]:
-    """The first `count` values of an array that holds at most `most`; raises ValueError."""
+    """Return the first `count` values of an array that holds at most `most`; raises ValueError."""
     if not count <= len(values) <= max(count, most) or not 0 <= count <= most:
         raise ValueError(f"{len(values)} elements, {count} to be sent, {most} fit")
     return values if len(values) == count else values[:count]
@@ -151,14 +151,14 @@ def leading_bytes(data: bytes, count: int, most: int) -> bytes:
 
 
 def within(count: int, most: int) -> int:
-    """The count, which has to be 0 to `most`; raises ValueError."""
+    """Return the count, which has to be 0 to `most`; raises ValueError."""
     if not 0 <= count <= most:
         raise ValueError(f"a size of {count}, at most {most} allowed")
     return count
 
 
 def present(value: _T | None) -> _T:
-    """The value, which must not be NULL; raises ValueError."""
+    """Return the value, which must not be NULL; raises ValueError."""
     if value is None:
         raise ValueError("NULL where a value is needed")
     return value
@@ -199,19 +199,19 @@ def cast(value: float, bits: int, signed: bool) -> int:
 def argument_error(
     function: str, failure: Exception, values: Mapping[str, object]
 ) -> ArgumentError:
-    """The exception for values that cannot be encoded."""
+    """Return the exception for values that cannot be encoded."""
     shown = ", ".join(f"{name}={_short(value)}" for name, value in values.items())
     what = f"{failure} is out of range" if isinstance(failure, KeyError) else failure
     return ArgumentError(f"{function}({shown}): {what}")
 
 
 def size_error(function: str, failure: Exception) -> ProtocolError:
-    """The exception for message sizes that cannot be computed from the values."""
+    """Return the exception for message sizes that cannot be computed from the values."""
     return ProtocolError(E_PAR, f"{function}: {failure}")
 
 
 def is_rpc_error(code: int) -> bool:
-    """Whether the main code is E_RPC: the outs are left out then."""
+    """Return whether the main code is E_RPC: the outs are left out then."""
     return code & 0xFF == E_RPC & 0xFF
 
 

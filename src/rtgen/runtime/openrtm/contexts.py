@@ -74,7 +74,7 @@ class HostContext(ExecutionContext):
         self._wake = wake
 
     def get_rate(self) -> float:
-        """The current rate of OpenRTM's context in Hz."""
+        """Return the current rate of OpenRTM's context in Hz."""
         return float(self._reference().get_rate())
 
     def set_rate(self, rate: float) -> ReturnCode_t:

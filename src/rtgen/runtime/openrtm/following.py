@@ -119,7 +119,9 @@ class Follower:
         return self.states.get(ec_id, INACTIVE_STATE)
 
     def _step(self, ec_id: int, participant: Participant) -> str | None:
-        """The request for OpenRTM's context; none while the behaviour has a request itself."""
+        """Return the request for OpenRTM's context; none while the behaviour has a request
+        itself.
+        """
         if participant._requests:
             return None
         return _STEPS.get((self._state(ec_id), participant.state))

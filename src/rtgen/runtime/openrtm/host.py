@@ -79,10 +79,10 @@ class Host:
         return self._behaviour
 
     def parameter(self, name: str) -> Callable[[Any, str], tuple[bool, Any]]:
-        """The converter of a parameter for `bindParameter`.
+        """Return the converter of a parameter for `bindParameter`.
 
-        An invalid text leaves the old value, and is logged. The behaviour sees the new value in
-        its next callback.
+        An invalid text leaves the old value, and is logged. The behaviour sees the new value in its
+        next callback.
         """
         sets = self.behaviour.configuration_sets
 
@@ -122,7 +122,7 @@ class Host:
         Outflow(self.behaviour.out_ports[name], port, datum, fill, make)
 
     def servant(self, port: str, instance: str) -> Any:
-        """A servant that calls the behaviour's provider, while it is ACTIVE."""
+        """Return a servant that calls the behaviour's provider, while it is ACTIVE."""
         return servant_of(self.behaviour.providers[port, instance])
 
     def consumer(
@@ -263,7 +263,7 @@ class Host:
     # Life cycle
 
     def _participant(self, ec_id: int) -> Participant:
-        """The behaviour's participant in a context of OpenRTM."""
+        """Return the behaviour's participant in a context of OpenRTM."""
         found = self._participants.get(ec_id)
         if found is not None:
             return found
@@ -313,7 +313,7 @@ class Host:
             return self._code(self.behaviour._last_code is not RTC_OK)
 
     def _requested(self, ec_id: int, request: Request, goal: LifeCycleState) -> Any:
-        """A transition made by OpenRTM; waits for a while if it takes time."""
+        """Return a transition made by OpenRTM; waits for a while if it takes time."""
         follower = self._started_follower
         with self._turn(ec_id) as participant:
             if participant is None:
@@ -337,7 +337,7 @@ class Host:
         return code
 
     def _ended(self, ec_id: int, participant: Participant) -> Any:
-        """The end of a tick: RTC_OK unless the behaviour is, and remains, in ERROR."""
+        """Return the end of a tick: RTC_OK unless the behaviour is, and remains, in ERROR."""
         participant.finish()
         self._started_follower.look(ec_id)
         return self._code(

@@ -77,7 +77,7 @@ class Inflow:
         self.buffer.settings = _reading(properties)
 
     def _pushed(self) -> Any:
-        """The next value that was pushed, or passed within the process; None without one."""
+        """Return the next value that was pushed, or passed within the process; None without one."""
         count = len(self._known)
         for turn in range(count):
             # Round robin, so that no buffer starves.
@@ -96,7 +96,7 @@ class Inflow:
         return None
 
     def _pull(self) -> Any:
-        """The value of a pull connection; None if it is unchanged.
+        """Return the value of a pull connection; None if it is unchanged.
 
         OpenRTM's OutPort returns its last value repeatedly, without an indication.
         """
@@ -130,17 +130,17 @@ class Inflow:
 
 
 def _word(properties: Any, key: str) -> str:
-    """A property of a connection in lower case; empty if it is missing."""
+    """Return a property of a connection in lower case; empty if it is missing."""
     return str(properties.getProperty(key) or "").strip().lower()
 
 
 def _is_direct(properties: Any) -> bool:
-    """Whether the value object itself is passed, within a process."""
+    """Return whether the value object itself is passed, within a process."""
     return _word(properties, "interface_type") == "direct"
 
 
 def _reading(properties: Sequence[Any]) -> BufferSettings:
-    """The behaviour of a read without new samples, from the first connection."""
+    """Return the behaviour of a read without new samples, from the first connection."""
     if not properties:
         return BufferSettings(length=1)
     policy = _word(properties[0], "buffer.read.empty_policy")
@@ -186,7 +186,7 @@ class Outflow:
         source._attach(self)  # type: ignore[arg-type]  # as much of a connector as it needs
 
     def short_way(self) -> Callable[[Any], PortStatus]:
-        """The function that the OutPort calls for each sample."""
+        """Return the function that the OutPort calls for each sample."""
         return self.send
 
     def send(self, value: Any) -> PortStatus:

@@ -10,7 +10,8 @@ from rtgen.runtime.services.servants import ServiceError, Skeleton
 
 
 def servant_of(provider: Provider[Any]) -> Any:
-    """A CORBA servant that delegates to the provider's servant while its component is ACTIVE.
+    """Return a CORBA servant that delegates to the provider's servant while its component is
+    ACTIVE.
 
     Undeclared exceptions are raised as system exceptions of CORBA.
     """

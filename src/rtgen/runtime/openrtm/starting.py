@@ -39,7 +39,7 @@ def main(init: Callable[[Any], None], folder: Path, category: str, name: str) ->
 
 
 def arguments(argv: list[str], folder: Path, category: str, name: str) -> list[str]:
-    """The arguments for `Manager.init`, without rtgen's own: it stops at unknown ones."""
+    """Return the arguments for `Manager.init`, without rtgen's own: it stops at unknown ones."""
     kept = [each for each in argv if not each.startswith(_INSTANCE)]
     has_file = any(each.startswith("-f") for each in kept[1:])
     if has_file or "RTC_MANAGER_CONFIG" in os.environ or Path("rtc.conf").is_file():
@@ -49,7 +49,7 @@ def arguments(argv: list[str], folder: Path, category: str, name: str) -> list[s
 
 
 def instance_arguments(argv: list[str]) -> str:
-    """The suffix of the type name in `createComponent` with the instance name, if any."""
+    """Return the suffix of the type name in `createComponent` with the instance name, if any."""
     for each in argv[1:]:
         if each.startswith(_INSTANCE):
             return f"?instance_name={each.removeprefix(_INSTANCE)}"

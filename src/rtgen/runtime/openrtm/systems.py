@@ -162,7 +162,7 @@ class Client:
         self._components: dict[str, Any] = {}
 
     def naming(self) -> Any:
-        """The naming service. Raises StartError if it does not answer."""
+        """Return the naming service. Raises StartError if it does not answer."""
         try:
             naming = self._openrtm.CorbaNaming(self._orb, self._nameserver)
             naming.getRootContext()._non_existent()
@@ -246,7 +246,7 @@ class Client:
             return  # not started by start.sh, or not ours
 
     def _last_line(self, name: str) -> str:
-        """The last line printed by a component's process; empty if unknown."""
+        """Return the last line printed by a component's process; empty if unknown."""
         if self._run is None:
             return ""
         try:
@@ -258,7 +258,7 @@ class Client:
         )
 
     def _resolved(self, naming: Any, instance: Instance) -> Any:
-        """The living component of an instance, else None."""
+        """Return the living component of an instance, else None."""
         name = f"{instance.name}.rtc"
         if instance.foreign.startswith(_ADDRESSES):
             address = instance.foreign
@@ -313,7 +313,7 @@ class Client:
         return str(state).removesuffix("_STATE")
 
     def _with_reason(self, text: str, name: str) -> str:
-        """The text with the last line printed by the component's process."""
+        """Return the text with the last line printed by the component's process."""
         return f"{text}: {self._last_line(name)}".removesuffix(": ")
 
     def _require_active(self, system: System) -> None:
@@ -405,11 +405,11 @@ class Client:
     def _require_providers(
         self, connection: Connection, ports: Sequence[Any]
     ) -> list[str]:
-        """The consumers that the connection leaves without a provider.
+        """Return the consumers that the connection leaves without a provider.
 
-        OpenRTM falls back on names if the provider that a property selects is missing, and
-        answers RTC_OK for an unconnected consumer unless the connection is strict. Raises
-        StartError for both, and for a property about an unknown consumer.
+        OpenRTM falls back on names if the provider that a property selects is missing, and answers
+        RTC_OK for an unconnected consumer unless the connection is strict. Raises StartError for
+        both, and for a property about an unknown consumer.
         """
         profiles = [port.get_port_profile() for port in ports]
         provided = {
@@ -467,7 +467,7 @@ class Client:
         raise StartError(f"{instance} has the ports {', '.join(names)}")
 
     def _instance(self, end: str) -> str:
-        """The instance at the start of a port's name."""
+        """Return the instance at the start of a port's name."""
         names = (name for name in self._components if end.startswith(f"{name}."))
         return max(names, key=len)
 

@@ -38,7 +38,7 @@ Reference: TypeAlias = Callable[[], Any]
 if TYPE_CHECKING:
 
     def new(class_: type[_T]) -> _T:
-        """An object of omniORB's without attributes, to be filled."""
+        """Return an object of omniORB's without attributes, to be filled."""
 
 else:
     new = object.__new__
@@ -70,7 +70,7 @@ def refill(
     fill: Callable[[Any, Any], None],
     to: Callable[[Any], Any],
 ) -> None:
-    """Makes the list of wire objects that of the values, keeping those that it has."""
+    """Make the list of wire objects that of the values, keeping those that it has."""
     count = len(wires)
     if count != len(values):
         del wires[len(values) :]
@@ -80,25 +80,25 @@ def refill(
 
 
 def listed(numbers: Any) -> list[Any]:
-    """The list of numbers in any form."""
+    """Return the list of numbers in any form."""
     tolist = getattr(numbers, "tolist", None)
     return list(numbers) if tolist is None else cast("list[Any]", tolist())
 
 
 def to_array(numbers: list[Any], code: str) -> MutableSequence[Any]:
-    """An array of many numbers, by their type code, a list of few."""
+    """Return an array of many numbers, by their type code, a list of few."""
     return NumericArray(code, numbers) if len(numbers) > LONGEST_LIST else [*numbers]
 
 
 def to_numpy(numbers: list[Any], code: str) -> Any:
-    """The numpy array of a list of numbers, or of lists."""
+    """Return the numpy array of a list of numbers, or of lists."""
     import numpy
 
     return numpy.array(numbers, code)
 
 
 def structs_of(records: Any, class_: type[_T]) -> list[_T]:
-    """The structs of a structured array of numpy; a list of structs is one already."""
+    """Return the structs of a structured array of numpy; a list of structs is one already."""
     if isinstance(records, list):
         return records
     from rtgen.runtime.marshalling.structured import values_of
@@ -107,14 +107,14 @@ def structs_of(records: Any, class_: type[_T]) -> list[_T]:
 
 
 def to_records(structs: list[Any], class_: Any) -> Any:
-    """The structured array of structs."""
+    """Return the structured array of structs."""
     from rtgen.runtime.marshalling.structured import records_of
 
     return records_of(structs, class_._descriptor_)
 
 
 def to_fixed(value: Decimal, digits: int, scale: int) -> Any:
-    """A fixed-point number. Raises CORBA.DATA_CONVERSION for one out of range."""
+    """Return a fixed-point number. Raises CORBA.DATA_CONVERSION for one out of range."""
     return omniORB.fixed(digits, scale, f"{value:f}")
 
 
@@ -127,7 +127,7 @@ copyreg.pickle(type(omniORB.fixed("0")), _made_again)
 
 
 def from_fixed(wire: Any) -> Decimal:
-    """The number that omniORB's stands for."""
+    """Return the number that omniORB's stands for."""
     return Decimal(str(wire))
 
 
@@ -144,12 +144,12 @@ class Octets:
             raise StubsMissingError(code)
 
     def to(self, value: Any) -> Any:
-        """The wire object of a value. Raises CdrError or a CORBA system exception."""
+        """Return the wire object of a value. Raises CdrError or a CORBA system exception."""
         octets = encoded(self._descriptor, value, True)
         return omniORB.cdrUnmarshal(self._code, octets, 1)
 
     def of(self, wire: Any) -> Any:
-        """The value of a wire object. Raises CdrError or a CORBA system exception."""
+        """Return the value of a wire object. Raises CdrError or a CORBA system exception."""
         octets = omniORB.cdrMarshal(self._code, wire, 1)
         return decoded(self._descriptor, octets, True)
 
@@ -201,7 +201,7 @@ class Objects:
         self._served: dict[int, tuple[Any, Any]] = {}
 
     def to(self, value: Any) -> Any:
-        """The omniORB reference to an object; None for none."""
+        """Return the omniORB reference to an object; None for none."""
         if value is None:
             return None
         if isinstance(value, self._stub):
@@ -211,12 +211,12 @@ class Objects:
         return self._served[id(value)][1]
 
     def of(self, wire: Any) -> Any:
-        """A stub for an omniORB reference; None for none."""
+        """Return a stub for an omniORB reference; None for none."""
         return None if wire is None else self._stub(lambda: wire)
 
 
 def called(reference: Reference) -> Any:
-    """The object to call. Raises ObjectNotExist where there is none."""
+    """Return the object to call. Raises ObjectNotExist where there is none."""
     found = reference()
     if found is None:
         raise ObjectNotExist("no provider is connected")
@@ -231,7 +231,7 @@ def raised(
     error: Exception,
     declared: Mapping[type[Any], Callable[[Any], Exception]] = _NONE,
 ) -> Exception:
-    """The exception that a call through a stub raises for one of omniORB.
+    """Return the exception that a call through a stub raises for one of omniORB.
 
     `declared` are the exceptions of the operation. What is none of CORBA's is raised as it is.
     """

@@ -80,7 +80,7 @@ def parse(properties: Mapping[str, str]) -> ConnectorSettings:
 
 
 def check(properties: Mapping[str, str], table: Mapping[str, Check]) -> None:
-    """Checks properties against a table; those for other readers (`IGNORED`) have no meaning here.
+    """Check properties against a table; those for other readers (`IGNORED`) have no meaning here.
 
     Raises ConnectorPropertyError.
     """

@@ -80,7 +80,7 @@ class InPort(Generic[T]):
         return f"{self.owner}.{self.name}"
 
     def is_new(self) -> bool:
-        """Whether there is an unread sample. Of a pull connection too, unlike in OpenRTM."""
+        """Return whether there is an unread sample. Of a pull connection too, unlike in OpenRTM."""
         if self._unread:
             return True
         if self._feed is not None:
@@ -88,10 +88,10 @@ class InPort(Generic[T]):
         return bool(self._unread)
 
     def read(self) -> T | None:
-        """The oldest unread sample.
+        """Return the oldest unread sample.
 
-        With none unread the empty policy of the first connection decides: `readback` (also
-        without connection) gives the very object of the last read again, None if there was none;
+        With none unread the empty policy of the first connection decides: `readback` (also without
+        connection) gives the very object of the last read again, None if there was none;
         `do_nothing` gives None; `block` waits for a sample in real time, then gives None. In
         simulated time nobody could bring one, so it gives None at once.
         """
@@ -102,7 +102,7 @@ class InPort(Generic[T]):
         return self._read_guarded()
 
     def read_newest(self) -> T | None:
-        """The newest unread sample, None if there is none; older ones count as read."""
+        """Return the newest unread sample, None if there is none; older ones count as read."""
         samples = self._sole
         if samples:
             self._last = value = samples.pop()
@@ -224,12 +224,12 @@ class OutPort(Generic[T]):
         return f"{self.owner}.{self.name}"
 
     def write(self, value: T, *, move: bool = False) -> PortStatus:
-        """Sends a snapshot of the sample over every connection.
+        """Send a snapshot of the sample over every connection.
 
-        `move`: the writer gives the sample away with all that is in it, and touches it no more,
-        so one reader gets the object itself. A sample that more than one variable of the writer
-        refers to is not given away, nor one that was written before and is not read yet: a
-        snapshot is sent as without `move`.
+        `move`: the writer gives the sample away with all that is in it, and touches it no more, so
+        one reader gets the object itself. A sample that more than one variable of the writer refers
+        to is not given away, nor one that was written before and is not read yet: a snapshot is
+        sent as without `move`.
 
         PORT_OK if all took it, else the status of the first that did not: BUFFER_FULL
         (`do_nothing`), BUFFER_TIMEOUT (`block`; at once in simulated time), CONNECTION_LOST;
@@ -397,11 +397,11 @@ class DataConnector(Generic[T]):
         return here + self.missed
 
     def send(self, value: T) -> PortStatus:
-        """Takes a snapshot and delivers it, or leaves it to the publisher."""
+        """Take a snapshot and delivers it, or leaves it to the publisher."""
         return self._deliver(self._snapshot(self.source._checked(value)))
 
     def give(self, value: T) -> PortStatus:
-        """Delivers a sample of the source's type that nobody else uses."""
+        """Deliver a sample of the source's type that nobody else uses."""
         if self.source.type is self.target.type:
             return self._deliver(value)
         return self._deliver(self._snapshot(value))
@@ -418,7 +418,9 @@ class DataConnector(Generic[T]):
         return status
 
     def short_way(self) -> Callable[[T], PortStatus]:
-        """The quickest form of `send` for the present wiring; `send` itself where in doubt."""
+        """Return the quickest form of `send` for the present wiring; `send` itself where in
+        doubt.
+        """
         buffer = self.buffer
         if (
             self.publisher is not None
@@ -451,13 +453,13 @@ class DataConnector(Generic[T]):
         return write
 
     def attach(self) -> None:
-        """Makes the connection: from now on samples flow."""
+        """Make the connection: from now on samples flow."""
         self.connected = True
         self.target._attach(self)
         self.source._attach(self)
 
     def detach(self) -> None:
-        """Cuts the connection; unread samples are dropped and counted."""
+        """Cut the connection; unread samples are dropped and counted."""
         self.connected = False
         self.source._detach(self)
         if self.publisher is not None:

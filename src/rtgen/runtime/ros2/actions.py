@@ -56,7 +56,7 @@ def joints_of(
 
 
 def _ends(component: Component, name: str) -> tuple[_Port, _Port | None]:
-    """The ends of the services and of the topics, which a client may lack."""
+    """Return the ends of the services and of the topics, which a client may lack."""
     whole = f"{component.instance_name}.{name}"
     every: list[_Port] = [
         *component.providers.values(),

@@ -24,7 +24,7 @@ def time_of_stamp(stamp: Any, tm: Any) -> None:
 
 
 def heading_of(q: Any) -> float:
-    """The rotation about z of a quaternion, in (-pi, pi] rad; 0 for no rotation at all."""
+    """Return the rotation about z of a quaternion, in (-pi, pi] rad; 0 for no rotation at all."""
     return math.atan2(
         2.0 * (q.w * q.z + q.x * q.y), q.w * q.w + q.x * q.x - q.y * q.y - q.z * q.z
     )

@@ -207,7 +207,7 @@ class DdsNetwork:
         on_sample: _OnSample,
         identity: Mapping[str, str] = _NOBODY,
     ) -> Any:
-        """A reader, whose messages are handed on. Raises MediumError."""
+        """Return a reader, whose messages are handed on. Raises MediumError."""
         with entities.reported(topic.name):
             qos = _qos(profile, topic.type_hash, identity)
             reader: Any = DataReader(self._subscriber, self._topic(topic), qos)
@@ -237,7 +237,7 @@ class DdsNetwork:
     def _made_writer(
         self, topic: _Topic, profile: Profile, identity: Mapping[str, str] = _NOBODY
     ) -> Any:
-        """A writer, announced. Raises MediumError."""
+        """Return a writer, announced. Raises MediumError."""
         writer = self._writer(topic, profile, identity)
         with self._lock:
             self._ends(topic).writers.append(_gid(writer))
@@ -278,7 +278,9 @@ def _octets(on_message: OnMessage) -> _OnSample:
 
 
 def _reads(reader: Any, handle: int, writer: Any) -> bool:
-    """Whether the client of a request reads replies; one without an identity, if anyone does."""
+    """Return whether the client of a request reads replies; one without an identity, if anyone
+    does.
+    """
     with entities.reported("the client of a request"):
         known = writer.get_matched_subscriptions()
         client = _client(reader.get_matched_publication_data(handle))

@@ -45,7 +45,7 @@ def split(octets: bytes) -> tuple[RequestId, bytes]:
 
 
 def joined(request: RequestId, octets: bytes) -> bytes:
-    """A little-endian message with a header."""
+    """Return a little-endian message with a header."""
     return octets[:_CDR] + _LITTLE.pack(*request) + octets[_CDR:]
 
 

@@ -78,7 +78,7 @@ class LifeCycle:
         self._closed = False
 
     def get_state(self, request: Any) -> Members:
-        """The present state."""
+        """Return the present state."""
         return {"current_state": _state(self._state)}
 
     def change_state(self, request: Any) -> Members:
@@ -86,17 +86,17 @@ class LifeCycle:
         return {"success": self._change(request.transition)}
 
     def get_available_states(self, request: Any) -> Members:
-        """All states that a component can have."""
+        """Return all states that a component can have."""
         return {"available_states": [_state(state) for state in STATES]}
 
     def get_available_transitions(self, request: Any) -> Members:
-        """The transitions that can be requested now."""
+        """Return the transitions that can be requested now."""
         state = self._state
         found = [each for each in TRANSITIONS if each.start is state and each.request]
         return {"available_transitions": [_described(each) for each in found]}
 
     def get_transition_graph(self, request: Any) -> Members:
-        """All changes of state."""
+        """Return all changes of state."""
         return {"available_transitions": [_described(each) for each in TRANSITIONS]}
 
     def changed(self, record: StateRecord) -> Members | None:

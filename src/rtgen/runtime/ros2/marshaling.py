@@ -28,7 +28,7 @@ class Marshaling:
     stamp: Callable[[Any], None] | None
 
     def to_message(self, value: Any) -> Any:
-        """The message of a sample. Raises ValueError for a value that it cannot have."""
+        """Return the message of a sample. Raises ValueError for a value that it cannot have."""
         made = blank(self.message._descriptor_)
         try:
             self.write(value, made)
@@ -37,7 +37,9 @@ class Marshaling:
         return made
 
     def of_message(self, message: Any) -> Any:
-        """The sample of a message. Raises ValueError, CdrError for a value that it cannot have."""
+        """Return the sample of a message. Raises ValueError, CdrError for a value that it cannot
+        have.
+        """
         made = self.data()
         try:
             self.read(message, made)
@@ -52,7 +54,7 @@ class Marshaling:
 def marshaling(
     data: type[Any], message: type[Any], stamp: Callable[[Any], None]
 ) -> Marshaling:
-    """The conversion of two classes. Raises Ros2Error if there is none."""
+    """Return the conversion of two classes. Raises Ros2Error if there is none."""
     own = str(data._descriptor_.name)
     ros = str(message._descriptor_.name).replace("::", "/")
     found = CONVERSIONS.get((own.rpartition("::")[2], ros))

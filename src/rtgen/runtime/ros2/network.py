@@ -81,7 +81,7 @@ class RosNode:
     domain: int = 0
 
     def qualified(self, name: str) -> str:
-        """The name of a topic in the node's namespace. Raises Ros2Error."""
+        """Return the name of a topic in the node's namespace. Raises Ros2Error."""
         try:
             return ros_names.qualified(name, self.namespace)
         except ValueError as error:
@@ -103,7 +103,7 @@ class RosNetwork(Protocol):
     """Nodes of one process on one network. Methods raise Ros2Error."""
 
     def publisher(self, topic: RosTopic, profile: Profile) -> Publish:
-        """A publisher of a topic."""
+        """Return a publisher of a topic."""
 
     def subscribe(
         self, topic: RosTopic, profile: Profile, on_message: OnMessage
@@ -114,7 +114,7 @@ class RosNetwork(Protocol):
         """Serve a service until `close`."""
 
     def client(self, service: RosService) -> Call:
-        """A client of a service."""
+        """Return a client of a service."""
 
     def close(self) -> None:
         """End everything of the nodes."""

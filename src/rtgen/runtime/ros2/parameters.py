@@ -74,7 +74,7 @@ class Parameters:
         self._profiles = {profile.name: profile for profile in sets.parameters}
 
     def list_parameters(self, request: Any) -> Members:
-        """The names at or below the prefixes, at most `depth` words deep; 0 is any depth."""
+        """Return the names at or below the prefixes, at most `depth` words deep; 0 is any depth."""
         _bounded(request.prefixes)
         names = [n for n in (*self._profiles, ACTIVE_SET) if _is_listed(n, request)]
         above = (name.rpartition(".")[0] for name in names)
@@ -82,16 +82,16 @@ class Parameters:
         return {"result": {"names": names, "prefixes": prefixes}}
 
     def get_parameters(self, request: Any) -> Members:
-        """The values; of unknown names NOT_SET."""
+        """Return the values; of unknown names NOT_SET."""
         return {"values": [self.value(name) for name in _bounded(request.names)]}
 
     def get_parameter_types(self, request: Any) -> Members:
-        """The types; of unknown names NOT_SET."""
+        """Return the types; of unknown names NOT_SET."""
         names = _bounded(request.names)
         return {"types": bytes(self.value(name)["type"] for name in names)}
 
     def describe_parameters(self, request: Any) -> Members:
-        """The descriptors; of unknown names those of a parameter that is not set."""
+        """Return the descriptors; of unknown names those of a parameter that is not set."""
         return {"descriptors": [self._descriptor(n) for n in _bounded(request.names)]}
 
     def set_parameters(self, request: Any) -> Members:
@@ -103,7 +103,7 @@ class Parameters:
         return {"result": self._set(_bounded(request.parameters))}
 
     def value(self, name: str, text: str | None = None) -> Members:
-        """The ParameterValue of a parameter, or of a text for it."""
+        """Return the ParameterValue of a parameter, or of a text for it."""
         if name == ACTIVE_SET:
             return {"type": Kind.STRING, "string_value": self._sets.active}
         if name not in self._profiles:
@@ -161,7 +161,7 @@ class Parameters:
 
 
 def _bounded(items: Sequence[T]) -> Sequence[T]:
-    """The items of a request. Raises ServiceError for too many."""
+    """Return the items of a request. Raises ServiceError for too many."""
     if len(items) > _MOST:
         raise ServiceError(f"{len(items)} items; a request may have {_MOST}")
     return items
@@ -188,12 +188,12 @@ def _name(kind: int) -> str:
 
 
 def _member(kind: Kind) -> str:
-    """The member of rcl_interfaces/msg/ParameterValue that holds values of a kind."""
+    """Return the member of rcl_interfaces/msg/ParameterValue that holds values of a kind."""
     return f"{kind.name.lower()}_value"
 
 
 def _kind(type_: str, value: Any) -> Kind:
-    """The kind of a parameter of an IDL type, which may be the name of an alias."""
+    """Return the kind of a parameter of an IDL type, which may be the name of an alias."""
     match value:
         case bytes():
             return Kind.BYTE_ARRAY
@@ -214,7 +214,7 @@ def _kind(type_: str, value: Any) -> Kind:
 
 
 def _scalar(type_: str) -> Kind:
-    """The kind of the elements of an empty list."""
+    """Return the kind of the elements of an empty list."""
     if type_ == "boolean":
         return Kind.BOOL
     if type_ in INTEGER_RANGES:
@@ -223,7 +223,7 @@ def _scalar(type_: str) -> Kind:
 
 
 def _plain(kind: Kind, value: Any) -> Any:
-    """A value as a ParameterValue has it."""
+    """Return a value as a ParameterValue has it."""
     if isinstance(value, list):
         return [_plain(Kind(kind - _ARRAY), each) for each in value]
     if isinstance(value, IntEnum):

@@ -84,7 +84,7 @@ def messages_of(interface: type[Any], operation: str) -> tuple[type[Any], type[A
 
 
 def message_of(interface: type[Any], operation: str) -> type[Any]:
-    """The message that an operation of an interface takes alone. Raises ServiceError."""
+    """Return the message that an operation of an interface takes alone. Raises ServiceError."""
     message = _only(calls.calls_of(interface)[operation].request)
     if message is None:
         name = interface._descriptor_.name
@@ -93,7 +93,7 @@ def message_of(interface: type[Any], operation: str) -> type[Any]:
 
 
 def _only(body: type[Any] | None) -> type[Any] | None:
-    """The struct that a body consists of; None for other bodies."""
+    """Return the struct that a body consists of; None for other bodies."""
     members = () if body is None else body._descriptor_.members
     match [plain(member.type) for member in members]:
         case [StructDescriptor() as struct]:

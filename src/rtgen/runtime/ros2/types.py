@@ -21,13 +21,15 @@ from rtgen.runtime.xcdr import deserialize
 
 
 def ros_name(type_: type[Any]) -> str | None:
-    """The name of a generated class of a message (`std_msgs/msg/Float32`); None for others."""
+    """Return the name of a generated class of a message (`std_msgs/msg/Float32`); None for
+    others.
+    """
     name = str(type_._descriptor_.name).split("::")
     return "/".join(name) if is_interface(name) else None
 
 
 def type_hash(type_: type[Any]) -> str:
-    """The hash (`RIHS01_...`) of a message. Raises ValueError for what ROS 2 lacks."""
+    """Return the hash (`RIHS01_...`) of a message. Raises ValueError for what ROS 2 lacks."""
     described: dict[str, dict[str, Any]] = {}
     whole = _described(type_._descriptor_, described)
     return ros_hash.rihs01(whole, described)
@@ -72,7 +74,7 @@ def _element(descriptor: Any, found: dict[str, dict[str, Any]]) -> ros_hash.Elem
 
 
 def blank(descriptor: Any) -> Any:
-    """A value of a type of ROS 2 with zeros, empty texts and sequences."""
+    """Return a value of a type of ROS 2 with zeros, empty texts and sequences."""
     match plain(descriptor):
         case StructDescriptor() as struct:
             values = {m.attribute: blank(m.type) for m in struct.members}
@@ -93,7 +95,7 @@ def blank(descriptor: Any) -> Any:
 
 
 def made(descriptor: Any, value: Any) -> Any:
-    """A value of a type of ROS 2: structs of mappings, whose other members are zeros."""
+    """Return a value of a type of ROS 2: structs of mappings, whose other members are zeros."""
     match plain(descriptor):
         case StructDescriptor() as struct:
             members = {
@@ -116,14 +118,14 @@ def _is_octet(element: Any) -> bool:
 
 
 def request_of(type_: type[Any] | None) -> str | None:
-    """The service (`std_srvs::srv::SetBool`) of the class of a request; None for others."""
+    """Return the service (`std_srvs::srv::SetBool`) of the class of a request; None for others."""
     name = "" if type_ is None else str(type_._descriptor_.name)
     is_one = is_interface(name.split("::")) and name.endswith("_Request")
     return name.removesuffix("_Request") if is_one else None
 
 
 def service_hash(request: type[Any], response: type[Any], info: type[Any]) -> str:
-    """The hash of a service, with that of its events (REP 2016).
+    """Return the hash of a service, with that of its events (REP 2016).
 
     `info` is service_msgs/msg/ServiceEventInfo. Raises ValueError for what ROS 2 lacks.
     """
@@ -154,11 +156,11 @@ def service_hash(request: type[Any], response: type[Any], info: type[Any]) -> st
     return ros_hash.rihs01(whole, described)
 
 
-_MOST_PADDING = 3
+_MAX_PADDING = 3
 
 
 def decoded(type_: type[Any], octets: bytes) -> Any:
-    """The value of a serialized message. Raises CdrError.
+    """Return the value of a serialized message. Raises CdrError.
 
     rmw_cyclonedds and DDSI-RTPS fill a message up to a multiple of four by zeros, which
     rmw_cyclonedds does not count in the encapsulation header.
@@ -168,7 +170,7 @@ def decoded(type_: type[Any], octets: bytes) -> Any:
     except CdrError:
         if len(octets) % 4 or not octets:
             raise
-        for _ in range(_MOST_PADDING):
+        for _ in range(_MAX_PADDING):
             if octets[-1]:
                 break
             octets = octets[:-1]

@@ -46,7 +46,9 @@ _UNBOUNDED = 1000
 def configuration(
     *, connect: str | None = ROUTER, listen: str = "tcp/127.0.0.1:0"
 ) -> Any:
-    """The configuration of a peer as rmw_zenoh has it: no multicast, others found by gossip."""
+    """Return the configuration of a peer as rmw_zenoh has it: no multicast, others found by
+    gossip.
+    """
     config = zenoh.Config()
     config.insert_json5("mode", '"peer"')
     config.insert_json5("connect/endpoints", f'["{connect}"]' if connect else "[]")
@@ -266,7 +268,9 @@ class ZenohNetwork:
         )
 
     def _shown_node(self, name: str) -> Node:
-        """A node of this process, whose token is declared; the network's own without a name."""
+        """Return a node of this process, whose token is declared; the network's own without a
+        name.
+        """
         name = name or self._node.name
         if name not in self._nodes:
             node = self._node._replace(name=name, number=next(self._numbers))

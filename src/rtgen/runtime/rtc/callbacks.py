@@ -36,7 +36,7 @@ def succeeds(component: CallbackOwner, callback: str, *arguments: int) -> bool:
 
 
 def is_ok(code: object) -> bool:
-    """Whether a callback's result is RTC_OK; None, a forgotten return value, is not."""
+    """Return whether a callback's result is RTC_OK; None, a forgotten return value, is not."""
     return code is RTC_OK or (type(code) is int and code == RTC_OK)
 
 

@@ -83,7 +83,7 @@ class CheckpointFolder:
         self._path = path
 
     def file(self, instance: str) -> CheckpointFile:
-        """The file of a component. Raises CheckpointError."""
+        """Return the file of a component. Raises CheckpointError."""
         return CheckpointFile(self._path / f"{quote(instance, safe='')}.checkpoint")
 
 
@@ -124,7 +124,9 @@ class Checkpoint(Generic[T]):
         file.write(self._digest, octets)
 
     def restored(self) -> T | None:
-        """The last state of the process before, the first time; None without one, and later."""
+        """Return the last state of the process before, the first time; None without one, and
+        later.
+        """
         state, self._restored = self._restored, None
         return state
 

@@ -135,7 +135,9 @@ class Component:
         return self._add(self.consumers, (port, instance), consumer)
 
     def _type_name(self, port: str, instance: str) -> str:
-        """The name by which others know the type of an interface; empty for the scoped one."""
+        """Return the name by which others know the type of an interface; empty for the scoped
+        one.
+        """
         found = (
             p for p in self.profile.ports if (p.port, p.instance) == (port, instance)
         )
@@ -215,7 +217,7 @@ class Component:
     # For callbacks
 
     def now(self) -> int:
-        """The runtime's time in ns: simulated from 0, real as UTC since 1970."""
+        """Return the runtime's time in ns: simulated from 0, real as UTC since 1970."""
         return self._clock.now()
 
     @property
@@ -294,7 +296,7 @@ class Component:
         return self.finalize()
 
     def is_alive(self, context: ExecutionContextOperations | None = None) -> bool:
-        """Whether it is initialized and not finalized.
+        """Return whether it is initialized and not finalized.
 
         With a context, whether it participates in it.
         """
@@ -319,18 +321,18 @@ class Component:
         return RTC_OK if known else ReturnCode_t.BAD_PARAMETER
 
     def get_context(self, handle: int) -> ExecutionContextOperations | None:
-        """The context of a handle, None if there is none."""
+        """Return the context of a handle, None if there is none."""
         return self._contexts.get(handle)
 
     def get_context_handle(self, context: ExecutionContextOperations) -> int:
-        """The handle of a context, -1 if the component does not participate in it."""
+        """Return the handle of a context, -1 if the component does not participate in it."""
         handles = (
             handle for handle, known in self._contexts.items() if known is context
         )
         return next(handles, -1)
 
     def get_owned_contexts(self) -> list[ExecutionContextOperations]:
-        """The contexts owned by the component."""
+        """Return the contexts owned by the component."""
         return [context for context in self._contexts.values() if context.owner is self]
 
     def get_participating_contexts(self) -> list[ExecutionContextOperations]:
@@ -342,11 +344,11 @@ class Component:
     # For the runtime
 
     def _gate(self, request: Request) -> ReturnCode_t | None:
-        """Whether activate, deactivate or reset may proceed; None to be called again.
+        """Return whether activate, deactivate or reset may proceed; None to be called again.
 
-        Called at every tick while the request waits, before its callback; `_awaited` may name
-        what it waits for. Any result but RTC_OK and None is a failure: the component enters, or
-        stays in, ERROR.
+        Called at every tick while the request waits, before its callback; `_awaited` may name what
+        it waits for. Any result but RTC_OK and None is a failure: the component enters, or stays
+        in, ERROR.
         """
         return RTC_OK
 
@@ -411,7 +413,7 @@ class Component:
 
 
 def _kind(error: BaseException) -> object:
-    """The identity of a failure for repeated reports: type of the exception and place."""
+    """Return the identity of a failure for repeated reports: type of the exception and place."""
     trace = error.__traceback__
     while trace is not None and trace.tb_next is not None:
         trace = trace.tb_next

@@ -70,7 +70,7 @@ def parse(text: str, name: str = "<conf>") -> ConfFile:
 
 
 def _logical_lines(text: str) -> list[tuple[int, str]]:
-    """The lines with content, joined at backslashes, with the number of their first line."""
+    """Return the lines with content, joined at backslashes, with the number of their first line."""
     lines: list[tuple[int, str]] = []
     joined, start = "", 0
     for number, raw in enumerate(text.lstrip("\ufeff").splitlines(), 1):

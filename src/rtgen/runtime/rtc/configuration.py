@@ -71,7 +71,9 @@ class ConfigurationSets:
         return tuple(converter.profile for converter in self._converters.values())
 
     def texts(self, set_id: str = DEFAULT_SET) -> Mapping[str, str]:
-        """The texts of a set, completed from `default`. Raises UnknownConfigurationSetError."""
+        """Return the texts of a set, completed from `default`. Raises
+        UnknownConfigurationSetError.
+        """
         self._require(set_id, self._texts)
         defaults = {profile.name: profile.default for profile in self.parameters}
         return defaults | self._texts[DEFAULT_SET] | self._texts[set_id]
@@ -97,7 +99,7 @@ class ConfigurationSets:
         self.value(parameter, text)
 
     def value(self, parameter: str, text: str) -> Any:
-        """The value of a text for a parameter. Raises as `set`."""
+        """Return the value of a text for a parameter. Raises as `set`."""
         if parameter not in self._converters:
             known = ", ".join(self._converters) or "none"
             raise UnknownParameterError(

@@ -148,7 +148,7 @@ class ExecutionContext:
                 participant.arrive()
 
     def is_running(self) -> bool:
-        """Whether the context is started."""
+        """Return whether the context is started."""
         return self._running
 
     def start(self) -> ReturnCode_t:
@@ -176,7 +176,7 @@ class ExecutionContext:
         return RTC_OK
 
     def get_rate(self) -> float:
-        """The rate in Hz."""
+        """Return the rate in Hz."""
         return self._rate
 
     def set_rate(self, rate: float) -> ReturnCode_t:
@@ -197,7 +197,7 @@ class ExecutionContext:
         return RTC_OK
 
     def get_kind(self) -> ExecutionKind:
-        """The kind."""
+        """Return the kind."""
         return self._kind
 
     def add_component(self, component: Component) -> ReturnCode_t:
@@ -251,7 +251,7 @@ class ExecutionContext:
         return BAD_PARAMETER if participant is None else participant.fail(reason)
 
     def get_component_state(self, component: Component) -> LifeCycleState:
-        """The component's state here; CREATED if it does not participate."""
+        """Return the component's state here; CREATED if it does not participate."""
         participant = self._find(component)
         return CREATED_STATE if participant is None else participant.state
 

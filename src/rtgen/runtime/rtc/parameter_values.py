@@ -88,7 +88,7 @@ class Converter:
 
 
 def _is_numeric(type_: str, example: object) -> bool | None:
-    """Whether the values, or their elements, are numbers; None if unknown."""
+    """Return whether the values, or their elements, are numbers; None if unknown."""
     if isinstance(example, IntEnum):
         return False
     if match := _SEQUENCE.fullmatch(type_) or _ARRAY.fullmatch(type_):

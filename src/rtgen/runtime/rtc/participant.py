@@ -116,7 +116,7 @@ class Participant:
             self.component._do_chores()
 
     def carry_out_requests(self) -> bool:
-        """The first phase of a tick; True if it led into ERROR, where the tick ends."""
+        """Return the first phase of a tick; True if it led into ERROR, where the tick ends."""
         before = self.state
         for _ in range(len(self._requests)):
             request = self._requests.popleft()
@@ -190,7 +190,7 @@ class Participant:
             succeeds(self.component, "on_aborting", self.handle)
 
     def _passes(self, request: Request) -> bool:
-        """Whether to carry out a gated request now; a waiting one is queued again."""
+        """Return whether to carry out a gated request now; a waiting one is queued again."""
         if (self.state, request) not in TRANSITIONS:
             return True
         component = self.component

@@ -66,7 +66,7 @@ def data_port(
     *,
     unit: str = "",
 ) -> PortProfile:
-    """The profile of a data port.
+    """Return the profile of a data port.
 
     `python_name` is the attribute of the component, if it differs from the name.
     """
@@ -93,7 +93,7 @@ def service_port(
     type_name: str = "",
     unit: str = "",
 ) -> PortProfile:
-    """The profile of an interface of a service port.
+    """Return the profile of an interface of a service port.
 
     `python_name` is the attribute of the component, `port` the service port and `instance` the
     instance name, each if it differs from the name; `type_name` is the name by which others know

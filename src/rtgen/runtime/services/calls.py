@@ -83,16 +83,16 @@ class Objects(Protocol):
     """Object references of a transport, for objects passed in calls."""
 
     def reference(self, interface: type[S], servant: S) -> ObjectReference:
-        """A reference to a servant, or to the object of a stub."""
+        """Return a reference to a servant, or to the object of a stub."""
         ...
 
     def resolve(self, interface: type[S], reference: ObjectReference) -> S:
-        """A stub that calls the referenced object."""
+        """Return a stub that calls the referenced object."""
         ...
 
 
 def calls_of(interface: type[Servant]) -> dict[str, Call]:
-    """The calls of an interface and its bases by operation name.
+    """Return the calls of an interface and its bases by operation name.
 
     Raises ServiceError for a local interface, and for one whose calls have no codecs.
     """
@@ -135,7 +135,7 @@ class Client:
         self._objects = objects
 
     def __call__(self, operation: str, arguments: tuple[object, ...]) -> object:
-        """Carries out a call."""
+        """Carry out a call."""
         call = call_of(self._calls, operation)
         given = _references(arguments, call.request_objects, self._objects)
         body = encoded(operation, call.request, given, self._little_endian)
@@ -177,7 +177,7 @@ class Server:
 
     @classmethod
     def of(cls, interface: type[Servant], invoke: Invoker) -> Server:
-        """A server that carries out requests by an invoker. Raises as `calls_of`."""
+        """Return a server that carries out requests by an invoker. Raises as `calls_of`."""
         server = cls.__new__(cls)
         server._calls = calls_of(interface)
         server._invoke = invoke
@@ -187,7 +187,7 @@ class Server:
     def handle(
         self, operation: str, body: bytes, little_endian: bool = True
     ) -> Reply | None:
-        """Carries out a call; None if it is oneway. Invalid requests raise no exception."""
+        """Carry out a call; None if it is oneway. Invalid requests raise no exception."""
         call = self._calls.get(operation)
         try:
             reply = self._answer(operation, body, little_endian)
@@ -229,7 +229,7 @@ class Server:
 
 
 def call_of(calls: dict[str, Call], operation: str) -> Call:
-    """The marshalling of an operation. Raises BadOperation, MarshalError."""
+    """Return the marshalling of an operation. Raises BadOperation, MarshalError."""
     call = calls.get(operation)
     if call is None:
         raise BadOperation(f"there is no operation {operation}")
@@ -241,7 +241,9 @@ def call_of(calls: dict[str, Call], operation: str) -> Call:
 def encoded_arguments(
     operation: str, call: Call, arguments: tuple[object, ...]
 ) -> bytes:
-    """The body of a request without objects. Raises CdrError with the place, BadOperation."""
+    """Return the body of a request without objects. Raises CdrError with the place,
+    BadOperation.
+    """
     return encoded(operation, call.request, arguments, True)
 
 
@@ -251,7 +253,7 @@ def encoded(
     values: tuple[object, ...],
     little_endian: bool,
 ) -> bytes:
-    """A body of CDR. Raises CdrError, BadOperation for a wrong number of values."""
+    """Return a body of CDR. Raises CdrError, BadOperation for a wrong number of values."""
     if type_ is None:
         return b""
     count = len(_fields(type_))
@@ -263,7 +265,7 @@ def encoded(
 def decoded(
     type_: type[DataType] | None, body: bytes, little_endian: bool
 ) -> tuple[object, ...]:
-    """The values of a body. Raises CdrError."""
+    """Return the values of a body. Raises CdrError."""
     if type_ is None:
         if body:
             raise CdrError("body", f"{len(body)} octets too many")
@@ -273,13 +275,15 @@ def decoded(
 
 
 def _fields(type_: type[DataType]) -> tuple[str, ...]:
-    """The members in order, without the strings of a context clause, which stubs never pass."""
+    """Return the members in order, without the strings of a context clause, which stubs never
+    pass.
+    """
     names: tuple[str, ...] = getattr(type_, "__match_args__", ())
     return tuple(name for name in names if name != "_context")
 
 
 def as_tuple(call: Call, result: object) -> tuple[object, ...]:
-    """The values of a result. Raises UnknownException for another number of them."""
+    """Return the values of a result. Raises UnknownException for another number of them."""
     count = 0 if call.reply is None else len(_fields(call.reply))
     if count < 2:
         return (result,) * count
@@ -358,12 +362,12 @@ _MAYBE = 2
 
 
 def kind_of(error: ServiceError) -> type[ServiceError]:
-    """The class of error reported to clients; UnknownException if `REPORTED_AS` lacks it."""
+    """Return the class of error reported to clients; UnknownException if `REPORTED_AS` lacks it."""
     return next((k for k in REPORTED_AS if isinstance(error, k)), UnknownException)
 
 
 def failure(error: ServiceError, little_endian: bool = True) -> Reply:
-    """The reply for an error (CORBA 3.3 part 2, 9.4.3.2, SystemExceptionReplyBody)."""
+    """Return the reply for an error (CORBA 3.3 part 2, 9.4.3.2, SystemExceptionReplyBody)."""
     name = REPORTED_AS[kind_of(error)]
     identity = f"IDL:omg.org/CORBA/{name}:1.0\0".encode()
     order = "<" if little_endian else ">"
@@ -388,7 +392,7 @@ def _system_exception(operation: str, reply: Reply) -> ServiceError:
 
 
 def _identity(reply: Reply) -> tuple[str, int]:
-    """The repository id at the start of a reply, and the next offset aligned to 4."""
+    """Return the repository id at the start of a reply, and the next offset aligned to 4."""
     try:
         order = "<I" if reply.little_endian else ">I"
         (length,) = struct.unpack_from(order, reply.body)

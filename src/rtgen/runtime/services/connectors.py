@@ -101,7 +101,7 @@ def _pairs(
 
 
 def read_properties(properties: Mapping[str, str]) -> tuple[dict[str, str], bool]:
-    """The pairs selected by properties, consumer to provider, and whether all must match.
+    """Return the pairs selected by properties, consumer to provider, and whether all must match.
 
     Raises ConnectorPropertyError.
     """
@@ -117,10 +117,10 @@ def _partner(
     there: ServicePort,
     named: dict[str, str],
 ) -> Provider[Any] | None:
-    """The provider for a consumer.
+    """Return the provider for a consumer.
 
-    Selected by property, else of equal instance name and type, else the only one of the type
-    for the only consumer.
+    Selected by property, else of equal instance name and type, else the only one of the type for
+    the only consumer.
     """
     wish = end(here, "required", consumer)
     if wish in named:
@@ -143,7 +143,9 @@ def _partner(
 def end(
     port: ServicePort, polarity: str, interface: Consumer[Any] | Provider[Any]
 ) -> str:
-    """The name of an interface in connector properties; polarity: `provided` or `required`."""
+    """Return the name of an interface in connector properties; polarity: `provided` or
+    `required`.
+    """
     type_ = interface.interface._descriptor_.name
     return f"{port.instance}.port.{port.port}.{polarity}.{type_}.{interface.instance}"
 

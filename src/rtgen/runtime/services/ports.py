@@ -178,7 +178,7 @@ class Consumer(Generic[S]):
         return provider.call(operation, arguments)
 
     def __getattr__(self, name: str) -> Any:
-        """An operation or attribute of the interface, as in `object`."""
+        """Return an operation or attribute of the interface, as in `object`."""
         if name.startswith("__") or name == "_stub":
             raise AttributeError(name)
         return getattr(self._stub, name)

@@ -118,7 +118,7 @@ class RemoteServiceConnector(Generic[P]):
 def _selected(
     named: dict[str, str], here: ServicePort, there: RemotePort, consumer: Consumer[Any]
 ) -> str | None:
-    """The instance name of the provider that the properties select for a consumer."""
+    """Return the instance name of the provider that the properties select for a consumer."""
     wish = end(here, "required", consumer)
     selected = named.pop(wish, None)
     if selected is None:

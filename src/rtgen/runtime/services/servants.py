@@ -93,7 +93,7 @@ def operation(
 
 @cache
 def operations_of(interface: type[Servant]) -> Mapping[str, Operation]:
-    """The operations of an interface and its bases, by their names on the wire.
+    """Return the operations of an interface and its bases, by their names on the wire.
 
     They are the abstract methods and properties of the interface's classes.
     """
@@ -149,7 +149,7 @@ class Stub:
 
 
 def _calling(key: str, declared: Callable[..., object]) -> Callable[..., object]:
-    """The method of a stub; `declared` is that of the interface."""
+    """Return the method of a stub; `declared` is that of the interface."""
 
     @wraps(declared)
     def method(self: Stub, /, *arguments: object, **named: object) -> object:

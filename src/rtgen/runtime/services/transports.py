@@ -78,7 +78,7 @@ class Transport(Protocol):
         """Withdraw the providers of a component."""
 
     def reach(self, consumer_interface: Any, provider: Provider[Any]) -> Carrier:
-        """The carrier of calls from a consumer's interface to a provider of this process."""
+        """Return the carrier of calls from a consumer's interface to a provider of this process."""
 
     def connector(
         self,
@@ -87,7 +87,9 @@ class Transport(Protocol):
         there: RemotePort,
         properties: Mapping[str, str],
     ) -> RemoteConnector:
-        """A connection to a port of another process, not established yet. Raises ConnectError."""
+        """Return a connection to a port of another process, not established yet. Raises
+        ConnectError.
+        """
 
 
 class RemoteDataConnector(Protocol):
@@ -125,7 +127,9 @@ class DataTransport(SteeringTransport, Protocol):
         there: RemotePort,
         properties: Mapping[str, str],
     ) -> RemoteDataConnector:
-        """A connection to an InPort of another process, not established. Raises ConnectError."""
+        """Return a connection to an InPort of another process, not established. Raises
+        ConnectError.
+        """
 
     def receiving(
         self,
@@ -135,7 +139,7 @@ class DataTransport(SteeringTransport, Protocol):
         properties: Mapping[str, str],
         guard: Callable[[], Guard],
     ) -> DataConnector[Any] | RemoteDataConnector:
-        """A connection from an OutPort of another process, not established.
+        """Return a connection from an OutPort of another process, not established.
 
         Buffers and policies of the connection are at this end. Raises ConnectError.
         """
@@ -145,13 +149,14 @@ class ProcessTransport(Transport, Protocol):
     """A transport that `rtgen run` can use, also for a system divided among processes."""
 
     def await_others(self, seconds: float) -> None:
-        """Waits until all providers that are connected are there.
+        """Wait until all providers that are connected are there.
 
         Raises TransportError after so many seconds, PortTypeError if a provider does not fit.
         """
 
     def is_ready(self, instance: str, before: Collection[str]) -> bool:
-        """Whether the providers of an instance that other processes activate first are ACTIVE.
+        """Return whether the providers of an instance that other processes activate first are
+        ACTIVE.
 
         `before` are the names of the instances that are activated before it.
         """
@@ -165,7 +170,7 @@ class ForeignTransport(Protocol):
         """Look for a component, configure it, and connect it again when it was lost."""
 
     def reaches(self, instance: str) -> bool:
-        """Whether a component is expected."""
+        """Return whether a component is expected."""
 
     def activate_foreign(self, instance: str) -> None:
         """Request ACTIVE of a component."""

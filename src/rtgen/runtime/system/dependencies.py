@@ -19,7 +19,7 @@ class Dependencies:
         self._connectors = connectors
 
     def order(self, instances: Sequence[str]) -> list[str]:
-        """The instances, each after the providers of its consumers.
+        """Return the instances, each after the providers of its consumers.
 
         Instances in a cycle, or without dependencies, keep their order.
         """
@@ -40,7 +40,7 @@ class Dependencies:
         return found
 
     def awaited(self, instance: str) -> str:
-        """A provider that is being activated, and does not wait for this instance itself."""
+        """Return a provider that is being activated, and does not wait for this instance itself."""
         return next(
             (
                 provider
@@ -52,7 +52,7 @@ class Dependencies:
         )
 
     def _providers(self, instance: str) -> list[str]:
-        """The instances of this system that provide what a component consumes."""
+        """Return the instances of this system that provide what a component consumes."""
         found = []
         for connector in tuple(self._connectors.values()):
             if isinstance(connector, ServiceConnector):
@@ -62,7 +62,7 @@ class Dependencies:
         return found
 
     def _awaited_by(self, instance: str) -> set[str]:
-        """The providers that an instance waits for, directly or indirectly."""
+        """Return the providers that an instance waits for, directly or indirectly."""
         found: set[str] = set()
         waiting = [instance]
         while waiting:

@@ -48,7 +48,7 @@ class Joining:
         properties: Mapping[str, str],
         name: str,
     ) -> Connector:
-        """The connection of two ports, not established.
+        """Return the connection of two ports, not established.
 
         Raises UnknownComponentError, or the ConnectError that says why the ports do not fit.
         """
@@ -85,7 +85,9 @@ class Joining:
         *,
         sends: bool = True,
     ) -> Connector:
-        """A connection to another process; `sends` decides for a component with both data ports."""
+        """Return a connection to another process; `sends` decides for a component with both data
+        ports.
+        """
         component = self._component(here[0])
         there = RemotePort(*other)
         if isinstance(transport, DataTransport):
@@ -108,7 +110,7 @@ class Joining:
 
 
 def instances_of(connector: Connector) -> tuple[str, str]:
-    """The instances of the two ends of a connection."""
+    """Return the instances of the two ends of a connection."""
     source, target = connector.source, connector.target
     first = source.owner if isinstance(source, OutPort) else source.instance
     second = target.owner if isinstance(target, InPort) else target.instance

@@ -40,7 +40,7 @@ _FLOATS = ("float", "double")
 
 
 def json_printer(type_: type[DataType]) -> Printer:
-    """The printer of a type: equal to `json.dumps` of the result of `plain`."""
+    """Return the printer of a type: equal to `json.dumps` of the result of `plain`."""
     descriptor = getattr(type_, "_descriptor_", None)
     if isinstance(descriptor, StructDescriptor):
         return _Compiler().compiled(descriptor) or _print
@@ -88,7 +88,7 @@ class _Compiler:
         }
 
     def compiled(self, struct: StructDescriptor) -> Printer | None:
-        """The function; None for a struct with members that only `plain` supports."""
+        """Return the function; None for a struct with members that only `plain` supports."""
         if not self._struct(struct, "value"):
             return None
         self._end_text()
@@ -205,7 +205,7 @@ def _plain(value: Any, around: tuple[int, ...]) -> Any:
 
 
 def _rows(rows: Any, dtype: Any) -> Any:
-    """The items of a numpy array; those of a structured one by their names."""
+    """Return the items of a numpy array; those of a structured one by their names."""
     if dtype.names is None:
         return _plain(rows, ())
     if isinstance(rows, list):
@@ -222,7 +222,7 @@ def _enumerator(value: Any) -> str:
 
 
 def _members(descriptor: object) -> dict[str, str]:
-    """The attributes of a generated value by their names in the definition."""
+    """Return the attributes of a generated value by their names in the definition."""
     match descriptor:
         case StructDescriptor() | ExceptionDescriptor():
             return {m.name: m.attribute for m in descriptor.members}

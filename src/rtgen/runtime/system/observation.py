@@ -34,7 +34,7 @@ class Observation:
         self._watched: dict[tuple[str, str], tuple[Callable[[Any], None], ...]] = {}
 
     def add(self, listener: Listener, components: Iterable[Component]) -> None:
-        """Adds a listener for the states of all components, and the samples of these."""
+        """Add a listener for the states of all components, and the samples of these."""
         self._set_listeners((*self._listeners, listener), components)
 
     def remove(self, listener: Listener, components: Iterable[Component]) -> None:
@@ -60,7 +60,7 @@ class Observation:
     def state_changed(
         self, participant: Participant, before: LifeCycleState, after: LifeCycleState
     ) -> None:
-        """Notifies the listeners of a change of state."""
+        """Notify the listeners of a change of state."""
         watchers = (*self._listeners, *self._state_watchers)
         if watchers:
             component = participant.component
@@ -87,7 +87,7 @@ class Observation:
         port._observe(self._sample_writer(port) if is_observed else None)
 
     def _sample_writer(self, port: OutPort[Any]) -> Callable[[Any], None]:
-        """Notifies listeners and watchers of a sample of the port."""
+        """Notify listeners and watchers of a sample of the port."""
         elapsed = self._elapsed
         writers = [
             *self._watched.get((port.owner, port.name), ()),
@@ -134,7 +134,7 @@ class Observation:
 
 
 def connection_change(connector: Any, *, connected: bool) -> ConnectionChange:
-    """A connection of any kind as a recorder gets it."""
+    """Return a connection of any kind as a recorder gets it."""
     properties = getattr(connector, "properties", {})
     source, target = str(connector.source), str(connector.target)
     return ConnectionChange(connector.name, source, target, properties, connected)

@@ -10,7 +10,7 @@ from rtgen.runtime.services.ports import ServicePort
 def cannot_join(
     source: Component, port: str, target: Component, other: str
 ) -> ConnectError:
-    """The reason why two ports cannot be connected in either direction."""
+    """Return the reason why two ports cannot be connected in either direction."""
     for component, name in ((source, port), (target, other)):
         if name not in port_names(component):
             return unknown_port(component, name)
@@ -23,7 +23,7 @@ def cannot_join(
 
 
 def unknown_port(component: Component, name: str) -> UnknownPortError:
-    """The error for an unknown port of a component."""
+    """Return the error for an unknown port of a component."""
     known = ", ".join(port_names(component)) or "none"
     return UnknownPortError(
         f"{component.instance_name} has no port {name!r}; known: {known}"
@@ -31,13 +31,13 @@ def unknown_port(component: Component, name: str) -> UnknownPortError:
 
 
 def port_names(component: Component) -> tuple[str, ...]:
-    """The names of a component's ports."""
+    """Return the names of a component's ports."""
     services = [port for port, _ in (*component.providers, *component.consumers)]
     return tuple(dict.fromkeys([*component.in_ports, *component.out_ports, *services]))
 
 
 def kinds(component: Component, port: str) -> str:
-    """The kinds of ports that a component has under a name."""
+    """Return the kinds of ports that a component has under a name."""
     kinds = {
         "InPort": port in component.in_ports,
         "OutPort": port in component.out_ports,

@@ -29,10 +29,10 @@ _LOOK_AGAIN = 5_000_000
 
 
 def next_instant(due: int, period: int, now: int) -> tuple[int, int]:
-    """The instant for the tick after the one of `due`, and the number of overruns.
+    """Return the instant for the tick after the one of `due`, and the number of overruns.
 
-    All instants are multiples of the period from `due`. If the next one passed while the tick
-    ran, the latest passed instant is made up for immediately; earlier ones are skipped.
+    All instants are multiples of the period from `due`. If the next one passed while the tick ran,
+    the latest passed instant is made up for immediately; earlier ones are skipped.
     """
     following = due + period
     if now <= following:

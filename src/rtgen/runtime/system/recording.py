@@ -32,7 +32,7 @@ class JsonLinesRecorder:
     def sample_writer(
         self, port: OutPort[Any], elapsed: Callable[[], int]
     ) -> Callable[[Any], None]:
-        """A writer for the samples of a port that needs no snapshot."""
+        """Return a writer for the samples of a port that needs no snapshot."""
         result = {"event": "sample", "instance": port.owner, "port": port.name}
         text = (
             json.dumps(result, ensure_ascii=False).removeprefix("{").removesuffix("}")

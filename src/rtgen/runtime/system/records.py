@@ -49,7 +49,7 @@ class SampleWriter(Protocol):
     def sample_writer(
         self, port: OutPort[Any], elapsed: Callable[[], int]
     ) -> Callable[[Any], None]:
-        """A function that receives the samples of a port in place of the listener.
+        """Return a function that receives the samples of a port in place of the listener.
 
         The sample remains the writer's; `elapsed` returns the time [ns since the start].
         """

@@ -114,7 +114,7 @@ class System:
     def add(
         self, component: Component, rate_hz: float | None = None
     ) -> ExecutionContext:
-        """Initializes a component and gives it a running context of its own.
+        """Initialize a component and gives it a running context of its own.
 
         The rate is `rate_hz`, else that of its `.conf` file, else that of its profile. Raises
         DuplicateInstanceError, RateError, CheckpointError, or InitializationError if
@@ -158,17 +158,17 @@ class System:
     def add_context(
         self, rate_hz: float, *, kind: ExecutionKind = ExecutionKind.PERIODIC
     ) -> ExecutionContext:
-        """A further context, without owner, in which components can participate.
+        """Return a further context, without owner, in which components can participate.
 
-        It is stopped initially, and ticks by the system's clock from its `start` on.
-        Raises RateError.
+        It is stopped initially, and ticks by the system's clock from its `start` on. Raises
+        RateError.
         """
         return ExecutionContext(
             rate_hz, kind=kind, driver=self._scheduler, listener=self._state_changed
         )
 
     def remove(self, instance: str) -> None:
-        """Lets a component exit, then cuts its connections. Raises UnknownComponentError."""
+        """Let a component exit, then cuts its connections. Raises UnknownComponentError."""
         component = self.component(instance)
         participant = self._participants[instance]
         try:
@@ -192,21 +192,21 @@ class System:
         return tuple(self._participants)
 
     def component(self, instance: str) -> Component:
-        """The component of an instance name. Raises UnknownComponentError."""
+        """Return the component of an instance name. Raises UnknownComponentError."""
         return self._participant(instance).component
 
     def context(self, instance: str) -> ExecutionContext:
-        """A component's own execution context. Raises UnknownComponentError."""
+        """Return a component's own execution context. Raises UnknownComponentError."""
         context = self._participant(instance).context
         assert isinstance(context, ExecutionContext)  # `add` has made it.
         return context
 
     def state(self, instance: str) -> LifeCycleState:
-        """A component's state in its own context. Raises UnknownComponentError."""
+        """Return a component's state in its own context. Raises UnknownComponentError."""
         return self._participant(instance).state
 
     def statistics(self, instance: str) -> Statistics:
-        """The statistics of a component so far. Raises UnknownComponentError."""
+        """Return the statistics of a component so far. Raises UnknownComponentError."""
         participant = self._participant(instance)
         component = participant.component
         return Statistics(
@@ -220,7 +220,8 @@ class System:
         )
 
     def observable(self, name: str) -> tuple[float, ...]:
-        """The values of the observable `<instance>.<observable>`; a single number is one value.
+        """Return the values of the observable `<instance>.<observable>`; a single number is one
+        value.
 
         Raises UnknownComponentError, UnknownObservableError, or ObservableError.
         """
@@ -252,7 +253,7 @@ class System:
         return self.context(instance).activate_component(component)
 
     def activation_order(self, instances: Sequence[str]) -> list[str]:
-        """The instances, each after those that provide what it consumes.
+        """Return the instances, each after those that provide what it consumes.
 
         Instances that depend on each other, or not at all, keep their order.
         """
@@ -271,14 +272,14 @@ class System:
     def configure(
         self, instance: str, parameter: str, text: str, set_id: str = DEFAULT_SET
     ) -> None:
-        """Sets a parameter in a configuration set; it takes effect between two cycles.
+        """Set a parameter in a configuration set; it takes effect between two cycles.
 
         Raises UnknownComponentError, UnknownParameterError or ParameterValueError.
         """
         self.component(instance).configuration_sets.set(parameter, text, set_id)
 
     def activate_set(self, instance: str, set_id: str) -> None:
-        """Makes a configuration set the active one; it takes effect between two cycles.
+        """Make a configuration set the active one; it takes effect between two cycles.
 
         Raises UnknownComponentError or UnknownConfigurationSetError.
         """
@@ -292,7 +293,7 @@ class System:
         return tuple(self._connectors.values())
 
     def connector(self, name: str) -> Connector:
-        """The connection of a name. Raises UnknownConnectionError."""
+        """Return the connection of a name. Raises UnknownConnectionError."""
         if name not in self._connectors:
             known = ", ".join(self._connectors) or "none"
             raise UnknownConnectionError(
@@ -307,7 +308,7 @@ class System:
         properties: Mapping[str, str] | None = None,
         name: str = "",
     ) -> Connector:
-        """Connects two ports, each given as (instance, port): data ports or service ports.
+        """Connect two ports, each given as (instance, port): data ports or service ports.
 
         With a transport one of two service ports may be in another process.
 
@@ -321,7 +322,7 @@ class System:
         return connector
 
     def establish(self, connector: Connector) -> None:
-        """Establishes a connection that a transport has made, as `connect` does.
+        """Establish a connection that a transport has made, as `connect` does.
 
         Raises DuplicateConnectionError for a name that is used.
         """
@@ -349,7 +350,7 @@ class System:
         return ""
 
     def disconnect(self, connection: Connector | str) -> None:
-        """Cuts a connection. Unread samples are dropped and counted as lost.
+        """Cut a connection. Unread samples are dropped and counted as lost.
 
         Allowed at any time, from a callback too. Raises UnknownConnectionError.
         """
@@ -393,7 +394,7 @@ class System:
         until_ns: int | None = None,
         until: Callable[[System], bool] | None = None,
     ) -> bool:
-        """Runs until a condition holds (True) or an instant [ns since the start] comes (False).
+        """Run until a condition holds (True) or an instant [ns since the start] comes (False).
 
         The instant itself does not belong to the run: one second of a 1000 Hz component are 1000
         ticks. The condition is evaluated after all ticks of an instant; in real time after each
@@ -408,18 +409,18 @@ class System:
         return self._scheduler.run(until_ns, condition)
 
     def end_run(self, error: BaseException) -> None:
-        """Lets `run` raise the error once the present instant is over; from any thread.
+        """Let `run` raise the error once the present instant is over; from any thread.
 
         Without a run it is raised by the next one.
         """
         self._scheduler.end_run(error)
 
     def close(self) -> None:
-        """Lets every component exit (deactivate, shut down, finalize) once all ticks have ended.
+        """Let every component exit (deactivate, shut down, finalize) once all ticks have ended.
 
         Those that call services go before those that provide them; otherwise the last added goes
-        first. A KeyboardInterrupt abandons the running component, and is raised at the end.
-        In real time components whose callbacks do not return are abandoned after two seconds.
+        first. A KeyboardInterrupt abandons the running component, and is raised at the end. In real
+        time components whose callbacks do not return are abandoned after two seconds.
         """
         interrupt: KeyboardInterrupt | None = None
         try:
@@ -439,14 +440,14 @@ class System:
     # Listeners.
 
     def add_listener(self, listener: Listener) -> None:
-        """Adds a listener for changes of state and samples. Without any, they cost nothing.
+        """Add a listener for changes of state and samples. Without any, they cost nothing.
 
         In real time it is called from the threads of the components.
         """
         self._observation.add(listener, self._components())
 
     def remove_listener(self, listener: Listener) -> None:
-        """Removes a listener; one that is not there is no error."""
+        """Remove a listener; one that is not there is no error."""
         self._observation.remove(listener, self._components())
 
     def watch_states(self, action: Callable[[StateRecord], None]) -> None:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from math import lcm
 from typing import TypeAlias
 
-MOST_ENTRIES = 4096
+MAX_ENTRIES = 4096
 """Timetables with more entries are not made."""
 
 
@@ -64,12 +64,14 @@ class Timetable:
 
 
 def timetable(tasks: Sequence[Due]) -> Timetable | None:
-    """The timetable of tasks; None if it is too long, or a task begins after one of its periods."""
+    """Return the timetable of tasks; None if it is too long, or a task begins after one of its
+    periods.
+    """
     if not tasks:
         return None
     begin = min(due for due, _, _ in tasks)
     length = lcm(*(task.period for _, _, task in tasks))
     entries = sum(length // task.period for _, _, task in tasks)
-    if entries > MOST_ENTRIES or any(d - begin >= t.period for d, _, t in tasks):
+    if entries > MAX_ENTRIES or any(d - begin >= t.period for d, _, t in tasks):
         return None
     return Timetable(tasks, begin, length)

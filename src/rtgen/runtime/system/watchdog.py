@@ -73,7 +73,7 @@ _CALLERS: dict[CodeType, Callable[[FrameType], tuple[str, str]]] = {
 
 
 def calls_under_way() -> list[Call]:
-    """The calls of components' code in all threads, except those in the debugger."""
+    """Return the calls of components' code in all threads, except those in the debugger."""
     frames = sys._current_frames()
     return [
         call
@@ -163,7 +163,7 @@ class Since:
 
 
 def followed(seen: dict[int, Since]) -> Iterator[tuple[Call, Since]]:
-    """The calls in progress; those seen before keep their start time."""
+    """Yield the calls in progress; those seen before keep their start time."""
     for call in calls_under_way():
         before = seen.get(call.thread)
         if before is not None and before.call.frame is call.frame:

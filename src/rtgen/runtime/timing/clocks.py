@@ -17,7 +17,7 @@ SECOND = 1_000_000_000
 
 
 def period_of(rate_hz: float) -> int:
-    """The period of a rate in whole nanoseconds, at least 1."""
+    """Return the period of a rate in whole nanoseconds, at least 1."""
     return max(1, round(SECOND / rate_hz))
 
 
@@ -36,7 +36,7 @@ class Clock(ABC):
 
     @abstractmethod
     def now(self) -> int:
-        """The time for components and time stamps: simulated from 0, real UTC since 1970."""
+        """Return the time for components and time stamps: simulated from 0, real UTC since 1970."""
 
     @abstractmethod
     def elapsed(self) -> int:
@@ -44,7 +44,7 @@ class Clock(ABC):
 
     @abstractmethod
     def guard(self) -> Guard:
-        """A new guard for a port of a system on this clock."""
+        """Return a new guard for a port of a system on this clock."""
 
 
 class SimulatedClock(Clock):

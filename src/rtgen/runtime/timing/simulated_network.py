@@ -82,7 +82,7 @@ class Stream:
         return True
 
     def close(self) -> None:
-        """Ends the connection; the other end sees the end of the stream."""
+        """End the connection; the other end sees the end of the stream."""
         self.on_data = None
         self._unsent.clear()
         self._end.close()
@@ -117,7 +117,7 @@ class Listener:
         self._listeners[address] = self
 
     def close(self) -> None:
-        """Frees the address."""
+        """Free the address."""
         if self._listeners.get(self._address) is self:
             del self._listeners[self._address]
 
@@ -137,7 +137,7 @@ class SimulatedNetwork:
         self._devices: dict[tuple[type[object], str], object] = {}
 
     def device(self, kind: type[D], name: str, make: Callable[[], D]) -> D:
-        """The device of that kind and name, created at the first call."""
+        """Return the device of that kind and name, created at the first call."""
         device = self._devices.get((kind, name))
         if not isinstance(device, kind):
             device = self._devices[kind, name] = make()

@@ -62,10 +62,10 @@ class Traffic:
         self.watchers: tuple[Watcher, ...] = ()
 
     def watch(self, watcher: Watcher) -> None:
-        """Adds a watcher."""
+        """Add a watcher."""
         self.watchers = (*self.watchers, watcher)
 
     def report(self, event: Event) -> None:
-        """Notifies the watchers of an event."""
+        """Notify the watchers of an event."""
         for watcher in self.watchers:
             watcher(event)

@@ -55,7 +55,7 @@ def idl_text(
 
 
 def _to(scope: ScopedName, wanted: ScopedName) -> Iterator[str]:
-    """The lines between two modules."""
+    """Yield the lines between two modules."""
     common = 0
     while common < min(len(scope), len(wanted)) and scope[common] == wanted[common]:
         common += 1

@@ -37,24 +37,24 @@ class ScopedNames:
         return name in self._names
 
     def inside(self, scope: ScopedName) -> Sequence[Declaration]:
-        """The declarations nested in a declaration."""
+        """Return the declarations nested in a declaration."""
         return self._inside.get(scope, ())
 
     def is_written(self, name: ScopedName) -> bool:
-        """Whether it is declared already: printed, or in a file that is included."""
+        """Return whether it is declared already: printed, or in a file that is included."""
         prefixes = (name[:depth] for depth in range(1, len(name) + 1))
         return name in self.done or (
             name in self._names and self._own.isdisjoint(prefixes)
         )
 
     def is_inner(self, declaration: Declaration) -> bool:
-        """Whether it is nested in another declaration."""
+        """Return whether it is nested in another declaration."""
         return declaration.name[:-1] in self._names
 
     def text(
         self, name: ScopedName, scope: ScopedName, beside: Collection[str] = ()
     ) -> str:
-        """A scoped name, absolute if its first part is hidden here.
+        """Return a scoped name, absolute if its first part is hidden here.
 
         A name that is used is also introduced into the scope (CORBA 2.6, 3.15.3).
         """
@@ -66,7 +66,7 @@ class ScopedNames:
         return f"::{text}" if taken else text
 
     def _bound(self, scope: ScopedName) -> frozenset[str]:
-        """The names, in lower case, that a scope binds."""
+        """Return the names, in lower case, that a scope binds."""
         found = self._bound_names.get(scope)
         if found is None:
             depth = len(scope)
@@ -82,7 +82,7 @@ class ScopedNames:
 
 
 def _parts(declaration: Declaration) -> Iterator[str]:
-    """The names of members, attributes, operations and factories of a declaration."""
+    """Yield the names of members, attributes, operations and factories of a declaration."""
     match declaration:
         case Struct(members=members) | ExceptionDecl(members=members):
             yield from (member.name for member in members)

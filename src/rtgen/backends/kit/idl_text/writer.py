@@ -129,7 +129,7 @@ class Writer:
             yield repository_id(name, text)
 
     def _definition(self, declaration: Declaration) -> Iterator[str]:
-        """The text up to the semicolon."""
+        """Yield the text up to the semicolon."""
         name = escaped(declaration.name[-1])
         scope = declaration.name[:-1]
         match declaration:
@@ -353,7 +353,7 @@ class Writer:
         return f"@{annotation.name}({inside})" if inside else f"@{annotation.name}"
 
     def _argument(self, value: ConstantValue, type_: Type | None) -> str:
-        """An argument of an annotation, as its own kind of value or as one of the type."""
+        """Return an argument of an annotation, as its own kind of value or as one of the type."""
         plain = None if type_ is None else self._model.unalias(type_)
         if isinstance(value, str):
             wide = plain in (StringType(wide=True), PrimitiveType(Primitive.WCHAR))
@@ -378,7 +378,7 @@ class Writer:
     def _type(
         self, type_: Type, scope: ScopedName, beside: Collection[str] = ()
     ) -> str:
-        """A type where `beside` is the name of what has it."""
+        """Return a type where `beside` is the name of what has it."""
         match type_:
             case PrimitiveType(kind):
                 return kind.value
@@ -405,7 +405,7 @@ class Writer:
     def _reference(
         self, name: ScopedName, scope: ScopedName, beside: Collection[str]
     ) -> str:
-        """A use of a type, or its definition at its first use if it is declared in place."""
+        """Return a use of a type, or its definition at its first use if it is declared in place."""
         holder = self._model.find(scope) if scope in self._names else None
         if (
             isinstance(holder, _INLINE)
@@ -423,7 +423,7 @@ def _default_id(name: ScopedName) -> str:
 
 
 def _indented(lines: Iterable[str], depth: int) -> str:
-    """The lines at the depth of their module, with an empty one behind."""
+    """Return the lines at the depth of their module, with an empty one behind."""
     text = "\n".join(lines)
     margin = STEP * depth
     indented = (

@@ -15,7 +15,7 @@ def characters(text: str, wide: bool) -> str:
 
 
 def readable_string(text: str) -> str:
-    """A string literal in an annotation: printable characters are kept."""
+    """Return a string literal in an annotation: printable characters are kept."""
     body = (
         c if c.isprintable() and c not in '\\"' else _character(c, False) for c in text
     )
@@ -23,7 +23,7 @@ def readable_string(text: str) -> str:
 
 
 def repository_id(name: str, text: str) -> str:
-    """A directive that sets a repository id, with its escapes as written.
+    """Return a directive that sets a repository id, with its escapes as written.
 
     The directive has no escapes, so an id that contains some is set by a declaration.
     """

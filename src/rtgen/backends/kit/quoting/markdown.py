@@ -27,7 +27,7 @@ def _reference(found: re.Match[str]) -> str:
 
 
 def text(value: object) -> Markdown:
-    """The text in one line, as a part of a paragraph, a cell of a table or a heading."""
+    """Return the text in one line, as a part of a paragraph, a cell of a table or a heading."""
     if isinstance(value, Markdown):
         return value
     line = _MARKUP.sub(_reference, comment_text(str(value)))
@@ -35,24 +35,26 @@ def text(value: object) -> Markdown:
 
 
 def code(value: object) -> Markdown:
-    """The text in one line, in a typewriter face; nothing for an empty one."""
+    """Return the text in one line, in a typewriter face; nothing for an empty one."""
     inner = text(value)
     return Markdown(f"<code>{inner}</code>" if inner else "")
 
 
 def link(target: str, label: object) -> Markdown:
-    """A link to a page of the same site, with a path of plain ASCII."""
+    """Return a link to a page of the same site, with a path of plain ASCII."""
     return Markdown(f"[{text(label)}]({target})")
 
 
 def paragraphs(value: str) -> Markdown:
-    """A description: its paragraphs, each in one line."""
+    """Return a description: its paragraphs, each in one line."""
     parts = re.split(r"\n[ \t]*\n", value.strip())
     return Markdown("\n\n".join(line for part in parts if (line := text(part))))
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> Markdown:
-    """A table; cells that are not Markdown are quoted. Columns that are empty are left out."""
+    """Return a table; cells that are not Markdown are quoted. Columns that are empty are left
+    out.
+    """
     cells = [[text(cell) for cell in row] for row in rows]
     if not cells:
         return Markdown("")

@@ -33,12 +33,14 @@ class Entries(Code):
 
 
 def is_conf_value(text: str) -> bool:
-    """Whether a configuration file can represent the text as a value."""
+    """Return whether a configuration file can represent the text as a value."""
     return _is_one_line(text) and _VALUE.fullmatch(text) is not None
 
 
 def is_conf_key(text: str) -> bool:
-    """Whether a configuration file can represent the text as a part of a key, possibly empty."""
+    """Return whether a configuration file can represent the text as a part of a key, possibly
+    empty.
+    """
     return _is_one_line(text) and _KEY.fullmatch(text) is not None
 
 
@@ -63,12 +65,12 @@ def conf_key(value: object) -> Conf:
 
 
 def conf_comment(text: str) -> Conf:
-    """A comment line; a trailing backslash cannot join the next line."""
+    """Return a comment line; a trailing backslash cannot join the next line."""
     return Conf(comment_text(text))
 
 
 def eds_line(text: str) -> str:
-    """A line of an EDS or DCF file. Raises UnquotableError for several lines."""
+    """Return a line of an EDS or DCF file. Raises UnquotableError for several lines."""
     if "\n" in text or "\r" in text:
         raise UnquotableError(text, "an EDS file")
     return text
@@ -90,5 +92,5 @@ def quote_entry(value: object) -> str:
 
 
 def language_entry(language: str) -> Entries:
-    """The name of a programming language as the value of an entry, if it can be one."""
+    """Return the name of a programming language as the value of an entry, if it can be one."""
     return Entries(language if _LANGUAGE.fullmatch(language) else "another language")

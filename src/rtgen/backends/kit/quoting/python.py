@@ -43,7 +43,7 @@ def quote(value: object) -> str:
 
 
 def string_literal(value: str) -> Python:
-    """A string literal as black leaves it: double quotes unless that needs more escapes."""
+    """Return a string literal as black leaves it: double quotes unless that needs more escapes."""
     if _is_plain(value):
         return Python(f'"{value}"')
     body = repr(value + '"' + "'")[1:-4].replace("\\'", "'")
@@ -53,12 +53,12 @@ def string_literal(value: str) -> Python:
 
 
 def number_literal(value: float) -> Python:
-    """A number as black leaves it: no plus sign in an exponent."""
+    """Return a number as black leaves it: no plus sign in an exponent."""
     return Python(repr(value).replace("e+", "e"))
 
 
 def docstring(text: str, indent: int, otherwise: str = "") -> Python:
-    """The text as a docstring with this indent, with a final newline.
+    """Return the text as a docstring with this indent, with a final newline.
 
     `otherwise` replaces a blank text; without it a blank text gives nothing.
     """
@@ -85,23 +85,25 @@ def docstring(text: str, indent: int, otherwise: str = "") -> Python:
 
 
 def in_docstring(text: str) -> Python:
-    """The text in one line, for a place inside of a docstring but not at its end."""
+    """Return the text in one line, for a place inside of a docstring but not at its end."""
     return Python(" ".join(_escaped(text).split()))
 
 
 def comment_text(text: str) -> Python:
-    """The text in one line, for a comment: control characters and line ends become spaces."""
+    """Return the text in one line, for a comment: control characters and line ends become
+    spaces.
+    """
     return Python(" ".join(_CONTROL.sub(" ", text).split()))
 
 
 def _is_plain(text: str) -> bool:
-    """Whether the text is one line in which nothing needs an escape; most texts are."""
+    """Return whether the text is one line in which nothing needs an escape; most texts are."""
     return (
         text.isascii() and text.isprintable() and '"' not in text and "\\" not in text
     )
 
 
 def _escaped(text: str) -> str:
-    """The text for between triple quotes."""
+    """Return the text for between triple quotes."""
     text = _CONTROL.sub(" ", text.replace("\\", "\\\\"))
     return _QUOTES.sub(lambda found: '\\"' * len(found[0]), text)

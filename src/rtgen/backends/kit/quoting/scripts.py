@@ -32,7 +32,7 @@ class Ruby(Code):
 
 
 def shell_word(value: object) -> Shell:
-    """One word of a shell, whatever is in it. Raises UnquotableError for a NUL."""
+    """Return one word of a shell, whatever is in it. Raises UnquotableError for a NUL."""
     text = str(value)
     if "\0" in text:
         raise UnquotableError(text, "a shell")
@@ -40,7 +40,7 @@ def shell_word(value: object) -> Shell:
 
 
 def shell_comment(text: str) -> Shell:
-    """The text in one line, behind a `#`."""
+    """Return the text in one line, behind a `#`."""
     return Shell(comment_text(text))
 
 
@@ -50,7 +50,7 @@ def quote_shell(value: object) -> str:
 
 
 def batch_comment(text: str) -> Batch:
-    """The text behind a `rem`: what the command processor expands or joins becomes `_`."""
+    """Return the text behind a `rem`: what the command processor expands or joins becomes `_`."""
     return Batch(_NOT_IN_REM.sub("_", text))
 
 
@@ -68,13 +68,13 @@ def quote_batch(value: object) -> str:
 
 
 def ruby_string(value: object) -> Ruby:
-    """A string literal in single quotes."""
+    """Return a string literal in single quotes."""
     text = str(value).replace("\\", "\\\\").replace("'", "\\'")
     return Ruby(f"'{text}'")
 
 
 def ruby_comment(text: str) -> Ruby:
-    """The text in one line, behind a `#`."""
+    """Return the text in one line, behind a `#`."""
     return Ruby(comment_text(text))
 
 

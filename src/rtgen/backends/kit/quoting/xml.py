@@ -31,5 +31,5 @@ def quote_xml(value: object) -> Markup:
 
 
 def xml_comment(text: str) -> Markup:
-    """The text inside of a comment: no two hyphens, none at the end."""
+    """Return the text inside of a comment: no two hyphens, none at the end."""
     return Markup(escape(_HYPHENS.sub("- ", NOT_IN_XML.sub(" ", text))))

@@ -41,7 +41,7 @@ def zero(scalar: Scalar) -> Json:
 
 
 def ends(scalar: Scalar, tdr: Tdr) -> tuple[Json, Json]:
-    """The least and the greatest value of a type in a data representation."""
+    """Return the least and the greatest value of a type in a data representation."""
     if scalar is Scalar.BOOL:
         return False, True
     if scalar in _LARGEST:
@@ -65,7 +65,7 @@ class Values:
 
 
 def lengths(function: Function) -> frozenset[str]:
-    """The parameters that sizes of others refer to."""
+    """Return the parameters that sizes of others refer to."""
     return frozenset(
         name
         for item in function.layout.items
@@ -77,7 +77,9 @@ def lengths(function: Function) -> frozenset[str]:
 def arguments(
     function: Function, values: Values, fixed: Mapping[str, Json] | None = None
 ) -> dict[str, Json]:
-    """The arguments of a call; `fixed` by name. Raises ArgumentError for impossible sizes."""
+    """Return the arguments of a call; `fixed` by name. Raises ArgumentError for impossible
+    sizes.
+    """
     known: dict[str, Json] = {}
     sized = lengths(function)
     given = fixed or {}
@@ -120,7 +122,7 @@ def _value(
 
 
 def _units(function: Function, node: String, known: Mapping[str, object]) -> int:
-    """The longest text without its terminator."""
+    """Return the longest text without its terminator."""
     if node.length is None:
         return _UNBOUNDED
     return min(_MOST, max(0, function.evaluated(node.length, known) - 1))
@@ -141,7 +143,7 @@ def _members(
 
 
 def scalars(function: Function) -> Iterator[tuple[str, Scalar]]:
-    """The numbers among the arguments that no size depends on."""
+    """Yield the numbers among the arguments that no size depends on."""
     sized = lengths(function)
     for item in function.layout.arguments:
         if item.name not in sized and not item.asked and isinstance(item.node, Basic):
@@ -149,7 +151,9 @@ def scalars(function: Function) -> Iterator[tuple[str, Scalar]]:
 
 
 def longest(function: Function) -> int | None:
-    """The greatest length for which all arrays are within their bounds; None without arrays."""
+    """Return the greatest length for which all arrays are within their bounds; None without
+    arrays.
+    """
     arrays = [i.node for i in function.layout.items if isinstance(i.node, Counted)]
     if not arrays or not lengths(function):
         return None
@@ -161,7 +165,7 @@ def longest(function: Function) -> int | None:
 
 
 def exceeds(function: Function, length: int) -> bool:
-    """Whether an array is longer than its bound, or than the type of its length can say."""
+    """Return whether an array is longer than its bound, or than the type of its length can say."""
     known = dict.fromkeys(lengths(function), length)
     for item in function.layout.items:
         node = item.node

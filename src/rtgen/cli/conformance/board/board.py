@@ -69,14 +69,14 @@ class BoardUnderTest:
         return str(fault)
 
     def channel(self) -> TcpChannel | SerialChannel:
-        """A channel of its own, which the caller closes."""
+        """Return a channel of its own, which the caller closes."""
         if self.address is None:
             assert self.serial is not None
             return SerialChannel(self.serial, self.baud, self.answer)
         return TcpChannel(*self.address, timeout=self.answer)
 
     def problem(self, function: Function, arguments: Json, what: str) -> str | None:
-        """The problem of a call, None if it was answered as the signature has it."""
+        """Return the problem of a call, None if it was answered as the signature has it."""
         try:
             values = function.arguments_from_json(arguments)
         except (ArgumentError, ValueError) as error:
@@ -156,7 +156,7 @@ class BoardUnderTest:
             line.sendall(octets)
 
     def _connected(self, address: tuple[str, int]) -> socket.socket:
-        """A connection. Raises ConnectError."""
+        """Return a connection. Raises ConnectError."""
         try:
             line = socket.create_connection(address, self.answer)
         except OSError as error:
@@ -165,7 +165,7 @@ class BoardUnderTest:
         return line
 
     def is_there(self) -> bool:
-        """Whether the board can be reached."""
+        """Return whether the board can be reached."""
         if self.address is None:
             try:
                 assert self.serial is not None

@@ -35,7 +35,7 @@ def _request(function: Function, given: Json) -> bytes:
 
 
 def _simplest(board: BoardUnderTest) -> Function:
-    """The function with the fewest arguments that has a reply. Raises SkipError."""
+    """Return the function with the fewest arguments that has a reply. Raises SkipError."""
     two_way = [f for f in board.functions.values() if not f.oneway]
     if not two_way:
         raise SkipError("all functions are oneway")
@@ -43,13 +43,15 @@ def _simplest(board: BoardUnderTest) -> Function:
 
 
 def _refused(board: BoardUnderTest, octets: bytes, what: str) -> str | None:
-    """The problem of a request that should have been refused: no answer, connection closed."""
+    """Return the problem of a request that should have been refused: no answer, connection
+    closed.
+    """
     answer = board.raw([octets], wanted=1)
     return None if answer.closed and not answer.data else f"{what}: {answer}"
 
 
 def _unknown(board: BoardUnderTest) -> bytes:
-    """A request of a function that the signature has not."""
+    """Return a request of a function that the signature has not."""
     codec = board.service.codec
     return codec.request_head(_HIGHEST - 1) + codec.awaiting_reply
 
@@ -61,7 +63,7 @@ def connections(board: BoardUnderTest) -> Problems:
 
 
 def digest(board: BoardUnderTest) -> Problems:
-    """The board was made from this signature."""
+    """Yield the board was made from this signature."""
     channel, codec = board.channel(), board.service.codec
     try:
         found = peer_digest(channel, codec)
@@ -74,7 +76,7 @@ def digest(board: BoardUnderTest) -> Problems:
 
 
 def wrong_starts(board: BoardUnderTest) -> Problems:
-    """A request that does not begin as one is refused."""
+    """Yield a request that does not begin as one is refused."""
     tdr = board.service.codec.tdr
     start, identifier = tdr.int16(SOP_REQUEST), tdr.int16(_HIGHEST - 1)
     for wrong in (
@@ -87,7 +89,7 @@ def wrong_starts(board: BoardUnderTest) -> Problems:
 
 
 def unknown_functions(board: BoardUnderTest) -> Problems:
-    """A function that the signature has not is refused."""
+    """Yield a function that the signature has not is refused."""
     codec = board.service.codec
     known = [f.layout.function.id for f in board.service.functions.values()]
     for number in (0, max(known, default=0) + 1, _HIGHEST - 1, 0xFFFF):
@@ -98,7 +100,7 @@ def unknown_functions(board: BoardUnderTest) -> Problems:
 
 
 def cut_requests(board: BoardUnderTest) -> Problems:
-    """A client that leaves within a request does not keep others from being served."""
+    """Yield a client that leaves within a request does not keep others from being served."""
     for function in board.functions.values():
         request = _request(function, arguments(function, Values()))
         # Without its last octet nothing is called.
@@ -110,7 +112,7 @@ def cut_requests(board: BoardUnderTest) -> Problems:
 
 
 def answers(board: BoardUnderTest) -> Problems:
-    """Each function answers with a reply of its form, and with no octet more."""
+    """Yield each function answers with a reply of its form, and with no octet more."""
     for function in board.functions.values():
         given = arguments(function, Values())
         problem = board.problem(function, given, "zeros")
@@ -130,7 +132,7 @@ def _surplus(board: BoardUnderTest, function: Function, given: Json) -> str | No
 
 
 def limits(board: BoardUnderTest) -> Problems:
-    """Each number is taken at both ends of its type."""
+    """Yield each number is taken at both ends of its type."""
     for function in board.functions.values():
         for name, scalar in scalars(function):
             for end in ends(scalar, board.service.codec.tdr):
@@ -157,7 +159,7 @@ def arrays(board: BoardUnderTest) -> Problems:
 
 
 def long_arrays(board: BoardUnderTest) -> Problems:
-    """An array beyond the bound of the signature is refused."""
+    """Yield an array beyond the bound of the signature is refused."""
     for function, most in _with_arrays(board):
         if exceeds(function, most + 1):
             request = _too_long(function, board.service.codec.tdr, most)
@@ -167,7 +169,7 @@ def long_arrays(board: BoardUnderTest) -> Problems:
 
 
 def _too_long(function: Function, tdr: Tdr, most: int) -> bytes | None:
-    """A request whose arrays are one element longer than its octets; None if it has none.
+    """Return a request whose arrays are one element longer than its octets; None if it has none.
 
     Lengths stand before all else (spec of the wire, "referenced" parameters), and are written over.
     """
@@ -211,7 +213,7 @@ def nulls(board: BoardUnderTest) -> Problems:
 
 
 def wrong_ends(board: BoardUnderTest) -> Problems:
-    """A request that does not end as its function has it is refused."""
+    """Yield a request that does not end as its function has it is refused."""
     codec = board.service.codec
     for function in board.functions.values():
         request = _request(function, arguments(function, Values()))
@@ -222,7 +224,7 @@ def wrong_ends(board: BoardUnderTest) -> Problems:
 
 
 def segments(board: BoardUnderTest) -> Problems:
-    """A request in pieces is taken, and so are two requests in one piece."""
+    """Yield a request in pieces is taken, and so are two requests in one piece."""
     function = _simplest(board)
     request = _request(function, arguments(function, Values()))
     whole = board.raw([request])
@@ -237,7 +239,7 @@ def segments(board: BoardUnderTest) -> Problems:
 
 
 def oneway(board: BoardUnderTest) -> Problems:
-    """A oneway call has no answer, and the next call has its own."""
+    """Yield a oneway call has no answer, and the next call has its own."""
     for function in board.functions.values():
         if function.oneway:
             given = arguments(function, Values())

@@ -58,7 +58,7 @@ def tested(
 def checked(
     board: BoardUnderTest, subject: str, definition: str, *, actuate: bool
 ) -> Report:
-    """The report of all checks of a board. Raises ToolError if it cannot be reached."""
+    """Return the report of all checks of a board. Raises ToolError if it cannot be reached."""
     if not board.is_there():
         raise ToolError(f"{subject}: no connection")
     outcomes = tuple(

@@ -34,7 +34,7 @@ _NAME: Final = (0x1008, 0)
 _PERIOD: Final = 100
 """Heartbeat period of the checks, in ms."""
 _BEATS: Final = 5
-_MOST_SILENT: Final = 5
+_MAX_SILENT: Final = 5
 """Objects without an answer after which no further ones are read."""
 _READ_ONLY: Final = (sdo.READ_ONLY, sdo.ACCESS_UNSUPPORTED)
 _WRITE_ONLY: Final = (sdo.WRITE_ONLY, sdo.ACCESS_UNSUPPORTED)
@@ -48,7 +48,7 @@ def _objects(node: NodeUnderTest) -> Iterator[DescribedObject]:
 
 
 def _refused(what: object, code: int | None, *wanted: int) -> str | None:
-    """The problem of an access that should have been refused with one of some codes."""
+    """Return the problem of an access that should have been refused with one of some codes."""
     if code in wanted:
         return None
     text = f"{wanted[0]:08X}h, {ABORT_TEXTS[wanted[0]]}"
@@ -57,7 +57,7 @@ def _refused(what: object, code: int | None, *wanted: int) -> str | None:
 
 
 def readable(node: NodeUnderTest) -> Problems:
-    """Every object that the description calls readable is read."""
+    """Yield every object that the description calls readable is read."""
     silent = 0
     for thing in _objects(node):
         if thing.access.readable:
@@ -69,14 +69,14 @@ def readable(node: NodeUnderTest) -> Problems:
             except SilenceError:
                 yield f"{thing}: no answer"
                 silent += 1
-                if silent == _MOST_SILENT:
+                if silent == _MAX_SILENT:
                     raise
             else:
                 yield None
 
 
 def types(node: NodeUnderTest) -> Problems:
-    """The values have the length of their types."""
+    """Yield the values have the length of their types."""
     for number, octets in node.values.items():
         thing = node.described.objects[number]
         wanted = size(thing.kind)
@@ -89,7 +89,7 @@ def types(node: NodeUnderTest) -> Problems:
 
 
 def limits(node: NodeUnderTest) -> Problems:
-    """The values are within LowLimit and HighLimit."""
+    """Yield the values are within LowLimit and HighLimit."""
     for number, octets in node.values.items():
         thing = node.described.objects[number]
         if thing.low is None and thing.high is None:
@@ -159,7 +159,7 @@ def unknown_objects(node: NodeUnderTest) -> Problems:
 
 
 def lengths(node: NodeUnderTest) -> Problems:
-    """A value of a wrong length is refused."""
+    """Yield a value of a wrong length is refused."""
     _writable_heartbeat(node)
     for octets in (bytes(1), bytes(3), bytes(4)):
         code = node.write_code(HEARTBEAT, octets)
@@ -175,7 +175,7 @@ def commands(node: NodeUnderTest) -> Problems:
 
 
 def toggling(node: NodeUnderTest) -> Problems:
-    """A segment whose toggle bit does not alternate ends the transfer."""
+    """Yield a segment whose toggle bit does not alternate ends the transfer."""
     _long(node)
     node.ask(Target(*_NAME).message(sdo.UPLOAD))
     answer = node.ask(bytes((sdo.UPLOAD_SEGMENT | sdo.TOGGLE,)).ljust(8, b"\0"))
@@ -186,7 +186,7 @@ def toggling(node: NodeUnderTest) -> Problems:
 
 
 def segments(node: NodeUnderTest) -> Problems:
-    """A transfer that the client has aborted leaves the server ready, with its value."""
+    """Yield a transfer that the client has aborted leaves the server ready, with its value."""
     _long(node)
     node.ask(Target(*_NAME).message(sdo.UPLOAD))
     node.abandon(_NAME)
@@ -195,7 +195,7 @@ def segments(node: NodeUnderTest) -> Problems:
 
 
 def blocks(node: NodeUnderTest) -> Problems:
-    """A block upload gives what segments give, or is refused as unknown."""
+    """Yield a block upload gives what segments give, or is refused as unknown."""
     for number, octets in node.values.items():
         if len(octets) <= sdo.SEGMENT:
             continue
@@ -210,7 +210,7 @@ def blocks(node: NodeUnderTest) -> Problems:
 
 
 def errors(node: NodeUnderTest) -> Problems:
-    """The error history counts its errors, and takes nothing but 0."""
+    """Yield the error history counts its errors, and takes nothing but 0."""
     if not node.has(*_HISTORY):
         raise SkipError("1003h is not described")
     count = int.from_bytes(node.upload(_HISTORY), "little")
@@ -262,7 +262,7 @@ def heartbeat(node: NodeUnderTest) -> Problems:
 
 
 def guarding(node: NodeUnderTest) -> Problems:
-    """The node answers remote frames with its state and a bit that alternates."""
+    """Yield the node answers remote frames with its state and a bit that alternates."""
     if not node.has(*_GUARD_TIME):
         raise SkipError("100Ch is not described")
     if not node.line.remote_frames:
@@ -287,7 +287,7 @@ def guarding(node: NodeUnderTest) -> Problems:
 
 
 def stopped(node: NodeUnderTest) -> Problems:
-    """A stopped node serves no SDO, and does so again in PRE-OPERATIONAL."""
+    """Yield a stopped node serves no SDO, and does so again in PRE-OPERATIONAL."""
     node.command(NmtCommand.STOP)
     try:
         node.upload((0x1000, 0))
@@ -300,7 +300,7 @@ def stopped(node: NodeUnderTest) -> Problems:
 
 
 def states(node: NodeUnderTest) -> Problems:
-    """Each NMT command leads to its state, as the heartbeat shows it."""
+    """Yield each NMT command leads to its state, as the heartbeat shows it."""
     before = _writable_heartbeat(node)
     node.download(HEARTBEAT, _PERIOD.to_bytes(2, "little"))
     try:
@@ -345,7 +345,7 @@ def range_of_writes(node: NodeUnderTest) -> Problems:
 
 
 def same_value(node: NodeUnderTest) -> Problems:
-    """An object of the application takes the value that it has."""
+    """Yield an object of the application takes the value that it has."""
     for thing in _objects(node):
         before = node.values.get(thing.number)
         if thing.number[0] >= 0x2000 and thing.access.writable and before:
@@ -358,7 +358,7 @@ def same_value(node: NodeUnderTest) -> Problems:
 
 
 def _writable_heartbeat(node: NodeUnderTest) -> bytes:
-    """The octets of 1017h. Raises SkipError if the node does not have it writable."""
+    """Return the octets of 1017h. Raises SkipError if the node does not have it writable."""
     thing = node.described.objects.get(HEARTBEAT)
     if thing is None or not thing.access.writable:
         raise SkipError("1017h is not described as writable")

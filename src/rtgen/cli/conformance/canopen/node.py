@@ -29,13 +29,13 @@ class Line(Protocol):
     remote_frames: bool
 
     def now(self) -> int:
-        """The time."""
+        """Return the time."""
 
     def send(self, frame: Frame, /) -> None:
         """Send a frame."""
 
     def receive(self, until: int, /) -> Frame | None:
-        """The next frame, or None at that time."""
+        """Return the next frame, or None at that time."""
 
 
 class SilenceError(Exception):
@@ -75,7 +75,7 @@ class NodeUnderTest:
         return self.described.id
 
     def upload(self, number: ObjectNumber, *, block: bool = False) -> bytes:
-        """The octets of an object. Raises SdoAbort."""
+        """Return the octets of an object. Raises SdoAbort."""
         client = SdoClient(self.id, timeout=self.bounds.answer)
         return self._transfer(
             client, client.upload(*number, self.line.now(), block=block)
@@ -87,15 +87,15 @@ class NodeUnderTest:
         self._transfer(client, client.download(*number, value, self.line.now()))
 
     def read_code(self, number: ObjectNumber) -> int | None:
-        """The abort code of reading an object, None if it was read."""
+        """Return the abort code of reading an object, None if it was read."""
         return _code(lambda: self.upload(number))
 
     def write_code(self, number: ObjectNumber, value: bytes) -> int | None:
-        """The abort code of writing an object, None if it was written."""
+        """Return the abort code of writing an object, None if it was written."""
         return _code(lambda: self.download(number, value))
 
     def ask(self, data: bytes) -> bytes:
-        """The response to a single SDO message."""
+        """Return the response to a single SDO message."""
         self.line.send(Frame(SDO_REQUEST + self.id, data))
         found = self.await_frame(SDO_RESPONSE + self.id, self.bounds.answer)
         if found is None:
@@ -112,7 +112,7 @@ class NodeUnderTest:
         self.line.send(command_frame(command, self.id))
 
     def await_frame(self, can_id: int, within: int) -> Frame | None:
-        """The next frame of an identifier, None if it does not come within that time."""
+        """Return the next frame of an identifier, None if it does not come within that time."""
         end = self.line.now() + within
         while (frame := self.line.receive(end)) is not None:
             if frame.can_id == can_id and not frame.remote and not frame.extended:
@@ -120,7 +120,9 @@ class NodeUnderTest:
         return None
 
     def await_state(self, wanted: Iterable[NmtState], within: int) -> int | None:
-        """The last state that error control showed; returns as soon as it is one of `wanted`."""
+        """Return the last state that error control showed; returns as soon as it is one of
+        `wanted`.
+        """
         end, states, last = self.line.now() + within, set(wanted), None
         while (left := end - self.line.now()) > 0:
             frame = self.await_frame(ERROR_CONTROL + self.id, left)
@@ -132,7 +134,7 @@ class NodeUnderTest:
         return last
 
     def has(self, index: int, subindex: int = 0) -> bool:
-        """Whether the description has an object."""
+        """Return whether the description has an object."""
         return (index, subindex) in self.described.objects
 
     def _transfer(self, client: SdoClient, frames: list[Frame]) -> bytes:

@@ -19,7 +19,7 @@ from rtgen.runtime.canopen.wire.frames import (
 )
 from rtgen.runtime.canopen.wire.nmt import NmtCommand
 
-_MOST_SYNCHRONOUS: Final = 240
+_MAX_SYNCHRONOUS: Final = 240
 _EVENT_DRIVEN: Final = 254
 
 
@@ -43,7 +43,7 @@ def parameters(node: NodeUnderTest) -> Problems:
 
 
 def synchronous(node: NodeUnderTest) -> Problems:
-    """A TPDO of transmission type n is sent after every n-th SYNC, with its length."""
+    """Yield a TPDO of transmission type n is sent after every n-th SYNC, with its length."""
     found = []
     for pdo in node.described.device.pdos:
         kind = int.from_bytes(node.values.get((pdo.communication, 2), b"\0"), "little")
@@ -52,7 +52,7 @@ def synchronous(node: NodeUnderTest) -> Problems:
         )
         if (
             pdo.direction == "tpdo"
-            and 1 <= kind <= _MOST_SYNCHRONOUS
+            and 1 <= kind <= _MAX_SYNCHRONOUS
             and not cob_id.bit31
         ):
             found.append((pdo, kind, cob_id.can_id))
@@ -78,7 +78,9 @@ def synchronous(node: NodeUnderTest) -> Problems:
 def _receptions(
     node: NodeUnderTest,
 ) -> Iterator[tuple[Pdo, int, list[DescribedObject]]]:
-    """The RPDOs that act at once, with identifiers and mapped objects, all of whole octets."""
+    """Yield the RPDOs that act at once, with identifiers and mapped objects, all of whole
+    octets.
+    """
     for pdo in node.described.device.pdos:
         kind = int.from_bytes(node.values.get((pdo.communication, 2), b"\0"), "little")
         cob_id = CobId(
@@ -127,7 +129,7 @@ def reception(node: NodeUnderTest) -> Problems:
 
 
 def short_reception(node: NodeUnderTest) -> Problems:
-    """An RPDO that is too short changes nothing, and is reported by an emergency."""
+    """Yield an RPDO that is too short changes nothing, and is reported by an emergency."""
     receptions = list(_receptions(node))
     node.command(NmtCommand.START)
     try:

@@ -31,7 +31,7 @@ class BusLine:
         self.remote_frames = bus.carries_remote_frames
 
     def now(self) -> int:
-        """The time in ns."""
+        """Return the time in ns."""
         return time.monotonic_ns()
 
     def send(self, frame: Frame) -> None:
@@ -39,7 +39,7 @@ class BusLine:
         send(self._bus, frame)
 
     def receive(self, until: int) -> Frame | None:
-        """The next frame, or None at that time."""
+        """Return the next frame, or None at that time."""
         while True:
             left = (until - self.now()) / SECOND
             try:
@@ -71,7 +71,7 @@ def tested(
 
 
 def checked(node: NodeUnderTest, definition: str, actuate: bool) -> Report:
-    """The report of all checks of a node. Raises ToolError if the node is not there."""
+    """Return the report of all checks of a node. Raises ToolError if the node is not there."""
     try:
         node.read_code(_DEVICE_TYPE)
     except SilenceError:

@@ -64,7 +64,9 @@ def profile(rtc: RtcUnderTest) -> Problems:
 
 
 def properties(rtc: RtcUnderTest) -> Problems:
-    """The properties of the profile are those of the definition, where the component has them."""
+    """Yield the properties of the profile are those of the definition, where the component has
+    them.
+    """
     found = texts(rtc.profile.properties)
     for name, wanted in rtc.expected.properties.items():
         if name in found:
@@ -72,7 +74,7 @@ def properties(rtc: RtcUnderTest) -> Problems:
 
 
 def identity(rtc: RtcUnderTest) -> Problems:
-    """The component is alive, and its SDO id is its instance name."""
+    """Yield the component is alive, and its SDO id is its instance name."""
     yield None if rtc.call("is_alive", None) else "is_alive says that it is not"
     wanted = rtc.profile.instance_name
     yield _unequal("the SDO id", rtc.call("get_sdo_id"), wanted)
@@ -82,12 +84,12 @@ def identity(rtc: RtcUnderTest) -> Problems:
 
 
 def _found(rtc: RtcUnderTest) -> dict[str, Any]:
-    """The profiles of ports by their names."""
+    """Return the profiles of ports by their names."""
     return {known_name(port.name): port for port in rtc.profile.port_profiles}
 
 
 def _common(rtc: RtcUnderTest) -> Iterator[tuple[str, ExpectedPort, Any]]:
-    """The ports that are both in the definition and there; `ports.names` reports others."""
+    """Yield the ports that are both in the definition and there; `ports.names` reports others."""
     found = _found(rtc)
     for name, expected in rtc.expected.ports.items():
         if name in found:
@@ -95,7 +97,7 @@ def _common(rtc: RtcUnderTest) -> Iterator[tuple[str, ExpectedPort, Any]]:
 
 
 def port_names(rtc: RtcUnderTest) -> Problems:
-    """The ports are those of the definition."""
+    """Yield the ports are those of the definition."""
     found, wanted = _found(rtc), rtc.expected.ports
     for name in wanted:
         yield None if name in found else f"there is no port {name}"
@@ -166,7 +168,7 @@ def unknown_connectors(rtc: RtcUnderTest) -> Problems:
 
 
 def parameter_names(rtc: RtcUnderTest) -> Problems:
-    """The set `default` has the parameters of the definition."""
+    """Yield the set `default` has the parameters of the definition."""
     found, wanted = rtc.sets().get("default", {}), rtc.expected.parameters
     for name in wanted:
         yield None if name in found else f"there is no parameter {name}"
@@ -185,7 +187,7 @@ def parameter_values(rtc: RtcUnderTest) -> Problems:
 
 
 def active_set(rtc: RtcUnderTest) -> Problems:
-    """The active set is one of the sets."""
+    """Yield the active set is one of the sets."""
     active = rtc.active_set()
     known = active in rtc.sets()
     yield None if known else f"the active set {active!r} is none of the sets"
@@ -207,7 +209,7 @@ def unknown_names(rtc: RtcUnderTest) -> Problems:
 
 
 def _parameters(rtc: RtcUnderTest) -> Iterator[tuple[str, ExpectedParameter, str]]:
-    """The parameters that are both in the definition and there, with their values."""
+    """Yield the parameters that are both in the definition and there, with their values."""
     values = rtc.sets().get("default", {})
     for name, parameter in rtc.expected.parameters.items():
         if name in values and parameter.problem(values[name]) is None:
@@ -232,7 +234,7 @@ def set_values(rtc: RtcUnderTest) -> Problems:
 
 
 def _wrong_value(rtc: RtcUnderTest, name: str, text: str, before: str) -> str | None:
-    """The problem of a value that must be refused; one that was taken is set back."""
+    """Return the problem of a value that must be refused; one that was taken is set back."""
     try:
         taken = rtc.set_value("default", name, text)
     except SdoError:
@@ -262,7 +264,7 @@ def values_of_no_type(rtc: RtcUnderTest) -> Problems:
 
 
 def activated_sets(rtc: RtcUnderTest) -> Problems:
-    """Each set becomes the active one; an unknown one is refused."""
+    """Yield each set becomes the active one; an unknown one is refused."""
     before = rtc.active_set()
     for set_id in (*rtc.sets(), before):
         if not rtc.configure("activate_configuration_set", set_id):
@@ -291,7 +293,7 @@ def context_kinds(rtc: RtcUnderTest) -> Problems:
 
 
 def context_profiles(rtc: RtcUnderTest) -> Problems:
-    """The profile of a context has its kind, its rate and its owner."""
+    """Yield the profile of a context has its kind, its rate and its owner."""
     for context in rtc.contexts:
         found = rtc.ask(context, "get_profile")
         yield _unequal("its kind", found.kind, rtc.ask(context, "get_kind"))
@@ -301,7 +303,7 @@ def context_profiles(rtc: RtcUnderTest) -> Problems:
 
 
 def context_handles(rtc: RtcUnderTest) -> Problems:
-    """A context has a handle, by which the component finds it."""
+    """Yield a context has a handle, by which the component finds it."""
     for context in (*rtc.contexts, *rtc.call("get_participating_contexts")):
         handle = rtc.call("get_context_handle", context)
         found = rtc.call("get_context", handle)
@@ -312,7 +314,7 @@ def context_handles(rtc: RtcUnderTest) -> Problems:
 
 
 def states(rtc: RtcUnderTest) -> Problems:
-    """The component has a state in each of its contexts."""
+    """Yield the component has a state in each of its contexts."""
     for context in (*rtc.contexts, *rtc.call("get_participating_contexts")):
         state = rtc.ask(context, "get_component_state", rtc.reference)
         yield "its state is CREATED" if state is CREATED_STATE else None
@@ -330,7 +332,7 @@ def _rows(rtc: RtcUnderTest, rows: tuple[_Row, ...]) -> Problems:
 
 
 def _change(rtc: RtcUnderTest, context: Any, operation: str, state: Any) -> str | None:
-    """The problem of a request that leads to a state."""
+    """Return the problem of a request that leads to a state."""
     code = rtc.ask(context, operation, rtc.reference)
     if code is not RTC_OK:
         return f"{operation} returned {code.name}, not RTC_OK"
@@ -347,13 +349,13 @@ def activation(rtc: RtcUnderTest) -> Problems:
 
 
 def refused_inactive(rtc: RtcUnderTest) -> Problems:
-    """An INACTIVE component is neither deactivated nor reset."""
+    """Yield an INACTIVE component is neither deactivated nor reset."""
     rtc.inactive()
     yield from _rows(rtc, _FIRST)
 
 
 def refused_active(rtc: RtcUnderTest) -> Problems:
-    """An ACTIVE component is neither activated again nor reset."""
+    """Yield an ACTIVE component is neither activated again nor reset."""
     context = rtc.inactive()
     rtc.ask(context, "activate_component", rtc.reference)
     if not rtc.becomes(ACTIVE_STATE):
@@ -363,7 +365,7 @@ def refused_active(rtc: RtcUnderTest) -> Problems:
 
 
 def refused_in_error(rtc: RtcUnderTest) -> Problems:
-    """A component in ERROR is neither activated nor deactivated."""
+    """Yield a component in ERROR is neither activated nor deactivated."""
     if rtc.state() is not ERROR_STATE:
         raise SkipError("it is not in ERROR, to which nobody outside can bring it")
     yield from _rows(rtc, _IN_ERROR)
@@ -383,7 +385,7 @@ class _Stranger:
 
 
 def strangers(rtc: RtcUnderTest) -> Problems:
-    """A context refuses requests for a component that does not participate in it."""
+    """Yield a context refuses requests for a component that does not participate in it."""
     stranger = rtc.exported.serve(DATA_FLOW_COMPONENT, _Stranger())
     try:
         for operation in (
@@ -397,7 +399,7 @@ def strangers(rtc: RtcUnderTest) -> Problems:
 
 
 def running(rtc: RtcUnderTest) -> Problems:
-    """A context stops and starts, each only once."""
+    """Yield a context stops and starts, each only once."""
     context = rtc.inactive()
     for operation, wanted, runs in (
         ("start", PRECONDITION_NOT_MET, True),
@@ -411,7 +413,7 @@ def running(rtc: RtcUnderTest) -> Problems:
 
 
 def rates(rtc: RtcUnderTest) -> Problems:
-    """A periodic context takes another rate, and refuses one that is not above 0."""
+    """Yield a periodic context takes another rate, and refuses one that is not above 0."""
     context = rtc.inactive()
     if rtc.ask(context, "get_kind") is not ExecutionKind.PERIODIC:
         raise SkipError("its execution context is not of PERIODIC kind")

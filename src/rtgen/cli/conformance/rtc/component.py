@@ -78,7 +78,7 @@ class RtcUnderTest(RemoteRtc):
     # States
 
     def becomes(self, state: LifeCycleState) -> bool:
-        """Whether it reaches a state in time."""
+        """Return whether it reaches a state in time."""
         return self._until(lambda: self.state() is state)
 
     def _until(self, condition: Callable[[], bool]) -> bool:
@@ -90,7 +90,7 @@ class RtcUnderTest(RemoteRtc):
         return True
 
     def inactive(self) -> Any:
-        """The context in which the component is INACTIVE now. Raises SkipError."""
+        """Return the context in which the component is INACTIVE now. Raises SkipError."""
         context = self.context
         if not self.ask(context, "is_running"):
             raise SkipError("its execution context does not run")
@@ -146,7 +146,7 @@ class RtcUnderTest(RemoteRtc):
         return f"connectors remain: {', '.join(stands)}" if stands else None
 
     def _made(self, port: Any) -> list[str]:
-        """The ids of a port's connectors that checks have made."""
+        """Return the ids of a port's connectors that checks have made."""
         found = self.at_port(port, "get_connector_profiles")
         names = [each.connector_id for each in found]
         return [name for name in names if name.startswith(CONNECTOR)]

@@ -99,7 +99,7 @@ def _profile(
 
 
 def connected(rtc: RtcUnderTest) -> Problems:
-    """Each port is connected, shows the connector, and is disconnected again."""
+    """Yield each port is connected, shows the connector, and is disconnected again."""
     rtc.inactive()
     with _partner(rtc) as partner:
         for port in rtc.profile.port_profiles:

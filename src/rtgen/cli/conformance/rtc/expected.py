@@ -83,7 +83,7 @@ class ExpectedParameter:
                 yield other
 
     def beyond(self) -> str | None:
-        """A text of its type beyond its limits; None if it has none."""
+        """Return a text of its type beyond its limits; None if it has none."""
         return next(
             (
                 text
@@ -94,7 +94,7 @@ class ExpectedParameter:
         )
 
     def of_no_type(self) -> str | None:
-        """A text that is no value of its type; None if each is one."""
+        """Return a text that is no value of its type; None if each is one."""
         wrong = (text for text in _WRONG if _refusal(self._free, text))
         return next(wrong, None)
 
@@ -144,7 +144,7 @@ class Expected:
 
 
 def _ports(model: Model, component: Component) -> dict[str, ExpectedPort]:
-    """The ports by the names by which OpenRTM knows them."""
+    """Return the ports by the names by which OpenRTM knows them."""
 
     def key(port: Port) -> tuple[str, str]:
         way = _WAYS.get(port.kind, SERVICE)
@@ -168,7 +168,9 @@ def _ports(model: Model, component: Component) -> dict[str, ExpectedPort]:
 
 
 def _names(model: Model, port: Port) -> tuple[str, ...]:
-    """The names that a port's type may have: chosen, repository id, with and without scope."""
+    """Return the names that a port's type may have: chosen, repository id, with and without
+    scope.
+    """
     type_ = model.unalias(port.type)
     assert isinstance(type_, NamedType), "the front end has checked it"
     declaration = model.find(type_.name)

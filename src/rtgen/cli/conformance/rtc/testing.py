@@ -73,7 +73,7 @@ def _expected(file: Path, name: str | None, include: tuple[str, ...]) -> Expecte
 def _answering(
     connect: str, expected: Expected, found: Any, exported: Exported, timeout: float
 ) -> RtcUnderTest:
-    """The component at a place. Raises ToolError."""
+    """Return the component at a place. Raises ToolError."""
     if found is None:
         raise ToolError(
             f"there is no component at {connect}",
@@ -90,7 +90,7 @@ def _answering(
 def checked(
     rtc: RtcUnderTest, subject: str, definition: str, *, actuate: bool
 ) -> Report:
-    """The report of all checks. The component is left as it was found, after Ctrl-C too."""
+    """Return the report of all checks. The component is left as it was found, after Ctrl-C too."""
     try:
         if actuate and rtc.contexts:
             rtc.keep()

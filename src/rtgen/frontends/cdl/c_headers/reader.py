@@ -142,7 +142,7 @@ class Headers:
         """Whether an included file is missing."""
 
     def read(self, file: HeaderFile, definitions: list[str], place: Span) -> Header:
-        """The declarations of a header; `place` is that of its import, for diagnostics."""
+        """Return the declarations of a header; `place` is that of its import, for diagnostics."""
         if file.too_large:
             message = f"{file.name} is larger than {MAX_BYTES:,} bytes"
             self._report(rules.HEADER_LIMIT.at(place, message))
@@ -226,7 +226,7 @@ class _Preprocessor(Preprocessor):  # type: ignore[misc]  # pcpp has no types
             self.add_path(str(folder))
 
     def text(self) -> str:
-        """The text of the file, preprocessed. Raises LimitError."""
+        """Return the text of the file, preprocessed. Raises LimitError."""
         path = str(self._file.path.absolute())
         self.spans[path] = self._file.name
         self.temp_path.insert(0, str(Path(path).parent))
@@ -314,7 +314,7 @@ class _Cutter:
         self._body = False
 
     def pieces(self) -> Iterator[Piece]:
-        """The declarations, in order."""
+        """Yield the declarations, in order."""
         position = 0
         skipping: int | None = None
         for match in _TOKEN.finditer(self._text):

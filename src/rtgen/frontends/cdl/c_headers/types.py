@@ -103,7 +103,7 @@ class Declarations:
         self._declared.clear()
 
     def read(self, text: str, file: str, line: int) -> Iterator[TecsDeclaration]:
-        """The entities that a declaration declares. Raises NotCError."""
+        """Yield the entities that a declaration declares. Raises NotCError."""
         self._file, self._line = file, line
         used = dict.fromkeys(re.findall(r"[A-Za-z_]\w*", text))
         known = [name for name in used if name in self._typedefs or name in _BUILT_IN]
@@ -259,13 +259,13 @@ class Declarations:
         return CEnumType((tag,))
 
     def _internal(self, coord: Any) -> str:
-        """A tag for a struct or enum without one; the same each time its header is read."""
+        """Return a tag for a struct or enum without one; the same each time its header is read."""
         span = self._span(coord)
         place = (self._file, span.line, span.column)
         return self._tags.setdefault(place, f"C_TAG__{len(self._tags)}__")
 
     def _value(self, node: Any) -> int:
-        """The value of a constant expression. Raises _UnknownError."""
+        """Return the value of a constant expression. Raises _UnknownError."""
         if isinstance(node, c_ast.Constant):
             return _constant(node.value)
         if isinstance(node, c_ast.ID) and node.name in self._values:
@@ -339,7 +339,7 @@ def _qualified(type_: CType, words: list[str]) -> CType:
 
 
 def _is_nothing(node: Any) -> bool:
-    """Whether it is the `void` of a function without parameters."""
+    """Return whether it is the `void` of a function without parameters."""
     return (
         isinstance(node, c_ast.TypeDecl)
         and isinstance(node.type, c_ast.IdentifierType)

@@ -19,7 +19,7 @@ MAX_DEPTH = 64
 
 
 def depth(type_: CType) -> int:
-    """The nesting depth of a type."""
+    """Return the nesting depth of a type."""
     found = 1
     while True:
         if isinstance(type_, CPointerType | CTypedefType):
@@ -37,12 +37,12 @@ OPAQUE = "unknown "
 
 
 def opaque(name: str) -> CStructType:
-    """A placeholder for a type known by name only, or without counterpart in CDL."""
+    """Return a placeholder for a type known by name only, or without counterpart in CDL."""
     return CStructType((f"{OPAQUE}{name}",))
 
 
 def pointer_depth(type_: CType) -> int:
-    """The number of pointer levels; arrays do not count."""
+    """Return the number of pointer levels; arrays do not count."""
     depth = 0
     found = resolve(type_)
     while isinstance(found, CPointerType):
@@ -52,7 +52,7 @@ def pointer_depth(type_: CType) -> int:
 
 
 def is_const(type_: CType) -> bool:
-    """Whether the value itself may not change; of an array, its elements."""
+    """Return whether the value itself may not change; of an array, its elements."""
     while True:
         if isinstance(type_, CArrayType):
             type_ = type_.element
@@ -63,6 +63,6 @@ def is_const(type_: CType) -> bool:
 
 
 def is_void(type_: CType) -> bool:
-    """Whether a type is `void`, directly or by a typedef."""
+    """Return whether a type is `void`, directly or by a typedef."""
     found = resolve(type_)
     return isinstance(found, CScalarType) and found.kind is Scalar.VOID

@@ -24,12 +24,12 @@ Report: TypeAlias = Callable[[Diagnostic], None]
 
 
 def component(found: Entity | Scope | None) -> object:
-    """The celltype, composite or cell of an entity; None for a broken or other entity."""
+    """Return the celltype, composite or cell of an entity; None for a broken or other entity."""
     return found.component if isinstance(found, Entity) else None
 
 
 def here(found: Entity | Scope, label: str = "declared here") -> list[Related]:
-    """The place of a declaration, where it has one."""
+    """Return the place of a declaration, where it has one."""
     return [] if found.place is None else [Related(found.place, label)]
 
 
@@ -50,15 +50,15 @@ class Place(msgspec.Struct, frozen=True):
     scope: Scope
 
     def span(self, node: Spanned) -> Span:
-        """The span of a node."""
+        """Return the span of a node."""
         return self.unit.span(node.start, node.end)
 
     def lookup(self, name: tree.ScopedName) -> Entity | Scope | None:
-        """The entity or scope of a name, seen from this place; None if it is unknown."""
+        """Return the entity or scope of a name, seen from this place; None if it is unknown."""
         return self.scope.find(name)
 
     def near(self, name: tree.Name, *kinds: Kind) -> str | None:
-        """A hint with a similar visible name of those kinds; None if there is none."""
+        """Return a hint with a similar visible name of those kinds; None if there is none."""
         found = nearest(
             name.text,
             (
@@ -72,7 +72,7 @@ class Place(msgspec.Struct, frozen=True):
         return f"did you mean {found}?" if found else None
 
     def may_be_declared(self, name: tree.ScopedName) -> bool:
-        """Whether a statement with a syntax error may have declared the name."""
+        """Return whether a statement with a syntax error may have declared the name."""
         return name.parts[-1].text in self.unit.maybe_declared
 
 
@@ -92,12 +92,14 @@ class Values(Protocol):
         """Whether an import is missing, so that unknown names may be declared there."""
 
     def declare(self, declaration: tree.Declaration, place: Place) -> list[Declared]:
-        """The names that a declaration of attributes or variables declares; reports errors."""
+        """Return the names that a declaration of attributes or variables declares; reports
+        errors.
+        """
 
     def constant(
         self, expression: tree.Expression, place: Place, names: Names | None = None
     ) -> object:
-        """The value of a constant expression; None, without a diagnostic, if it has none."""
+        """Return the value of a constant expression; None, without a diagnostic, if it has none."""
 
     def initial(
         self,
@@ -106,7 +108,8 @@ class Values(Protocol):
         place: Place,
         types: Mapping[str, CType],
     ) -> Expression | None:
-        """The model of an initialiser of the type; None, after a diagnostic, if it does not fit.
+        """Return the model of an initialiser of the type; None, after a diagnostic, if it does not
+        fit.
 
         `types` are those of the attributes that it may use.
         """
@@ -114,7 +117,7 @@ class Values(Protocol):
     def expression(
         self, expression: tree.Expression, place: Place, types: Mapping[str, CType]
     ) -> Expression | None:
-        """The model of an expression; None, after a diagnostic, if it has errors."""
+        """Return the model of an expression; None, after a diagnostic, if it has errors."""
 
 
 Names: TypeAlias = Callable[[str], "tuple[tree.Initialiser, Place] | None"]
@@ -237,11 +240,11 @@ class Celltype(msgspec.Struct, eq=False):
         return not self.active and not factory
 
     def real(self) -> Counter[Celltype]:
-        """The celltypes of the simple cells that a cell expands to, with their number."""
+        """Return the celltypes of the simple cells that a cell expands to, with their number."""
         return Counter([self])
 
     def fixed(self) -> Sequence[tuple[Port, str]]:
-        """The ports with a fixed join, by their names in this celltype."""
+        """Return the ports with a fixed join, by their names in this celltype."""
         return [(port, port.name) for port in self.ports if port.fixed is not None]
 
 
@@ -273,7 +276,7 @@ class Composite(Celltype, eq=False):
     _inside: _Inside = msgspec.field(default_factory=_Inside)
 
     def export(self, name: str) -> Exported | None:
-        """The first export of that name."""
+        """Return the first export of that name."""
         return next((e for e in self.exports if e.name == name), None)
 
     @property
@@ -282,15 +285,15 @@ class Composite(Celltype, eq=False):
         return not self.active and self._inside.inactive
 
     def real(self) -> Counter[Celltype]:
-        """The celltypes of the inner cells, with nested composites expanded."""
+        """Return the celltypes of the inner cells, with nested composites expanded."""
         return self._inside.real
 
     def fixed(self) -> Sequence[tuple[Port, str]]:
-        """The ports with a fixed join, those of inner cells under their outer names."""
+        """Return the ports with a fixed join, those of inner cells under their outer names."""
         return [*Celltype.fixed(self), *self._inside.fixed]
 
     def kept(self) -> Sequence[Port]:
-        """The ports with a fixed join that inner cells do not export."""
+        """Return the ports with a fixed join that inner cells do not export."""
         return self._inside.kept
 
     @property

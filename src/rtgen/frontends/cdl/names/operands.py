@@ -55,7 +55,7 @@ class ExpressionError(Exception):
 
 
 def operand_class_of(type_: CType) -> OperandClass:
-    """The operand class of values of a type."""
+    """Return the operand class of values of a type."""
     found = resolve(type_)
     if isinstance(found, CPointerType | CArrayType):
         return OperandClass.POINTER

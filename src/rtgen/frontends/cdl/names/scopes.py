@@ -104,11 +104,11 @@ class Scope(msgspec.Struct, eq=False):
         return found
 
     def own(self, name: str) -> Entity | Scope | None:
-        """The entity of that name in this scope itself."""
+        """Return the entity of that name in this scope itself."""
         return self.entities.get(name) or self.scopes.get(name)
 
     def find_tag(self, tag: str) -> Entity | None:
-        """The struct or enum of a tag in this scope or an enclosing one."""
+        """Return the struct or enum of a tag in this scope or an enclosing one."""
         for scope in self.outwards():
             found = scope.tags.get(tag)
             if found is not None:
@@ -116,7 +116,7 @@ class Scope(msgspec.Struct, eq=False):
         return None
 
     def visible(self) -> Iterator[str]:
-        """The names that can be used here without a path, for hints."""
+        """Yield the names that can be used here without a path, for hints."""
         for scope in self.outwards():
             yield from scope.entities
             yield from scope.scopes

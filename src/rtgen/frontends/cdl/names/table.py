@@ -44,7 +44,7 @@ class Table:
         return self.lacking
 
     def model(self) -> tuple[TecsDeclaration, ...]:
-        """The model of the unit: all declarations without errors."""
+        """Return the model of the unit: all declarations without errors."""
         return tuple(e.declaration for e in self.declarations if e.declaration)
 
     def declare(
@@ -93,7 +93,7 @@ class Table:
         self.declarations.append(entity)
 
     def tag(self, name: ScopedName) -> Entity | None:
-        """The struct or enum of a full name, if its members are known or being read."""
+        """Return the struct or enum of a full name, if its members are known or being read."""
         scope: Scope | None = self.root
         for part in name[:-1]:
             scope = scope.scopes.get(part) if scope is not None else None
@@ -131,5 +131,5 @@ class Table:
             self.prelude_used[name] = unit.place(node)
 
     def doc(self, unit: Unit, start: int, end: int) -> str:
-        """The comment that belongs to [start, end)."""
+        """Return the comment that belongs to [start, end)."""
         return unit.source.docs.of(start, end)

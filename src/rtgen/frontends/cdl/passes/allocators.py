@@ -78,7 +78,9 @@ class _Resolver:
     def _parameter(
         self, signature: Signature, function: tree.Name, parameter: tree.Name
     ) -> TecsParameter | None:
-        """The send or receive parameter of those names; None, after a diagnostic, if invalid."""
+        """Return the send or receive parameter of those names; None, after a diagnostic, if
+        invalid.
+        """
         place = self.type_.place
         owner = next((f for f in signature.functions if f.name == function.text), None)
         if owner is None:

@@ -202,7 +202,7 @@ _KINDS: dict[type[TecsDeclaration], Kind] = {
 
 
 def _same(one: TecsDeclaration, two: TecsDeclaration) -> bool:
-    """Whether two declarations of a name are equivalent."""
+    """Return whether two declarations of a name are equivalent."""
     match one, two:
         case TecsTypedef(), TecsTypedef():
             return resolve(one.type) == resolve(two.type)

@@ -39,7 +39,9 @@ COMPARISONS: dict[str, Callable[[Any, Any], bool]] = {
 
 
 def number_literal(node: tree.Number) -> Operand:
-    """The operand of a literal: decimal, octal (0...), hexadecimal (0x...) or floating-point."""
+    """Return the operand of a literal: decimal, octal (0...), hexadecimal (0x...) or
+    floating-point.
+    """
     text = node.text
     value: int | float
     if "." in text:
@@ -60,14 +62,14 @@ def operand_of(
     model: Expression,
     type_: CType | None = None,
 ) -> Operand:
-    """The operand; its model is a literal if the value is constant."""
+    """Return the operand; its model is a literal if the value is constant."""
     if value is None:
         return Operand(operand_class, None, model, type_)
     return Operand(operand_class, value, Literal(value), type_)
 
 
 def as_float(value: bool | int | float) -> float:
-    """The nearest floating-point number; infinity for too large an integer."""
+    """Return the nearest floating-point number; infinity for too large an integer."""
     try:
         return float(value)
     except OverflowError:
@@ -85,14 +87,14 @@ _BITS = {
 
 
 def width(kind: Scalar) -> str:
-    """The width of a basic type as a pointer's target; tecsgen ignores the sign."""
+    """Return the width of a basic type as a pointer's target; tecsgen ignores the sign."""
     if kind in (Scalar.CHAR, Scalar.SCHAR, Scalar.UCHAR):
         return Scalar.CHAR
     return kind.removeprefix("unsigned ").removeprefix("u")
 
 
 def wrapped(value: int, type_: CType) -> int:
-    """An integer after a cast to a sized type."""
+    """Return an integer after a cast to a sized type."""
     found = resolve(type_)
     if not isinstance(found, CScalarType) or found.kind not in _BITS:
         return value
@@ -104,7 +106,7 @@ def wrapped(value: int, type_: CType) -> int:
 
 
 def limits(type_: CType) -> tuple[int | None, int | None]:
-    """The least and the greatest value of an integer type, where they are known."""
+    """Return the least and the greatest value of an integer type, where they are known."""
     found = resolve(type_)
     assert isinstance(found, CScalarType)
     bits, unsigned = _BITS.get(found.kind), found.kind in tdr.UNSIGNED
@@ -116,7 +118,9 @@ def limits(type_: CType) -> tuple[int | None, int | None]:
 
 
 def clipped(value: float, type_: CType) -> int:
-    """A floating-point number after a cast to an integer type: the nearest value in range."""
+    """Return a floating-point number after a cast to an integer type: the nearest value in
+    range.
+    """
     low, high = limits(type_)
     if not math.isfinite(value):
         return (high or 0) if value > 0 else (low or 0)
@@ -126,7 +130,9 @@ def clipped(value: float, type_: CType) -> int:
 
 
 def whole_number(found: Operand) -> Operand:
-    """The integer of a constant in tecsgen's arithmetic: a truth value is 0 or 1, 2.0 is 2."""
+    """Return the integer of a constant in tecsgen's arithmetic: a truth value is 0 or 1, 2.0 is
+    2.
+    """
     value = found.value
     if isinstance(value, bool) or (isinstance(value, float) and value.is_integer()):
         return Operand(OperandClass.INTEGER, int(value), Literal(int(value)))

@@ -128,7 +128,7 @@ class CellSpecifiers:
         cell.allocators.append(CellAllocator(port, index, function, parameter, join))
 
     def index(self, subscript: tree.Subscript | None, place: Place) -> int | None:
-        """The number in a subscript: -1 for `[]`, None where there is none."""
+        """Return the number in a subscript: -1 for `[]`, None where there is none."""
         if subscript is None:
             return None
         if subscript.index is None:

@@ -88,7 +88,7 @@ class Cells:
     def _celltype(
         self, node: statements.Cell, place: Place, inside: Composite | None
     ) -> tuple[Celltype | None, bool]:
-        """The celltype of a cell, and whether a plug-in may have declared it."""
+        """Return the celltype of a cell, and whether a plug-in may have declared it."""
         found = place.lookup(node.celltype)
         if found is not None and found.kind in _TYPES:
             known = component(found)
@@ -135,7 +135,9 @@ class Cells:
         type_: Celltype | None,
         guessed: bool,
     ) -> tuple[Cell, bool]:
-        """The cell of that name, created if missing; False if another entity has the name."""
+        """Return the cell of that name, created if missing; False if another entity has the
+        name.
+        """
         name, scope = node.name.text, place.scope
         span = place.span(node.name)
         around = scope.name if inside is None else inside.entity.name
@@ -319,7 +321,9 @@ class Cells:
     def _inner_value(
         self, cell: Cell, node: statements.Join, place: Place
     ) -> tuple[bool, tree.Initialiser | None]:
-        """Whether an attribute of an inner cell has a value in the composite, and the value."""
+        """Return whether an attribute of an inner cell has a value in the composite, and the
+        value.
+        """
         assert cell.inside is not None
         assert cell.celltype is not None
         value = node.value

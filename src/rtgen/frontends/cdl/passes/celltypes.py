@@ -149,7 +149,7 @@ class Celltypes:
         return None
 
     def _unseen(self, name: tree.ScopedName, place: Place) -> bool:
-        """Whether an import or plug-in may declare an unknown name; reports the plug-in."""
+        """Return whether an import or plug-in may declare an unknown name; reports the plug-in."""
         if place.may_be_declared(name) or self._values.incomplete:
             return True
         maker = self._applied.of_types
@@ -159,7 +159,7 @@ class Celltypes:
         return maker is not None
 
     def _declared(self, name: ScopedName, place: Place) -> Signature | None:
-        """The signature of a name, looked up from the root scope."""
+        """Return the signature of a name, looked up from the root scope."""
         scope = place.scope.root
         for part in name[:-1]:
             scope = scope.scopes[part]
@@ -366,7 +366,7 @@ class Celltypes:
             )
 
     def _sized_list(self, variable: Variable) -> bool:
-        """Whether a list initialises a pointer without size, which is reported."""
+        """Return whether a list initialises a pointer without size, which is reported."""
         assert variable.type is not None
         if not is_unsized_list(variable, variable.value):
             return False
@@ -410,7 +410,7 @@ class Celltypes:
 
 
 def attribute_values(type_: Celltype, cell: Cell | None = None) -> Names:
-    """The values of attributes by name: the cell's, else the default of the celltype."""
+    """Return the values of attributes by name: the cell's, else the default of the celltype."""
 
     def value(name: str) -> tuple[tree.Initialiser, Place] | None:
         if cell is not None and name in cell.joins:
@@ -430,7 +430,9 @@ def attribute_values(type_: Celltype, cell: Cell | None = None) -> Names:
 
 
 def declared_size(values: Values, type_: Celltype, variable: Variable) -> object:
-    """The size of a list by the celltype's defaults; an attribute without one counts as 0."""
+    """Return the size of a list by the celltype's defaults; an attribute without one counts as
+    0.
+    """
     given = attribute_values(type_)
 
     def names(name: str) -> tuple[tree.Initialiser, Place] | None:
@@ -444,7 +446,7 @@ def declared_size(values: Values, type_: Celltype, variable: Variable) -> object
 
 
 def attribute_types(type_: Celltype) -> dict[str, CType]:
-    """The types of the attributes."""
+    """Return the types of the attributes."""
     return {
         v.name: v.type
         for v in type_.variables
@@ -453,7 +455,7 @@ def attribute_types(type_: Celltype) -> dict[str, CType]:
 
 
 def is_unsized_list(variable: Variable, value: object) -> bool:
-    """Whether a value is a list for a pointer without size."""
+    """Return whether a value is a list for a pointer without size."""
     return (
         variable.type is not None
         and variable.size_is is None

@@ -22,7 +22,7 @@ from rtgen.frontends.cdl.rules import celltypes as rules
 from rtgen.frontends.cdl.rules import syntax
 from rtgen.frontends.cdl.syntax import statements, tree
 from rtgen.frontends.kit.suggestions import nearest
-from rtgen.limits import MOST_LEVELS
+from rtgen.limits import MAX_LEVELS
 
 
 class Composites:
@@ -73,8 +73,8 @@ class Composites:
         for inner_cell in inner:
             self._open_ends.check(inner_cell)
         composite.close()
-        if composite.levels == MOST_LEVELS + 1:
-            message = f"composites are nested for more than {MOST_LEVELS} levels"
+        if composite.levels == MAX_LEVELS + 1:
+            message = f"composites are nested for more than {MAX_LEVELS} levels"
             self._report(syntax.TOO_DEEP.at(composite.entity.place, message))
         self._check_exports(composite)
         self._check_allocators(composite)

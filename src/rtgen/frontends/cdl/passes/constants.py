@@ -111,7 +111,9 @@ class Constants:
         scope: Scope,
         names: Mapping[str, CType] | None = None,
     ) -> Expression | None:
-        """The model of an initialiser of the type; None, after a diagnostic, if it does not fit."""
+        """Return the model of an initialiser of the type; None, after a diagnostic, if it does not
+        fit.
+        """
         return _Initial(self._types.expressions, unit, scope, names or {}).of(
             value, type_
         )
@@ -140,7 +142,7 @@ class _Initial:
         self._table.report(rule.at(span, message, hint=hint))
 
     def of(self, value: tree.Initialiser, type_: CType) -> Expression | None:
-        """The model of a value of the type; None, after a diagnostic, if it does not fit."""
+        """Return the model of a value of the type; None, after a diagnostic, if it does not fit."""
         if isinstance(value, tree.CExp):
             if isinstance(resolve(type_), CArrayType):
                 self._report(rules.SHAPE, value, "an array takes its values in braces")
@@ -288,18 +290,19 @@ class _Initial:
 
 
 def _plain(type_: CType) -> str:
-    """The type as a cast spells it, without top-level qualifiers."""
+    """Return the type as a cast spells it, without top-level qualifiers."""
     return str(type_).removeprefix("const ").removesuffix(" const")
 
 
 def is_character(type_: CType) -> bool:
-    """Whether a pointer to the type accepts a string; tecsgen rejects typedefs."""
+    """Return whether a pointer to the type accepts a string; tecsgen rejects typedefs."""
     return isinstance(type_, CScalarType) and type_.kind in _CHARACTERS
 
 
 def _alike(one: CType, other: CType | None) -> bool:
-    """Whether tecsgen considers two pointer types equal: it compares their targets, level by level,
-    by kind and width."""
+    """Return whether tecsgen considers two pointer types equal: it compares their targets, level by
+    level, by kind and width.
+    """
     while isinstance(one, CPointerType) and isinstance(other, CPointerType):
         one, other = one.target, other.target
         if type(one) is not type(other):

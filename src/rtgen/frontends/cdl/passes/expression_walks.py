@@ -15,7 +15,7 @@ from rtgen.model.c_types import (
 
 
 def nesting_depth(expression: Expression) -> int:
-    """The nesting depth of operators."""
+    """Return the nesting depth of operators."""
     deepest = 0
     left = [(expression, 1)]
     while left:
@@ -32,7 +32,7 @@ def nesting_depth(expression: Expression) -> int:
 
 
 def references(expression: Expression) -> Iterator[str]:
-    """The names that an expression uses."""
+    """Yield the names that an expression uses."""
     match expression:
         case Reference(name):
             yield name

@@ -55,9 +55,9 @@ ReadType: TypeAlias = Callable[[tree.TypeName, Unit, Scope], CType | None]
 MAX_DEPTH = 100
 """The largest nesting depth of operators whose value is not constant."""
 
-_MOST_DIGITS = 1000
+_MAX_DIGITS = 1000
 
-_MOST_BITS = 4096
+_MAX_BITS = 4096
 """Integers of more bits are not computed."""
 
 _ESCAPES = {
@@ -79,7 +79,7 @@ class Expressions:
         scope: Scope,
         names: Mapping[str, CType] | None = None,
     ) -> Operand | None:
-        """The operand of an expression; `names`: parameters, members, attributes it may use.
+        """Return the operand of an expression; `names`: parameters, members, attributes it may use.
 
         None, after a diagnostic, if the expression has errors.
         """
@@ -94,7 +94,9 @@ class Expressions:
         return found
 
     def integer(self, written: tree.Expression, unit: Unit, scope: Scope) -> int | None:
-        """The value of a constant integer expression; None, after a diagnostic, for another one."""
+        """Return the value of a constant integer expression; None, after a diagnostic, for another
+        one.
+        """
         found = self.operand(written, unit, scope)
         if found is None:
             return None
@@ -114,7 +116,9 @@ class Expressions:
         scope: Scope,
         names: Mapping[str, CType],
     ) -> Expression | None:
-        """The model of a size of struct members; None, after a diagnostic, if it has errors."""
+        """Return the model of a size of struct members; None, after a diagnostic, if it has
+        errors.
+        """
         assert not isinstance(written, tree.Name | tree.Allocation | tree.Restriction)
         found = self.operand(written, unit, scope, names)
         if found is None:
@@ -150,10 +154,10 @@ class ExpressionAnalysis:
         return ExpressionError()
 
     def at(self, node: tree.Expression) -> Operand:
-        """The operand of an expression. Raises ExpressionError."""
+        """Return the operand of an expression. Raises ExpressionError."""
         match node:
-            case tree.Number() if len(node.text) > _MOST_DIGITS:
-                message = f"a number has at most {_MOST_DIGITS} digits"
+            case tree.Number() if len(node.text) > _MAX_DIGITS:
+                message = f"a number has at most {_MAX_DIGITS} digits"
                 raise self.error(rules.RANGE, node, message)
             case tree.Number():
                 return number_literal(node)
@@ -372,7 +376,9 @@ class ExpressionAnalysis:
         return Operand(class_, None, model, yes.type)
 
     def _truth(self, node: tree.Expression, operand: Operand) -> bool | None:
-        """The truth value of an operand; None if it is not constant. Raises ExpressionError."""
+        """Return the truth value of an operand; None if it is not constant. Raises
+        ExpressionError.
+        """
         if operand.operand_class not in (
             OperandClass.BOOL,
             OperandClass.INTEGER,
@@ -446,7 +452,7 @@ class ExpressionAnalysis:
         )
 
     def _computed(self, node: tree.Chain, mark: str, one: Any, two: Any) -> Any:
-        if mark in ("<<", ">>") and not 0 <= two < _MOST_BITS:
+        if mark in ("<<", ">>") and not 0 <= two < _MAX_BITS:
             message = f"a shift by {two} has no value"
             raise self.error(rules.OPERATOR_KIND, node, message)
         try:
@@ -455,7 +461,7 @@ class ExpressionAnalysis:
             value = OPERATORS[mark](one, two)
         except OverflowError:
             value = math.inf
-        if isinstance(value, int) and value.bit_length() > _MOST_BITS:
+        if isinstance(value, int) and value.bit_length() > _MAX_BITS:
             raise self.error(
                 rules.RANGE, node, "this value is too large to be computed"
             )

@@ -82,7 +82,7 @@ class ImplicitJoins(Joins):
         return join
 
     def nearest(self, type_: Celltype, cell: Cell) -> Cell | None:
-        """The nearest reachable cell of a singleton celltype."""
+        """Return the nearest reachable cell of a singleton celltype."""
         best, least = None, -1
         for other in type_.cells:
             distance = self._regions.distance(cell.region, other.region)

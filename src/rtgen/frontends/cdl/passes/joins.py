@@ -192,7 +192,7 @@ class Joins:
                 join.port, join.chain = port, join.plugins
 
     def _target(self, join: Join) -> Target | None:
-        """The target of `Cell.eEntry` or `Cell.eEntry[i]`."""
+        """Return the target of `Cell.eEntry` or `Cell.eEntry[i]`."""
         value, place = join.value, join.place
         match value:
             case tree.Postfix(
@@ -222,7 +222,7 @@ class Joins:
         )
 
     def _cell(self, cell: Cell, target: Target) -> Cell | None:
-        """The target cell of a join; None, after a diagnostic, if invalid."""
+        """Return the target cell of a join; None, after a diagnostic, if invalid."""
         name = target.cell
         if isinstance(name, Cell):
             return name

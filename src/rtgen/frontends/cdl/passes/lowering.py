@@ -21,7 +21,7 @@ from rtgen.model.types import ScopedName
 
 
 def variables(type_: known.Celltype, kind: str) -> Iterator[TecsVariable]:
-    """The attributes (`attr`) or variables (`var`) of a celltype that have a type."""
+    """Yield the attributes (`attr`) or variables (`var`) of a celltype that have a type."""
     for variable in type_.variables:
         if variable.kind != kind or variable.type is None:
             continue
@@ -37,7 +37,7 @@ def variables(type_: known.Celltype, kind: str) -> Iterator[TecsVariable]:
 
 
 def cell_of(cell: known.Cell, doc: str, report: known.Report) -> Cell:
-    """The model of a cell; reports errors in the options of plug-ins on its joins."""
+    """Return the model of a cell; reports errors in the options of plug-ins on its joins."""
     type_ = cell.celltype
     name = _scoped(cell.celltype_name) if type_ is None else type_.entity.name
     return Cell(
@@ -104,7 +104,7 @@ def _through(
 
 
 def port_of(port: known.Port) -> TecsPort:
-    """The model of a port."""
+    """Return the model of a port."""
     return TecsPort(
         name=port.name,
         kind=port.kind,
@@ -129,7 +129,9 @@ def _scoped(name: tree.ScopedName) -> ScopedName:
 
 
 def _argument(plugin: known.Plugin) -> PluginArgument:
-    """The argument with the places of its pieces; a piece ends with its line of the source."""
+    """Return the argument with the places of its pieces; a piece ends with its line of the
+    source.
+    """
     pieces = []
     offset = 0
     for part in plugin.argument.parts:
@@ -144,7 +146,7 @@ def _argument(plugin: known.Plugin) -> PluginArgument:
 
 
 def _words(cell: known.Cell, join: known.Join, plugin: known.Plugin) -> dict[str, str]:
-    """The `$...$` substitutions in the argument of a plug-in."""
+    """Return the `$...$` substitutions in the argument of a plug-in."""
     caller = cell.entity.name
     callee = join.cell.entity.name if join.cell is not None else join.made
     start = cell.region

@@ -22,7 +22,7 @@ from rtgen.frontends.cdl.rules import celltypes as celltype_rules
 from rtgen.frontends.cdl.rules import regions as region_rules
 from rtgen.frontends.cdl.syntax import tree
 
-_MOST_NAMED = 5
+_MAX_NAMED = 5
 _WORD = re.compile(r"[A-Za-z_]\w*", re.ASCII)
 
 
@@ -92,15 +92,15 @@ class OpenEnds:
         size = port.size if port.size is not None else max(taken) + 1
         surplus = max(taken) + 1 > size
         # Enough places to find every unjoined one that the message names.
-        places = range(min(size, len(taken) + _MOST_NAMED + 1))
+        places = range(min(size, len(taken) + _MAX_NAMED + 1))
         holes = [n for n in places if n not in taken]
         if not surplus and (port.optional or not holes):
             return
         if surplus:
             message = f"{port.name} has {size} places, and {max(taken) + 1} joins"
         else:
-            which = ", ".join(f"{port.name}[{n}]" for n in holes[:_MOST_NAMED])
-            message = f"{which}{' ...' * (len(holes) > _MOST_NAMED)} of {cell.name} is not joined"
+            which = ", ".join(f"{port.name}[{n}]" for n in holes[:_MAX_NAMED])
+            message = f"{which}{' ...' * (len(holes) > _MAX_NAMED)} of {cell.name} is not joined"
         self._report(
             rules.ARRAY_HOLE.at(
                 joins[-1].span, message, related=[Related(port.span, "the port")]

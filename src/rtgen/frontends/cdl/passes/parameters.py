@@ -82,7 +82,9 @@ class ParameterAnalysis(SignatureAnalysis):
     """Analyses the parameters of one function."""
 
     def of(self, written: tree.Parameters) -> tuple[TecsParameter, ...] | None:
-        """The model of a function's parameters; None, after diagnostics, if one has errors."""
+        """Return the model of a function's parameters; None, after diagnostics, if one has
+        errors.
+        """
         if len(written.items) == 1 and self._is_nothing(written.items[0]):
             return ()
         found: dict[str, _Parameter] = {}
@@ -126,7 +128,7 @@ class ParameterAnalysis(SignatureAnalysis):
         return tuple(made) if good else None
 
     def _is_nothing(self, item: tree.Parameter) -> bool:
-        """Whether it is the `void` of a function without parameters."""
+        """Return whether it is the `void` of a function without parameters."""
         if item.declarator is not None or item.specifiers is not None:
             return False
         written = item.type.type
@@ -442,8 +444,9 @@ class ParameterAnalysis(SignatureAnalysis):
 
 
 def _tecsgen_knows(size: object) -> bool:
-    """Whether tecsgen can type a size that is not constant: it uses the type of the first
-    operand, and supports parameters, their targets, and arithmetic of these only."""
+    """Return whether tecsgen can type a size that is not constant: it uses the type of the first
+    operand, and supports parameters, their targets, and arithmetic of these only.
+    """
     match size:
         case tree.ScopedName():
             return True
@@ -457,7 +460,7 @@ def _tecsgen_knows(size: object) -> bool:
 
 
 def _needed_levels(parameter: _Parameter) -> int:
-    """The number of pointer levels required by a parameter's direction and specifiers."""
+    """Return the number of pointer levels required by a parameter's direction and specifiers."""
     given = parameter.given
     size = "size_is" in given or "count_is" in given
     string = "string" in given
@@ -468,7 +471,7 @@ def _needed_levels(parameter: _Parameter) -> int:
 
 
 def _target(type_: CType) -> CType:
-    """The type behind all pointer levels."""
+    """Return the type behind all pointer levels."""
     for _ in range(pointer_depth(type_)):
         inner = resolve(type_)
         assert isinstance(inner, CPointerType)

@@ -26,7 +26,7 @@ def options(
     known: Mapping[str, str],
     report: Callable[[Diagnostic], None],
 ) -> tuple[PluginOption, ...]:
-    """The options of an argument; parsing stops, after a diagnostic, at a malformed one.
+    """Return the options of an argument; parsing stops, after a diagnostic, at a malformed one.
 
     `known` maps the words between dollars to their replacements: `source`, `count`, ...
     """
@@ -96,7 +96,7 @@ class _Reader:
         return option
 
     def _value(self, name: str) -> tuple[int, int] | None:
-        """The start and end of a value without its quotes; advances past its comma."""
+        """Return the start and end of a value without its quotes; advances past its comma."""
         text, start = self._text, self._place
         mark = next((m for m in _MARKS if text.startswith(m, start)), None)
         if mark is None:

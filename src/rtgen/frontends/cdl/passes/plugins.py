@@ -133,20 +133,22 @@ TECSGEN = THROUGH | GENERATE | DOMAIN
 
 
 def class_name(name: str) -> str:
-    """The class name by which tecsgen loads a plug-in: with an initial capital."""
+    """Return the class name by which tecsgen loads a plug-in: with an initial capital."""
     return name[:1].upper() + name[1:]
 
 
 def is_ours(name: str) -> bool:
-    """Whether a name, as written, is that of rtgen's plug-in."""
+    """Return whether a name, as written, is that of rtgen's plug-in."""
     return class_name(name) in OURS
 
 
 def is_known(name: str) -> bool:
-    """Whether a name, as written, is that of rtgen's plug-in or of one that tecsgen ships."""
+    """Return whether a name, as written, is that of rtgen's plug-in or of one that tecsgen
+    ships.
+    """
     return is_ours(name) or class_name(name) in TECSGEN or f"{name}Plugin" in DOMAIN
 
 
 def may_join(name: str) -> bool:
-    """Whether a plug-in of a celltype may join call ports; an unknown plug-in may."""
+    """Return whether a plug-in of a celltype may join call ports; an unknown plug-in may."""
     return class_name(name) in JOINING or not is_known(name)

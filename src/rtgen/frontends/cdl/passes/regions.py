@@ -41,13 +41,13 @@ class Regions:
         self._permits: dict[Scope, Permits] = {root: Permits(node=True)}
 
     def of(self, scope: Scope) -> Permits:
-        """The joins that a region permits."""
+        """Return the joins that a region permits."""
         return self._permits.setdefault(scope, Permits())
 
     def open(
         self, item: statements.Item, node: statements.Region, place: Place
     ) -> Scope:
-        """The scope of a region, created at its first appearance."""
+        """Return the scope of a region, created at its first appearance."""
         outer, name = place.scope, node.name.text
         span = place.span(node.name)
         given = specifiers.accepted(
@@ -172,7 +172,7 @@ class Regions:
     # Paths
 
     def link_unit(self, scope: Scope) -> Scope:
-        """The region that begins the link unit of a region."""
+        """Return the region that begins the link unit of a region."""
         for around in scope.outwards():
             permits = self.of(around)
             if permits.linkunit or permits.node or around.parent is None:
@@ -180,7 +180,9 @@ class Regions:
         raise AssertionError("a scope has a root")
 
     def distance(self, start: Scope, end: Scope) -> int | None:
-        """The number of region boundaries between two regions; None if one cannot be crossed."""
+        """Return the number of region boundaries between two regions; None if one cannot be
+        crossed.
+        """
         out, inn, split = _ways(start, end)
         for scope in out:
             permits = self.of(scope)
@@ -197,7 +199,9 @@ class Regions:
         return len(out) + len(inn) + (split is not None)
 
     def way(self, start: Scope, end: Scope, what: str, span: Span) -> list[Plugin]:
-        """The plug-ins of regions on the path of a join; reports boundaries it may not cross."""
+        """Return the plug-ins of regions on the path of a join; reports boundaries it may not
+        cross.
+        """
         out, inn, split = _ways(start, end)
         found: list[Plugin] = []
         if split is not None:  # the path leads from sibling to sibling
@@ -245,7 +249,9 @@ class Regions:
 def _ways(
     start: Scope, end: Scope
 ) -> tuple[list[Scope], list[Scope], tuple[Scope, Scope] | None]:
-    """The regions to leave, inner first, those to enter, outer first, and their common ancestor."""
+    """Return the regions to leave, inner first, those to enter, outer first, and their common
+    ancestor.
+    """
     left, entered = list(start.outwards())[::-1], list(end.outwards())[::-1]
     level = 0
     while level < min(len(left), len(entered)) and left[level] is entered[level]:

@@ -123,7 +123,7 @@ class Requirements:
     def _clash(
         self, type_: Celltype, node: statements.Require, port: Port, place: Place
     ) -> bool:
-        """Whether a function of the port has a name that is taken, which is reported."""
+        """Return whether a function of the port has a name that is taken, which is reported."""
         assert port.signature is not None
         names = {f.name for f in port.signature.functions}
         for other in type_.ports:

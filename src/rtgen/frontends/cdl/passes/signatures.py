@@ -33,7 +33,7 @@ class Signatures:
         scope: Scope,
         entity: Entity,
     ) -> Signature | None:
-        """The model of a signature; None, after diagnostics, if it has errors."""
+        """Return the model of a signature; None, after diagnostics, if it has errors."""
         made = _Signature(self._table, self._types, unit, scope)
         context = made.context(item)
         deviate = item.specifier("deviate") is not None

@@ -31,7 +31,7 @@ def accepted(
     place: Place,
     report: Report,
 ) -> list[tree.Specifier]:
-    """The specifiers of a list that `what` accepts; reports the others."""
+    """Return the specifiers of a list that `what` accepts; reports the others."""
     found = []
     for specifier in bracket.items if bracket is not None else ():
         if specifier.word in words:
@@ -51,7 +51,7 @@ def accepted(
 def once(
     specifiers: list[tree.Specifier], word: str, place: Place, report: Report
 ) -> tree.Specifier | None:
-    """The specifier of a word that may occur once; reports a second one."""
+    """Return the specifier of a word that may occur once; reports a second one."""
     found = [s for s in specifiers if s.word == word]
     for other in found[1:]:
         report(

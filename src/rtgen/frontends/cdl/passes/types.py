@@ -73,7 +73,7 @@ class Types:
         self._later: list[tuple[tree.ScopedName, Unit, Scope]] = []
 
     def of(self, written: tree.QualifiedType, unit: Unit, scope: Scope) -> CType | None:
-        """The type with its qualifiers; None, after a diagnostic, if it has errors."""
+        """Return the type with its qualifiers; None, after a diagnostic, if it has errors."""
         found = self._specified(written.type, unit, scope)
         if found is None or isinstance(
             found, CArrayType | CFunctionType | DescriptorType
@@ -89,7 +89,7 @@ class Types:
         )
 
     def of_name(self, written: tree.TypeName, unit: Unit, scope: Scope) -> CType | None:
-        """The type of a cast; None, after a diagnostic, if it has errors."""
+        """Return the type of a cast; None, after a diagnostic, if it has errors."""
         base = self.of(written.type, unit, scope)
         return self.declared(base, written.declarator, unit, scope)
 
@@ -109,7 +109,7 @@ class Types:
     def _descriptor(
         self, written: tree.ScopedName, unit: Unit, scope: Scope
     ) -> CType | None:
-        """The type of a descriptor, whose signature may be declared later."""
+        """Return the type of a descriptor, whose signature may be declared later."""
         if scope.find(written) is None:
             self._later.append((written, unit, scope))
             around = () if written.absolute or len(written.parts) > 1 else scope.name
@@ -352,7 +352,7 @@ class Types:
         unit: Unit,
         scope: Scope,
     ) -> CType | None:
-        """The type of a declarator with its base type; None if it has errors."""
+        """Return the type of a declarator with its base type; None if it has errors."""
         if base is None or declarator is None:
             return base
         type_ = base
@@ -412,7 +412,7 @@ class Types:
     def is_value(
         self, type_: CType, unit: Unit, name: tree.Name, *, member: bool = False
     ) -> bool:
-        """Whether the type can be that of a value; reports the error if not.
+        """Return whether the type can be that of a value; reports the error if not.
 
         Only a struct member may point to an incomplete struct.
         """
@@ -442,7 +442,7 @@ class Types:
         return member or self.knows_struct(inner, unit, name)
 
     def knows_struct(self, type_: CType, unit: Unit, name: tree.Name) -> bool:
-        """Whether the struct that a type is or points to is complete; reports it if not."""
+        """Return whether the struct that a type is or points to is complete; reports it if not."""
         target = type_
         while isinstance(target, CPointerType | CArrayType):
             target = (

@@ -14,7 +14,7 @@ from rtgen.frontends.cdl.passes.types import Types
 from rtgen.frontends.cdl.syntax import tree
 from rtgen.model.c_types import CType, Expression
 
-_MOST_NESTED = 20
+_MAX_NESTED = 20
 """The largest depth of attributes whose values refer to one another."""
 
 
@@ -32,7 +32,9 @@ class DeclaredValues:
         return self._table.incomplete
 
     def declare(self, declaration: tree.Declaration, place: Place) -> list[Declared]:
-        """The names that a declaration of attributes or variables declares; reports errors."""
+        """Return the names that a declaration of attributes or variables declares; reports
+        errors.
+        """
         types, unit, scope = self._types, place.unit, place.scope
         base = types.of(declaration.type, unit, scope)
         found = []
@@ -48,10 +50,10 @@ class DeclaredValues:
     def constant(
         self, expression: tree.Expression, place: Place, names: Names | None = None
     ) -> object:
-        """The value of a constant expression; None, without a diagnostic, if it has none."""
+        """Return the value of a constant expression; None, without a diagnostic, if it has none."""
         try:
             return (
-                _Quiet(self._types.expressions, place, names, _MOST_NESTED)
+                _Quiet(self._types.expressions, place, names, _MAX_NESTED)
                 .at(expression)
                 .value
             )
@@ -65,13 +67,13 @@ class DeclaredValues:
         place: Place,
         types: Mapping[str, CType],
     ) -> Expression | None:
-        """The model of an initialiser of the type; None if it does not fit."""
+        """Return the model of an initialiser of the type; None if it does not fit."""
         return self._constants.initial(value, type_, place.unit, place.scope, types)
 
     def expression(
         self, expression: tree.Expression, place: Place, types: Mapping[str, CType]
     ) -> Expression | None:
-        """The model of an expression; None, after a diagnostic, if it has errors."""
+        """Return the model of an expression; None, after a diagnostic, if it has errors."""
         found = self._types.expressions.operand(
             expression, place.unit, place.scope, types
         )

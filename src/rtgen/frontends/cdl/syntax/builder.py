@@ -478,6 +478,6 @@ class Builder(ExpressionBuilder):
 
 
 def _after_port(children: Children) -> int:
-    """The position for the right subscript of a reverse join."""
+    """Return the position for the right subscript of a reverse join."""
     dot = next(i for i, child in enumerate(children) if is_token(child, "DOT"))
     return dot + 2

@@ -18,13 +18,13 @@ NAMED = ("IDENT", "TYPE_NAME")
 
 
 def start_of(node: Any) -> int:
-    """The start offset of a node or token."""
+    """Return the start offset of a node or token."""
     start: int = node.start if hasattr(node, "start") else node.start_pos
     return start
 
 
 def end_of(node: Any) -> int:
-    """The end offset of a node or token."""
+    """Return the end offset of a node or token."""
     end: int = node.end if hasattr(node, "end") else node.end_pos
     return end
 
@@ -34,7 +34,7 @@ def name_of(token: Token) -> tree.Name:
 
 
 def word_of(token: Token) -> str:
-    """The keyword of a token, also of one replaced by error recovery."""
+    """Return the keyword of a token, also of one replaced by error recovery."""
     return WORDS[token.type]
 
 
@@ -43,12 +43,12 @@ def keyword_of(token: Token) -> tree.Name:
 
 
 def nodes_in(children: Children, *kinds: type) -> tuple[Any, ...]:
-    """The children of that node class."""
+    """Return the children of that node class."""
     return tuple(child for child in children if isinstance(child, kinds))
 
 
 def first_in(children: Children, *kinds: type) -> Any:
-    """The first child of that node class, or None."""
+    """Return the first child of that node class, or None."""
     return next((child for child in children if isinstance(child, kinds)), None)
 
 

@@ -67,7 +67,7 @@ def parse(
     imports: Imports,
     report: Callable[[Diagnostic], None],
 ) -> tuple[statements.Item, ...]:
-    """The statements of a unit, without those that have a syntax error; never raises."""
+    """Return the statements of a unit, without those that have a syntax error; never raises."""
     return _Run(unit, types, imports, report).result()
 
 

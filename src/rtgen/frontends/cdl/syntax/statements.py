@@ -278,7 +278,7 @@ class Item(Node):
     end: int
 
     def specifier(self, word: str) -> Specifier | None:
-        """The first specifier with that keyword."""
+        """Return the first specifier with that keyword."""
         if self.specifiers is not None:
             for specifier in self.specifiers.items:
                 if specifier.word == word:

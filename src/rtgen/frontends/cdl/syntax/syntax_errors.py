@@ -102,7 +102,7 @@ class ErrorContext(BaseContext):
 
 
 def explain(context: ErrorContext) -> Recovery:
-    """The likely error behind an unexpected token."""
+    """Return the likely error behind an unexpected token."""
     for recogniser in _RECOGNISERS:
         found = recogniser(context)
         if found is not None:
@@ -261,7 +261,7 @@ def _qualifier(s: ErrorContext) -> Recovery | None:
 
 
 def _specifier(s: ErrorContext) -> Recovery | None:
-    """A word in a specifier list that is not a specifier."""
+    """Return a word in a specifier list that is not a specifier."""
     if s.kind not in ("IDENT", "TYPE_NAME") or "NULLABLE" not in s.accepted:
         return None
     found = nearest(s.text, SPECIFIERS)
@@ -391,7 +391,7 @@ def _misspelt(s: ErrorContext) -> Recovery | None:
 
 
 def _mark(s: ErrorContext) -> Recovery | None:
-    """A missing closing bracket or comma."""
+    """Return a missing closing bracket or comma."""
     candidates = (
         ("RPAR", ")"),
         ("SPEC_R", "]"),
@@ -435,7 +435,9 @@ _RECOGNISERS: tuple[Callable[[ErrorContext], Recovery | None], ...] = (
 
 
 def bad_character(unit: Unit, start: int) -> tuple[Diagnostic, int]:
-    """The error for a character that starts no token, and the offset at which lexing resumes."""
+    """Return the error for a character that starts no token, and the offset at which lexing
+    resumes.
+    """
     text = unit.source.code
     character = text[start]
     end = start + 1
@@ -474,7 +476,7 @@ def bad_character(unit: Unit, start: int) -> tuple[Diagnostic, int]:
 
 
 def meant(text: str) -> str | None:
-    """The terminal that an unlexable text likely stands for; None: it is skipped.
+    """Return the terminal that an unlexable text likely stands for; None: it is skipped.
 
     `ERROR` is that of a broken statement.
     """
@@ -489,7 +491,7 @@ def meant(text: str) -> str | None:
 
 
 def _ascii(character: str) -> str | None:
-    """The ASCII counterpart of a full-width character; None for other characters."""
+    """Return the ASCII counterpart of a full-width character; None for other characters."""
     if character.isascii():
         return None
     found = _IDEOGRAPHIC.get(character) or normalize("NFKC", character)

@@ -37,11 +37,11 @@ class Unit:
     guessed: set[str] = field(default_factory=set)
 
     def span(self, start: int, end: int) -> Span:
-        """The span of [start, end) of the text."""
+        """Return the span of [start, end) of the text."""
         return self.source.span(start, end)
 
     def place(self, node: tree.Name | tree.ScopedName | tree.Expression) -> Span:
-        """The span of a node."""
+        """Return the span of a node."""
         return self.source.span(node.start, node.end)
 
 
@@ -61,7 +61,7 @@ class TypeNames:
         self.declared.setdefault(name, set()).add(space)
 
     def knows(self, space: ScopedName, name: str) -> bool:
-        """Whether the name is a typedef visible in a name space."""
+        """Return whether the name is a typedef visible in a name space."""
         spaces = self.declared.get(name)
         return spaces is not None and any(
             space[:length] in spaces for length in range(len(space) + 1)

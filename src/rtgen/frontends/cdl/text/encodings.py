@@ -27,7 +27,7 @@ _HALF_WIDTH = re.compile("[\uff61-\uff9f]")
 
 
 def decode(data: bytes, encoding: str) -> tuple[str, str | None]:
-    """The text of a file, and a doubt about its encoding, or None.
+    """Return the text of a file, and a doubt about its encoding, or None.
 
     A UTF-8 byte-order mark overrides the given encoding; it is kept in the text.
     """
@@ -78,6 +78,6 @@ def _detected(data: bytes) -> tuple[str, str | None]:
 
 
 def _likely(text: str) -> int:
-    """A score for how likely a text is correctly decoded Japanese."""
+    """Return a score for how likely a text is correctly decoded Japanese."""
     doubtful = len(_HALF_WIDTH.findall(text)) + 4 * text.count("\ufffd")
     return len(_KANA.findall(text)) - 2 * doubtful

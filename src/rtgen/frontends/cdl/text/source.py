@@ -62,7 +62,7 @@ class Source:
         self.code = self._marked(self._acceptable())
 
     def _acceptable(self) -> str:
-        """The text with control characters and a byte-order mark replaced by white space."""
+        """Return the text with control characters and a byte-order mark replaced by white space."""
         text = self.text
         if text.startswith("\ufeff"):
             text = " " + text[1:]
@@ -133,11 +133,11 @@ class Source:
         return self._lines.position(offset)
 
     def span(self, start: int, end: int) -> Span:
-        """The span of [start, end)."""
+        """Return the span of [start, end)."""
         return self._lines.span(start, end)
 
     def after(self, offset: int) -> Span:
-        """The span directly after the character before `offset`, one column wide."""
+        """Return the span directly after the character before `offset`, one column wide."""
         line, column = self.position(max(offset - 1, 0))
         return Span(self.name, line, column + 1, line, column + 2)
 

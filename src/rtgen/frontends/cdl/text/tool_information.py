@@ -27,7 +27,7 @@ class ToolInformation:
 
 
 def tool_information(source: Source) -> ToolInformation | None:
-    """The settings of tecsgen in a file; text that is not JSON is left to the parser."""
+    """Return the settings of tecsgen in a file; text that is not JSON is left to the parser."""
     found = _HEAD.search(source.code)
     if found is None:
         return None

@@ -19,7 +19,7 @@ class CommonFields:
         self._annotations = annotations
 
     def common(self, entity: Entity, type_: Type | None = None) -> dict[str, Any]:
-        """The fields that every declaration has."""
+        """Return the fields that every declaration has."""
         item = entity.item
         return {
             "name": entity.path,
@@ -38,11 +38,11 @@ class CommonFields:
     def doc(
         self, item: tree.Item | tree.Enumerator | tree.Parameter | None, unit: Unit
     ) -> str:
-        """The doc comment of an entry."""
+        """Return the doc comment of an entry."""
         if item is None or item.start == item.end:
             return ""
         return unit.docs.of(item.start, item.end)
 
     def comment_says_key(self, item: tree.Item, unit: Unit) -> bool:
-        """Whether the comment behind an entry marks a key member, as `//@key` does."""
+        """Return whether the comment behind an entry marks a key member, as `//@key` does."""
         return unit.docs.say_key(item.end)

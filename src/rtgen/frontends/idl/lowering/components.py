@@ -108,7 +108,9 @@ class Components:
         return self._made.get(found) if isinstance(found, Entity) else None
 
     def _profile(self, common: dict[str, Any], entity: Entity) -> dict[str, Any]:
-        """The arguments of `@rtc`; the description defaults to the doc comment's first line."""
+        """Return the arguments of `@rtc`; the description defaults to the doc comment's first
+        line.
+        """
         profile: dict[str, Any] = {}
         for annotation in common["annotations"]:
             if annotation.name == "rtc":
@@ -297,7 +299,7 @@ class Components:
 
 
 def _slot(item: Port | ConfigurationParameter) -> tuple[str, ...]:
-    """The key that must be unique among the ports and parameters of a component."""
+    """Return the key that must be unique among the ports and parameters of a component."""
     if isinstance(item, ConfigurationParameter):
         return (item.name,)
     if item.kind in _DATA:

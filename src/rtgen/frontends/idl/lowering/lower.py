@@ -89,7 +89,7 @@ class Lowering:
         return made
 
     def _undefined(self, entity: Entity) -> Declaration | None:
-        """An interface without definition, which can still be referenced."""
+        """Return an interface without definition, which can still be referenced."""
         if entity.kind is Kind.INTERFACE:
             return Interface(
                 **self._fields.common(entity),
@@ -108,7 +108,9 @@ class Lowering:
     def _with_defaults(
         self, entity: Entity, *, derived: bool = False
     ) -> dict[str, Any]:
-        """The fields that every declaration has, with what annotations of modules say of it."""
+        """Return the fields that every declaration has, with what annotations of modules say of
+        it.
+        """
         common = self._fields.common(entity)
         if entity.around:
             modules = [self._modules[id(item)] for item in entity.around]

@@ -50,7 +50,9 @@ class Annotations:
         unit: Unit,
         type_: Type | None = None,
     ) -> tuple[Annotation, ...]:
-        """The annotations of a declaration; `type_` is its type, for `@default` and others."""
+        """Return the annotations of a declaration; `type_` is its type, for `@default` and
+        others.
+        """
         nodes = tuple(annotations)
         if not nodes:
             return ()
@@ -115,7 +117,7 @@ class Annotations:
         return Annotation(node.name, tuple(arguments))
 
     def _declared(self, name: str) -> Definition | None:
-        """An annotation declared by `@annotation`, which may stand anywhere."""
+        """Return an annotation declared by `@annotation`, which may stand anywhere."""
         found = self._types.tables.annotations.get(name)
         if found is None:
             return None
@@ -170,7 +172,7 @@ class Annotations:
         return _shortest(found) if single and isinstance(found, float) else found
 
     def _scalar(self, type_: Type | None) -> Type | None:
-        """The type of a default value; lists are given as text."""
+        """Return the type of a default value; lists are given as text."""
         plain = self._types.unaliased(type_)
         if (
             plain is None
@@ -183,7 +185,7 @@ class Annotations:
         return type_
 
     def natural(self, value: tree.Expression, unit: Unit) -> ConstantValue | None:
-        """The value of an argument of unknown type: that of the literal itself."""
+        """Return the value of an argument of unknown type: that of the literal itself."""
         constants = self._types.constants
         match value:
             case tree.ScopedName():
@@ -205,7 +207,7 @@ class Annotations:
 
 
 def _complete(node: tree.Annotation, definition: Definition) -> bool:
-    """Whether the mandatory argument is present, or a wrong one in its place."""
+    """Return whether the mandatory argument is present, or a wrong one in its place."""
     given = [a.name.text if a.name else "value" for a in node.arguments]
     return (
         not definition.required
@@ -215,7 +217,7 @@ def _complete(node: tree.Annotation, definition: Definition) -> bool:
 
 
 def _shortest(value: float) -> float:
-    """The shortest decimal number that rounds to this one in single precision."""
+    """Return the shortest decimal number that rounds to this one in single precision."""
     for digits in range(1, 9):
         short = float(f"{value:.{digits}g}")
         if struct.pack("<f", short) == struct.pack("<f", value):
@@ -226,7 +228,7 @@ def _shortest(value: float) -> float:
 def limits(
     found: Iterable[Annotation],
 ) -> tuple[ConstantValue | None, ConstantValue | None, ConstantValue | None]:
-    """The minimum, the maximum and the default in annotations."""
+    """Return the minimum, the maximum and the default in annotations."""
     found = tuple(found)
     if not found:
         return None, None, None
@@ -268,7 +270,7 @@ def _article(place: str) -> str:
 
 
 def flag(annotations: Iterable[Annotation], name: str) -> bool:
-    """Whether an annotation such as `@key` is present and not FALSE."""
+    """Return whether an annotation such as `@key` is present and not FALSE."""
     for annotation in annotations:
         if annotation.name == name:
             return annotation.get() is not False
@@ -276,7 +278,7 @@ def flag(annotations: Iterable[Annotation], name: str) -> bool:
 
 
 def integer(annotations: Iterable[Annotation], name: str) -> int | None:
-    """The integer argument of an annotation such as `@id(3)`."""
+    """Return the integer argument of an annotation such as `@id(3)`."""
     for annotation in annotations:
         value = annotation.get()
         if annotation.name == name and isinstance(value, int):
@@ -285,7 +287,7 @@ def integer(annotations: Iterable[Annotation], name: str) -> int | None:
 
 
 def text(annotations: Iterable[Annotation], name: str) -> str | None:
-    """The text argument of an annotation such as `@unit("m")`."""
+    """Return the text argument of an annotation such as `@unit("m")`."""
     for annotation in annotations:
         value = annotation.get()
         if annotation.name == name and isinstance(value, str):
@@ -296,7 +298,7 @@ def text(annotations: Iterable[Annotation], name: str) -> str | None:
 def value(
     annotations: Iterable[Annotation], name: str, key: str = "value"
 ) -> ConstantValue | None:
-    """The value of an argument of the first annotation with this name."""
+    """Return the value of an argument of the first annotation with this name."""
     for annotation in annotations:
         if annotation.name == name:
             return annotation.get(key)
@@ -304,7 +306,7 @@ def value(
 
 
 def exceeds(left: ConstantValue | None, right: ConstantValue | None) -> bool:
-    """Whether both are numbers, and the left one is larger."""
+    """Return whether both are numbers, and the left one is larger."""
     if isinstance(left, int | float) and isinstance(right, int | float):
         return left > right
     return isinstance(left, Decimal) and isinstance(right, Decimal) and left > right

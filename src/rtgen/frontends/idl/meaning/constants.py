@@ -64,7 +64,7 @@ class Constants:
         self._signed = True
 
     def value_of(self, entity: Entity) -> ConstantValue | None:
-        """The value of a constant; None if it has an error."""
+        """Return the value of a constant; None if it has an error."""
         if entity not in self._values:
             self._values[entity] = None
             node = entity.node

@@ -105,7 +105,9 @@ CONVERSIONS = {
 def operand_class_of(
     type_: Type | None, is_enum: Callable[[ScopedName], bool]
 ) -> OperandClass | None:
-    """The operand class of a type's constants, through aliases; None if it has no constants."""
+    """Return the operand class of a type's constants, through aliases; None if it has no
+    constants.
+    """
     match type_:
         case PrimitiveType(kind):
             if kind in INTEGER_RANGES:
@@ -130,7 +132,7 @@ def operand_class_of(
 
 
 def is_literal(node: tree.Expression) -> bool:
-    """Whether the expression is a single number, possibly signed or in parentheses."""
+    """Return whether the expression is a single number, possibly signed or in parentheses."""
     match node:
         case tree.Unary(operand=inner) | tree.Group(inner=inner):
             return is_literal(inner)
@@ -138,7 +140,7 @@ def is_literal(node: tree.Expression) -> bool:
 
 
 def fixed_type_of(value: Decimal) -> FixedType:
-    """The smallest fixed-point type for a value (CORBA 2.6, 3.10.2)."""
+    """Return the smallest fixed-point type for a value (CORBA 2.6, 3.10.2)."""
     _, digits, exponent = without_zeros(value).as_tuple()
     assert isinstance(exponent, int)
     scale = max(-exponent, 0)
@@ -146,7 +148,7 @@ def fixed_type_of(value: Decimal) -> FixedType:
 
 
 def without_zeros(value: Decimal) -> Decimal:
-    """The value without trailing zeros in its fraction."""
+    """Return the value without trailing zeros in its fraction."""
     return (
         value.quantize(Decimal(1), context=EXACT)
         if value == value.to_integral_value()
@@ -155,7 +157,7 @@ def without_zeros(value: Decimal) -> Decimal:
 
 
 def wider(value: int) -> str:
-    """A hint that names the smallest type for a value."""
+    """Return a hint that names the smallest type for a value."""
     for kind in _BY_SIZE:
         low, high = INTEGER_RANGES[kind]
         if low <= value <= high:

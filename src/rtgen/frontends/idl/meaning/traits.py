@@ -20,7 +20,9 @@ _GROUPS |= {name: name for name in ("autoid", "data_representation")}
 
 
 def extensibility(annotations: Sequence[Annotation]) -> Extensibility:
-    """The extensibility from `@final`, `@appendable`, `@mutable`, `@extensibility`, or final."""
+    """Return the extensibility from `@final`, `@appendable`, `@mutable`, `@extensibility`, or
+    final.
+    """
     for annotation in annotations:
         name = annotation.name
         if name == "extensibility":
@@ -33,7 +35,7 @@ def extensibility(annotations: Sequence[Annotation]) -> Extensibility:
 def with_defaults(
     own: Sequence[Annotation], modules: Sequence[Sequence[Annotation]], derived: bool
 ) -> tuple[Annotation, ...]:
-    """The annotations of a struct or union, completed by those of its modules.
+    """Return the annotations of a struct or union, completed by those of its modules.
 
     A derived struct has the extensibility of its base.
     """
@@ -53,7 +55,7 @@ def with_defaults(
 
 
 def of_type(annotations: Sequence[Annotation]) -> dict[str, Any]:
-    """The fields of a struct or union that its annotations set."""
+    """Return the fields of a struct or union that its annotations set."""
     return {
         "extensibility": extensibility(annotations),
         "nested": flag(annotations, "nested"),
@@ -61,14 +63,14 @@ def of_type(annotations: Sequence[Annotation]) -> dict[str, Any]:
 
 
 def hashes_ids(annotations: Sequence[Annotation]) -> bool:
-    """Whether member ids are hashes of the members' names (7.3.1.2.1.1)."""
+    """Return whether member ids are hashes of the members' names (7.3.1.2.1.1)."""
     found = value(annotations, "autoid")
     named = any(a.name == "autoid" for a in annotations)
     return named and (found is None or str(found).upper() == "HASH")
 
 
 def member_id(name: str, annotations: Sequence[Annotation], hashed: bool) -> int | None:
-    """The member id from `@id`, `@hashid` or `@autoid(HASH)`; None: sequential."""
+    """Return the member id from `@id`, `@hashid` or `@autoid(HASH)`; None: sequential."""
     given = integer(annotations, "id")
     if given is not None:
         return given

@@ -61,33 +61,33 @@ class Types:
                     self._owners[(*entity.path[:-1], member.name.text)] = entity.path
 
     def entity(self, name: ScopedName) -> Entity | None:
-        """The declaration of a scoped name."""
+        """Return the declaration of a scoped name."""
         return self._entities.get(name)
 
     def kind_of(self, type_: Type) -> Kind | None:
-        """The kind of a named type; None for other types."""
+        """Return the kind of a named type; None for other types."""
         entity = (
             self._entities.get(type_.name) if isinstance(type_, NamedType) else None
         )
         return entity.kind if entity else None
 
     def is_enum(self, name: ScopedName) -> bool:
-        """Whether the name is that of an enum."""
+        """Return whether the name is that of an enum."""
         return name in self._enums
 
     def enum_of(self, enumerator: ScopedName) -> ScopedName | None:
-        """The enum of an enumerator."""
+        """Return the enum of an enumerator."""
         return self._owners.get(enumerator)
 
     def named(self, entity: Entity) -> NamedType:
-        """A reference to a declared type."""
+        """Return a reference to a declared type."""
         found = self._named.get(entity)
         if found is None:
             found = self._named[entity] = NamedType(entity.path)
         return found
 
     def of_entity(self, entity: Entity) -> Type | None:
-        """The type of a typedef, member or parameter: its type node with its dimensions."""
+        """Return the type of a typedef, member or parameter: its type node with its dimensions."""
         if entity not in self._arrays:
             assert entity.type_node is not None
             type_ = self.of_node(entity.type_node, entity.unit)
@@ -108,7 +108,7 @@ class Types:
         return ArrayType(type_, sizes)
 
     def unaliased(self, type_: Type | None) -> Type | None:
-        """The type behind typedefs; None for a typedef cycle."""
+        """Return the type behind typedefs; None for a typedef cycle."""
         passed: dict[ScopedName, None] = {}
         while isinstance(type_, NamedType) and type_.name in self._aliases:
             if type_.name in self._plain:
@@ -124,7 +124,7 @@ class Types:
         return type_
 
     def can_switch(self, type_: Type) -> bool:
-        """Whether the type can be the switch of a union."""
+        """Return whether the type can be the switch of a union."""
         match self.unaliased(type_):
             case PrimitiveType(kind):
                 return kind in INTEGER_RANGES or kind in _OTHER_SWITCHES
@@ -133,7 +133,7 @@ class Types:
         return False
 
     def of_node(self, node: tree.TypeNode, unit: Unit) -> Type | None:
-        """The type of a node."""
+        """Return the type of a node."""
         if type(node) is tree.BasicType:
             return PRIMITIVES[node.kind]
         if node not in self._known:

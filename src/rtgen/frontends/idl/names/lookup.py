@@ -15,9 +15,9 @@ from rtgen.frontends.idl.syntax.keywords import CORBA_3, FOLDED, RESERVED
 from rtgen.frontends.idl.text.unit import Unit
 from rtgen.frontends.kit.suggestions import nearest
 
-MOST_ELSEWHERE = 3
+MAX_ELSEWHERE = 3
 """Maximum number of further places listed in a diagnostic."""
-_MOST_GUESSES = 200
+_MAX_GUESSES = 200
 """Maximum number of unknown names that a similar one is searched for, which is slow."""
 
 _NO_GUESS = "declare it before its use, or include the file that declares it"
@@ -30,12 +30,12 @@ _ARTICLE = {"a": "an", "e": "an", "i": "an", "o": "an"}
 
 
 def called(entity: Entity) -> str:
-    """The entity in messages, such as `the struct RTC::Time`."""
+    """Return the entity in messages, such as `the struct RTC::Time`."""
     return f"the {entity.kind} {entity.scoped}"
 
 
 def kind_of(entity: Entity) -> str:
-    """Its kind with an article: `an interface`."""
+    """Return its kind with an article: `an interface`."""
     return f"{_ARTICLE.get(entity.kind[0], 'a')} {entity.kind}"
 
 
@@ -125,7 +125,7 @@ class Lookup:
         return entity
 
     def is_declared(self, scope: Scope, name: tree.ScopedName) -> bool:
-        """Whether a name refers to a declaration with exactly this spelling."""
+        """Return whether a name refers to a declaration with exactly this spelling."""
         first = name.parts[0].text
         places = [self._top] if name.absolute else scope.outward()
         found: list[Entity] = []
@@ -225,17 +225,17 @@ class Lookup:
         for number, (unknown, *more) in enumerate(uses.values()):
             inside = ""
             related = [
-                Related(use.span, "used here, too") for use in more[:MOST_ELSEWHERE]
+                Related(use.span, "used here, too") for use in more[:MAX_ELSEWHERE]
             ]
-            if len(more) > MOST_ELSEWHERE:
-                others = len(more) - MOST_ELSEWHERE
+            if len(more) > MAX_ELSEWHERE:
+                others = len(more) - MAX_ELSEWHERE
                 label = f"used here, too, and in {others} more places"
                 related[-1] = Related(related[-1].span, label)
             if unknown.inside:
                 entity = unknown.scope.entity
                 inside = f" in {called(entity)}" if entity else ""
             hint = None
-            if number >= _MOST_GUESSES:
+            if number >= _MAX_GUESSES:
                 hint = _NO_GUESS
             elif unknown.inside:
                 hint = self._hint_inside(unknown)
@@ -252,7 +252,7 @@ class Lookup:
             )
 
     def _later(self, unknown: _Unknown) -> Entity | None:
-        """A visible declaration of the name that follows its use."""
+        """Return a visible declaration of the name that follows its use."""
         for place in unknown.scope.outward():
             for entity in place.find(self.key(unknown.text)):
                 if entity.name == unknown.text:
@@ -280,7 +280,7 @@ class Lookup:
         anywhere = [e for e in _everything(self._top) if e.kind in _NAMEABLE]
         elsewhere = [e for e in anywhere if e.name == text]
         if elsewhere:
-            found = [e.scoped for e in elsewhere[:MOST_ELSEWHERE]]
+            found = [e.scoped for e in elsewhere[:MAX_ELSEWHERE]]
             return f"did you mean {' or '.join(found)}?"
         foreign = TYPES.get(text) or VALUES.get(text.lower())
         if foreign is not None:
@@ -415,7 +415,9 @@ class Lookup:
 
 
 def _enumerators(enum: Entity, text: str) -> str:
-    """A hint with an enumerator similar to `text`, or with all enumerators if they are few."""
+    """Return a hint with an enumerator similar to `text`, or with all enumerators if they are
+    few.
+    """
     names = [e.name for e in enum.scope.names.values() if e.owner is enum]
     near = nearest(text, names)
     return f"did you mean {near}?" if near else f"it has {', '.join(names[:6])}"

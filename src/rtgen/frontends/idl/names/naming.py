@@ -95,7 +95,9 @@ class Naming(ABC):
         return entity
 
     def _merge(self, entity: Entity, existing: Entity) -> Entity | None:
-        """The forward declaration that this one defines or repeats, else None with a diagnostic."""
+        """Return the forward declaration that this one defines or repeats, else None with a
+        diagnostic.
+        """
         can_be_forward = entity.kind in FORWARDS.values()
         if not can_be_forward or not (existing.node is None or entity.node is None):
             self._lookup.clash(entity, existing)
@@ -276,7 +278,7 @@ class Naming(ABC):
         self.tables.references[node] = None
 
     def _open_type(self, entity: Entity) -> Entity | None:
-        """The incomplete struct or union behind typedefs and sequences."""
+        """Return the incomplete struct or union behind typedefs and sequences."""
         seen = 0
         while not entity.complete and seen < MAX_DEPTH:
             seen += 1
@@ -367,7 +369,7 @@ class Naming(ABC):
 
 
 def _built_in(scope: Scope, name: tree.ScopedName) -> Primitive | None:
-    """The predefined type of a name that is not declared."""
+    """Return the predefined type of a name that is not declared."""
     last = name.parts[-1].text
     if last in IDL_4_TYPES:
         return IDL_4_TYPES[last] if len(name.parts) == 1 else None

@@ -9,8 +9,8 @@ from rtgen import files
 from rtgen.frontends.idl.text.source import Library, decode
 from rtgen.frontends.idl.text.unit import Unit
 
-_MOST_FILES = 200
-_MOST_BYTES = 4_000_000
+_MAX_FILES = 200
+_MAX_BYTES = 4_000_000
 _DECLARED = re.compile(
     r"^[ \t]*(?:abstract\s+|local\s+)?"
     r"(?:struct|union|enum|interface|module|exception|valuetype|bitmask|bitset)\s+(\w+)\s*"
@@ -28,7 +28,7 @@ class Neighbours:
         self._known: dict[Path, dict[str, str]] = {}
 
     def declares(self, name: str, unit: Unit) -> str | None:
-        """The file that declares a name, as it would be included; None if there is none."""
+        """Return the file that declares a name, as it would be included; None if there is none."""
         own = unit.source.path.parent
         for folder in (own, *self._library.include):
             file = self._names(folder).get(name)
@@ -39,8 +39,8 @@ class Neighbours:
     def _names(self, folder: Path) -> dict[str, str]:
         if folder not in self._known:
             found: dict[str, str] = {}
-            left = _MOST_BYTES
-            for path in sorted(folder.glob("*.idl"))[:_MOST_FILES]:
+            left = _MAX_BYTES
+            for path in sorted(folder.glob("*.idl"))[:_MAX_FILES]:
                 try:
                     if not files.is_file(path):
                         continue

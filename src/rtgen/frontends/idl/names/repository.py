@@ -25,12 +25,12 @@ Find = Callable[[Scope, str, Span], Entity | None]
 
 
 def repository_id(ids: str, name: str) -> str:
-    """The repository id of a name: `IDL:path/name:1.0`."""
+    """Return the repository id of a name: `IDL:path/name:1.0`."""
     return f"IDL:{ids}/{name}:1.0" if ids else f"IDL:{name}:1.0"
 
 
 def below(ids: str, name: str) -> str:
-    """The path of the ids inside a scope."""
+    """Return the path of the ids inside a scope."""
     return f"{ids}/{name}" if ids else name
 
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 from rtgen.diagnostics import Diagnostic, Related, Span
-from rtgen.frontends.idl.names.lookup import MOST_ELSEWHERE, called
+from rtgen.frontends.idl.names.lookup import MAX_ELSEWHERE, called
 from rtgen.frontends.idl.names.naming import FORWARDS
 from rtgen.frontends.idl.names.repository import Identities, below
 from rtgen.frontends.idl.names.scopes import Entity, Kind, Scope
@@ -97,7 +97,7 @@ class Resolver(TypeNames):
             finding = rule.at(
                 entity.span,
                 f"{called(entity)} is declared, but never defined",
-                related=uses.get(entity, [])[:MOST_ELSEWHERE],
+                related=uses.get(entity, [])[:MAX_ELSEWHERE],
                 hint="define it, or remove the declaration",
             )
             if hard:

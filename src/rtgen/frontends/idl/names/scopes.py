@@ -142,7 +142,7 @@ class Scope(msgspec.Struct, eq=False):
             scope = scope.parent
 
     def find(self, key: str) -> list[Entity]:
-        """The candidates for `key`: own before inherited; several if ambiguous."""
+        """Return the candidates for `key`: own before inherited; several if ambiguous."""
         own = self.names.get(key)
         if own is not None:
             return [own]
@@ -153,7 +153,9 @@ class Scope(msgspec.Struct, eq=False):
         return found
 
     def inherited(self, key: str) -> list[Entity]:
-        """The inherited declarations of `key`; a declaration hides those of its own bases."""
+        """Return the inherited declarations of `key`; a declaration hides those of its own
+        bases.
+        """
         if not self.bases:
             return []
         found: dict[Entity, None] = {}
@@ -177,7 +179,7 @@ class Scope(msgspec.Struct, eq=False):
         return self.lacking or any(base.lacking for base in self.all_bases())
 
     def all_bases(self) -> list[Scope]:
-        """All direct and indirect bases, each once, nearest first."""
+        """Return all direct and indirect bases, each once, nearest first."""
         seen: dict[Scope, None] = {}
         pending = list(reversed(self.bases))
         while pending:

@@ -64,7 +64,7 @@ class TypeNames(Naming):
     def _base(
         self, name: tree.ScopedName, entity: Entity, kinds: tuple[Kind, ...]
     ) -> Entity | None:
-        """The base with this name, through typedefs; else None, with a diagnostic."""
+        """Return the base with this name, through typedefs; else None, with a diagnostic."""
         found = self._find(entity.scope, name)
         while isinstance(found, Entity) and found.kind is Kind.TYPEDEF:
             if found.declarator is None or found.declarator.dimensions:
@@ -229,7 +229,7 @@ class TypeNames(Naming):
     def _is_repeated(
         self, declarator: tree.Declarator, type_: tree.TypeNode, scope: Scope
     ) -> bool:
-        """Whether another file declares the same name for the same type."""
+        """Return whether another file declares the same name for the same type."""
         name = declarator.name
         known = scope.names.get(name.text.lower())
         if (
@@ -262,7 +262,7 @@ class TypeNames(Naming):
 
 
 def _is_external(item: tree.Item) -> bool:
-    """Whether a member may have an incomplete type (DDS-XTypes 1.3, 7.3.1.2.1)."""
+    """Return whether a member may have an incomplete type (DDS-XTypes 1.3, 7.3.1.2.1)."""
     return any(
         a.name == "external" and all(map(_is_true, a.arguments))
         for a in item.annotations

@@ -69,5 +69,5 @@ SHOWN = {
 
 
 def shown(terminal: str) -> str:
-    """The name of a terminal in messages."""
+    """Return the name of a terminal in messages."""
     return SHOWN.get(terminal) or f"'{terminal.lower()}'"

@@ -54,7 +54,7 @@ class LiteralText(msgspec.Struct, frozen=True):
 
 
 def number(text: str) -> int | float | Decimal:
-    """The value of a number; fixed-point numbers are Decimals. Raises LiteralError."""
+    """Return the value of a number; fixed-point numbers are Decimals. Raises LiteralError."""
     if (
         _DECIMAL.fullmatch(text)
         or _OCTAL.fullmatch(text)
@@ -106,7 +106,9 @@ def _fixed(digits: str) -> Decimal:
 
 
 def text(parts: tuple[str, ...], character: bool) -> LiteralText:
-    """The value of a character, or of adjacent strings, with their quotes. Raises LiteralError."""
+    """Return the value of a character, or of adjacent strings, with their quotes. Raises
+    LiteralError.
+    """
     wide = parts[0][0] == "L"
     unknown: list[str] = []
     values = []

@@ -51,7 +51,8 @@ _EVIDENCE = {
 
 
 def other_language(text: str) -> tuple[str, int, int] | None:
-    """The language of a text without comments, and the place that reveals it; None for OMG IDL.
+    """Return the language of a text without comments, and the place that reveals it; None for OMG
+    IDL.
 
     Only called for a text with a syntax error.
     """

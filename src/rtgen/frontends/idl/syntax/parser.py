@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 MAX_ERRORS = 50
 """Maximum number of syntax errors in a file; the rest of the file is then skipped."""
 
-MOST_CLOSED = 1000
+MAX_CLOSING_TOKENS = 1000
 """Maximum number of tokens supplied at the end of a truncated text to close open constructs."""
 
 _MARKS = re.compile(r'"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n]){0,12}\'|[{};]', re.DOTALL)
@@ -88,7 +88,7 @@ class _Run:
                 self._bad_character()
 
     def _is_foreign(self) -> bool:
-        """Whether the text is in another language, which is reported as a single error."""
+        """Return whether the text is in another language, which is reported as a single error."""
         if self._is_idl is None:
             from rtgen.frontends.idl.syntax.other_languages import other_language
 
@@ -193,7 +193,7 @@ class _Run:
         return True
 
     def _close(self) -> None:
-        most = min(3 * len(self._parser.states), MOST_CLOSED)
+        most = min(3 * len(self._parser.states), MAX_CLOSING_TOKENS)
         self._parser.close(len(self._text), most)
 
     def _lose(self, start: int, end: int) -> None:

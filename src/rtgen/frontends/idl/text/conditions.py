@@ -57,7 +57,7 @@ _DEEPEST = 64
 
 
 def evaluate(text: str, macros: Mapping[str, Macro]) -> bool:
-    """Whether the expression is not 0. Raises ExpansionError for a malformed one."""
+    """Return whether the expression is not 0. Raises ExpansionError for a malformed one."""
     tokens = _defined([t for t in tokenize(text) if t.kind != "space"], macros)
     tokens = [t for t in Expander(macros).expand(tokens) if t.kind != "space"]
     tokens = _defined(tokens, macros)

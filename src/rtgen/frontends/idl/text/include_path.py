@@ -49,7 +49,7 @@ class IncludePath:
         return (includer.folder if None in folders else None, folders, name)
 
     def find(self, place: Place, span: Span, unit: Unit) -> Source | None:
-        """The file at a place; None if there is none, which is reported."""
+        """Return the file at a place; None if there is none, which is reported."""
         known = self._found.get(place)
         if known is None:
             source, searched, printed = self._search(place, span, unit)
@@ -65,7 +65,7 @@ class IncludePath:
     def _search(
         self, place: Place, span: Span, unit: Unit
     ) -> tuple[Source | None, tuple[str, ...], bool]:
-        """The file, the paths that were looked at, and whether it is on no disk."""
+        """Return the file, the paths that were looked at, and whether it is on no disk."""
         beside, folders, name = place
         searched: list[str] = []
         if place not in self._missing:
@@ -96,7 +96,7 @@ class IncludePath:
         return None, (), False
 
     def _hint(self, place: Place) -> str:
-        """The folders searched, and a file there with a similar name."""
+        """Return the folders searched, and a file there with a similar name."""
         beside, folders, name = place
         if (beside, folders) not in self._searched:
             real = [folder or beside or Path() for folder in folders]

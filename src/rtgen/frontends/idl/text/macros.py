@@ -89,12 +89,12 @@ class MacroTable(dict[str, Macro]):
         return len(self._replaced)
 
     def changed_since(self, then: int) -> dict[str, Macro | None]:
-        """The definitions, at the time `then`, of all names changed since."""
+        """Return the definitions, at the time `then`, of all names changed since."""
         return dict(reversed(self._replaced[then:]))
 
 
 def tokenize(text: str) -> list[Token]:
-    """The tokens of a text, white space included."""
+    """Return the tokens of a text, white space included."""
     return [
         Token(match.lastgroup or "mark", match[0]) for match in TOKEN.finditer(text)
     ]
@@ -129,7 +129,9 @@ def define(text: str, span: Span | None = None) -> Macro:
 
 
 def _parameters(inside: str, name: str) -> tuple[tuple[str, ...], bool, str | None]:
-    """The parameters of a macro, whether the last is variadic, and the error in them if any."""
+    """Return the parameters of a macro, whether the last is variadic, and the error in them if
+    any.
+    """
     written = [p.strip() for p in inside.split(",")] if inside.strip() else []
     variadic = bool(written) and written[-1].endswith("...")
     if variadic:
@@ -174,7 +176,7 @@ class Expander:
         return self._most - self._left
 
     def expand(self, tokens: list[Token]) -> list[Token]:
-        """The tokens with all macro calls expanded. Raises ExpansionError."""
+        """Return the tokens with all macro calls expanded. Raises ExpansionError."""
         pending = tokens[::-1]
         result: list[Token] = []
         while pending:
@@ -202,7 +204,7 @@ class Expander:
     def _arguments(
         self, macro: Macro, pending: list[Token]
     ) -> dict[str, list[Token]] | None:
-        """The arguments of a call, removed from `pending`; None without a parenthesis."""
+        """Return the arguments of a call, removed from `pending`; None without a parenthesis."""
         index = len(pending)
         while index and pending[index - 1].kind == "space":
             index -= 1
@@ -309,7 +311,7 @@ def _quoted(tokens: list[Token]) -> Token:
 
 
 def _last(tokens: list[Token]) -> str:
-    """The text of the last token other than white space."""
+    """Return the text of the last token other than white space."""
     return next((t.text for t in reversed(tokens) if t.kind != "space"), "")
 
 
@@ -336,7 +338,7 @@ def _paste(result: list[Token], right: list[Token]) -> None:
 
 
 def call_end(code: str, start: int, end: int) -> int:
-    """The end of the arguments of the call whose name ends at `start`, or `start`."""
+    """Return the end of the arguments of the call whose name ends at `start`, or `start`."""
     depth = 0
     for match in TOKEN.finditer(code, start, end):
         if match[0] == "(":

@@ -26,7 +26,7 @@ TIMES = {
 
 
 def predefined(values: Mapping[str, str]) -> dict[str, Macro]:
-    """The macro table at the start of a translation unit: predefined macros and `values`.
+    """Return the macro table at the start of a translation unit: predefined macros and `values`.
 
     Raises ExpansionError for a name that is not an identifier.
     """

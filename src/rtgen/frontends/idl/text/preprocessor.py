@@ -31,7 +31,7 @@ from rtgen.frontends.kit.suggestions import nearest
 MAX_DEPTH = 256
 """Maximum nesting of includes."""
 
-MOST_WITHIN_ITSELF = 32
+MAX_SELF_INCLUDES = 32
 """Maximum nesting of a file within itself; more is a cycle."""
 
 MAX_EXPANSION = 500_000
@@ -90,7 +90,7 @@ class Preprocessor:
         self._exhausted = False
 
     def translation_unit(self, source: Source, macros: Mapping[str, Macro]) -> Unit:
-        """The unit of a main file with everything that it includes."""
+        """Return the unit of a main file with everything that it includes."""
         self.tokens_left = MAX_EXPANSION
         self._included = 0
         self._exhausted = False
@@ -153,7 +153,7 @@ class Preprocessor:
             return
         if (
             len(self._stack) >= MAX_DEPTH
-            or self._stack.count(source) >= MOST_WITHIN_ITSELF
+            or self._stack.count(source) >= MAX_SELF_INCLUDES
             or self._included >= MAX_INCLUDES
         ):
             self._exhaust(source, span, unit)
@@ -241,7 +241,7 @@ class _File:
         self._conditionals.end()
 
     def at_file_scope(self) -> bool:
-        """Whether the text so far ends between two definitions at file scope."""
+        """Return whether the text so far ends between two definitions at file scope."""
         if self._nested:
             return False
         text, self._seen = self.builder.tail(self._seen)
@@ -293,7 +293,7 @@ class _File:
         self.builder.copy(self.source, start, end, self._file, self._shift)
 
     def _end_of_call(self, macro: Macro, start: int, behind: int, end: int) -> int:
-        """The end of the call that starts at `start`, whose name ends before `behind`.
+        """Return the end of the call that starts at `start`, whose name ends before `behind`.
 
         Arguments for its expansion belong to the call, too (ISO C, 16.3.4).
         """

@@ -128,7 +128,7 @@ class Source:
         return LineTable(self.name, self.text)
 
     def text_offset(self, offset: int) -> int:
-        """The offset in `text` of an offset in `code`."""
+        """Return the offset in `text` of an offset in `code`."""
         return offset + self._removed[bisect_right(self._splices, offset)]
 
     def position(self, offset: int) -> tuple[int, int]:
@@ -136,11 +136,11 @@ class Source:
         return self._lines.position(offset)
 
     def text_span(self, start: int, end: int) -> Span:
-        """The span of [start, end) of `text`."""
+        """Return the span of [start, end) of `text`."""
         return self._lines.span(start, end)
 
     def span(self, start: int, end: int) -> Span:
-        """The span of [start, end) of `code`."""
+        """Return the span of [start, end) of `code`."""
         if not self._splices:
             return self._lines.span(start, max(start, end))
         if end > start:

@@ -103,12 +103,12 @@ class Unit(msgspec.Struct, eq=False, dict=True):
         return Docs(self.text, self.comments)
 
     def piece(self, offset: int) -> tuple[Piece, int]:
-        """The piece at an offset, and its start; the last piece for the end of the text."""
+        """Return the piece at an offset, and its start; the last piece for the end of the text."""
         index = max(bisect_right(self.offsets, offset) - 1, 0)
         return self.pieces[index], self.offsets[index]
 
     def span(self, start: int, end: int) -> Span:
-        """The original place of [start, end), as the user sees it."""
+        """Return the original place of [start, end), as the user sees it."""
         if not self.pieces:
             return self.source.span(0, 0)
         first, begin = self.piece(start)
@@ -133,7 +133,7 @@ class Unit(msgspec.Struct, eq=False, dict=True):
         )
 
     def after(self, offset: int) -> Span:
-        """The place just after the character before `offset`, one column wide."""
+        """Return the place just after the character before `offset`, one column wide."""
         span = self.span(max(offset - 1, 0), max(offset, 1))
         column = span.end_column
         return Span(span.file, span.end_line, column, span.end_line, column + 1)
@@ -186,11 +186,11 @@ class TextBuilder:
             self.length += len(text)
 
     def tail(self, start: int) -> tuple[str, int]:
-        """The parts appended since part number `start`, and the number of the next part."""
+        """Return the parts appended since part number `start`, and the number of the next part."""
         return "".join(self._parts[start:]), len(self._parts)
 
     def finish(self) -> Unit:
-        """The unit, with the comments of its pieces."""
+        """Return the unit, with the comments of its pieces."""
         unit = self.unit
         unit.text = "".join(self._parts)
         for piece, offset in zip(unit.pieces, unit.offsets, strict=True):

@@ -36,7 +36,7 @@ class Arbiter(Generic[S]):
         return self._length
 
     def waiting(self, sender: S) -> int:
-        """The number of frames of a sender that wait."""
+        """Return the number of frames of a sender that wait."""
         return len(self._queues.get(sender, ()))
 
     def put(self, sender: S, frame: Frame) -> int:
@@ -85,7 +85,9 @@ class Arbiter(Generic[S]):
 
 
 def priority(frame: Frame) -> int:
-    """The arbitration field in order of transmission, most significant bit first; lowest wins."""
+    """Return the arbitration field in order of transmission, most significant bit first; lowest
+    wins.
+    """
     if frame.extended:
         base, rest = frame.can_id >> 18, frame.can_id & 0x3FFFF
         return base << 21 | 0b11 << 19 | rest << 1 | frame.remote
@@ -93,12 +95,12 @@ def priority(frame: Frame) -> int:
 
 
 def transmission_time(frame: Frame, bit_rate: int) -> int:
-    """The time that a frame occupies the bus, in ns; `bit_rate` in bit/s."""
+    """Return the time that a frame occupies the bus, in ns; `bit_rate` in bit/s."""
     return frame_bits(frame) * SECOND // bit_rate
 
 
 def frame_bits(frame: Frame) -> int:
-    """The length of a frame in bits, with stuff bits and the intermission of three bits."""
+    """Return the length of a frame in bits, with stuff bits and the intermission of three bits."""
     # The data length code of a remote frame is 0 here.
     data = b"" if frame.remote else frame.data
     bits, register, state = _header(
@@ -119,7 +121,9 @@ def frame_bits(frame: Frame) -> int:
 def _header(
     can_id: int, extended: bool, remote: bool, length: int
 ) -> tuple[int, int, int]:
-    """The bits of a frame without the stuff bits behind its header; CRC and state behind it."""
+    """Return the bits of a frame without the stuff bits behind its header; CRC and state behind
+    it.
+    """
     if extended:
         base, rest = can_id >> 18, can_id & 0x3FFFF
         header = ((base << 2 | 0b11) << 18 | rest) << 7 | remote << 6 | length
@@ -151,7 +155,7 @@ def _crc_of(octet: int) -> int:
 
 
 def _stuffing(state: int, octet: int) -> tuple[int, int]:
-    """The state after an octet, and its stuff bits.
+    """Return the state after an octet, and its stuff bits.
 
     State: run length - 1, plus 4 if the level is 1.
     """

@@ -105,7 +105,7 @@ class Port(ABC):
 
     @abstractmethod
     def text_of(self, carried: Carried) -> bytes | None:
-        """The text that represents a frame to the client, None to omit it."""
+        """Return the text that represents a frame to the client, None to omit it."""
 
     @abstractmethod
     def flush(self) -> None:
@@ -171,7 +171,9 @@ class HubBus:
         self._ports = tuple(other for other in self._ports if other is not port)
 
     def has_room(self, port: Port) -> bool:
-        """Whether the queue has room for a frame of a client; if not, `read_on` is called later."""
+        """Return whether the queue has room for a frame of a client; if not, `read_on` is called
+        later.
+        """
         return self._noted_room(port, self._arbiter.waiting(port))
 
     def put(self, port: Port, frame: Frame) -> bool:
@@ -207,7 +209,9 @@ class HubBus:
             port.flush()
 
     def _instant(self) -> int:
-        """The time; constant for everything that is received in one turn of the event loop."""
+        """Return the time; constant for everything that is received in one turn of the event
+        loop.
+        """
         if self._now is None:
             self._now = time.monotonic_ns()
             self._loop.call_soon(self._next_instant)
@@ -452,7 +456,9 @@ class Hub:
         return name[0], name[1]
 
     def bus(self, channel: str) -> HubBus | None:
-        """The bus of a channel name; None for an invalid name, or if there are too many buses."""
+        """Return the bus of a channel name; None for an invalid name, or if there are too many
+        buses.
+        """
         bus = self.buses.get(channel)
         if bus is None and is_channel(channel) and len(self.buses) < MAX_CHANNELS:
             bus = self.buses[channel] = HubBus(channel, self.settings)

@@ -63,7 +63,7 @@ class Faults:
         self._random = random.Random(seed)
 
     def delay(self, frame: Frame) -> float | None:
-        """The delay of a frame in s; None if it is lost."""
+        """Return the delay of a frame in s; None if it is lost."""
         delay = 0.0
         for fault in self._faults:
             if fault.identifier in (None, frame.can_id):

@@ -59,7 +59,7 @@ class Elements:
         self._taken = 0
 
     def take(self) -> str | None:
-        """The content of the next element, None if it is incomplete.
+        """Return the content of the next element, None if it is incomplete.
 
         Raises Malformed for text outside of elements, and for elements that are too long or not
         ASCII; the offending text is dropped.
@@ -131,7 +131,7 @@ class Elements:
 
 
 def is_channel(name: str) -> bool:
-    """Whether a bus of a hub may have this name."""
+    """Return whether a bus of a hub may have this name."""
     return (
         0 < len(name) <= _LONGEST_NAME
         and name.isascii()
@@ -160,7 +160,7 @@ def sent_frame(words: str) -> Frame:
 
 @lru_cache(4096)
 def _identifier(digits: str) -> tuple[int, bool]:
-    """An identifier, and whether it has 29 bits. Raises ValueError."""
+    """Return an identifier, and whether it has 29 bits. Raises ValueError."""
     if _IDENTIFIER.fullmatch(digits) is None:
         raise ValueError(digits)
     return int(digits, 16), len(digits) == _LONG_IDENTIFIER
@@ -237,7 +237,9 @@ class Lines:
         self._text += data
 
     def take(self) -> str | None:
-        """The next line, None if it is incomplete. Raises Malformed for a line that is too long."""
+        """Return the next line, None if it is incomplete. Raises Malformed for a line that is too
+        long.
+        """
         text = self._text
         end = text.find(b"\r", 0, _LONGEST)
         if end < 0:

@@ -37,7 +37,7 @@ class Station(Protocol):
         """Process what is due; return the frames to send."""
 
     def link_changed(self, up: bool, now: int) -> Iterable[Frame]:
-        """The bus is unavailable (bus-off, hub disconnected) or available again."""
+        """Return the bus is unavailable (bus-off, hub disconnected) or available again."""
 
 
 class NmtMaster(Protocol):
@@ -47,7 +47,7 @@ class NmtMaster(Protocol):
         """Send an NMT command to a node (0: all), and record the requested state."""
 
     def readiness(self, node_id: int) -> bool | str:
-        """Whether the node is configured, so that it may be started.
+        """Return whether the node is configured, so that it may be started.
 
         A text gives the reason why not.
 
@@ -75,7 +75,7 @@ class Link(ABC):
 
     @abstractmethod
     def now(self) -> int:
-        """The monotonic time of the link's stations, in ns."""
+        """Return the monotonic time of the link's stations, in ns."""
 
     @abstractmethod
     def attach(self, station: Station) -> None:
@@ -99,7 +99,7 @@ class Link(ABC):
 
     @abstractmethod
     def sdo(self, node_id: int) -> SdoChannel:
-        """The process's SDO client for a node, which queues transfers."""
+        """Return the process's SDO client for a node, which queues transfers."""
 
     @abstractmethod
     def wait(self, until: Callable[[], bool], timeout: int) -> bool:

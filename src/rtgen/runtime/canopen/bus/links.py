@@ -24,13 +24,13 @@ def open_link(
     bitrate: int = 0,
     options: str = "",
 ) -> Link:
-    """The link of a component, or of the owner of a clock, to a bus.
+    """Return the link of a component, or of the owner of a clock, to a bus.
 
     In real time the bus is python-can's: `interface`, `channel`, `bitrate` in bit/s (0: the
     interface's default) and further arguments as `options`, "host=127.0.0.1,port=29536". In
-    simulated time only the channel identifies the bus, and without a bit rate frames take no
-    time. The link stays open until a station is attached, and is closed with its last station;
-    call again then. Raises LinkError.
+    simulated time only the channel identifies the bus, and without a bit rate frames take no time.
+    The link stays open until a station is attached, and is closed with its last station; call again
+    then. Raises LinkError.
     """
     clock = owner if isinstance(owner, Clock) else owner._clock
     link: SharedLink
@@ -45,7 +45,7 @@ def open_link(
 def simulated_bus(
     network: SimulatedNetwork, channel: str = "can0", bitrate: int = 0
 ) -> SimulatedCanBus:
-    """The bus of a channel in simulated time; `bitrate` in bit/s, 0 accepts any.
+    """Return the bus of a channel in simulated time; `bitrate` in bit/s, 0 accepts any.
 
     Raises LinkError if the bus has another bit rate, or if no system runs on its clock.
     """

@@ -71,7 +71,7 @@ class BusAddress:
 def bus_address(
     interface: str, channel: str, bitrate: int = 0, options: str = ""
 ) -> BusAddress:
-    """The address in a component's parameters; options: "name=value,name=value".
+    """Return the address in a component's parameters; options: "name=value,name=value".
 
     `bitrate` is in bit/s, 0 for the interface's default. Raises LinkError.
     """
@@ -117,7 +117,7 @@ class OpenBus:
         self._errors = (can.CanError, OSError, ValueError)
 
     def receive(self, timeout: float) -> can.Message | None:
-        """The next message, None if none arrives within `timeout` s. Raises LinkError."""
+        """Return the next message, None if none arrives within `timeout` s. Raises LinkError."""
         found = self.receive_some(timeout, 1)
         return found[0] if found else None
 
@@ -177,7 +177,9 @@ class OpenBus:
         return True
 
     def went_off(self, message: can.Message) -> bool | None:
-        """Whether an error frame reports bus-off (True) or the return from bus-off (False)."""
+        """Return whether an error frame reports bus-off (True) or the return from bus-off
+        (False).
+        """
         if self._address.interface in _SOCKETCAN_ERRORS:
             return _bus_off(message.arbitration_id)
         return True if self._is_off else None
@@ -281,14 +283,18 @@ def _hub_client(bus: can.BusABC) -> SocketcandBus | None:
 
 
 def _bus_off(kind: int) -> bool | None:
-    """Whether a class of error frames reports bus-off (True) or the return from it (False)."""
+    """Return whether a class of error frames reports bus-off (True) or the return from it
+    (False).
+    """
     if kind & _RESTARTED:
         return False
     return True if kind & _BUS_OFF else None
 
 
 def _is_full(error: Exception) -> bool:
-    """Whether the error is temporary: the interface's queue is full (ENOBUFS, or a time-out)."""
+    """Return whether the error is temporary: the interface's queue is full (ENOBUFS, or a
+    time-out).
+    """
     import errno
 
     code = getattr(error, "error_code", None) or getattr(error, "errno", None)
@@ -296,7 +302,7 @@ def _is_full(error: Exception) -> bool:
 
 
 def _reason(error: Exception) -> str:
-    """The reason of an error, in one line."""
+    """Return the reason of an error, in one line."""
     number = getattr(error, "errno", None)
     text = os.strerror(number) if isinstance(number, int) else str(error)
     return " ".join(text.split()) or type(error).__name__

@@ -102,7 +102,7 @@ class SdoChannel:
         self._submit(_Transfer(index, subindex, value, block, done, attempts))
 
     def upload(self, index: int, subindex: int = 0, *, block: bool = False) -> bytes:
-        """The octets of an object. Raises SdoAbort, or LinkError if the bus is lost."""
+        """Return the octets of an object. Raises SdoAbort, or LinkError if the bus is lost."""
         return self._awaited(
             lambda done: self.submit_upload(index, subindex, done, block=block)
         )

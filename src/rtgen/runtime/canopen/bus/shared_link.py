@@ -84,7 +84,7 @@ class AttachedStations:
                 heappush(self._timers, (wake, attached))
 
     def receivers(self, can_id: int) -> tuple[AttachedStation, ...]:
-        """The stations that receive an identifier, in order of attachment."""
+        """Return the stations that receive an identifier, in order of attachment."""
         receivers = self._receivers.get(can_id)
         if receivers is None:
             if len(self._receivers) >= _CACHED_IDENTIFIERS:
@@ -103,7 +103,7 @@ class AttachedStations:
         return self._timers[0][0] if self._timers else None
 
     def due(self, now: int) -> Iterator[AttachedStation]:
-        """The stations whose deadline has passed, each once, earliest first."""
+        """Yield the stations whose deadline has passed, each once, earliest first."""
         found = []
         while self._timers and self._timers[0][0] <= now:
             wake, attached = heappop(self._timers)

@@ -94,7 +94,7 @@ class SimulatedBus(can.BusABC):
         return (messages.popleft() if messages else None), False
 
     def recv(self, timeout: float | None = None) -> can.Message | None:
-        """The next message; None if there is none, since no time passes."""
+        """Return the next message; None if there is none, since no time passes."""
         return super().recv(0)
 
     def _send_periodic_internal(
@@ -151,7 +151,7 @@ class SimulatedCyclicTask(
         self._station.changed()
 
     def next_frame(self) -> Frame | None:
-        """The frame that is due; None if the task has ended."""
+        """Return the frame that is due; None if the task has ended."""
         if self._end is not None and self.due >= self._end:
             self._station.tasks.pop(self, None)
             return None

@@ -74,7 +74,7 @@ class SocketcandBus(can.BusABC):
         return f"< {words} >"
 
     def receive(self, timeout: float) -> tuple[Frame | int, float] | None:
-        """The next frame, or class of an error frame, with its time stamp in s.
+        """Return the next frame, or class of an error frame, with its time stamp in s.
 
         None if none arrives within `timeout` s. Raises OSError and CanOperationError.
         """

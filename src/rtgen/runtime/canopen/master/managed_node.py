@@ -103,7 +103,7 @@ class Host(Protocol):
     """The methods of the manager that the node uses."""
 
     def now(self) -> int:
-        """The time in ns."""
+        """Return the time in ns."""
 
     def command(self, command: NmtCommand, node_id: int) -> None:
         """Send an NMT command."""
@@ -191,7 +191,7 @@ class ManagedNode:
         return self.phase in _IN_USE
 
     def report(self) -> NodeReport:
-        """The current state as a report."""
+        """Return the current state as a report."""
         node = self.description
         return NodeReport(
             self.since,

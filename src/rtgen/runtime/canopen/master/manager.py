@@ -59,7 +59,7 @@ class CanopenManager(ABC, Component):
 
     @abstractmethod
     def _servant(self) -> Any:
-        """The servant of the service port; called once."""
+        """Return the servant of the service port; called once."""
 
     @abstractmethod
     def _sample(self, report: NodeReport, time: int) -> Any:
@@ -68,7 +68,7 @@ class CanopenManager(ABC, Component):
     # Used by its servant
 
     def reports(self) -> list[Any]:
-        """The states of all nodes as samples, by node-id."""
+        """Return the states of all nodes as samples, by node-id."""
         station = self.station
         return (
             [] if station is None else [self._to_sample(r) for r in station.reports()]
@@ -130,7 +130,7 @@ class CanopenManager(ABC, Component):
     # Private methods
 
     def _joined(self) -> ManagerStation:
-        """The station for the current parameters; an existing one is reused if it fits."""
+        """Return the station for the current parameters; an existing one is reused if it fits."""
         config: ManagerParameters = self.config
         network = load_network(self.networks, config.network)
         bitrate = config.bitrate or network.bit_rate * 1000

@@ -93,7 +93,7 @@ class ManagerStation:
         return ""
 
     def reports(self) -> list[NodeReport]:
-        """The state of every node, by node-id."""
+        """Return the state of every node, by node-id."""
         with self.link.lock:
             return [self.nodes[node].report() for node in sorted(self.nodes)]
 

@@ -150,7 +150,7 @@ class NodeControl:
         self.written.clear()
 
     def _is_assigned_an_id(self) -> bool:
-        """Whether the manager is still assigning a node-id lost by a reset.
+        """Return whether the manager is still assigning a node-id lost by a reset.
 
         Raises NodeError if the manager has given up.
         """
@@ -310,7 +310,7 @@ class NodeControl:
                 link.refresh(self._node)
 
     def _read_period(self) -> Generator[str, None, int]:
-        """The heartbeat period in ms; a master sets one in a node without."""
+        """Yield the heartbeat period in ms; a master sets one in a node without."""
         period = yield from self._read_number(_HEARTBEAT_TIME)
         if period is None:
             return 0
@@ -321,7 +321,7 @@ class NodeControl:
         return period if kept else 0
 
     def _read_guard_time(self) -> Generator[str, None, int]:
-        """The guard time in ms, 0 if the node cannot be guarded; see `_read_period`."""
+        """Yield the guard time in ms, 0 if the node cannot be guarded; see `_read_period`."""
         period = yield from self._read_number(_GUARD_TIME)
         if period is None:
             return 0
@@ -416,7 +416,7 @@ class NodeControl:
 
 
 def _octets_of(outcome: Outcome, what: str) -> bytes:
-    """The octets of an outcome. Raises its error, with a note about the object."""
+    """Return the octets of an outcome. Raises its error, with a note about the object."""
     if isinstance(outcome, SdoAbort):
         outcome.add_note(what)
     if isinstance(outcome, bytes):
@@ -425,7 +425,7 @@ def _octets_of(outcome: Outcome, what: str) -> bytes:
 
 
 def reason_of(error: Exception) -> str:
-    """An error as text, with the notes about its object."""
+    """Return an error as text, with the notes about its object."""
     return ": ".join([*getattr(error, "__notes__", ()), str(error)])
 
 

@@ -56,7 +56,7 @@ class Wiring:
 def wiring(
     description: DeviceDescription, node_id: int, network: Network | None = None
 ) -> Wiring:
-    """The PDOs of the network, falling back to those of the device description.
+    """Return the PDOs of the network, falling back to those of the device description.
 
     An RPDO with the COB-ID of another node's TPDO is linked to that TPDO, and not sent by the
     proxy.
@@ -86,7 +86,7 @@ def wiring(
 def _transmitted(
     network: Network, but: NodeDescription | None
 ) -> set[tuple[int, bool]]:
-    """The PDOs that other nodes send: identifiers, and whether they have 29 bits."""
+    """Return the PDOs that other nodes send: identifiers, and whether they have 29 bits."""
     found = set()
     for node in network.nodes:
         for pdo in node.pdos if node is not but else ():
@@ -99,7 +99,7 @@ def _transmitted(
 
 
 def transmitter_of(pdo: PdoDescription, node_id: int) -> TpdoTransmitter:
-    """The transmitter of an RPDO of the node.
+    """Return the transmitter of an RPDO of the node.
 
     A synchronous RPDO is sent with its latest value at each SYNC, since the node applies one per
     SYNC. Others are sent for every value, or with the latest when the inhibit time is over.
@@ -118,7 +118,7 @@ class Watcher(Protocol):
     """Receives events of a node; called with the link's lock held."""
 
     def timeout(self) -> int:
-        """The current heartbeat time-out in ns; 0 for none."""
+        """Return the current heartbeat time-out in ns; 0 for none."""
 
     def received(self) -> None:
         """A PDO was received."""

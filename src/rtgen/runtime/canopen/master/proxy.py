@@ -218,7 +218,7 @@ class CanopenProxy(ProxyHooks, Component):
         self._in_blocks(len(value) >= _BLOCK, write)
 
     def _channel(self) -> SdoChannel:
-        """The node's SDO client. Raises SdoAbort for a node that is known to be stopped."""
+        """Return the node's SDO client. Raises SdoAbort for a node that is known to be stopped."""
         connection = self._joined()
         if connection.node.state is NmtState.STOPPED:
             # CiA 301, table 38: it would not answer.
@@ -362,7 +362,7 @@ class CanopenProxy(ProxyHooks, Component):
     # Bus
 
     def _joined(self) -> ProxyConnection:
-        """The connection. Raises LinkError without one."""
+        """Return the connection. Raises LinkError without one."""
         if self._connection is None:
             raise LinkError(f"{self.instance_name} is on no bus")
         return self._connection

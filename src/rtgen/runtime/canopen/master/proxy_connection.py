@@ -48,7 +48,7 @@ class ProxySettings:
 
 
 def settings_of(config: Any) -> ProxySettings:
-    """The settings in the configuration of a proxy."""
+    """Return the settings in the configuration of a proxy."""
     return ProxySettings(
         *(getattr(config, name) for name in ProxySettings.__dataclass_fields__)
     )
@@ -71,14 +71,14 @@ class ProxyPlan:
     def sent(
         self, senders: Mapping[int, Sender]
     ) -> tuple[tuple[int, Sender, TpdoTransmitter], ...]:
-        """The PDOs that the proxy sends."""
+        """Return the PDOs that the proxy sends."""
         known = self.transmitters
         return tuple((n, s, known[n]) for n, s in senders.items() if n in known)
 
     def unsent(
         self, senders: Mapping[int, Sender]
     ) -> tuple[tuple[int, Sender, str], ...]:
-        """The PDOs that the proxy does not send, with the reasons."""
+        """Return the PDOs that the proxy does not send, with the reasons."""
         reasons = self.wiring.unsent
         return tuple(
             (n, s, reasons.get(n, "the network has no such PDO"))
@@ -93,7 +93,8 @@ def planned(
     network: Network | None,
     placed: NodeDescription | None,
 ) -> ProxyPlan:
-    """The plan of a connection: settings override the network, which overrides the description.
+    """Return the plan of a connection: settings override the network, which overrides the
+    description.
 
     `placed` is the node in the network. Raises NodeError.
     """

@@ -53,7 +53,7 @@ def default_boot_timeout(
 
 
 def sync_id(description: DeviceDescription, node_id: int) -> int:
-    """The identifier of SYNC from the device's 1005h, or the predefined one."""
+    """Return the identifier of SYNC from the device's 1005h, or the predefined one."""
     cob_id = _number(description, _COB_ID_SYNC, node_id)
     return CobId(cob_id).can_id if cob_id else SYNC
 

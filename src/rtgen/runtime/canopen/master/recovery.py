@@ -40,7 +40,7 @@ class Recovery:
         self._resumes = False
 
     def due(self, now: int, *, up: bool) -> bool:
-        """Whether to reset now; `up`: the bus is available. Counts the attempt."""
+        """Return whether to reset now; `up`: the bus is available. Counts the attempt."""
         if self._made >= self._attempts or self._failed_at is None:
             return False
         if not up:
@@ -55,7 +55,7 @@ class Recovery:
         return True
 
     def resumes(self) -> bool:
-        """Whether to activate the component after a reset: only after a reset of `due`.
+        """Return whether to activate the component after a reset: only after a reset of `due`.
 
         A component that has never been ACTIVE stays INACTIVE.
         """

@@ -44,18 +44,18 @@ class SdoService:
         self._proxy = proxy
 
     def get(self, index: int, subindex: int) -> Any:
-        """The value of an object, with its kind."""
+        """Return the value of an object, with its kind."""
         value: ObjectValue = self._get(index, subindex)
         described = self._proxy.description.by_number.get((index, subindex))
         unsigned = described is not None and described.kind in UNSIGNED_KINDS
         return self.typed_value(self.kind(value_kind(value, unsigned=unsigned)), value)
 
     def set(self, index: int, subindex: int, value: Any) -> None:
-        """Sets the value of an object."""
+        """Set the value of an object."""
         self._set(index, subindex, value.value)
 
     def _get(self, index: int, subindex: int, factor: float | None = None) -> Any:
-        """The value of an object; with a factor the physical one: factor * value."""
+        """Return the value of an object; with a factor the physical one: factor * value."""
         with self._idl_exceptions():
             value: Any = self._proxy.read_object(index, subindex)
         return value if factor is None else value * factor
@@ -63,7 +63,7 @@ class SdoService:
     def _set(
         self, index: int, subindex: int, value: Any, factor: float | None = None
     ) -> None:
-        """Sets the value of an object; with a factor from the physical one."""
+        """Set the value of an object; with a factor from the physical one."""
         with self._idl_exceptions():
             if factor is not None:
                 described = self._proxy.description.by_number[index, subindex]
@@ -74,12 +74,12 @@ class SdoService:
             self._proxy.write_object(index, subindex, value)
 
     def read(self, index: int, subindex: int) -> bytes:
-        """The octets of an object."""
+        """Return the octets of an object."""
         with self._idl_exceptions():
             return self._proxy.read_octets(index, subindex)
 
     def write(self, index: int, subindex: int, value: bytes) -> None:
-        """Sets the octets of an object."""
+        """Set the octets of an object."""
         with self._idl_exceptions():
             self._proxy.write_octets(index, subindex, value)
 

@@ -15,7 +15,7 @@ from rtgen.runtime.return_codes import (
 )
 from rtgen.runtime.rtc.component import Component
 
-_MOST_REPORTED: Final = 16
+_MAX_REPORTED: Final = 16
 """Maximum number of reported codes until errors are cleared, or the node boots."""
 
 
@@ -96,8 +96,7 @@ class StateMirror:
         elif self._policy.stops(emergency):
             self._fail(node, f"reports EMCY {emergency}")
         elif (
-            emergency.code not in self._reported
-            and len(self._reported) < _MOST_REPORTED
+            emergency.code not in self._reported and len(self._reported) < _MAX_REPORTED
         ):
             self._reported.add(emergency.code)
             self._report(f"node {node.node_id} reports EMCY {emergency}")
@@ -107,7 +106,7 @@ class StateMirror:
         self._fail(node, "cannot be reached: the bus is gone")
 
     def _state(self) -> LifeCycleState | None:
-        """The component's state, None without a context."""
+        """Return the component's state, None without a context."""
         for context in tuple(self._component._contexts.values()):
             return context.get_component_state(self._component)
         return None

@@ -151,7 +151,7 @@ class CanopenDevice(DeviceHooks, Component):
         return link
 
     def _keep_parameters(self, file: ParameterFile) -> None:
-        """Takes the stored parameters from a file, and writes them there when they change."""
+        """Take the stored parameters from a file, and writes them there when they change."""
 
         def keep(stored: Mapping[ObjectNumber, bytes]) -> None:
             try:
@@ -207,7 +207,7 @@ class CanopenDevice(DeviceHooks, Component):
             self._outlets.append((name, target, outgoing))
 
     def _fed_ports(self) -> list[str]:
-        """The InPorts fed by RPDOs; a behaviour may have further InPorts."""
+        """Return the InPorts fed by RPDOs; a behaviour may have further InPorts."""
         get = self.node.dictionary.get
         made = (incoming(get, 0) for incoming in self._incoming_by_number.values())
         return list(dict.fromkeys(name for samples in made for name, _ in samples))
@@ -333,7 +333,7 @@ class CanopenDevice(DeviceHooks, Component):
                 context.deactivate_component(self)
 
     def _state(self) -> LifeCycleState:
-        """The component's state in its first context; INACTIVE without a context."""
+        """Return the component's state in its first context; INACTIVE without a context."""
         for context in tuple(self._contexts.values()):
             return context.get_component_state(self)
         return INACTIVE_STATE

@@ -119,11 +119,11 @@ class DevicePdo:
             return PdoParameters(cob_id=INVALID, transmission_type=EVENT_PROFILE)
 
     def planned(self, count: int) -> Mapping:
-        """The mapping of the first `count` entries. Raises SdoAbort if it is invalid."""
+        """Return the mapping of the first `count` entries. Raises SdoAbort if it is invalid."""
         return Mapping([self._field(place) for place in range(1, count + 1)])
 
     def checked_field(self, entry: int) -> MappedField:
-        """The field of a mapping entry. Raises SdoAbort if the device cannot map it."""
+        """Return the field of a mapping entry. Raises SdoAbort if the device cannot map it."""
         description = self._dictionary.description
         if entry in self._own:
             return own_field(description, entry)

@@ -64,11 +64,11 @@ class DeviceSync:
             self._producer.start(now)
 
     def poll(self, now: int) -> Frame | None:
-        """The SYNC that is due."""
+        """Return the SYNC that is due."""
         return None if self._producer is None else self._producer.poll(now)
 
     def counter(self, frame: Frame) -> int | None:
-        """The counter of a SYNC, 0 without one; None for any other frame.
+        """Return the counter of a SYNC, 0 without one; None for any other frame.
 
         A device without 1019h accepts both lengths.
         """
@@ -112,7 +112,7 @@ class DeviceTime:
         return frozenset((cob_id.can_id,) if cob_id.bit31 else ())
 
     def moment(self, frame: Frame) -> int | None:
-        """The time in a TIME message, in ns of UTC since 1970; None for any other frame."""
+        """Return the time in a TIME message, in ns of UTC since 1970; None for any other frame."""
         cob_id = self._cob_id
         if not cob_id.bit31 or not cob_id.carries(frame):
             return None

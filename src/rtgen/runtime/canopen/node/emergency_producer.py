@@ -34,7 +34,7 @@ _BITS: Final = {
 
 
 def register_of(code: int) -> ErrorRegister:
-    """The bits of the error register (1001h) for an error code."""
+    """Return the bits of the error register (1001h) for an error code."""
     if code >> 8 == 0xFF:
         return ErrorRegister.GENERIC | ErrorRegister.MANUFACTURER
     return ErrorRegister.GENERIC | _BITS.get(code >> 12, ErrorRegister(0))
@@ -98,7 +98,7 @@ class EmergencyProducer:
         self._update_register()
 
     def present(self, code: int, additional: bytes = b"") -> bool:
-        """Whether the error is active."""
+        """Return whether the error is active."""
         return (code, additional) in self._present
 
     def add(
@@ -136,7 +136,7 @@ class EmergencyProducer:
             self._queue(Emergency(0, self.register, key[1]))
 
     def take(self, now: int, *, at_once: bool = False) -> list[Frame]:
-        """The messages that may be sent now; all of them with `at_once`."""
+        """Return the messages that may be sent now; all of them with `at_once`."""
         frames: list[Frame] = []
         while self._waiting and (at_once or now >= self._not_before):
             message = self._waiting.popleft()

@@ -61,15 +61,15 @@ class ErrorControl:
             self._life.configure(self._lifetime, now)
 
     def poll(self, now: int) -> bool:
-        """Whether life guarding has just lost the NMT master."""
+        """Return whether life guarding has just lost the NMT master."""
         return self._life.poll(now)
 
     def beat(self, now: int, state: NmtState) -> Frame | None:
-        """The heartbeat, if due."""
+        """Return the heartbeat, if due."""
         return self._producer.poll(now, state)
 
     def answer(self, node_id: int, state: NmtState, now: int) -> Frame | None:
-        """The response to a node guarding request; None for a node with a heartbeat."""
+        """Return the response to a node guarding request; None for a node with a heartbeat."""
         if self._period:
             return None
         self._life.configure(self._lifetime, now)

@@ -30,7 +30,7 @@ def lss_address(
     description: DeviceDescription,
     serial_number: int | None,
 ) -> LssAddress:
-    """The numbers of 1018h; those of the description where the dictionary has no entry."""
+    """Return the numbers of 1018h; those of the description where the dictionary has no entry."""
     defaults = (*_numbers(description), serial_number or 0)
     return LssAddress(
         *(

@@ -30,7 +30,7 @@ class DeviceNode(DeviceStation):
     """
 
     def get(self, index: int, subindex: int = 0) -> ObjectValue:
-        """The value of an object. Raises KeyError for an unknown object."""
+        """Return the value of an object. Raises KeyError for an unknown object."""
         return self.dictionary.get((index, subindex))
 
     def set(self, index: int, subindex: int, value: ObjectValue) -> None:
@@ -67,7 +67,7 @@ class DeviceNode(DeviceStation):
         self.errors.remove(code, additional)
 
     def flush(self, now: int) -> list[Frame]:
-        """The frames to send after changes."""
+        """Return the frames to send after changes."""
         self._now = now
         return self._taken()
 

@@ -64,7 +64,7 @@ class DeviceDictionary:
         return number in self._objects
 
     def describe(self, number: ObjectNumber) -> ObjectDescription:
-        """The description of an object. Raises SdoAbort if it does not exist."""
+        """Return the description of an object. Raises SdoAbort if it does not exist."""
         found = self._objects.get(number)
         if found is None:
             known = number[0] in self._indices
@@ -72,7 +72,7 @@ class DeviceDictionary:
         return found
 
     def subindices(self, index: int) -> list[int]:
-        """The sub-indices of an index, ascending."""
+        """Return the sub-indices of an index, ascending."""
         return sorted(sub for found, sub in self._objects if found == index)
 
     # Hooks
@@ -132,7 +132,7 @@ class DeviceDictionary:
     # PDO
 
     def octets(self, number: ObjectNumber) -> bytes:
-        """The value of an existing object. Raises SdoAbort if its read hook does."""
+        """Return the value of an existing object. Raises SdoAbort if its read hook does."""
         hook = self._read_hooks.get(number)
         if hook is not None:
             try:
@@ -151,7 +151,7 @@ class DeviceDictionary:
         return self._octets[number]
 
     def last(self, number: ObjectNumber) -> bytes:
-        """The last stored value, without calling a read hook."""
+        """Return the last stored value, without calling a read hook."""
         return self._octets[number]
 
     def take(self, number: ObjectNumber, octets: bytes) -> None:
@@ -189,11 +189,13 @@ class DeviceDictionary:
     # Device
 
     def get(self, number: ObjectNumber) -> ObjectValue:
-        """A value. Raises KeyError for an unknown object, SdoAbort if its read hook does."""
+        """Return a value. Raises KeyError for an unknown object, SdoAbort if its read hook does."""
         return values.decode(self._known(number).kind, self.octets(number))
 
     def number(self, number: ObjectNumber, absent: int = 0) -> int:
-        """The last stored value of an integer object; `absent` if the object does not exist."""
+        """Return the last stored value of an integer object; `absent` if the object does not
+        exist.
+        """
         if number not in self._objects:
             return absent
         return int.from_bytes(self._octets[number], "little")
@@ -237,7 +239,7 @@ class DeviceDictionary:
             self._octets[number] = octets
 
     def altered(self, indices: range) -> dict[ObjectNumber, bytes]:
-        """The writable values of these indices that differ from their defaults."""
+        """Return the writable values of these indices that differ from their defaults."""
         return {
             number: self._octets[number]
             for number, described in self._objects.items()

@@ -46,7 +46,7 @@ class ParameterFile:
             raise self._error("it leads out of the working folder")
 
     def read(self) -> dict[ObjectNumber, bytes]:
-        """The stored values; none where there is no file yet. Raises ParameterFileError."""
+        """Return the stored values; none where there is no file yet. Raises ParameterFileError."""
         try:
             with self._path.open("rb") as file:
                 text = file.read(_MOST + 1)
@@ -72,7 +72,7 @@ class ParameterFile:
         return self._values(content.get("values"))
 
     def write(self, stored: Mapping[ObjectNumber, bytes]) -> None:
-        """Replaces the file as a whole: after a failure it has what it had. Raises OSError."""
+        """Replace the file as a whole: after a failure it has what it had. Raises OSError."""
         content = self._head() | {
             "values": {
                 f"{index:04X}:{subindex:X}": octets.hex()

@@ -33,7 +33,7 @@ _DIRECTIONS: Final[dict[str, tuple[Direction, ...]]] = {
 
 
 def entry_of(index: int, subindex: int, bits: int) -> int:
-    """An entry as the mapping parameter has it."""
+    """Return an entry as the mapping parameter has it."""
     return index << 16 | subindex << 8 | bits
 
 
@@ -49,7 +49,7 @@ class MappedField:
 def checked_field(
     description: DeviceDescription, direction: Direction, entry: int
 ) -> MappedField:
-    """The field of a mapping entry. Raises SdoAbort if the device cannot map that."""
+    """Return the field of a mapping entry. Raises SdoAbort if the device cannot map that."""
     number = entry >> 16, entry >> 8 & 0xFF
     bits = entry & 0xFF
     if number[0] < _GAP and number[0]:
@@ -69,7 +69,7 @@ def checked_field(
 
 
 def own_field(description: DeviceDescription, entry: int) -> MappedField:
-    """The field of a default mapping entry; an unknown object becomes a gap."""
+    """Return the field of a default mapping entry; an unknown object becomes a gap."""
     number = entry >> 16, entry >> 8 & 0xFF
     described = description.by_number.get(number)
     if described is None:
@@ -151,7 +151,7 @@ class Mapping:
 
 
 def _is_whole(field: MappedField) -> bool:
-    """Whether a field consists of all octets of an object."""
+    """Return whether a field consists of all octets of an object."""
     size = values.size(field.kind)
     return field.number is not None and field.bits == 8 * (size or 0)
 

@@ -298,7 +298,7 @@ class DeviceStation:
         return self._nmt is not None and self._nmt.allows(service)
 
     def _handlers_of_now(self) -> dict[int, tuple[Handler, ...]]:
-        """The handlers by CAN identifier."""
+        """Return the handlers by CAN identifier."""
         found: dict[int, tuple[Handler, ...]] = {}
 
         def add(can_id: int, handler: Handler) -> None:

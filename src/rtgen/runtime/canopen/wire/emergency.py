@@ -75,7 +75,9 @@ _CLASSES: Final = {
 
 
 def code_text(code: int) -> str:
-    """The meaning of an error code; falls back to its class if CiA 301 does not define it."""
+    """Return the meaning of an error code; falls back to its class if CiA 301 does not define
+    it.
+    """
     if code in _EXACT:
         return _EXACT[code]
     high = code >> 8
@@ -96,7 +98,7 @@ class Emergency:
         return self.code >> 8 == 0
 
     def frame(self, node_id: int) -> Frame:
-        """The frame sent by a node. Raises ValueError for more than 5 additional octets."""
+        """Return the frame sent by a node. Raises ValueError for more than 5 additional octets."""
         if len(self.additional) > 5:
             raise ValueError(f"{len(self.additional)} octets; there are up to 5")
         head = self.code.to_bytes(2, "little") + bytes((self.register,))
@@ -135,14 +137,14 @@ class EmergencyPolicy:
             self._rules.append((not found[1], re.compile(digits)))
 
     def stops(self, emergency: Emergency) -> bool:
-        """Whether an emergency message stops the component."""
+        """Return whether an emergency message stops the component."""
         code = f"{emergency.code:04X}"
         decided = [stops for stops, pattern in self._rules if pattern.fullmatch(code)]
         return bool(decided) and decided[-1] and not emergency.cleared
 
 
 def decode_emergency(frame: Frame) -> tuple[int, Emergency] | None:
-    """The node-id and the message in a frame; None for any other frame."""
+    """Return the node-id and the message in a frame; None for any other frame."""
     node_id = frame.can_id - EMERGENCY
     if not 1 <= node_id <= MAX_NODE_ID or frame.extended or frame.remote:
         return None

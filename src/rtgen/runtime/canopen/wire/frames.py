@@ -94,11 +94,11 @@ class CobId:
         return not (restricted(self.can_id) or self.value & 0x1FFFF800)
 
     def carries(self, frame: Frame) -> bool:
-        """Whether a frame has this identifier and format (11 or 29 bits)."""
+        """Return whether a frame has this identifier and format (11 or 29 bits)."""
         return frame.can_id == self.can_id and frame.extended == self.extended
 
     def frame(self, data: bytes) -> Frame:
-        """A data frame with this identifier."""
+        """Return a data frame with this identifier."""
         return Frame(self.can_id, data, extended=self.extended)
 
 
@@ -110,12 +110,12 @@ def checked_node_id(node_id: int) -> int:
 
 
 def tpdo(number: int, node_id: int) -> int:
-    """The predefined identifier of TPDO 1 to 4 (CiA 301, 7.3.3, table 39)."""
+    """Return the predefined identifier of TPDO 1 to 4 (CiA 301, 7.3.3, table 39)."""
     return _pdo(0x180, number, node_id)
 
 
 def rpdo(number: int, node_id: int) -> int:
-    """The predefined identifier of RPDO 1 to 4 (CiA 301, 7.3.3, table 39)."""
+    """Return the predefined identifier of RPDO 1 to 4 (CiA 301, 7.3.3, table 39)."""
     return _pdo(0x200, number, node_id)
 
 
@@ -126,5 +126,5 @@ def _pdo(first: int, number: int, node_id: int) -> int:
 
 
 def restricted(can_id: int) -> bool:
-    """Whether the 11-bit identifier is restricted (CiA 301, table 40)."""
+    """Return whether the 11-bit identifier is restricted (CiA 301, table 40)."""
     return any(low <= can_id <= high for low, high in _RESTRICTED)

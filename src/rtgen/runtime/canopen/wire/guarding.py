@@ -39,7 +39,7 @@ class NodeGuard:
         self.deadline = None
 
     def poll(self, now: int) -> Frame | None:
-        """The request, if due. Requests that are late by more than a period are skipped."""
+        """Return the request, if due. Requests that are late by more than a period are skipped."""
         if self.deadline is None or now < self.deadline:
             return None
         if self._awaiting:
@@ -49,7 +49,7 @@ class NodeGuard:
         return Frame(self._can_id, remote=True)
 
     def accepts(self, frame: Frame) -> bool:
-        """Whether a response shows that the node is alive; True while guarding is off."""
+        """Return whether a response shows that the node is alive; True while guarding is off."""
         if self.deadline is None or frame.remote or len(frame.data) != 1:
             return True
         before, self._last = self._last, frame.data[0] & TOGGLE
@@ -87,7 +87,7 @@ class LifeGuard:
         self._toggle, self._polled, self.deadline = 0, False, None
 
     def poll(self, now: int) -> bool:
-        """Whether the master has just been lost; True once."""
+        """Return whether the master has just been lost; True once."""
         if self.deadline is None or now < self.deadline:
             return False
         self.deadline, self._polled = None, False

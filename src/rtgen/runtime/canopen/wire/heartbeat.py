@@ -39,7 +39,7 @@ class HeartbeatProducer:
         self.deadline = None
 
     def poll(self, now: int, state: NmtState) -> Frame | None:
-        """The heartbeat, if due."""
+        """Return the heartbeat, if due."""
         if self.deadline is None or now < self.deadline:
             return None
         self.deadline += self._period * (1 + (now - self.deadline) // self._period)
@@ -105,7 +105,7 @@ class HeartbeatConsumer:
         self._asked = state
 
     def receive(self, frame: Frame, now: int) -> HeartbeatEvent | None:
-        """The event in a frame; None for other frames and for unchanged states."""
+        """Return the event in a frame; None for other frames and for unchanged states."""
         state = self._state_in(frame)
         if state is None:
             return None
@@ -145,7 +145,7 @@ class HeartbeatConsumer:
         return NmtState(code) if code in _STATES else None
 
     def _take_request(self, state: NmtState) -> bool:
-        """Whether the state was requested; clears the request."""
+        """Return whether the state was requested; clears the request."""
         if self._asked is not state:
             return False
         self._asked = None

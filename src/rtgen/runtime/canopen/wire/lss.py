@@ -70,16 +70,16 @@ class LssAddress(NamedTuple):
 
 
 def message(command: LssCommand, value: int = 0, size: int = 4) -> bytes:
-    """A message with an integer of `size` octets after the command."""
+    """Return a message with an integer of `size` octets after the command."""
     return (bytes((command,)) + value.to_bytes(size, "little")).ljust(MESSAGE, b"\0")
 
 
 def fastscan_message(number: int, bit: int, part: int, following: int) -> bytes:
-    """A fastscan message: address part (0 to 3) equals `number` from bit `bit` upwards."""
+    """Return a fastscan message: address part (0 to 3) equals `number` from bit `bit` upwards."""
     head = bytes((LssCommand.FASTSCAN,)) + number.to_bytes(4, "little")
     return head + bytes((bit, part, following))
 
 
 def first_number(data: bytes) -> int:
-    """The integer of 4 octets after the command."""
+    """Return the integer of 4 octets after the command."""
     return int.from_bytes(data[1:5], "little")

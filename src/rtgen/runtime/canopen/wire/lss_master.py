@@ -186,7 +186,7 @@ def set_bit_rate(
 
 
 def _configured(command: LssCommand, message: bytes) -> Procedure[int]:
-    """The error code in the response to a message. Raises LssError."""
+    """Yield the error code in the response to a message. Raises LssError."""
     answer = yield Ask(message, command)
     if answer is None:
         raise LssError(f"{command.name} is not answered")
@@ -198,7 +198,7 @@ def _reason(error: int) -> str:
 
 
 def address_text(address: PartialAddress) -> str:
-    """An address as text, with "any" for unknown parts."""
+    """Return an address as text, with "any" for unknown parts."""
     return " ".join("any" if part is None else f"{part:08X}h" for part in address)
 
 

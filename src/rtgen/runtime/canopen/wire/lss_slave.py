@@ -91,7 +91,7 @@ class LssSlave:
         self._scanned = 0
 
     def receive(self, frame: Frame) -> list[Frame]:
-        """The responses to a frame."""
+        """Return the responses to a frame."""
         if frame.can_id != LSS_REQUEST or frame.extended or frame.remote:
             return []
         if len(frame.data) != MESSAGE:
@@ -103,7 +103,9 @@ class LssSlave:
         return [] if answer is None else [Frame(LSS_RESPONSE, answer)]
 
     def take_over(self, *, stored: bool) -> int:
-        """The node-id after a reset; after a reset of the whole node (`stored`), the stored one."""
+        """Return the node-id after a reset; after a reset of the whole node (`stored`), the stored
+        one.
+        """
         if stored:
             self.pending = replace(self.stored)
         self.active = self.pending.node_id

@@ -55,17 +55,17 @@ SERVICES: Final = {
 
 
 def command_frame(command: NmtCommand, node_id: int = 0) -> Frame:
-    """An NMT command to a node, or to all (0)."""
+    """Return an NMT command to a node, or to all (0)."""
     return Frame(NMT, bytes((command, checked_node_id(node_id) if node_id else 0)))
 
 
 def heartbeat_frame(node_id: int, state: NmtState) -> Frame:
-    """A heartbeat, or the boot-up message for INITIALISING (CiA 301, 7.2.8.3.2 and .3)."""
+    """Return a heartbeat, or the boot-up message for INITIALISING (CiA 301, 7.2.8.3.2 and .3)."""
     return Frame(ERROR_CONTROL + checked_node_id(node_id), bytes((state,)))
 
 
 def decode_command(frame: Frame) -> tuple[NmtCommand, int] | None:
-    """The command in a frame and its node-id (0: all); None for any other frame."""
+    """Return the command in a frame and its node-id (0: all); None for any other frame."""
     if frame.can_id != NMT or frame.extended or frame.remote or len(frame.data) != 2:
         return None
     try:
@@ -109,7 +109,7 @@ class NmtSlave:
         self._stopping = stopping
 
     def allows(self, service: Service) -> bool:
-        """Whether the service is available in the current state."""
+        """Return whether the service is available in the current state."""
         return service in SERVICES[self.state]
 
     def boot(self) -> Frame:

@@ -34,7 +34,7 @@ _EVENT: Final = (EVENT_MANUFACTURER, EVENT_PROFILE)
 
 
 def is_synchronous(transmission_type: int) -> bool:
-    """Whether the transmission type is synchronous: 0 to 240."""
+    """Return whether the transmission type is synchronous: 0 to 240."""
     return transmission_type <= MAX_SYNC_CYCLIC
 
 
@@ -153,7 +153,9 @@ class TpdoTransmitter:
         return self._send(data, now) if due else None
 
     def remote(self, now: int) -> Frame | None:
-        """The response to a remote frame, if the COB-ID allows it; waits for the inhibit time."""
+        """Return the response to a remote frame, if the COB-ID allows it; waits for the inhibit
+        time.
+        """
         if not self._running or self._cob_id.bit30 or self._data is None:
             return None
         if self._type == RTR_SYNC:

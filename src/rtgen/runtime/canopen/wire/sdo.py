@@ -123,16 +123,16 @@ class Target:
 
     @classmethod
     def of(cls, data: bytes) -> Target:
-        """The object in a frame."""
+        """Return the object in a frame."""
         return cls(data[1] | data[2] << 8, data[3])
 
     def message(self, command: int, data: bytes = b"") -> bytes:
-        """A message about the object, with up to 4 octets of data."""
+        """Return a message about the object, with up to 4 octets of data."""
         head = bytes((command, self.index & 0xFF, self.index >> 8, self.subindex))
         return head + data.ljust(EXPEDITED, b"\0")
 
     def abort(self, code: int) -> bytes:
-        """The abort message."""
+        """Return the abort message."""
         return self.message(ABORT, code.to_bytes(4, "little"))
 
 
@@ -142,24 +142,24 @@ def size_octets(size: int) -> bytes:
 
 
 def announced_size(data: bytes) -> int:
-    """The length, or abort code, in octets 4 to 7."""
+    """Return the length, or abort code, in octets 4 to 7."""
     return int.from_bytes(data[4:8], "little")
 
 
 def expedited(command: int, target: Target, value: bytes) -> bytes:
-    """An expedited message with a value of 1 to 4 octets."""
+    """Return an expedited message with a value of 1 to 4 octets."""
     unused = EXPEDITED - len(value)
     return target.message(command | unused << 2 | WITH_SIZE | SIZE_INDICATED, value)
 
 
 def expedited_value(data: bytes) -> bytes:
-    """The value in an expedited message; 4 octets if the size is not indicated."""
+    """Return the value in an expedited message; 4 octets if the size is not indicated."""
     unused = data[0] >> 2 & 3 if data[0] & SIZE_INDICATED else 0
     return data[4 : FRAME - unused]
 
 
 def crc(data: bytes | bytearray) -> int:
-    """The CRC of a block transfer: x^16+x^12+x^5+1 from 0 (CiA 301, 7.2.4.3.16)."""
+    """Return the CRC of a block transfer: x^16+x^12+x^5+1 from 0 (CiA 301, 7.2.4.3.16)."""
     return binascii.crc_hqx(data, 0)
 
 
@@ -177,7 +177,7 @@ class Segments:
         return self._at > 0 and self._at >= len(self._value)
 
     def next(self, command: int) -> bytes:
-        """The next segment, with this command (CiA 301, 7.2.4.3.4 and .7)."""
+        """Return the next segment, with this command (CiA 301, 7.2.4.3.4 and .7)."""
         part = self._value[self._at : self._at + SEGMENT]
         self._at += SEGMENT
         last = LAST if self.done else 0
@@ -214,7 +214,7 @@ class Collector:
             raise SdoAbort(LENGTH_TOO_HIGH if announced else OUT_OF_MEMORY)
 
     def value(self) -> bytes:
-        """The complete value. Raises SdoAbort if octets are missing."""
+        """Return the complete value. Raises SdoAbort if octets are missing."""
         if self._size is not None and len(self._value) != self._size:
             raise SdoAbort(LENGTH_TOO_LOW)
         return bytes(self._value)
@@ -238,7 +238,7 @@ class BlockSender:
         return self._at > 0 and self._at >= len(self._value)
 
     def block(self, size: int) -> list[bytes]:
-        """The next block of up to `size` segments. Raises SdoAbort for an invalid size."""
+        """Return the next block of up to `size` segments. Raises SdoAbort for an invalid size."""
         if not 1 <= size <= MAX_BLOCK:
             raise SdoAbort(BLOCK_SIZE_INVALID)
         segments: list[bytes] = []
@@ -262,7 +262,7 @@ class BlockSender:
         self._at += sequence * SEGMENT
 
     def end(self, with_crc: bool) -> bytes:
-        """The message that ends the transfer."""
+        """Return the message that ends the transfer."""
         unused = -len(self._value) % SEGMENT if self._value else SEGMENT
         check = crc(self._value) if with_crc else 0
         return (
@@ -307,7 +307,7 @@ class BlockReceiver:
         return bytes((BLOCK_ACKNOWLEDGED, got, self.size)) + bytes(5)
 
     def value(self, end: bytes, with_crc: bool) -> bytes:
-        """The complete value, checked with the end message. Raises SdoAbort."""
+        """Return the complete value, checked with the end message. Raises SdoAbort."""
         value = bytes(self._value[: len(self._value) - (end[0] >> 2 & 7)])
         if with_crc and int.from_bytes(end[1:3], "little") != crc(value):
             raise SdoAbort(CRC_ERROR)

@@ -75,7 +75,9 @@ class SdoClient:
         return self._step is None and not self._draining
 
     def result(self) -> bytes:
-        """The result of the last transfer. Raises SdoAbort, or RuntimeError without a transfer."""
+        """Return the result of the last transfer. Raises SdoAbort, or RuntimeError without a
+        transfer.
+        """
         if self._outcome is None:
             raise RuntimeError("no transfer has ended")
         if isinstance(self._outcome, SdoAbort):

@@ -26,7 +26,7 @@ class ObjectDictionary(Protocol):
     """The objects of a server. Each method may raise SdoAbort."""
 
     def read(self, index: int, subindex: int) -> bytes:
-        """The value as octets."""
+        """Return the value as octets."""
 
     def writable_size(self, index: int, subindex: int) -> int:
         """Maximum number of octets that may be written; called before any octets are accepted."""
@@ -71,7 +71,7 @@ class SdoServer:
         self._step, self._in_block, self.deadline = None, False, None
 
     def receive(self, frame: Frame, now: int) -> list[Frame]:
-        """The responses to a frame."""
+        """Return the responses to a frame."""
         if frame.can_id != self._request or frame.extended or frame.remote:
             return []
         if len(frame.data) != sdo.FRAME:
@@ -109,7 +109,7 @@ class SdoServer:
         return self._step(data)
 
     def _is_segment(self, data: bytes) -> bool:
-        """Whether a message can be a segment of the current block download.
+        """Return whether a message can be a segment of the current block download.
 
         A client whose abort was lost starts its next transfer in the middle of the block.
         """

@@ -48,7 +48,7 @@ class SyncProducer:
         self.deadline = None
 
     def poll(self, now: int) -> Frame | None:
-        """The SYNC, if due."""
+        """Return the SYNC, if due."""
         if self.deadline is None or now < self.deadline:
             return None
         self.deadline += self._period * (1 + (now - self.deadline) // self._period)
@@ -59,14 +59,16 @@ class SyncProducer:
 
 
 def sync_counter(frame: Frame) -> int | None:
-    """The counter of a SYNC, 0 without one; None for any other length (EMCY 8240h)."""
+    """Return the counter of a SYNC, 0 without one; None for any other length (EMCY 8240h)."""
     if len(frame.data) > 1:
         return None
     return frame.data[0] if frame.data else 0
 
 
 def time_frame(now: int) -> Frame:
-    """The TIME message for a time in ns of UTC since 1970 (1984 to 2163, else ValueError)."""
+    """Return the TIME message for a time in ns of UTC since 1970 (1984 to 2163, else
+    ValueError).
+    """
     days, milliseconds = divmod(now // MILLISECOND - EPOCH, DAY)
     if not 0 <= days <= MAX_DAYS:
         raise ValueError("TIME goes from 1984 on, for 65536 days")
@@ -74,7 +76,7 @@ def time_frame(now: int) -> Frame:
 
 
 def decode_time(frame: Frame) -> int | None:
-    """The time in a TIME message, in ns of UTC since 1970; None for any other frame."""
+    """Return the time in a TIME message, in ns of UTC since 1970; None for any other frame."""
     if frame.can_id != TIME or frame.extended or frame.remote or len(frame.data) != 6:
         return None
     return (EPOCH + milliseconds_of(int.from_bytes(frame.data, "little"))) * MILLISECOND

@@ -67,7 +67,7 @@ class ContextService:
         return self.context.stop()
 
     def get_rate(self) -> float:
-        """The rate in Hz."""
+        """Return the rate in Hz."""
         return self.context.get_rate()
 
     def set_rate(self, rate: float) -> ReturnCode_t:
@@ -114,7 +114,7 @@ class ContextService:
         return self.context.reset_component(component)
 
     def get_component_state(self, reference: Any) -> LifeCycleState:
-        """The state of a component; CREATED if it does not participate."""
+        """Return the state of a component; CREATED if it does not participate."""
         component = self._component(reference)
         if component is None:
             return CREATED_STATE
@@ -214,7 +214,7 @@ class RtObject:
         return UNSUPPORTED
 
     def is_alive(self, reference: Any) -> bool:
-        """Whether it is initialized; with a context, whether it participates there."""
+        """Return whether it is initialized; with a context, whether it participates there."""
         found = self._exported.local(reference)
         context = found.context if isinstance(found, ContextService) else None
         if context is None and reference is not None:
@@ -222,20 +222,20 @@ class RtObject:
         return self.component.is_alive(context)
 
     def get_owned_contexts(self) -> list[Any]:
-        """The contexts that the component owns."""
+        """Return the contexts that the component owns."""
         return self._references(self.component.get_owned_contexts())
 
     def get_participating_contexts(self) -> list[Any]:
-        """The contexts of others in which it participates."""
+        """Return the contexts of others in which it participates."""
         return self._references(self.component.get_participating_contexts())
 
     def get_context(self, handle: int) -> Any:
-        """The context of a handle; nil for an unknown one."""
+        """Return the context of a handle; nil for an unknown one."""
         context = self.component.get_context(handle)
         return next(iter(self._references([context])), None)
 
     def get_context_handle(self, reference: Any) -> int:
-        """The handle of a context, -1 for an unknown one."""
+        """Return the handle of a context, -1 for an unknown one."""
         found = self._exported.local(reference)
         if not isinstance(found, ContextService):
             return _NO_HANDLE
@@ -271,15 +271,15 @@ class RtObject:
         return []
 
     def get_sdo_id(self) -> str:
-        """The instance name."""
+        """Return the instance name."""
         return self.component.instance_name
 
     def get_sdo_type(self) -> str:
-        """The description of the component."""
+        """Return the description of the component."""
         return self.component.profile.description
 
     def get_device_profile(self) -> DeviceProfile:
-        """An empty profile."""
+        """Return an empty profile."""
         return DeviceProfile()
 
     def get_service_profiles(self) -> list[ServiceProfile]:
@@ -295,7 +295,7 @@ class RtObject:
         raise InvalidParameter(f"there is no service {identity}")
 
     def get_configuration(self) -> Any:
-        """The reference of the configuration."""
+        """Return the reference of the configuration."""
         return self._configuration
 
     def get_monitoring(self) -> Any:
@@ -303,11 +303,11 @@ class RtObject:
         raise InterfaceNotImplemented("there is no monitoring")
 
     def get_status_list(self) -> list[NameValue]:
-        """The reason of the last failure."""
+        """Return the reason of the last failure."""
         return values({"reason": self.component.reason})
 
     def get_status(self, name: str) -> Any:
-        """The value of a status. Raises InvalidParameter."""
+        """Return the value of a status. Raises InvalidParameter."""
         if name != "reason":
             raise InvalidParameter(f"there is no status {name}")
         return anys.to_any(self.component.reason)

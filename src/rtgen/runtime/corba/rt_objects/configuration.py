@@ -25,11 +25,11 @@ class Configuration:
         self._sets = component.configuration_sets
 
     def get_configuration_parameter_values(self) -> list[NameValue]:
-        """The values of the active set."""
+        """Return the values of the active set."""
         return values(self._sets.texts(self._sets.active))
 
     def get_configuration_parameter_value(self, name: str) -> Any:
-        """A value of the active set. Raises InvalidParameter."""
+        """Return a value of the active set. Raises InvalidParameter."""
         found = self._sets.texts(self._sets.active)
         if name not in found:
             raise InvalidParameter(f"there is no parameter {name}")
@@ -41,17 +41,17 @@ class Configuration:
         return self._set(self._sets.active, given, count=1)
 
     def get_configuration_sets(self) -> list[ConfigurationSet]:
-        """All sets, `default` first."""
+        """Return all sets, `default` first."""
         return [self._shown(each) for each in self._sets.ids]
 
     def get_configuration_set(self, config_id: str) -> ConfigurationSet:
-        """A set. Raises InternalError for an unknown one."""
+        """Return a set. Raises InternalError for an unknown one."""
         if config_id not in self._sets.ids:
             raise InternalError(f"there is no configuration set {config_id}")
         return self._shown(config_id)
 
     def get_active_configuration_set(self) -> ConfigurationSet:
-        """The active set."""
+        """Return the active set."""
         return self._shown(self._sets.active)
 
     def set_configuration_set_values(self, configuration_set: ConfigurationSet) -> bool:

@@ -32,7 +32,7 @@ Lost = Callable[[], None]
 
 
 def settings_of(properties: Mapping[str, str], type_: type[DataType]) -> dict[str, str]:
-    """The properties that a connection understands.
+    """Return the properties that a connection understands.
 
     Raises ConnectorPropertyError for another interface type, PortTypeError for another data type.
     """
@@ -55,13 +55,13 @@ def settings_of(properties: Mapping[str, str], type_: type[DataType]) -> dict[st
 
 
 def is_pull(properties: Mapping[str, str]) -> bool:
-    """Whether the receiving end fetches samples."""
+    """Return whether the receiving end fetches samples."""
     flow = properties.get("dataport.dataflow_type", Dataflow.PUSH)
     return flow.strip().lower() == Dataflow.PULL
 
 
 def is_little_endian(properties: Mapping[str, str]) -> bool:
-    """The byte order of a connection: the first of those that it names."""
+    """Return the byte order of a connection: the first of those that it names."""
     first = properties.get(_ENDIAN, "little").partition(",")[0]
     return first.strip().lower() != "big"
 
@@ -172,7 +172,9 @@ def received(
     properties: Mapping[str, str],
     guard: Callable[[], Guard],
 ) -> DataConnector[Any]:
-    """A connection to an InPort of this process; buffers are at this end. Raises ConnectError."""
+    """Return a connection to an InPort of this process; buffers are at this end. Raises
+    ConnectError.
+    """
     kept = settings_of(properties, target.type)
     here = {key: text for key, text in kept.items() if not key.startswith(_SENDERS)}
     here["dataport.dataflow_type"] = Dataflow.PUSH
@@ -197,7 +199,9 @@ class Source:
         self.connector = DataConnector(name, source, self._waiting, kept, guard)
 
     def get(self) -> tuple[PortStatus, bytes]:
-        """The oldest sample; without one, by the empty policy, the last one or BUFFER_EMPTY."""
+        """Return the oldest sample; without one, by the empty policy, the last one or
+        BUFFER_EMPTY.
+        """
         if not self.connector.connected:
             return PortStatus.PORT_ERROR, b""
         value = self._waiting.read()

@@ -151,13 +151,13 @@ class ServiceEnd:
         self._iors = {p: exported.text(references[p]) for p in port.providers}
 
     def offer(self, name: str, properties: Mapping[str, str]) -> Offer:
-        """The providers."""
+        """Return the providers."""
         return Offer(offers(self._port.instance, self._known, self._iors))
 
     def accept(
         self, name: str, properties: Mapping[str, str], lost: Callable[[], None]
     ) -> Connector | None:
-        """The connection of the consumers. Raises ConnectError."""
+        """Return the connection of the consumers. Raises ConnectError."""
         return link(
             name,
             self._port,

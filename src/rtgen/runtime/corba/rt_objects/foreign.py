@@ -125,7 +125,7 @@ class Foreign:
             return None
 
     def _context(self) -> Any:
-        """Its first context. Raises TransportError."""
+        """Return its first context. Raises TransportError."""
         contexts = self._call(self.reference, RT_OBJECT, "get_owned_contexts")
         if not contexts:
             raise TransportError(f"{self.instance} has no execution context of its own")
@@ -160,7 +160,7 @@ class Directory:
         self.foreign[plan.instance] = Foreign(plan, self._exported)
 
     def find(self, instance: str) -> Any:
-        """A component that answers; None if there is none."""
+        """Return a component that answers; None if there is none."""
         foreign = self.foreign.get(instance)
         if foreign is None:
             found = self.naming.component(instance, KIND)
@@ -170,7 +170,7 @@ class Directory:
         return foreign.reference
 
     def where(self, instance: str) -> str:
-        """The places where a component is looked for, for messages."""
+        """Return the places where a component is looked for, for messages."""
         path = self.foreign[instance].plan.path if instance in self.foreign else ""
         if path.startswith(_ADDRESSES):
             return f"nothing answers at {path}"
@@ -204,13 +204,15 @@ class Directory:
 
 
 def _id_and_kind(name: str) -> tuple[str, str]:
-    """The id and kind of a name such as `rh3.host_cxt`."""
+    """Return the id and kind of a name such as `rh3.host_cxt`."""
     identity, dot, kind = name.rpartition(".")
     return (identity, kind) if dot else (name, "")
 
 
 def is_place(path: str) -> bool:
-    """Whether a text names a component by itself: an address of CORBA, or `HOST[:PORT]/...`."""
+    """Return whether a text names a component by itself: an address of CORBA, or
+    `HOST[:PORT]/...`.
+    """
     host, _, names = path.partition("/")
     return path.startswith(_ADDRESSES) or bool(host and names)
 

@@ -20,7 +20,7 @@ class Exported:
         self._orb = orb
 
     def serve(self, interface: Interface, target: object) -> Any:
-        """A reference to an object whose calls are those of `target`."""
+        """Return a reference to an object whose calls are those of `target`."""
         servant = _class_of(interface)(target, self._orb.busy)
         return self._orb.poa.id_to_reference(self._orb.poa.activate_object(servant))
 
@@ -30,7 +30,7 @@ class Exported:
         poa.deactivate_object(poa.reference_to_id(reference))
 
     def local(self, reference: Any) -> Any:
-        """The Python object of a reference; None for one of another process."""
+        """Return the Python object of a reference; None for one of another process."""
         poa = self._orb.poa
         if reference is None:
             return None
@@ -50,12 +50,12 @@ class Exported:
         return reference._obj.invoke(operation, descriptor, arguments)
 
     def text(self, reference: Any) -> str:
-        """The IOR of a reference."""
+        """Return the IOR of a reference."""
         ior: str = self._orb.orb.object_to_string(reference)
         return ior
 
     def reference(self, text: str) -> Any:
-        """The reference of an IOR or corbaloc; None if there is none."""
+        """Return the reference of an IOR or corbaloc; None if there is none."""
         if not text.startswith(("IOR:", "corbaloc:", "corbaname:")):
             return None
         try:

@@ -136,11 +136,11 @@ class _Peer:
             self.attempt(directory)
 
     def _is_known(self, component: Any) -> bool:
-        """Whether a component is that of the last connection, not one started anew."""
+        """Return whether a component is that of the last connection, not one started anew."""
         return self._component is not None and self._component._is_equivalent(component)
 
     def _found(self, profile: Any) -> Any:
-        """The port of a component. Raises PortTypeError."""
+        """Return the port of a component. Raises PortTypeError."""
         wanted = known_name(self.there.port)
         names = []
         for port in profile.port_profiles:
@@ -157,15 +157,15 @@ class _Peer:
         )
 
     def ends(self, here: Any, there: Any) -> list[Any]:
-        """The port services in the order of the connector."""
+        """Return the port services in the order of the connector."""
         return [here, there]
 
     def requested(self) -> dict[str, str]:
-        """The properties of the connector."""
+        """Return the properties of the connector."""
         return self.properties
 
     def is_made_there(self, properties: Mapping[str, str]) -> bool:
-        """Whether a component with these properties makes the connection itself."""
+        """Return whether a component with these properties makes the connection itself."""
         return False
 
     def check(self, found: PortProfile) -> None:
@@ -193,7 +193,7 @@ class PeerConnection(_Peer):
         self.suffix = "_out"
 
     def ends(self, here: Any, there: Any) -> list[Any]:
-        """The OutPort first."""
+        """Return the OutPort first."""
         return [here, there] if self._sends else [there, here]
 
     def requested(self) -> dict[str, str]:
@@ -203,7 +203,7 @@ class PeerConnection(_Peer):
         return stated | self.properties
 
     def is_made_there(self, properties: Mapping[str, str]) -> bool:
-        """The process of the OutPort makes it, if that is rtgen's."""
+        """Return the process of the OutPort makes it, if that is rtgen's."""
         return not self._sends and RUNTIME in properties
 
     def check(self, found: PortProfile) -> None:

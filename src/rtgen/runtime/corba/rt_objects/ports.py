@@ -59,13 +59,13 @@ class End(Protocol):
     def accept(
         self, name: str, properties: Mapping[str, str], lost: Callable[[], None]
     ) -> Connector | None:
-        """The connection to what the other end offers; None if `offer` has made it.
+        """Return the connection to what the other end offers; None if `offer` has made it.
 
         Raises ConnectError.
         """
 
     def has(self, connector: Connector) -> bool:
-        """Whether a connection of the system ends here."""
+        """Return whether a connection of the system ends here."""
 
 
 @dataclass
@@ -86,7 +86,7 @@ class Ports(Protocol):
     """The ids of connections that others have made, by their names in the system."""
 
     def at(self, connector: Connector) -> list[PortService]:
-        """The port services at which a connection ends."""
+        """Return the port services at which a connection ends."""
 
 
 class PortService:
@@ -130,7 +130,7 @@ class PortService:
         return ConnectorProfile("", "", [], [])
 
     def _inner(self) -> list[Connector]:
-        """The connections of the system that end here, but for those to foreign ports."""
+        """Return the connections of the system that end here, but for those to foreign ports."""
         system = self._ports.system
         if system is None:
             return []
@@ -186,7 +186,7 @@ class PortService:
         return code, made
 
     def _named(self, system: System, profile: ConnectorProfile) -> str:
-        """The name of a connection in the system, where names are unique."""
+        """Return the name of a connection in the system, where names are unique."""
         name = profile.name or profile.connector_id
         if any(connector.name == name for connector in system.connectors):
             name = f"{name} ({profile.connector_id})"
@@ -258,7 +258,7 @@ class PortService:
         return code, changed
 
     def _next(self, profile: ConnectorProfile) -> Any:
-        """The port after this one in a profile; None if this is the last."""
+        """Return the port after this one in a profile; None if this is the last."""
         mine = [port._is_equivalent(self.reference) for port in profile.ports]
         place = mine.index(True) if True in mine else len(mine)
         return next(iter(profile.ports[place + 1 :]), None)
@@ -271,7 +271,7 @@ class PortService:
         return self._cut(connector_id)
 
     def has_link(self, connector_id: str, other: Any) -> bool:
-        """Whether there is a connection of an id to a port of another process.
+        """Return whether there is a connection of an id to a port of another process.
 
         One of that id to another port, whose process has ended, is removed.
         """
@@ -284,7 +284,7 @@ class PortService:
         return False
 
     def has_lost(self, connector_id: str) -> bool:
-        """Whether a connection has ended here because the other end did not answer."""
+        """Return whether a connection has ended here because the other end did not answer."""
         return connector_id in self._lost_ids and connector_id not in self._links
 
     def end_there(self, connector_id: str, other: Any) -> None:
@@ -307,7 +307,7 @@ class PortService:
         return link
 
     def _is_same(self, connector_id: str, profile: ConnectorProfile) -> bool:
-        """Whether a connection has the ports of a profile."""
+        """Return whether a connection has the ports of a profile."""
         known = self._links[connector_id].profile.ports
         return len(known) == len(profile.ports) and all(
             one is not None and one._is_equivalent(other)
@@ -379,7 +379,8 @@ class PortService:
         link.withdraw()
 
     def _lost(self, connector_id: str) -> Callable[[], None]:
-        """A function that ends a connection whose other end is silent, in a thread of its own.
+        """Return a function that ends a connection whose other end is silent, in a thread of its
+        own.
 
         The thread that notices sends or publishes samples, which ending a connection waits for.
         """

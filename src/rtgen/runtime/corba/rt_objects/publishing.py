@@ -64,7 +64,7 @@ class RtObjects:
                 made.close()
 
     def port(self, end: InPort[Any] | OutPort[Any] | ServicePort) -> PortService | None:
-        """The port service of a port; None if it is withdrawn."""
+        """Return the port service of a port; None if it is withdrawn."""
         kind: type[End]
         if isinstance(end, ServicePort):
             kind, owner, name = ServiceEnd, end.instance, end.port
@@ -78,12 +78,14 @@ class RtObjects:
         )
 
     def own(self, reference: Any) -> RtObject | PortService | None:
-        """The component or port of this process to which a reference leads; None without one."""
+        """Return the component or port of this process to which a reference leads; None without
+        one.
+        """
         found = self.exported.local(reference)
         return found if isinstance(found, RtObject | PortService) else None
 
     def ports_at(self, instance: str, port: str) -> list[PortService]:
-        """The ports of that name of a component; an InPort and an OutPort may share one."""
+        """Return the ports of that name of a component; an InPort and an OutPort may share one."""
         made = self._published.get(instance)
         return [each for each in (made.ports if made else ()) if each.end.port == port]
 
@@ -104,7 +106,7 @@ class RtObjects:
     def _ends(
         self, component: Component, references: Mapping[Provider[Any], Any]
     ) -> list[tuple[str, End]]:
-        """The ports with their names on OpenRTM."""
+        """Return the ports with their names on OpenRTM."""
         services = [port for port, _ in (*component.providers, *component.consumers)]
         keys = [
             *((IN, name) for name in component.in_ports),

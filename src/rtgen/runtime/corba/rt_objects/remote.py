@@ -74,17 +74,19 @@ class RemoteRtc:
     # Configuration
 
     def sets(self) -> dict[str, dict[str, str]]:
-        """The values of the configuration sets, but for those that inform tools."""
+        """Return the values of the configuration sets, but for those that inform tools."""
         found = self.all_sets()
         return {k: v for k, v in found.items() if not k.startswith(_FOR_TOOLS)}
 
     def all_sets(self) -> dict[str, dict[str, str]]:
-        """The values of all sets, with those that inform tools: `__widget__`, `__constraints__`."""
+        """Return the values of all sets, with those that inform tools: `__widget__`,
+        `__constraints__`.
+        """
         found = self.configure("get_configuration_sets")
         return {each.id: texts(each.configuration_data) for each in found}
 
     def active_set(self) -> str:
-        """The id of the active set."""
+        """Return the id of the active set."""
         found: str = self.configure("get_active_configuration_set").id
         return found
 
@@ -97,7 +99,7 @@ class RemoteRtc:
     # States
 
     def state(self) -> LifeCycleState:
-        """The state in its own context."""
+        """Return the state in its own context."""
         found: LifeCycleState = self.ask(
             self.context, "get_component_state", self.reference
         )

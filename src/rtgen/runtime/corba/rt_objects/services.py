@@ -19,17 +19,17 @@ _NONE = ("nil", "null")
 
 
 def type_names(end: Consumer[Any] | Provider[Any]) -> list[str]:
-    """The names by which others may know the type of an interface, its own first.
+    """Return the names by which others may know the type of an interface, its own first.
 
-    Besides the scoped one there is that without its scope, by which authors of many components
-    have registered their interfaces.
+    Besides the scoped one there is that without its scope, by which authors of many components have
+    registered their interfaces.
     """
     scoped: str = end.interface._descriptor_.name
     return [*filter(None, (end._type_name, scoped, scoped.rpartition("::")[2]))]
 
 
 def descriptor(end: Consumer[Any] | Provider[Any]) -> str:
-    """The name of an interface in connectors: type and instance."""
+    """Return the name of an interface in connectors: type and instance."""
     return f"{type_names(end)[0]}.{end.instance}"
 
 
@@ -38,7 +38,7 @@ def offers(
     port: str,
     providers: Mapping[Provider[Any], str],
 ) -> dict[str, str]:
-    """The properties of a connector that offer providers, given with their IORs.
+    """Return the properties of a connector that offer providers, given with their IORs.
 
     Besides OpenRTM's two names there are those of `type_names`.
     """
@@ -93,7 +93,7 @@ def link(
     exported: Exported,
     own: Callable[[str], bool],
 ) -> ServiceLink:
-    """The connection that a connector's properties describe for `port`, not established.
+    """Return the connection that a connector's properties describe for `port`, not established.
 
     `own` tells whether an IOR is one that this end offers. Raises PortTypeError for a strict one
     with a consumer that has no provider.
@@ -129,7 +129,7 @@ def _only_one(
     exported: Exported,
     own: Callable[[str], bool],
 ) -> str | None:
-    """The only provider that the other end offers of the consumer's interface."""
+    """Return the only provider that the other end offers of the consumer's interface."""
     identity = consumer.interface._descriptor_.repository_id
     iors = {text for text in properties.values() if text.startswith("IOR:")}
     fitting = []

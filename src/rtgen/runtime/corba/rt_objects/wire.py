@@ -384,7 +384,7 @@ def values(properties: Mapping[str, str]) -> list[NameValue]:
 
 
 def texts(properties: Iterable[NameValue]) -> dict[str, str]:
-    """The properties whose values are texts, numbers or booleans, as texts."""
+    """Return the properties whose values are texts, numbers or booleans, as texts."""
     found: dict[str, str] = {}
     for each in properties:
         text = text_of(each.value)
@@ -394,7 +394,7 @@ def texts(properties: Iterable[NameValue]) -> dict[str, str]:
 
 
 def text_of(value: Any) -> str | None:
-    """The text of an `any`; None for a value of another kind."""
+    """Return the text of an `any`; None for a value of another kind."""
     plain = anys.from_any(value, keep_structs=True)
     if isinstance(plain, bool):
         return "true" if plain else "false"

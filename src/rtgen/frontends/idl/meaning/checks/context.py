@@ -48,7 +48,7 @@ class Context(msgspec.Struct, frozen=True):
         self.report(rule.at(span, message, related=related, hint=hint))
 
     def target(self, name: tree.ScopedName) -> Entity | None:
-        """The declaration of a name, None if it is not a declaration."""
+        """Return the declaration of a name, None if it is not a declaration."""
         found = self.types.tables.references.get(name)
         return found if isinstance(found, Entity) else None
 
@@ -106,7 +106,7 @@ class Context(msgspec.Struct, frozen=True):
         return not bad and self.maps_are_good(type_.value, node, unit)
 
     def is_local(self, type_: Type | None, seen: set[ScopedName] | None = None) -> bool:
-        """Whether a type is, or contains, a local interface."""
+        """Return whether a type is, or contains, a local interface."""
         if isinstance(type_, PrimitiveType):
             return False
         seen = set() if seen is None else seen

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 
 from rtgen.diagnostics import Diagnostic
 from rtgen.frontends.idl.rules.types import TOO_DEEP
-from rtgen.limits import MOST_LEVELS
+from rtgen.limits import MAX_LEVELS
 from rtgen.model import Component, Declaration, ScopedName
 from rtgen.model.graphs import groups
 from rtgen.typemap.implementation_modules import referred
@@ -15,7 +15,7 @@ from rtgen.typemap.implementation_modules import referred
 def checked(
     made: Mapping[ScopedName, Declaration], report: Callable[[Diagnostic], None]
 ) -> dict[ScopedName, Declaration]:
-    """The declarations without those in too deep chains; reports the first over MOST_LEVELS.
+    """Return the declarations without those in too deep chains; reports the first over MAX_LEVELS.
 
     Components beyond the limit are left out, because each copies all inherited members.
     """
@@ -27,17 +27,17 @@ def checked(
         )
         level = below + len(group)
         levels.update(dict.fromkeys(group, level))
-        if below <= MOST_LEVELS < level:
+        if below <= MAX_LEVELS < level:
             first = made[min(group, key=lambda name: made[name].span)]
             message = (
                 f"{first.scoped} leads from declaration to declaration for"
-                f" {level} levels, more than {MOST_LEVELS}"
+                f" {level} levels, more than {MAX_LEVELS}"
             )
             report(TOO_DEEP.at(first.span, message))
     return {
         name: declaration
         for name, declaration in made.items()
-        if levels[name] <= MOST_LEVELS or not isinstance(declaration, Component)
+        if levels[name] <= MAX_LEVELS or not isinstance(declaration, Component)
     }
 
 

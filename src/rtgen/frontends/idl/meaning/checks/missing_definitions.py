@@ -52,7 +52,7 @@ def _is_made(found: object) -> bool:
 
 
 def _parts(entity: Entity, context: Context) -> Iterator[tree.Name]:
-    """The operations, attributes and ports with an unsupported type."""
+    """Yield the operations, attributes and ports with an unsupported type."""
     body = getattr(entity.node, "body", None)
     for item in body.items if isinstance(body, tree.Body) else ():
         types: tuple[tree.TypeNode | None, ...]
@@ -73,7 +73,7 @@ def _parts(entity: Entity, context: Context) -> Iterator[tree.Name]:
 
 
 def _mentioned(node: object) -> Iterator[tree.ScopedName]:
-    """The exceptions and supported interfaces of a declaration."""
+    """Yield the exceptions and supported interfaces of a declaration."""
     yield from getattr(node, "supports", ())
     body = getattr(node, "body", None)
     for item in body.items if isinstance(body, tree.Body) else ():

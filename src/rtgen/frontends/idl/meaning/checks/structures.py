@@ -27,8 +27,8 @@ _WIDTH = {
     for kind, (low, high) in INTEGER_RANGES.items()
 }
 _EXTENSIBILITIES = ("final", "appendable", "mutable")
-_MOST_BITS = 64
-_MOST_BASES = 64
+_MAX_BITS = 64
+_MAX_BASES = 64
 _LARGEST_ID = 2**28 - 1
 
 
@@ -81,7 +81,7 @@ def member_ids(entity: Entity, context: Context) -> None:
     if isinstance(declaration, Union):
         entries += declaration.cases
     base: Declaration | None = declaration
-    for _ in range(_MOST_BASES):
+    for _ in range(_MAX_BASES):
         if not isinstance(base, Struct):
             break
         entries[:0] = base.members
@@ -131,12 +131,12 @@ def bitset(entity: Entity, context: Context) -> None:
     if not isinstance(declaration, Bitset):
         return
     total = _bits(declaration, context)
-    if total > _MOST_BITS:
-        message = f"{entity.name} has {total} bits, more than {_MOST_BITS}"
+    if total > _MAX_BITS:
+        message = f"{entity.name} has {total} bits, more than {_MAX_BITS}"
         hint = "split it into several bitsets"
         context.report(rules.BAD_BITFIELD.at(entity.span, message, hint=hint))
     for field in declaration.members:
-        most = _MOST_BITS
+        most = _MAX_BITS
         if field.type is not None:
             plain = context.types.unaliased(field.type)
             kind = plain.kind if isinstance(plain, PrimitiveType) else None
@@ -158,7 +158,7 @@ def bitset(entity: Entity, context: Context) -> None:
 def _bits(declaration: Bitset, context: Context) -> int:
     total = 0
     current: Bitset | None = declaration
-    while current is not None and total <= _MOST_BITS * 2:
+    while current is not None and total <= _MAX_BITS * 2:
         total += sum(field.bits for field in current.members)
         base = context.made.get(current.base) if current.base else None
         current = base if isinstance(base, Bitset) else None

@@ -84,7 +84,7 @@ def labels(entity: Entity, context: Context) -> None:
 
 
 def _values(switch: Type, context: Context) -> int | None:
-    """The number of values of the switch; None if there are too many to list."""
+    """Return the number of values of the switch; None if there are too many to list."""
     match context.types.unaliased(switch):
         case PrimitiveType(Primitive.BOOLEAN):
             return 2

@@ -58,12 +58,12 @@ _INVISIBLE = ("Zs", "Zl", "Zp", "Cf", "Cc")
 
 
 def is_blank(character: str) -> bool:
-    """Whether a character is invisible, and best skipped."""
+    """Return whether a character is invisible, and best skipped."""
     return category(character) in _INVISIBLE
 
 
 def bad_character(unit: Unit, text: str, start: int) -> Diagnostic:
-    """The diagnostic for a character that starts no token."""
+    """Return the diagnostic for a character that starts no token."""
     character = text[start]
     span = unit.span(start, start + 1)
     if character == "'":
@@ -97,7 +97,7 @@ def bad_character(unit: Unit, text: str, start: int) -> Diagnostic:
 
 
 def meant(text: str, start: int) -> tuple[str | None, int]:
-    """The terminal that a wrong character probably stands for, and its length."""
+    """Return the terminal that a wrong character probably stands for, and its length."""
     if _QUOTED.match(text, start):
         closing = _QUOTED.search(text, start + 1)
         if closing and "\n" not in text[start : closing.end()]:

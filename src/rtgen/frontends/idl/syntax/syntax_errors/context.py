@@ -150,7 +150,7 @@ class ErrorContext(BaseContext):
         feed: str | None = None,
         resume: int | None = None,
     ) -> Recovery:
-        """A missing token after the one before; parsing continues as if it were present."""
+        """Return a missing token after the one before; parsing continues as if it were present."""
         return self.recover(
             syntax.MISSING_MARK,
             f"a '{mark}' is missing here",
@@ -162,7 +162,7 @@ class ErrorContext(BaseContext):
 
 
 def words(text: str, start: int, end: int, most: int = 400) -> list[Word]:
-    """The tokens of text[start:end), at most `most`."""
+    """Return the tokens of text[start:end), at most `most`."""
     found: list[Word] = []
     for match in _WORD.finditer(text, start, min(end, len(text))):
         found.append(Word(match[0], match.start(), match.end()))
@@ -172,7 +172,7 @@ def words(text: str, start: int, end: int, most: int = 400) -> list[Word]:
 
 
 def header(text: str, opening: int) -> list[Word]:
-    """The tokens between the end of the declaration before, and a `{`."""
+    """Return the tokens between the end of the declaration before, and a `{`."""
     low = max(0, opening - FAR)
     begin = low
     for match in ENDS.finditer(text, low, opening):
@@ -181,7 +181,7 @@ def header(text: str, opening: int) -> list[Word]:
 
 
 def partner(text: str, closing: int) -> int | None:
-    """The `{` that matches the `}` at `closing`."""
+    """Return the `{` that matches the `}` at `closing`."""
     depth = 0
     for place in range(closing, max(-1, closing - 100_000), -1):
         if text[place] == "}":

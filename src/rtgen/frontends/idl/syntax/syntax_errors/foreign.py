@@ -57,7 +57,7 @@ def inclusion(s: ErrorContext) -> Recovery | None:
 
 
 def word(s: ErrorContext) -> Recovery | None:
-    """A word of another language, as the token or before it."""
+    """Return a word of another language, as the token or before it."""
     hint = WORDS.get(s.text)
     if hint is not None and s.kind == "IDENT" and "IDENT" not in s.accepted:
         return _other_language(s, Word(s.text, s.start, s.end), hint)
@@ -80,7 +80,7 @@ def word(s: ErrorContext) -> Recovery | None:
 
 
 def _named_before(s: ErrorContext, reserved: bool) -> Recovery | None:
-    """The first or the last word before the token belongs to another language."""
+    """Return the first or the last word before the token belongs to another language."""
     if not s.before:
         return None
     first, last = s.before[0], s.before[-1]

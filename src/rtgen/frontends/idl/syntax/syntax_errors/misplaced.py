@@ -41,7 +41,7 @@ _BODIES_OF_DATA = ("struct", "exception", "union")
 
 
 def what_stands_here(s: ErrorContext) -> str:
-    """A hint about what the body around the token consists of."""
+    """Return a hint about what the body around the token consists of."""
     return _CONTENTS.get(s.construct, _CONTENTS[""])
 
 
@@ -125,7 +125,7 @@ def misplaced_clause(s: ErrorContext) -> Recovery | None:
 
 
 def misplaced(s: ErrorContext) -> Recovery | None:
-    """A declaration in a body that does not allow it."""
+    """Return a declaration in a body that does not allow it."""
     if s.before:
         return _method(s)
     body = s.construct
@@ -164,7 +164,7 @@ def _move(s: ErrorContext, message: str, hint: str) -> Recovery:
 
 
 def _outside_all(s: ErrorContext) -> Recovery | None:
-    """A member or an operation at file scope or in a module."""
+    """Return a member or an operation at file scope or in a module."""
     ahead = [word.text for word in s.after]
     until = ahead.index(";") if ";" in ahead else 0
     if "{" in ahead[:until]:
@@ -181,7 +181,7 @@ def _outside_all(s: ErrorContext) -> Recovery | None:
 
 
 def _method(s: ErrorContext) -> Recovery | None:
-    """An operation or an initial value among the members of a struct."""
+    """Return an operation or an initial value among the members of a struct."""
     if s.text == "(" and s.construct in _BODIES_OF_DATA and "SEMI" in s.accepted:
         if s.following.isdigit():
             return s.recover(

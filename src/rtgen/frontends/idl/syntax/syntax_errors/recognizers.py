@@ -36,7 +36,7 @@ _BY_TERMINAL = {"TEXT": "string", "WTEXT": "wstring"}
 
 
 def explain(context: ErrorContext) -> Recovery:
-    """The most likely cause of a syntax error."""
+    """Return the most likely cause of a syntax error."""
     for recognise in _RECOGNISERS:
         found = recognise(context)
         if found is not None:
@@ -87,7 +87,7 @@ def _semicolon(s: ErrorContext) -> Recovery:
 
 
 def _missing_semicolon(s: ErrorContext) -> Recovery | None:
-    """The token starts a line, is a keyword, or closes the body: a `;` is missing."""
+    """Return the token starts a line, is a keyword, or closes the body: a `;` is missing."""
     if "SEMI" not in s.accepted or s.text in (";", "{", "="):
         return None
     if s.text == "const" and s.previous == ")" and s.following == ";":
@@ -197,7 +197,7 @@ def _split_name(s: ErrorContext) -> Recovery | None:
 
 
 def _expected_words(s: ErrorContext) -> dict[str, str]:
-    """The keywords that fit, with their terminals."""
+    """Return the keywords that fit, with their terminals."""
     found = {
         _BY_TERMINAL.get(t, t.lower()): t
         for t in s.accepted
@@ -217,7 +217,7 @@ def _expected_words(s: ErrorContext) -> dict[str, str]:
 
 
 def _misspelt(s: ErrorContext) -> Recovery | None:
-    """The token resembles a keyword that fits; parsing continues with that one."""
+    """Return the token resembles a keyword that fits; parsing continues with that one."""
     if s.kind != "IDENT":
         return None
     fitting = _expected_words(s)
@@ -234,7 +234,7 @@ def _misspelt(s: ErrorContext) -> Recovery | None:
 
 
 def _misspelt_before(s: ErrorContext) -> Recovery | None:
-    """The word before was read as a name, but resembles a keyword: `unsinged long`."""
+    """Return the word before was read as a name, but resembles a keyword: `unsinged long`."""
     word = s.before[-1] if s.before else None
     if word is None or not word.is_name:
         return None
@@ -272,7 +272,7 @@ def _misspelt_before(s: ErrorContext) -> Recovery | None:
 
 
 def _starters(s: ErrorContext) -> frozenset[str]:
-    """The terminals that may be supplied at the start of a declaration in this body."""
+    """Return the terminals that may be supplied at the start of a declaration in this body."""
     if s.construct == "interface":
         return frozenset(("UNSIGNED", "ONEWAY", "READONLY", "ATTRIBUTE", "TYPEDEF"))
     if s.construct in ("struct", "exception"):
@@ -301,7 +301,7 @@ def _keyword_as_name(s: ErrorContext) -> Recovery | None:
 
 
 def _doubled_word(s: ErrorContext) -> Recovery | None:
-    """A duplicated word."""
+    """Return a duplicated word."""
     if s.text != s.previous or not s.before[-1].is_word or s.fresh_line:
         return None
     message = f"'{s.text}' stands twice"
@@ -363,7 +363,7 @@ def _missing_mark(s: ErrorContext) -> Recovery | None:
 
 
 def _missing_word(s: ErrorContext) -> Recovery | None:
-    """A name, a type or a value is missing before `;`, `,`, `)` or `>`."""
+    """Return a name, a type or a value is missing before `;`, `,`, `)` or `>`."""
     if s.text not in (";", ",", ")", ">", "}", "]"):
         return None
     if s.previous in ("(", ",", "<", "[", "=") and "NUMBER" in s.accepted:
