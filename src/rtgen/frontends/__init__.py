@@ -1,4 +1,4 @@
-"""Interface of front ends: text to model, one package or module for each input language."""
+"""Interface of front ends, which read definitions into a model: one package per input language."""
 
 from __future__ import annotations
 
@@ -40,11 +40,11 @@ class FrontendResult(msgspec.Struct, frozen=True):
 
 
 class Frontend(Protocol):
-    """The interface of a front end that an entry point `rtgen.frontends` brings."""
+    """Interface of a front end, as provided by an entry point `rtgen.frontends`."""
 
     @property
     def suffixes(self) -> Sequence[str]:
-        """The ends of its files' names, in lower case, with the dot."""
+        """The suffixes of its files, in lower case, with the dot."""
         ...
 
     def load(
@@ -55,16 +55,17 @@ class Frontend(Protocol):
         include: Sequence[Path],
         options: Mapping[str, Any],
     ) -> FrontendResult:
-        """What the files say, which are all read together.
+        """Return the model of the files, which are read together.
 
         `root` is the project's folder, `include` its include folders, `options` the table
-        `[plugin.NAME]` of rtgen.toml. Wrong input gives findings and raises nothing.
+        `[plugin.NAME]` of rtgen.toml. Errors in the input are among the diagnostics; nothing is
+        raised.
         """
         ...
 
 
 def key_of(path: Path, root: Path) -> str:
-    """Return the path for generated text: relative to the project, else the name alone."""
+    """Return the path for generated text: relative to the project, else the file name."""
     try:
         return path.resolve().relative_to(root.resolve()).as_posix()
     except ValueError:

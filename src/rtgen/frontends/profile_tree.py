@@ -1,4 +1,4 @@
-"""Profile files, RtcProfile and RtsProfile, as a tree with places: XML, or YAML by the suffix."""
+"""Profile files, RtcProfile and RtsProfile, as a tree with places; XML, or YAML by the suffix."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _MAX_BYTES = 16 * 1024 * 1024
 
 
 class ProfileTree(NamedTuple):
-    """A profile's text, and the root of its tree; None if it is malformed, which is reported."""
+    """A profile's text and tree; the tree is None, after a diagnostic, if it is malformed."""
 
     root: Element | None
     text: str
@@ -36,9 +36,7 @@ def sink() -> Findings:
 
 
 def read(path: Path, file: str, report: Callable[[Diagnostic], None]) -> bytes | None:
-    """Return the bytes of a profile displayed as `file`; None if it cannot be read, which is
-    reported.
-    """
+    """Read a profile displayed as `file`; None, after a diagnostic, if it cannot be read."""
     try:
         return files.read_file(path, _MAX_BYTES)
     except UnreadableError as error:
@@ -47,7 +45,7 @@ def read(path: Path, file: str, report: Callable[[Diagnostic], None]) -> bytes |
 
 
 def parse(data: bytes, file: str, report: Callable[[Diagnostic], None]) -> ProfileTree:
-    """Return the tree of a profile's bytes; `file` is the path for messages."""
+    """Parse a profile; `file` is the path in diagnostics."""
     text = data.decode("utf-8", errors="replace")
     try:
         if file.lower().endswith(YAML_SUFFIXES):

@@ -1,8 +1,9 @@
-"""Profiles in YAML, as written by rtc-template and rtshell: to a tree, and from and to XML.
+"""Converts profiles in YAML, as written by rtc-template and rtshell, to a tree, and from and to
+XML.
 
 A key is an attribute or element in lower camel case; those of an extension's namespace have its
-prefix (`rtcDoc::doc`, `rtsExt::visible`), except inside an element of the same namespace.
-Elements that may be repeated are lists, dates are mappings of numbers.
+prefix (`rtcDoc::doc`, `rtsExt::visible`), except inside an element of the same namespace. Elements
+that can be repeated are lists, dates are mappings of numbers.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ _STEPS = "StartUp ShutDown Activation Deactivation Resetting Initializing Finali
 class _Form:
     """A kind of profile: its root, prefixes, and elements in the order of the schema.
 
-    `many` may be repeated, `texts` contain a text, `lower` are the elements whose names start in
+    `many` can be repeated, `texts` contain a text, `lower` are the elements whose names start in
     lower case.
     """
 
@@ -152,7 +153,7 @@ _DATE_PARTS = ("year", "month", "day", "hour", "minute", "second")
 _DATE_REST = ("fraction", "zone")
 _CONDITIONS = ("WaitTime", "Preceding")
 _CONDITION = "condition"
-"""In YAML, the key of `targets` around the element that says when a step is due."""
+"""In YAML, the key of `targets` around the condition of a step."""
 _MANY_CONSTRAINTS = ("And", "Or", "ConstraintListType", "ConstraintHashType")
 _NAME = re.compile(r"[A-Za-z_][\w.-]*")
 _MAX_DEPTH = 60
@@ -205,7 +206,7 @@ def _date(text: str) -> object:
 
 
 def _key(form: _Form, name: tuple[str, str], inside: str) -> str:
-    """Return the key of a name; `inside` is the namespace of the element that has it."""
+    """Return the key of a name; `inside` is the namespace of the parent element."""
     namespace, local = name
     key = local[:1].lower() + local[1:]
     for prefix, known in form.namespaces.items():
@@ -224,7 +225,7 @@ def _is_many(form: _Form, parent: str, local: str) -> bool:
 
 
 def parse(text: str, file: str) -> Element:
-    """Return the tree of a profile in YAML, with the places of the YAML.
+    """Parse a profile in YAML; the tree has the places of the YAML text.
 
     Raises InputError with one located diagnostic.
     """
@@ -242,7 +243,7 @@ def parse(text: str, file: str) -> Element:
 
 
 def _element(form: _Form, name: tuple[str, str], node: Node, depth: int) -> Element:
-    """Return an element. Raises YamlError for what is not a profile."""
+    """Return an element. Raises YamlError for invalid content."""
     namespace, local = name
     content = node.content
     if depth > _MAX_DEPTH:
@@ -288,7 +289,7 @@ def _items(content: Mapping[str, Node], local: str) -> Iterator[tuple[str, Node]
 
 
 def _split(form: _Form, key: str, span: Span, inside: str) -> tuple[str, str]:
-    """Namespace and name of a key. Raises YamlError for an invalid one."""
+    """Return namespace and name of a key. Raises YamlError for an invalid one."""
     prefix, separator, name = key.partition("::")
     if not separator:
         prefix, name = "", key
@@ -299,7 +300,7 @@ def _split(form: _Form, key: str, span: Span, inside: str) -> tuple[str, str]:
 
 
 def _text(text: str, name: str, node: Node) -> str:
-    """Return a text that XML can represent. Raises YamlError."""
+    """Return a text, checked for characters that XML cannot represent. Raises YamlError."""
     from rtgen.xml_text import NOT_IN_XML
 
     if NOT_IN_XML.search(text):

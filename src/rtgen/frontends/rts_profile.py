@@ -1,7 +1,6 @@
 """Reads systems: RtsProfile 0.2, the files of RT System Editor and rtshell, in XML or YAML.
 
-Names are resolved by namespace; unknown elements are ignored, and what real files omit is
-optional.
+Names are resolved by namespace; unknown elements are ignored; what real files omit is optional.
 """
 
 from __future__ import annotations
@@ -61,9 +60,9 @@ class SystemResult(NamedTuple):
 
 
 def load(path: Path, *, display: str | None = None) -> SystemResult:
-    """Read a system. All problems of the input are in the diagnostics.
+    """Read a system. All errors of the input are among the diagnostics.
 
-    `display` is the path for messages, by default `path` as given.
+    `display` is the path in diagnostics, by default `path`.
     """
     file = display if display is not None else path.as_posix()
     findings = profile_tree.sink()
@@ -74,7 +73,7 @@ def load(path: Path, *, display: str | None = None) -> SystemResult:
 
 
 def load_bytes(data: bytes, file: str) -> SystemResult:
-    """Read a system from the bytes of a file; `file` is the path for messages."""
+    """Read a system from the bytes of a file; `file` is the path in diagnostics."""
     findings = profile_tree.sink()
     root, text = profile_tree.parse(data, file, findings.report)
     system = None if root is None else _Reader(file, findings).system(root)
@@ -220,9 +219,7 @@ class _Reader:
             return default
 
     def _instance(self, element: Element) -> str | None:
-        """Return the instance that an element refers to; None, with a diagnostic, if it is
-        missing.
-        """
+        """Return the instance that an element refers to; None, after a diagnostic, without one."""
         instance = self._required(element, "instanceName")
         if instance is None:
             return None
@@ -280,7 +277,7 @@ class _Reader:
                     places[key] = element.place(attribute)
         for item in element.all(RTS_EXT, "Properties"):
             key, value = item.get(RTS_EXT, "name"), item.get(RTS_EXT, "value")
-            # Object references that an editor has saved mean nothing to another run.
+            # Object references saved by an editor are invalid in another run.
             if key and key not in _DROPPED and not value.startswith("IOR:"):
                 properties[key] = value
                 places[key] = item.place("name")
@@ -388,9 +385,7 @@ def _document(element: Element) -> ProfileElement:
 
 
 def _part_of_id(id_: str, prefix: str, index: int) -> str:
-    """Return a part of a profile's id, `prefix:part0:part1...:version`, or with dots for the
-    colons.
-    """
+    """Return a part of a profile's id, `prefix:part0:part1...:version`, or with dots."""
     head, _, rest = id_.partition(":")
     body, _, _ = rest.rpartition(":")
     parts = body.split(":") if ":" in body else body.split(".")

@@ -1,4 +1,4 @@
-"""The front ends with the suffixes of their files; those of plug-ins follow the built-in ones."""
+"""All front ends with the suffixes of their files: the built-in ones, then plug-ins."""
 
 from __future__ import annotations
 
@@ -24,24 +24,24 @@ if TYPE_CHECKING:
 
 
 class Observer(Protocol):
-    """Is shown what front ends know beside their models: names with their places."""
+    """Observer of names and symbols, which are not part of the model."""
 
     def idl(self, tables: Tables) -> None:
-        """The names of a translation unit of IDL."""
+        """Called with the names of an IDL translation unit."""
 
     def cdl(self, table: Table, units: Sequence[CdlUnit]) -> None:
-        """The symbols of a unit of CDL, and its files."""
+        """Called with the symbols of a CDL unit, and its files."""
 
 
 class Settings(msgspec.Struct, frozen=True, kw_only=True):
     """The settings of all front ends.
 
-    `root` is the project's folder, which keys of files are relative to. `include` are the folders
-    of `#include` and `import`, `tecs_path` those that are searched for imports of CDL after them;
-    `define` are macros. `kcode` is the encoding of CDL files; with `prelude` they know the scalar
-    types of TOPPERS kernels. `node_id` is the node that devices are read for. `plugins` has the
-    table `[plugin.NAME]` of rtgen.toml for each name. `observer` is shown the resolved names.
-    `memo` has results of runs before, which are used where no file has changed.
+    `root` is the project's folder, to which keys of files are relative. `include` are the folders
+    of `#include` and `import`, `tecs_path` those searched for imports of CDL after them; `define`
+    are macros. `kcode` is the encoding of CDL files; with `prelude` the scalar types of TOPPERS
+    kernels are known in them. `node_id` is the node that devices are read for. `plugins` has the
+    table `[plugin.NAME]` of rtgen.toml for each name. `observer` is given the resolved names.
+    `memo` caches the results of earlier runs, which are used if no file has changed.
     """
 
     root: Path
@@ -67,9 +67,9 @@ def _each(
     *given: Hashable,
     fits: Callable[[FrontendResult], bool] = lambda _: True,
 ) -> FrontendResult:
-    """Return the files, none of which depends on another one that is read.
+    """Read files that do not depend on each other, one at a time.
 
-    A result depends on the files that it lists, and on `given`; it is kept if it `fits`.
+    A result depends on the files that it lists, and on `given`; it is cached if it `fits`.
     """
     distinct: dict[str, Path] = {}
     for path in paths:
@@ -85,7 +85,7 @@ def _each(
 
 
 def _is_found(result: FrontendResult) -> bool:
-    """Return whether no file is missing, of which a hint may say what else is in its folder."""
+    """Return whether no file is missing: a hint about one may depend on its folder's content."""
     return all(each.sha256 is not None for each in result.dependencies)
 
 
@@ -151,16 +151,16 @@ FRONTENDS: Final[tuple[tuple[str, tuple[str, ...], Read], ...]] = (
     ("CDL", (".cdl", ".cde"), _boards),
     ("ROS 2 interfaces", INTERFACE_SUFFIXES, _interfaces),
 )
-"""The front ends with what they read and the ends of its files' names.
+"""The front ends, with the suffixes of their files.
 
-That of IDL is missing, which comes last: other definitions name IDL files.
+Without that of IDL, which is last: other definitions refer to IDL files.
 """
 
 _IDL: Final = (".idl",)
 
 
 def read(paths: Sequence[Path], settings: Settings) -> Iterator[FrontendResult]:
-    """What each front end but that of IDL makes of its files. Raises ToolError for a plug-in."""
+    """Yield the result of each front end except IDL's. Raises ToolError for a plug-in."""
     for name, suffixes, load in FRONTENDS:
         if chosen := ending_with(paths, suffixes):
             with stages.stage(f"read {name}"):
@@ -187,11 +187,10 @@ def read_idl(
     needed: Sequence[str] = (),
     printed: Mapping[str, Callable[[], str]] | None = None,
 ) -> FrontendResult:
-    """Return the IDL files of the paths, a `text`, and files `named` or `needed` by other
-    definitions.
+    """Read the IDL files of the paths, a `text`, and files required by other definitions.
 
-    `needed` are names of IDL files that ship with rtgen. `printed` are texts of IDL files that
-    exist only when they are included, by name.
+    `named` are files, `needed` names of IDL files that ship with rtgen. `printed` are texts of IDL
+    files that exist only when they are included, by name.
     """
     chosen = (*ending_with(paths, _IDL), *named)
     if not chosen and not needed and text is None:
@@ -220,5 +219,5 @@ def read_idl(
 
 
 def ending_with(paths: Sequence[Path], suffixes: Sequence[str]) -> list[Path]:
-    """Return the paths with one of the suffixes, in any case."""
+    """Return the paths with one of the suffixes, ignoring case."""
     return [path for path in paths if path.suffix.lower() in suffixes]

@@ -32,7 +32,7 @@ _IMPOSSIBLE = {
 
 
 def check(bus: Bus, toml: Toml) -> Iterator[Diagnostic]:
-    """Diagnostics for a bus whose file is well-formed."""
+    """Yield diagnostics for a bus whose file is well-formed."""
     for node in bus.nodes:
         yield from _mappings(node)
         yield from _like_its_kind(node)
@@ -59,9 +59,9 @@ def _mappings(node: BusNode) -> Iterator[Diagnostic]:
 
 
 def _unused(node: BusNode) -> set[int]:
-    """Indices of invalid PDOs that the bus file does not map.
+    """Return the indices of invalid PDOs that the bus file does not map.
 
-    Problems with them are warnings of the description.
+    Problems with them are only warnings about the description.
     """
     written = {index for (index, _), _ in node.values}
     found: set[int] = set()

@@ -46,7 +46,7 @@ _NODE_SETTINGS = (
 _BOOT_TIME = (0x1F89, 0)
 """Boot time in ms (CiA 302-2)."""
 _UNREAD = (MISSING_FILE.code, UNREADABLE.code)
-_LONGEST = 3600.0
+_MAX_SECONDS = 3600.0
 _MAX_BYTES = 1024 * 1024
 
 
@@ -159,7 +159,7 @@ class _Reader:
         return bus
 
     def _device(self, path: str, where: Place, node_id: int | None) -> Device | None:
-        """Return the device that a description, named relative to the bus file, is of."""
+        """Return the device of a description file, named relative to the bus file."""
         read = eds.load([self._path.parent / path], root=self._root, node_id=node_id)
         named = Related(self._toml.span(where), "named here")
         for d in read.diagnostics:
@@ -199,7 +199,7 @@ class _Reader:
     def _factors(
         self, device: Device, name: str
     ) -> tuple[tuple[tuple[int, int], float], ...]:
-        """Return the factors of a kind, those of CiA 402 computed."""
+        """Return the factors of a kind, including those computed by CiA 402."""
         declared = self._toml.content["device"][name]
         units = dict(_by_number(declared.get("units", {})))
         found = {}
@@ -218,7 +218,7 @@ class _Reader:
         return tuple(sorted(found.items()))
 
     def _check_objects(self, kind: DeviceKind) -> None:
-        """The objects that the settings of a kind name: they exist, and lists name each once."""
+        """Check the objects in the settings of a kind: each exists, and is listed once."""
         place: Place = ("device", kind.name)
         named: list[tuple[tuple[int, int], Place]] = [
             (number, (*place, key))
@@ -242,7 +242,7 @@ class _Reader:
     def _written(
         self, device: Device, place: Place
     ) -> tuple[Device, dict[tuple[int, int], Value]]:
-        """Return the device with the values that a table has, and these."""
+        """Return the device with the values in a table, and these values."""
         table: Any = self._toml.content
         for key in place:
             table = table[key]
@@ -271,7 +271,7 @@ class _Reader:
         boot_time = device.find(*_BOOT_TIME)
         declared = None if boot_time is None else boot_time.current
         if isinstance(declared, int) and declared:
-            settings.setdefault("boot_timeout", min(declared / 1000, _LONGEST))
+            settings.setdefault("boot_timeout", min(declared / 1000, _MAX_SECONDS))
         return BusNode(
             name=name,
             id=node["id"],
@@ -295,7 +295,7 @@ class _Reader:
         return found
 
     def _linked(self, nodes: list[BusNode], links: list[PdoLink]) -> list[BusNode]:
-        """Return the nodes with the COB-IDs of their links: the TPDO's for both ends, and valid."""
+        """Return the nodes with the COB-IDs of their links: valid, and the TPDO's at both ends."""
         made = {node.name: node for node in nodes}
         for number, link in enumerate(links):
             place = self._toml.span(("link", number))
@@ -328,7 +328,7 @@ def _by_number(table: Mapping[str, Any]) -> tuple[tuple[tuple[int, int], Any], .
 
 
 def _end(text: str) -> tuple[str, str, int]:
-    """Node, direction and number of a link's end."""
+    """Parse the end of a link into node, direction and number."""
     name, _, pdo = text.partition(".")
     return name, pdo[:4], int(pdo[4:])
 
@@ -339,7 +339,7 @@ def _wrong(
     devices: Mapping[str, Device],
     known: list[PdoLink],
 ) -> str | None:
-    """What is wrong with a link."""
+    """Return the error in a link, or None."""
     if (source[1], target[1]) != ("tpdo", "rpdo"):
         return "a link goes from a TPDO to an RPDO"
     if source[0] == target[0]:

@@ -220,7 +220,7 @@ _TYPES: dict[str, tuple[type, ...]] = {
 def problems(
     value: Any, schema: dict[str, Any] = SCHEMA, path: Path = ()
 ) -> Iterator[tuple[Path, str]]:
-    """Where a content breaks the schema, and how."""
+    """Yield the places where a value violates the schema, with the error."""
     wrong = _wrong(value, schema)
     if wrong is not None:
         yield path, wrong
@@ -247,7 +247,7 @@ def problems(
 
 
 def _wrong(value: Any, schema: dict[str, Any]) -> str | None:
-    """What is wrong with the value itself."""
+    """Return the error in the value itself, without its items."""
     if "enum" in schema:
         allowed = schema["enum"]
         fine = not isinstance(value, bool) and value in allowed

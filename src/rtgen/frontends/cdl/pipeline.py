@@ -1,4 +1,4 @@
-"""The pipeline of the CDL front end: from files to units of the model and diagnostics."""
+"""Pipeline of the CDL front end: from files to units of the model and diagnostics."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from rtgen.model import Model, SourceFile
 from rtgen.model.tecs import TecsUnit
 
 _FRAMES = 12 * parser.MAX_NESTING
-"""The recursion limit for the deepest permitted nesting."""
+"""Recursion limit for the deepest permitted nesting."""
 
 
 def load(
@@ -65,7 +65,7 @@ def load(
 def read_text(
     text: str, name: str = "text.cdl", *, prelude: bool = True
 ) -> tuple[TecsUnit, tuple[Diagnostic, ...]]:
-    """Return the unit of a text without imports from files, and its findings, sorted."""
+    """Return the unit of a text that imports no files, and its diagnostics, sorted."""
     run = _Run((), Path(), (), {}, "utf8", prelude)
     source = Source(name, name, Path(name), text.encode(), "utf8")
     limit = sys.getrecursionlimit()
@@ -78,7 +78,7 @@ def read_text(
 
 
 class _Read(msgspec.Struct, frozen=True, eq=False):
-    """A main file with its imports as read, and all that this depends on."""
+    """A main file with its imports, and everything that it depends on."""
 
     source: Source
     model: TecsUnit
@@ -146,7 +146,7 @@ class _Run:
         )
 
     def _main(self, path: Path) -> Source | _Read | None:
-        """Return a main file; what was read of it before, if it would be the same."""
+        """Return a main file, or the result of an earlier run if that is still valid."""
         known: _Read | None = None
         if self._memo is not None:
             known = self._memo.find((*self._key, str(path)))
@@ -169,7 +169,7 @@ class _Run:
         self._dependencies |= {each.path: each for each in read.dependencies}
 
     def _check_stems(self, sources: Sequence[Source]) -> None:
-        """Report files of equal stem, since the stem names the folder of generated files."""
+        """Report files of equal stem, which is the name of the folder of generated files."""
         known: dict[str, Source] = {}
         for source in sources:
             stem = re.sub(r"\W", "_", source.path.stem).lower()
@@ -191,7 +191,7 @@ class _Run:
         )
 
     def read(self, source: Source) -> _Read:
-        """Read a main file with its imports, whatever other main files there are."""
+        """Read a main file with its imports, independently of other main files."""
         stages.file(source.name)
         found = Findings()
         libraries = self._library, self._headers

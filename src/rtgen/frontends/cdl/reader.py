@@ -32,7 +32,7 @@ _KERNEL_FILES = re.compile(
 
 
 class Reader:
-    """Reads a main file and what it imports, each file once."""
+    """Reads a main file and its imports, each file once."""
 
     def __init__(
         self,
@@ -69,7 +69,7 @@ class Reader:
         return unit
 
     def _tool_imports(self, unit: Unit) -> tuple[statements.Item, ...]:
-        """Apply the `__tool_info__` of a file; returns the imports that it names."""
+        """Apply the `__tool_info__` of a file; return the imports in it."""
         found = tool_information(unit.source)
         if found is None:
             return ()
@@ -168,7 +168,7 @@ class Reader:
         return None
 
     def _candidates(self, name: str, unit: Unit) -> Iterator[tuple[Path, Path | None]]:
-        """Yield the candidate paths of a file, in order."""
+        """Yield the candidate paths of an import, in order."""
         yield Path(name), None
         for folder in self._folders:
             yield folder / name, folder

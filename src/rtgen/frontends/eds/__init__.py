@@ -1,4 +1,4 @@
-"""EDS and DCF files (CiA 306) to the model: lines, sections, objects, PDOs."""
+"""Front end for EDS and DCF files (CiA 306): lines, sections, objects, PDOs."""
 
 from rtgen.frontends.eds.pipeline import load
 

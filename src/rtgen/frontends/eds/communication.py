@@ -40,9 +40,7 @@ _PDO = {1: _U32, 2: _U8, 3: _U16, 4: _U8, 5: _U16, 6: _U8}
 
 
 def type_of(index: int, subindex: int) -> DataType | None:
-    """Return the data type of a communication object; None for sub-index 0 of an ARRAY or
-    RECORD.
-    """
+    """Return a communication object's data type; None for sub-index 0 of an ARRAY or RECORD."""
     match index >> 8:
         case 0x12:
             return _SDO.get(subindex)

@@ -24,7 +24,7 @@ from rtgen.model.canopen import (
     Variable,
 )
 
-MOST = 254
+MAX_SUBINDEX = 254
 _MAPPINGS = frozenset(
     first + number for first in (RPDO_MAPPING, TPDO_MAPPING) for number in range(PDOS)
 )
@@ -38,14 +38,14 @@ def expand(
     reader: VariableReader,
     findings: Findings,
 ) -> dict[int, Variable]:
-    """Return the members that CompactSubObj describes, by sub-index; empty without it."""
+    """Return the members described by CompactSubObj, by sub-index; empty without it."""
     entry = head.get("CompactSubObj")
     count = None if entry is None else numbers.number(entry, findings)
     if entry is None:
         return {}
-    if count is None or not 0 <= count <= MOST:
-        taken = MOST if count is not None and count > MOST else 0
-        message = f"CompactSubObj is {entry.value[:20]}, not 0 to {MOST}"
+    if count is None or not 0 <= count <= MAX_SUBINDEX:
+        taken = MAX_SUBINDEX if count is not None and count > MAX_SUBINDEX else 0
+        message = f"CompactSubObj is {entry.value[:20]}, not 0 to {MAX_SUBINDEX}"
         findings.add(rules.COMPACT_COUNT, entry.span, message)
         count = taken
     subs = head.get("SubNumber")
@@ -57,8 +57,7 @@ def expand(
     one = reader.read(head, index, 1, name)
     if one is None:
         return {}
-    # A mapping is changed by writing its sub-index 0 (CiA 301, 7.5.2.36), so that is writable,
-    # too.
+    # A mapping is changed by writing its sub-index 0 (CiA 301, 7.5.2.36), so that is writable.
     mapping = index in _MAPPINGS and one.access.writable
     first = Variable(
         index=index,
@@ -109,7 +108,7 @@ def configure(
 def check_lists(
     sections: ObjectSections, known: Mapping[int, Object], findings: Findings
 ) -> None:
-    """Report lists, and entries of lists, that belong to no compact sub-object."""
+    """Report lists and entries of lists without a compact sub-object."""
     for lists in (sections.names, sections.values, sections.denotations):
         for index, section in lists.items():
             _check_list(section, known.get(index), findings)

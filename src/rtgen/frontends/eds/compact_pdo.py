@@ -1,4 +1,4 @@
-"""PDOs that a file counts without describing them (CompactPDO; CiA 306, 4.5.2)."""
+"""PDOs that a file only counts (CompactPDO; CiA 306, 4.5.2)."""
 
 from __future__ import annotations
 
@@ -39,9 +39,7 @@ _NAMES = {
 
 
 def implied(info: DeviceInfo, known: Collection[int], span: Span) -> Iterator[Object]:
-    """Yield the objects of these PDOs, at the lowest free indices; `known` are the indices in
-    use.
-    """
+    """Yield the objects of these PDOs at the lowest free indices; `known` are the used ones."""
     if not info.compact_pdo:
         return
     for base, count in (

@@ -1,4 +1,4 @@
-"""The findings of one file."""
+"""Diagnostics of one file."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ from rtgen.frontends.eds.rules import lexical
 from rtgen.frontends.kit import findings
 
 MAX_FINDINGS = 500
-"""How many findings of one severity are kept of a file."""
+"""Maximum number of diagnostics of one severity per file."""
 
 
 class Findings(findings.Findings):
-    """Collects the findings of one file."""
+    """Collects the diagnostics of one file."""
 
     def __init__(self) -> None:
         super().__init__(lexical.TOO_MANY_FINDINGS, MAX_FINDINGS)

@@ -24,7 +24,7 @@ _DUMMY = re.compile(r"dummy([0-9a-f]{4})")
 
 
 class Information:
-    """Reads these sections of one file."""
+    """Reads the sections about the file and the device."""
 
     def __init__(
         self, document: Document, outline: Outline, findings: Findings, dcf: bool
@@ -51,7 +51,7 @@ class Information:
             self._findings.add(information.OF_A_DCF, section.span, message)
 
     def file_info(self) -> FileInfo:
-        """Return the section FileInfo."""
+        """Read the section FileInfo."""
         section = self._section("fileinfo")
         self._require(section, "FileName FileVersion FileRevision EDSVersion")
         version = section.get("EDSVersion")
@@ -77,7 +77,7 @@ class Information:
         )
 
     def device_info(self) -> DeviceInfo:
-        """Return the section DeviceInfo."""
+        """Read the section DeviceInfo."""
         section = self._section("deviceinfo")
         self._require(
             section,
@@ -112,7 +112,7 @@ class Information:
         return tuple(sorted(set(rates)))
 
     def commissioning(self) -> Commissioning | None:
-        """Return the section DeviceComissioning, if there is one."""
+        """Read the section DeviceComissioning; None without one."""
         section = self._sections.get(COMMISSIONING)
         if section is None:
             return None
@@ -178,7 +178,7 @@ class Information:
         return "\n".join(lines[number] for number in sorted(lines))
 
     def _section(self, name: str) -> Section:
-        """Return the section of that name, or one without name and entries."""
+        """Return the section of that name; an empty one if it is missing."""
         nothing = Section("", self._document.start)
         return self._sections.get(name, nothing)
 

@@ -106,18 +106,18 @@ class Document(msgspec.Struct, eq=False):
 
     @property
     def start(self) -> Span:
-        """The start of the file, the place of diagnostics about something missing."""
+        """The start of the file, for diagnostics about something missing."""
         return Span(self.file, 1, 1, 1, 1)
 
 
 def too_large(file: str) -> Diagnostic:
-    """Return the error about a file with more bytes than are read."""
+    """Return the diagnostic for a file that is too large."""
     message = f"the file is larger than {MAX_BYTES:,} bytes"
     return lexical.TOO_LARGE.at(Span(file, 1, 1, 1, 1), message)
 
 
 def read(data: bytes, file: str, findings: Findings) -> Document:
-    """Split a file into sections; `file` is the path for messages."""
+    """Split a file into sections; `file` is the path in diagnostics."""
     document = Document(file, "", {})
     if len(data) > MAX_BYTES:
         findings.report(too_large(file))

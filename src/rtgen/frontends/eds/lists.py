@@ -43,7 +43,7 @@ def check(
     objects: Collection[Object],
     findings: Findings,
 ) -> None:
-    """Compare the lists of objects with the objects there are."""
+    """Compare the lists of objects with the objects of the file."""
     described = {*outline.objects.heads, *outline.objects.subs}
     listed: set[int] = set()
     for name in LISTS:

@@ -1,4 +1,4 @@
-"""Modular devices: objects that the modules in the slots add (CiA 306, 4.7)."""
+"""Modular devices: objects added by the modules in the slots (CiA 306, 4.7)."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from rtgen.frontends.eds.rules import modules as rules
 from rtgen.frontends.eds.variables import VariableReader
 from rtgen.model.canopen import Module, Object, ObjectType, Variable
 
-_HIGHEST = 254
+_MAX_SUBINDEX = 254
 _MAX_SLOTS = 254
 
 
@@ -64,7 +64,7 @@ class ModuleReader:
         return tuple(found)
 
     def apply(self, objects: list[Object], connected: Sequence[int]) -> list[Object]:
-        """Return the object dictionary extended by these modules."""
+        """Return the object dictionary extended by the modules."""
         dictionary = {o.index: o for o in objects}
         for key in connected:
             sections = self._outline.modules[key]
@@ -90,24 +90,24 @@ class ModuleReader:
                     break
 
     def _count(self, section: Section) -> int:
-        """Number of sub-objects that a module adds; a list by type is summed up."""
+        """Return the number of sub-objects that a module adds; for a list by type, their sum."""
         entry = section.get("Count")
         if entry is None:
             return 1
         whole = entry.value.replace(";", ",").split(",")
-        counts = [parse(text.strip()) for text in whole[:_HIGHEST]]
+        counts = [parse(text.strip()) for text in whole[:_MAX_SUBINDEX]]
         return min(_MAX_SLOTS, sum(c.value for c in counts if c and c.value > 0))
 
 
 def _append(
     dictionary: dict[int, Object], index: int, one: Variable, step: int
 ) -> bool:
-    """Append a sub-object, in a further object if this one is full."""
+    """Append a sub-object, to a further object if this one is full."""
     while (of := dictionary.get(index)) is not None:
         if of.type not in (ObjectType.ARRAY, ObjectType.RECORD):
             return False
         last = max((v.subindex for v in of.variables), default=0)
-        if last < _HIGHEST:
+        if last < _MAX_SUBINDEX:
             added = replace(
                 one, index=index, subindex=last + 1, name=f"{one.name}{last + 1}"
             )

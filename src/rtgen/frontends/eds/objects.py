@@ -16,7 +16,7 @@ from rtgen.frontends.eds.variables import VariableReader
 from rtgen.limits import MAX_VARIABLES
 from rtgen.model.canopen import DataType, Object, ObjectType, Variable
 
-_LAST = 0xBFFF
+_MAX_INDEX = 0xBFFF
 _TYPES_END = 0x1000
 _COUNT_OTHER_THINGS = (
     *range(0x1600, 0x1800),
@@ -58,7 +58,7 @@ class ObjectReader:
 
     @staticmethod
     def _defined_types(sections: ObjectSections) -> dict[int, int]:
-        """Subranges of basic types defined by the file: their code to that of the basic type."""
+        """Return the types defined by the file as subranges of basic types: code to basic code."""
         defined = {}
         for index, subs in sections.subs.items():
             base = subs[1].get("DefaultValue") if 1 in subs else None
@@ -86,7 +86,7 @@ class ObjectReader:
             name = self._variables.name(head, f"Object {index:04X}h")
         if type_ in (ObjectType.NULL, ObjectType.DEFTYPE, ObjectType.DEFSTRUCT):
             return None
-        if index > _LAST:
+        if index > _MAX_INDEX:
             message = f"{index:04X}h is a reserved index"
             self._findings.add(rules.RESERVED_INDEX, head.span, message)
         if type_ in (ObjectType.VAR, ObjectType.DOMAIN):
@@ -112,7 +112,7 @@ class ObjectReader:
         )
 
     def _type(self, head: Section, subs: dict[int, Section]) -> ObjectType:
-        """Return the object type in ObjectType, falling back on the other keys."""
+        """Return the type in ObjectType, falling back on the other keys."""
         entry = head.get("ObjectType")
         written = None if entry is None else self._variables.word(entry, ObjectType)
         declared = ObjectType(written) if written in set(ObjectType) else None
@@ -161,9 +161,7 @@ class ObjectReader:
         return [made[subindex] for subindex in sorted(made)]
 
     def _common_type(self, head: Section, subs: dict[int, Section]) -> int | None:
-        """Return the data type of an ARRAY's members: that of the head, else of the first typed
-        member.
-        """
+        """Return the data type of an ARRAY's members: the head's, else the first one given."""
         for section in (head, *(subs[k] for k in sorted(subs) if k)):
             entry = section.get("DataType")
             declared = None if entry is None else parse(entry.value)

@@ -1,4 +1,4 @@
-"""Sorts the sections of a file by their names (CiA 306, 4.5 to 4.8)."""
+"""Sorts the sections of a file by kind, according to their names (CiA 306, 4.5 to 4.8)."""
 
 from __future__ import annotations
 
@@ -128,7 +128,7 @@ def _place_module(
 def _place_object(
     name: str, prefix: str, section: Section, into: ObjectSections, findings: Findings
 ) -> bool:
-    """Store the section if its name, without the prefix, is that of an object."""
+    """Store the section if its name, after the prefix, is that of an object."""
     found = _OBJECT.fullmatch(name)
     if found is None:
         return False

@@ -148,7 +148,7 @@ class PdoReader:
             self._findings.add(rules.BAD_COB_ID, place[1], message)
 
     def _reserved(self, cob_id: int | NodeRelative) -> int | None:
-        """Return a restricted CAN identifier in the COB-ID, None if it has none."""
+        """Return the CAN identifier of the COB-ID if it is restricted, else None."""
         offset = cob_id.offset if isinstance(cob_id, NodeRelative) else cob_id
         if offset & EXTENDED:
             return None

@@ -42,8 +42,8 @@ def load(
 ) -> FrontendResult:
     """Read device descriptions into one model.
 
-    `root` is the project's folder, which keys of files are relative to. `node_id` is the node-id
-    of the devices, defaulting to that of a DCF. All problems of the input are in the diagnostics,
+    `root` is the project's folder, to which keys of files are relative. `node_id` is the node-id of
+    the devices, defaulting to that of a DCF. All errors in the input are among the diagnostics,
     sorted; no exception is raised for them. A file with an error yields no device.
     """
     shown = {absolute_path(path): path.as_posix() for path in reversed(paths)}
@@ -55,7 +55,7 @@ def load(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DescriptionFile:
-    """A device description as read; `data` is None for a file that is too large."""
+    """A description file with its bytes; `data` is None for a file that is too large."""
 
     name: str
     key: str
@@ -102,13 +102,13 @@ class _Run:
         self._devices += [device] if device is not None else []
 
 
-@lru_cache(maxsize=32)  # buses read the descriptions again that are read as devices
+@lru_cache(maxsize=32)  # bus files read device descriptions again
 def _read(
     data: bytes, file: str, key: str, node_id: int | None
 ) -> tuple[Device | None, str, tuple[Diagnostic, ...]]:
-    """Return a device (None if its description has errors), the text, and the diagnostics.
+    """Read a device (None if the description has errors), the text, and the diagnostics.
 
-    `file` is the path for messages; the suffix `.dcf`, in any case, marks a DCF.
+    `file` is the path in diagnostics; the suffix `.dcf`, in any case, marks a DCF.
     """
     findings = Findings()
     document = ini.read(data, file, findings)

@@ -28,7 +28,7 @@ _OTHER_ACCESS = {
     "readwrite": Access.RW,
     "constant": Access.CONST,
 }
-_OF_A_DCF = ("ParameterValue", "Denotation", "UploadFile", "DownloadFile")
+_DCF_KEYS = ("ParameterValue", "Denotation", "UploadFile", "DownloadFile")
 
 
 def _value_place(section: Section, default: Value | None, value: Value | None) -> Span:
@@ -107,7 +107,7 @@ class VariableReader:
         )
 
     def word(self, entry: Entry, names: type[IntEnum] | dict[str, int]) -> int | None:
-        """Return the number of an entry, or that of an enumerator; None for anything else."""
+        """Return a number, or the number of an enumerator's name; None for anything else."""
         word = entry.value.upper()
         members = names if isinstance(names, dict) else dict(names.__members__)
         if word in members:
@@ -248,10 +248,10 @@ class VariableReader:
         return True
 
     def warn_of_dcf(self, section: Section, *, whole: bool = False) -> None:
-        """Warn once per file that the section has, or is, what only a DCF may contain."""
+        """Warn once per file that the section has, or is, what only a DCF can contain."""
         if self._warned_of_dcf:
             return
-        for name in _OF_A_DCF:
+        for name in _DCF_KEYS:
             entry = section.get(name)
             if entry is not None:
                 self._warned_of_dcf = True

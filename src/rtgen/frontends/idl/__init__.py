@@ -1,4 +1,4 @@
-"""OMG IDL to the model: source, preprocessor, parser, names, constants, checks, lowering."""
+"""Front end for OMG IDL: source, preprocessor, parser, names, constants, checks, lowering."""
 
 from rtgen.frontends.idl.pipeline import load
 

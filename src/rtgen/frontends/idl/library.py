@@ -1,4 +1,4 @@
-"""The IDL files that ship with rtgen, which definitions may include without having them."""
+"""IDL files that ship with rtgen, which definitions can include without having a copy."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from rtgen.resources import IDL_FILES, idl_file, idl_source
 def shipped(
     definitions: Sequence[Path], needed: Collection[str]
 ) -> dict[str, VirtualFile | Path]:
-    """Return the files by name: that of the name among `definitions`, else the one of rtgen.
+    """Return the files by name: the one among `definitions`, else rtgen's.
 
-    Those `needed` are read in any case, others where they are included.
+    The files in `needed` are always read, others when they are included.
     """
     own = {path.name: path for path in definitions}
     return {
@@ -29,7 +29,7 @@ def shipped(
 
 
 def dependencies(files: Sequence[SourceFile]) -> Iterator[Dependency]:
-    """Those of the files that ship with rtgen."""
+    """Yield the dependencies on those of the files that ship with rtgen."""
     keys = {file.key for file in files}
     for name in IDL_FILES:
         if _key(name) in keys:

@@ -1,4 +1,4 @@
-"""The IDL front end: reads files into a model and diagnostics."""
+"""Pipeline of the IDL front end: reads files into a model and diagnostics."""
 
 from __future__ import annotations
 
@@ -47,13 +47,13 @@ def load(
 ) -> FrontendResult:
     """Read definition files, each as a translation unit, into one model.
 
-    `root` is the project's folder, which keys of files are relative to; `include` are the folders
-    of `#include`, in order; `define` are macros. With `ignore_case_clashes`, names that only
-    differ in case are different names. `virtual` are files by the names that include them if no
-    such file exists; those that are `given` are read before `paths`. `observe` is called with the
-    resolved names of each translation unit; units whose files have not changed are taken from
-    `memo`. All problems of the input are in the diagnostics, sorted; no exception is raised for
-    them. Declarations with errors, and their dependents, are not in the model.
+    `root` is the project's folder, to which keys of files are relative; `include` are the folders
+    of `#include`, in order; `define` are macros. With `ignore_case_clashes`, names that only differ
+    in case are different names. `virtual` are files that can be included by name if no such file
+    exists; those that are `given` are read before `paths`. `observe` is called with the resolved
+    names of each translation unit; units whose files have not changed are taken from `memo`. All
+    errors in the input are among the diagnostics, sorted; no exception is raised for them.
+    Declarations with errors, and their dependents, are not in the model.
     """
     limit = sys.getrecursionlimit()
     sys.setrecursionlimit(max(limit, _FRAMES))
@@ -148,7 +148,7 @@ class _Run:
         )
 
     def _of_name(self, name: str) -> Source | Translation | None:
-        """Return the main file that is on no disk, or its unit if that is known."""
+        """Return a main file that is on no disk, or its unit if that is known."""
         return self._known(name) or self._library.virtual(name)
 
     def _of_path(self, path: Path) -> Source | Translation | None:
@@ -163,7 +163,7 @@ class _Run:
         )
 
     def _known(self, name: str) -> Translation | None:
-        """Return the unit of a main file as read by a run before, if it would be the same."""
+        """Return the unit of a main file from an earlier run, if it is still valid."""
         if self._memo is None:
             return None
         found: Translation | None = self._memo.find((*self._key, name))

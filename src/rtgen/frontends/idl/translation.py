@@ -1,4 +1,4 @@
-"""Reads a translation unit of IDL: what it declares and its findings, whatever others declare."""
+"""Reads a translation unit of IDL, independently of other units."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ if TYPE_CHECKING:
 
 
 class Translation(msgspec.Struct, frozen=True, eq=False):
-    """A translation unit as read.
+    """A translation unit with its diagnostics and dependencies.
 
-    `findings` are in the order of reporting. `sources` are its files, `dependencies` those and
-    the paths that were searched for; `printed` has the hashes of files that are on no disk, by
-    name. It depends on nothing else, unless it is `guessed`: a hint names other files.
+    `findings` are in the order of reporting. `sources` are its files, `dependencies` those and the
+    paths that were searched for; `printed` has the hashes of files that are on no disk, by name. It
+    depends on nothing else, unless it is `guessed`: a hint refers to other files.
     """
 
     source: Source
@@ -48,7 +48,7 @@ class Translation(msgspec.Struct, frozen=True, eq=False):
 
 
 class Translator:
-    """Reads translation units; what several units include is read and parsed once."""
+    """Reads translation units; files included by several units are read and parsed once."""
 
     def __init__(self, library: Library, *, ignore_case_clashes: bool) -> None:
         self._library = library
@@ -60,7 +60,7 @@ class Translator:
     def translate(
         self, source: Source, macros: Mapping[str, Macro], *, virtual: bool
     ) -> Translation:
-        """Read the unit of a main file, which is on no disk if it is `virtual`."""
+        """Read the unit of a main file; a `virtual` one is on no disk."""
         stages.file(source.name)
         with stages.stage("preprocess"):
             unit = self._preprocessor.translation_unit(source, macros)
@@ -111,7 +111,7 @@ class Translator:
     def _declarations(
         self, types: Types, report: Callable[[Diagnostic], None]
     ) -> Mapping[ScopedName, Declaration]:
-        """Return the declarations of a unit without errors, which are checked."""
+        """Return the valid declarations of a unit, checked."""
         tables = types.tables
         made: dict[ScopedName, Declaration] = {}
         with stages.stage("make the model"):
@@ -126,7 +126,7 @@ class Translator:
         return made
 
     def _declares(self, name: str, unit: Unit) -> str | None:
-        """Return the file near a unit that declares an unknown name."""
+        """Return the nearby file that declares an unknown name."""
         if self._neighbours is None:
             from rtgen.frontends.idl.names.neighbours import Neighbours
 

@@ -1,1 +1,1 @@
-"""Parts that the front ends share: files, findings, parser, doc comments, located texts."""
+"""Parts shared by the front ends: files, diagnostics, parser, doc comments, located texts."""

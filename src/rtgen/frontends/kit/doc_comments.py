@@ -1,7 +1,8 @@
-"""Doc comments: which comment belongs to which declaration, and its text without the marks.
+"""Doc comments: assigns comments to declarations, and removes the comment marks.
 
-`/** */`, `/*! */`, `///` and `//!` belong to what follows them, `//` too where it stands directly
-above; `///<`, `/**<` and whatever begins on the line where a declaration ends belong to that one.
+`/** */`, `/*! */`, `///` and `//!` belong to the declaration that follows, `//` too if it is
+directly above. `///<`, `/**<`, and any comment that starts on the line where a declaration ends,
+belong to that declaration.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ _TRAILING = ("/**<", "/*!<", "///<", "//!<")
 _KEY = re.compile(r"//[ \t]*@[Kk]ey[ \t]*(?://.*)?")
 _OF_A_FILE = re.compile(r"[\\@]file\b")
 _SUPPRESSION = re.compile(r"(?://+|/\*+)[ \t]*rtgen:[ \t]*ignore\[")
-"""What is said to `rtgen lint` documents nothing."""
+"""Comments for `rtgen lint`, which are not documentation."""
 _MARK = re.compile(r"//[/!]?<? ?")
 _STAR = re.compile(r"^[ \t]*\*(?!/) ?", re.MULTILINE)
 
@@ -31,7 +32,7 @@ class Comment(msgspec.Struct, frozen=True):
 
 
 class Docs:
-    """Finds the doc text of declarations in a text whose comments are blanked."""
+    """Finds the doc comments of declarations in a text whose comments are blanked."""
 
     def __init__(self, text: str, comments: Sequence[Comment]) -> None:
         self._text = text
@@ -40,7 +41,7 @@ class Docs:
         self._known: dict[tuple[int, int], str] = {}
 
     def of(self, start: int, end: int) -> str:
-        """Return the doc of what stands at [start, end), its `;` or `,` included or not."""
+        """Return the doc comment of the declaration at [start, end), with or without `;`."""
         if not self._comments:
             return ""
         found = self._known.get((start, end))
@@ -50,9 +51,7 @@ class Docs:
         return found
 
     def say_key(self, end: int) -> bool:
-        """Return whether the comment behind an entry is `//@key`, as DDS had it before
-        annotations.
-        """
+        """Return whether the comment after an entry is `//@key`, as in DDS before annotations."""
         index = bisect_left(self._starts, end)
         if index == len(self._comments):
             return False
@@ -135,7 +134,7 @@ def _stripped(text: str) -> str:
 
 
 def _tidy(text: str) -> str:
-    """Without common indentation, and without blank lines at either end."""
+    """Remove common indentation, and blank lines at either end."""
     if "\n" not in text:
         return text.strip()
     lines = [line.rstrip() for line in text.split("\n")]

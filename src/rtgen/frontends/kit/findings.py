@@ -1,4 +1,4 @@
-"""The findings of a run: each once, and of each severity no more than a bound."""
+"""Collects diagnostics: each once, and at most a maximum per severity."""
 
 from __future__ import annotations
 
@@ -7,18 +7,21 @@ from collections.abc import Callable
 
 from rtgen.diagnostics import Diagnostic, Rule, Severity, Span
 
-MOST = 1000
-"""How many findings of one severity are kept."""
+MAX_PER_SEVERITY = 1000
+"""Maximum number of diagnostics kept per severity."""
 
 
 class Findings:
     """Collects diagnostics in the order of reporting.
 
-    `overflow` is the rule of the diagnostic that stands for those beyond `most` of one severity;
-    without it one more than `most` is kept, so that findings that these are reported to overflow.
+    `overflow` is the rule of the diagnostic that replaces those beyond `most` of one severity.
+    Without it, one more than `most` is kept, so that a collection to which they are reported
+    overflows, too.
     """
 
-    def __init__(self, overflow: Rule | None = None, most: int = MOST) -> None:
+    def __init__(
+        self, overflow: Rule | None = None, most: int = MAX_PER_SEVERITY
+    ) -> None:
         self._overflow = overflow
         self._most = most
         self._found: dict[Diagnostic, None] = {}
@@ -26,16 +29,16 @@ class Findings:
 
     @property
     def diagnostics(self) -> tuple[Diagnostic, ...]:
-        """The diagnostics that are kept."""
+        """The kept diagnostics."""
         return tuple(self._found)
 
     @property
     def errors(self) -> int:
-        """How many errors were reported, those beyond the bound included."""
+        """Number of errors reported, including dropped ones."""
         return self._counts[Severity.ERROR]
 
     def report(self, diagnostic: Diagnostic) -> None:
-        """Keep a diagnostic, unless it is known or there are too many."""
+        """Keep a diagnostic, unless it is a duplicate or exceeds the maximum."""
         if diagnostic in self._found:
             return
         severity = diagnostic.severity
@@ -57,7 +60,7 @@ class Findings:
         self.report(rule.at(span, message, hint=hint))
 
     def rewrite(self, change: Callable[[Diagnostic], Diagnostic]) -> None:
-        """Put what `change` makes of each diagnostic in its place."""
+        """Replace each diagnostic by the result of `change`."""
         self._found = dict.fromkeys(map(change, self._found))
 
     def forget(self, file: str | None) -> None:

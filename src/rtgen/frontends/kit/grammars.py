@@ -1,4 +1,4 @@
-"""Grammars by name, with the tables that were made of them when the package was built."""
+"""Loads grammars by name, with the tables made of them when the package was built."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from rtgen.resources import grammar_file
 
 
 def load(name: str, builder: object, reserved: frozenset[str]) -> Grammar:
-    """Return the grammar of that name (`idl`), from the tables beside it where they are its own."""
+    """Load the grammar of that name (`idl`); uses the tables beside it if they match its text."""
     path = grammar_file(f"{name}.lark")
     text = path.read_text(encoding="utf-8")
     try:

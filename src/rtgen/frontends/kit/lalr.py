@@ -1,7 +1,7 @@
-"""An LALR(1) parser with a contextual lexer, on the tables that lark makes of a grammar.
+"""LALR(1) parser with a contextual lexer, based on the tables that lark makes of a grammar.
 
-The tables are plain data: made when the package is built, so that a run needs no lark, or made
-anew where they are missing or of another grammar.
+The tables are plain data, made when the package is built, so that a run does not need lark. If they
+are missing or of another grammar, they are made again.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from typing import Any, TypeAlias
 
 FORMAT = "rtgen-lalr/1"
 WORD = "IDENT"
-"""The terminal of words; a word can be a keyword instead, see `Grammar`."""
+"""The terminal of words; a word can also be a keyword, see `Grammar`."""
 
 END = "$END"
 _UNKNOWN = "UNKNOWN"
@@ -24,7 +24,7 @@ Make: TypeAlias = Callable[[list[Any]], Any]
 
 
 class Token(str):
-    """A piece of text that a terminal of the grammar stands for."""
+    """A piece of text, with its terminal of the grammar."""
 
     __slots__ = ("end_pos", "start_pos", "type")
 
@@ -34,7 +34,7 @@ class Token(str):
 
 
 def token(kind: str, start: int, text: str = "") -> Token:
-    """Return a token that stands at `start`."""
+    """Return a token at `start`."""
     made = Token(text)
     made.type = kind
     made.start_pos = start
@@ -43,7 +43,7 @@ def token(kind: str, start: int, text: str = "") -> Token:
 
 
 class UnexpectedTokenError(Exception):
-    """A token that cannot stand where it does."""
+    """Raised for a token that is not allowed at its place."""
 
     def __init__(self, found: Token) -> None:
         super().__init__(f"unexpected {found.type}")
@@ -51,11 +51,11 @@ class UnexpectedTokenError(Exception):
 
 
 class UnexpectedCharacterError(Exception):
-    """A character that no terminal begins with; the parser's `position` is its place."""
+    """Raised for a character that starts no token; the parser's `position` is its place."""
 
 
 class TooDeepError(Exception):
-    """Nesting that goes too deep at a token."""
+    """Raised at a token that is nested too deeply."""
 
     def __init__(self, found: Token) -> None:
         super().__init__(f"nested too deeply at {found.start_pos}")
@@ -65,8 +65,8 @@ class TooDeepError(Exception):
 class Grammar:
     """The tables, with what `builder` makes of each rule: the method of its name or alias.
 
-    `reserved` words are never identifiers; other words of the grammar are keywords only where
-    their construct can stand.
+    `reserved` words are never identifiers; other words of the grammar are keywords only where their
+    construct is allowed.
     """
 
     def __init__(
@@ -93,17 +93,17 @@ class Grammar:
 
 
 def key(text: str) -> str:
-    """Return the hash by which tables are matched to a grammar."""
+    """Return the hash that identifies the grammar of tables."""
     return sha256(f"{FORMAT}\n{text}".encode()).hexdigest()
 
 
 class Parser:
-    """A run over a text. `position` and the stacks are open to a user who mends mistakes."""
+    """The parsing of one text. Error recovery can change `position` and the stacks."""
 
     watched: frozenset[str] = frozenset()
-    """The terminals whose tokens `shifted` is called for."""
+    """Terminals for whose tokens `shifted` is called."""
     most = sys.maxsize
-    """How deep the stack may grow: a token beyond raises TooDeepError."""
+    """Maximum depth of the stack; a token beyond it raises TooDeepError."""
 
     def __init__(self, grammar: Grammar, text: str) -> None:
         self.position = 0
@@ -114,20 +114,20 @@ class Parser:
         self._end = len(text.rstrip())
 
     def run(self) -> Any:
-        """Read the text from `position` on, and give what the start rule makes of all of it.
+        """Parse the text from `position` on, and return the value of the start rule.
 
-        Raises UnexpectedTokenError and UnexpectedCharacterError; the run can go on after either.
+        Raises UnexpectedTokenError and UnexpectedCharacterError; parsing can continue after either.
         """
         self._feed(self._tokens())
         return self.feed(token(END, len(self._text)))
 
     def feed(self, found: Token) -> Any:
-        """Shift a token after the reductions that it calls for; gives the result at the end."""
+        """Shift a token after the necessary reductions; returns the result at the end."""
         self._feed((found,))
         return self.values[0] if found.type == END else None
 
     def _tokens(self) -> Iterator[Token]:
-        """Yield the tokens from `position` on, each made when those before it are shifted."""
+        """Yield the tokens from `position` on, each one read when those before it are shifted."""
         states, word = self.states, self.word
         actions, reserved = self._grammar.actions, self._grammar.reserved
         while self.position < self._end:
@@ -190,16 +190,16 @@ class Parser:
         """Called when a token of a watched terminal is shifted."""
 
     def word(self, text: str, end: int) -> str:
-        """Return the terminal of a word that is not reserved and ends there."""
+        """Return the terminal of an unreserved word that ends at `end`."""
         if text in self._grammar.contextual:
-            # The row alone may have it from another context with the same state.
+            # The row may have the terminal from another context with the same state.
             keyword, guard = self._grammar.contextual[text]
             if self.would_shift(keyword) and guard.match(self._text, end):
                 return keyword
         return WORD
 
     def other(self, found: Token) -> Token:
-        """Return another token that begins where `found` does, and that the state takes."""
+        """Return another token with the same start that the state accepts; raises if none is."""
         row = self._grammar.actions[self.states[-1]]
         start = found.start_pos
         for kind, pattern in self._grammar.terminals.items():
@@ -213,11 +213,11 @@ class Parser:
         raise UnexpectedTokenError(found)
 
     def takes(self, kind: str) -> bool:
-        """Return whether the state has an action for a terminal, if only that of a rule's end."""
+        """Return whether the state has an action for a terminal, even if that is a reduction."""
         return kind in self._grammar.actions[self.states[-1]]
 
     def accepts(self) -> set[str]:
-        """Return the terminals that can come next."""
+        """Return the terminals that are allowed next."""
         return {
             kind
             for kind in self._grammar.actions[self.states[-1]]
@@ -246,11 +246,11 @@ def _rule(
     kept: list[tuple[int, bool]] | None,
     single: bool,
 ) -> tuple[int, str, Make | None]:
-    """Return a rule's length, its symbol, and what makes its value; None keeps the value of its
-    only part.
+    """Return a rule's length, its symbol, and the function that makes its value.
 
-    `kept` are the parts that count, each with whether it is a list to be spread; None for all.
-    `single` says that one part stands for the whole.
+    The function is None if the value is that of the rule's only part. `kept` are the parts that
+    count, each with whether it is a list to be spread; None for all. `single`: one part is the
+    value.
     """
     if single and size == 1 and kept is None:
         return size, origin, None
@@ -270,9 +270,7 @@ def _rule(
         if place == 0:
 
             def spread_first(parts: list[Any]) -> Any:
-                found: list[Any] = parts[
-                    0
-                ]  # no copy, for a list that grows on the left
+                found: list[Any] = parts[0]  # not copied: the list grows on the left
                 found += parts[1:]
                 return make(found)
 
@@ -291,7 +289,7 @@ def _rule(
                 found.append(parts[index])
             elif found:
                 found += parts[index]
-            else:  # no copy, for a list that grows on the left
+            else:  # not copied: the list grows on the left
                 found = parts[index]
         return found[0] if single and len(found) == 1 else make(found)
 

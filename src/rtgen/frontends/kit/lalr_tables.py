@@ -1,4 +1,4 @@
-"""The tables of a grammar, made by lark."""
+"""Makes the tables of a grammar, with lark."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ _GUARDED = re.compile(r"(\w+)(\(\?=.*\))", re.DOTALL)
 
 
 def make(text: str) -> dict[str, Any]:
-    """Return the tables of a grammar: plain data, as `lalr.Grammar` takes them.
+    """Return the tables of a grammar as plain data, in the form of `lalr.Grammar`.
 
-    `terminals` stand in the order in which they are tried. Words are not terminals of the lexer,
-    but take precedence over identifiers: `words` always, `guarded` where what follows them fits.
+    `terminals` are in the order in which they are tried. Words are not terminals of the lexer, but
+    take precedence over identifiers: `words` always, `guarded` if the text after them matches.
     """
     from lark import Lark
     from lark.lexer import PatternStr
@@ -65,9 +65,7 @@ _START = "specification"
 
 
 def _numbers(table: Any) -> dict[int, int]:
-    """Return the number of each state, in the order of a walk from the start: lark's depend on
-    hashes.
-    """
+    """Number the states in the order of a traversal: lark's own numbers depend on hashes."""
     found = {table.start_states[_START]: 0}
     for state in (waiting := [*found]):
         for _, (_, arg) in sorted(table.states[state].items()):
@@ -80,7 +78,7 @@ def _numbers(table: Any) -> dict[int, int]:
 def _row(
     row: dict[str, Any], rules: dict[Any, int], numbers: dict[int, int]
 ) -> dict[str, int]:
-    """Return the actions of a state: the next state, or a rule's number complemented."""
+    """Return the actions of a state: the next state, or the complement of a rule's number."""
     return {
         symbol: numbers[arg] if isinstance(arg, int) else ~rules[arg]
         for symbol, (_, arg) in sorted(row.items())
@@ -88,7 +86,7 @@ def _row(
 
 
 def _rule(rule: Any) -> list[Any]:
-    """Return the parts of a rule as `lalr` takes them; what a rule of `_name` gives is spread."""
+    """Return a rule in the form of `lalr`; the value of a rule `_name` is spread."""
     name = str(rule.alias or rule.origin.name)
     kept = [
         (index, not part.is_term and part.name.startswith("_"))
@@ -106,7 +104,7 @@ def _rule(rule: Any) -> list[Any]:
 
 
 def write(grammar: Path) -> None:
-    """Write the tables of a grammar beside it, in one step: others may be reading them."""
+    """Write the tables of a grammar beside it, atomically: other processes may read them."""
     tables = make(grammar.read_text(encoding="utf-8"))
     text = json.dumps(tables, separators=(",", ":"))
     written = grammar.with_suffix(f".{os.getpid()}")

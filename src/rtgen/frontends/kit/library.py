@@ -1,4 +1,4 @@
-"""The definition files of a run: each is read once, and whatever was looked for is remembered."""
+"""The definition files of a run: each is read once, and all searched paths are recorded."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from rtgen.files import absolute_path as absolute_path
 from rtgen.frontends import Dependency
 
 MAX_BYTES = 32 * 1024 * 1024
-"""A larger file is not read."""
+"""Maximum size of a file."""
 
 
 class VirtualFile(msgspec.Struct, frozen=True):
-    """A file that others may include without its being on the disk.
+    """A file that is not on the disk, but can be included.
 
-    `key` is the one for generated text; a `text` that is a function is made when it is included.
-    `given`: it is read as a file that was given is.
+    `key` is the one for generated text; a `text` that is a function is called when the file is
+    included. `given`: the file is read like one given on the command line.
     """
 
     key: str
@@ -31,18 +31,18 @@ class VirtualFile(msgspec.Struct, frozen=True):
 
 
 class File(Protocol):
-    """What a library keeps of a file."""
+    """Interface of the files that a library contains."""
 
     @property
     def name(self) -> str:
-        """The path as it is displayed."""
+        """The displayed path."""
 
 
 F = TypeVar("F", bound=File)
 
 
 class Library(Generic[F]):
-    """The files of a run: each is read once, and whatever was looked for is remembered."""
+    """The files of a run: each is read once, and all searched paths are recorded."""
 
     def __init__(
         self,
@@ -52,10 +52,12 @@ class Library(Generic[F]):
         main: Mapping[str, str] | None = None,
         virtual: Mapping[str, VirtualFile | Path] | None = None,
     ) -> None:
-        """`make` makes what is kept: of the displayed name, the key, the path and the bytes of
-        a file, None for one that is too large. `main` maps absolute paths of the files given to
-        the names they are displayed by. `virtual` are files by the name that includes them,
-        where the search for it was in vain; a path stands for a file on the disk.
+        """Initialize the library.
+
+        `make` makes a file from its displayed name, key, path and bytes (None for one that is too
+        large). `main` maps absolute paths of the files given to their displayed names. `virtual`
+        are files by the name in `#include`, used if the search for it fails; a path is that of a
+        file on the disk.
         """
         self._make = make
         self._root = root.resolve()
@@ -67,32 +69,32 @@ class Library(Generic[F]):
         self._virtual = dict(virtual or {})
         self._made: dict[str, F] = {}
         self.trail: dict[str, None] = {}
-        """The absolute paths that `open` has looked at since this was cleared."""
+        """The absolute paths that `open` has searched since this was cleared."""
 
     @property
     def dependencies(self) -> tuple[Dependency, ...]:
-        """Every path looked at, in order."""
+        """All searched paths, in order."""
         return tuple(self._dependencies.values())
 
     def dependency(self, absolute: str) -> Dependency:
-        """What was found at an absolute path that was looked at."""
+        """Return what was found at an absolute path that was searched."""
         found = self._dependencies.get(absolute)
         return Dependency(Path(absolute), None) if found is None else found
 
     @property
     def found(self) -> list[F]:
-        """The files of the trail."""
+        """The files found at the paths of `trail`."""
         read = (self._read.get(absolute) for absolute in self.trail)
         return [source for source in read if source is not None]
 
     @property
     def sources(self) -> list[F]:
-        """Every file read, in order."""
+        """All files read, in order."""
         read = [source for source in self._read.values() if source is not None]
         return [*read, *self._made.values()]
 
     def virtual(self, name: str) -> F | None:
-        """Return the file of that name that is on no disk."""
+        """Return the virtual file of that name."""
         file = self._virtual.get(name)
         if file is None or isinstance(file, Path):
             return None if file is None else self.open(file)
@@ -103,10 +105,10 @@ class Library(Generic[F]):
         return self._made[name]
 
     def open(self, path: Path | str, folder: Path | None = None) -> F | None:
-        """Return the file of that path, or None where there is none.
+        """Return the file of a path; None if there is none.
 
-        `folder` is the include folder in which it was found. Raises OSError if there is a file that
-        cannot be read.
+        `folder` is the include folder in which it was found. Raises OSError for a file that cannot
+        be read.
         """
         absolute = absolute_path(path)
         self.trail[absolute] = None
@@ -130,11 +132,11 @@ class Library(Generic[F]):
 
     @property
     def virtual_names(self) -> tuple[str, ...]:
-        """The names that `virtual` knows."""
+        """The names of virtual files."""
         return tuple(self._virtual)
 
     def displayed(self, folder: Path) -> str:
-        """Return a folder as it is shown: relative to the working folder."""
+        """Return a folder as displayed: relative to the working folder."""
         return self._displayed(absolute_path(folder))
 
     def _displayed(self, absolute: str) -> str:
@@ -142,7 +144,7 @@ class Library(Generic[F]):
             return self._main[absolute]
         try:
             return Path(os.path.relpath(absolute, self._working)).as_posix()
-        except ValueError:  # another drive
+        except ValueError:  # on another drive
             return Path(absolute).as_posix()
 
     def _key(self, path: Path, folder: Path | None) -> str:

@@ -1,4 +1,4 @@
-"""From offsets in a text to lines and columns."""
+"""Converts offsets in a text to lines and columns."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _NEWLINE = re.compile("\n")
 
 
 class LineTable:
-    """The lines of a text of a file; lines and columns count from 1."""
+    """The lines of a file's text; lines and columns are 1-based."""
 
     def __init__(
         self, file: str, text: str, newline: re.Pattern[str] = _NEWLINE
@@ -20,12 +20,12 @@ class LineTable:
         self.starts = [0, *(match.end() for match in newline.finditer(text))]
 
     def position(self, offset: int) -> tuple[int, int]:
-        """Line and column of an offset."""
+        """Return line and column of an offset."""
         line = bisect_right(self.starts, offset)
         return line, offset - self.starts[line - 1] + 1
 
     def span(self, start: int, end: int) -> Span:
-        """Return the span of [start, end); an end before the start counts as the start."""
+        """Return the span of [start, end); an end before the start is replaced by the start."""
         starts = self.starts
         line = bisect_right(starts, start)
         first = starts[line - 1] - 1

@@ -1,4 +1,4 @@
-"""TOML with places: the content of a file, and where each of its keys stands."""
+"""TOML with places: the content of a file, and the span of each key."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from rtgen.diagnostics import Span
 from rtgen.toml_text import parse
 
 Path: TypeAlias = tuple[str | int, ...]
-"""Keys from the root on; the number of an entry in an array of tables."""
+"""Keys from the root; in an array of tables, the number of the entry."""
 
 _HEADER = re.compile(r"\s*(\[\[?)\s*(.*?)\s*\]")
 _KEY = re.compile(
@@ -19,7 +19,7 @@ _NAME = re.compile(r"""[\w-]+|"[^"]*"|'[^']*'""")
 
 
 class Toml:
-    """A TOML text, shown as `file`. Raises TomlError."""
+    """A TOML text; `file` is its displayed path. Raises TomlError."""
 
     def __init__(self, text: str, file: str) -> None:
         self.file = file
@@ -28,7 +28,7 @@ class Toml:
         self._find(text)
 
     def span(self, path: Path) -> Span:
-        """Where a key stands, or else the table that it should be in."""
+        """Return the span of a key, or of the table that should contain it."""
         while path and path not in self._places:
             path = path[:-1]
         return self._places.get(path, self._span(1, 1, 1))

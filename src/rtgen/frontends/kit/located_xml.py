@@ -1,7 +1,7 @@
-"""XML with places: elements and attributes that know where in the user's text they stand.
+"""XML with places: a tree whose elements and attributes have spans in the user's text.
 
-Built on expat, which knows line and column of each tag; an lxml element knows a line alone.
-Document type declarations are refused, so no entity is ever expanded and nothing is fetched.
+Built on expat, which reports line and column of each tag; lxml's elements only have a line.
+Document type declarations are rejected, so no entity is expanded and nothing is fetched.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ _OTHER_NAMES = {
     "x-euc-jp": "euc_jp",
     "x-ms932": "cp932",
 }
-"""Names of encodings that Java and Windows write, and Python's."""
+"""Names of encodings used by Java and Windows, with Python's names."""
 _BYTE_ORDER_MARKS = {
     b"\xef\xbb\xbf": "utf-8-sig",
     b"\xff\xfe": "utf-16",
@@ -43,8 +43,8 @@ _BYTE_ORDER_MARKS = {
 class Element:
     """An element; names, of attributes too, are `(namespace, local name)`.
 
-    `span` is that of the tag's name, `_places` holds those of the attributes' values. `text` is
-    what stands directly inside, between the children too.
+    `span` is that of the tag's name, `_places` are those of the attributes' values. `text` is the
+    text directly inside, also between the children.
     """
 
     name: tuple[str, str]
@@ -55,7 +55,7 @@ class Element:
     _places: Mapping[str, Span] = field(default_factory=dict)
 
     def place(self, local_name: str) -> Span:
-        """Where the value of an attribute stands, or the tag's name if it is not written."""
+        """Return the span of an attribute's value, or of the tag's name without the attribute."""
         return self._places.get(local_name, self.span)
 
     def get(self, namespace: str, local_name: str, default: str = "") -> str:
@@ -74,7 +74,7 @@ class Element:
 
 
 def decode(data: bytes, file: str) -> str:
-    """Return the text of an XML file by its byte-order mark or declaration. Raises InputError."""
+    """Decode an XML file by its byte-order mark or declaration. Raises InputError."""
     mark = next(
         (name for start, name in _BYTE_ORDER_MARKS.items() if data.startswith(start)),
         None,
@@ -108,12 +108,12 @@ _NEWLINE = re.compile(r"\r\n?|\n")
 
 
 def parse(text: str, file: str) -> Element:
-    """Return the root element of an XML text. Raises InputError with one located finding."""
+    """Parse an XML text. Raises InputError with one located diagnostic."""
     return _Builder(text, file).run()
 
 
 class _Builder:
-    """Makes the tree from expat's events."""
+    """Builds the tree from expat's events."""
 
     def __init__(self, text: str, file: str) -> None:
         self._text = text

@@ -1,7 +1,7 @@
-"""YAML with places: texts, lists and mappings that know where in the user's text they stand.
+"""YAML with places: texts, lists and mappings that have spans in the user's text.
 
-Every scalar is its text: YAML's numbers and booleans are not interpreted. Aliases are refused, so
-a short text cannot stand for a large one.
+Scalars are texts: YAML's numbers and booleans are not interpreted. Aliases are rejected, so a short
+text cannot expand to a large one.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ _MAX_LENGTH = 1024 * 1024
 
 @dataclass(frozen=True, slots=True)
 class Node:
-    """A value. `span` is its place, `key` that of its key in a mapping."""
+    """A value. `span` is its place, `key` the place of its key in a mapping."""
 
     content: Content
     span: Span
@@ -27,7 +27,7 @@ class Node:
 
 
 class YamlError(Exception):
-    """The text is not YAML, or has an alias; `span` is the place."""
+    """The text is not valid YAML, or has an alias; `span` is the place."""
 
     def __init__(self, message: str, span: Span) -> None:
         super().__init__(message)
@@ -35,15 +35,15 @@ class YamlError(Exception):
 
 
 def parse(text: str, file: str) -> Node:
-    """Return the content of a YAML text that is displayed as `file`. Raises YamlError.
+    """Parse a YAML text; `file` is its displayed path. Raises YamlError.
 
-    Of equal keys in a mapping the last one counts.
+    If a mapping has equal keys, the last one is used.
     """
     import yaml
 
     class Loader(yaml.BaseLoader):
         def compose_node(self, parent: Any, index: Any) -> Any:
-            reader: Any = self  # whose methods have no types
+            reader: Any = self  # the methods are untyped
             if reader.check_event(yaml.AliasEvent):
                 mark = reader.peek_event().start_mark
                 raise YamlError("an alias", _span(file, mark))
@@ -84,7 +84,7 @@ def _content(node: Any, file: str) -> Content:
 
 
 def _span(file: str, start: Any, end: Any = None) -> Span:
-    """From mark to mark in one line, else the first character."""
+    """Return the span between two marks in one line; else of the first character."""
     if start is None:
         return Span(file, 1, 1, 1, 2)
     line, column = start.line + 1, start.column + 1

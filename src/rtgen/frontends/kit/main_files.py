@@ -1,4 +1,4 @@
-"""The files that a command names: read, or reported as missing or unreadable."""
+"""Opens the files given to a command; reports missing and unreadable ones."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ def open_main(
     unreadable: Rule,
     beside: str,
 ) -> F | None:
-    """Return the file of a path, displayed as `shown`; None if it cannot be read, which is
-    reported.
+    """Return the file of a path, displayed as `shown`; None, after a diagnostic, if unreadable.
 
-    The hint for a missing file is a near name in its folder that the glob pattern `beside` matches.
+    The hint for a missing file is a similar name in its folder that matches the glob pattern
+    `beside`.
     """
     span = Span(shown, 1, 1, 1, 1)
     try:

@@ -1,4 +1,4 @@
-"""Results of reading that are kept for the next run, each with the files that it depends on."""
+"""Cache of results of reading between runs, each with the files that it depends on."""
 
 from __future__ import annotations
 
@@ -12,24 +12,24 @@ from rtgen.frontends import Dependency
 from rtgen.frontends.kit.library import MAX_BYTES
 
 _RUNS: Final = 8
-"""A result that so many runs have not used is dropped."""
+"""A result that was not used for this number of runs is dropped."""
 
 
 class Reading(Protocol):
-    """A result with every path that was read or searched for."""
+    """A result with all paths that were read or searched for."""
 
     @property
     def dependencies(self) -> Sequence[Dependency]:
-        """The paths, with the hashes of their contents."""
+        """The paths with the hashes of their contents."""
 
 
 R = TypeVar("R", bound=Reading)
 
 
 class Memo:
-    """Results by key, which are valid while no file that they depend on has changed.
+    """Results by key, valid while the files that they depend on are unchanged.
 
-    A key has all else that a result depends on. Files are hashed once in a run.
+    The key contains everything else that a result depends on. Files are hashed once per run.
     """
 
     def __init__(self) -> None:
@@ -38,14 +38,14 @@ class Memo:
         self._run = 0
 
     def begin(self) -> None:
-        """Begin a run: files may have changed."""
+        """Start a run: files may have changed."""
         self._run += 1
         self._hashes.clear()
         last = self._run - _RUNS
         self._kept = {k: each for k, each in self._kept.items() if each[0] >= last}
 
     def find(self, key: Hashable) -> Any:
-        """Return the valid result of a key, or None."""
+        """Return the valid result of a key; None without one."""
         if key not in self._kept:
             return None
         _, result = self._kept[key]
@@ -55,13 +55,13 @@ class Memo:
         return result
 
     def keep(self, key: Hashable, result: Reading) -> None:
-        """Keep a result of this run."""
+        """Store a result of this run."""
         self._kept[key] = self._run, result
 
     def read(
         self, key: Hashable, make: Callable[[], R], fits: Callable[[R], bool]
     ) -> R:
-        """Return the valid result of a key, or a new one, which is kept if it `fits`."""
+        """Return the valid result of a key; else the result of `make`, stored if it `fits`."""
         result: R | None = self.find(key)
         if result is None:
             result = make()

@@ -1,4 +1,4 @@
-"""Common base of the nodes of all syntax trees."""
+"""Base class of the nodes of all syntax trees."""
 
 from __future__ import annotations
 
@@ -9,4 +9,4 @@ import msgspec
 
 @dataclass_transform(eq_default=False, frozen_default=True)
 class Node(msgspec.Struct, frozen=True, eq=False):
-    """A node: frozen, and compared by identity, as its subclasses are."""
+    """A frozen node that is compared by identity."""

@@ -1,4 +1,4 @@
-"""Recovery of the LALR parser: back to a list of declarations, on behind the broken one."""
+"""Error recovery of the LALR parser: unwinds to a list of declarations and skips the broken one."""
 
 from __future__ import annotations
 
@@ -8,10 +8,12 @@ from rtgen.frontends.kit.lalr import END, Parser, token
 
 
 class RecoveringParser(Parser):
-    """A parser of a language with braces and `;`, whose lists of declarations take `ERROR`."""
+    """A parser of a language with braces and `;`, whose lists of declarations accept `ERROR`."""
 
     def unwind(self) -> int:
-        """Go back to the innermost list of declarations; the number of braces that were open."""
+        """Unwind to the innermost list of declarations; return the number of braces that were
+        open.
+        """
         depth = 0
         while len(self.states) > 1 and (depth < 0 or not self.takes("ERROR")):
             self.states.pop()
@@ -20,7 +22,7 @@ class RecoveringParser(Parser):
         return depth
 
     def opening(self) -> int | None:
-        """Return the offset of the innermost brace that is open."""
+        """Return the offset of the innermost open brace."""
         for value in reversed(self.values):
             if getattr(value, "type", None) == "LBRACE":
                 place: int = value.start_pos
@@ -28,7 +30,7 @@ class RecoveringParser(Parser):
         return None
 
     def close(self, end: int, most: int) -> None:
-        """Close what is open at the end of the text, to keep what was read before.
+        """Close open constructs at the end of the text, to keep what was read before.
 
         At most `most` tokens are supplied; what is still open then is dropped.
         """
@@ -51,18 +53,16 @@ _END_OF_DECLARATION = re.compile(r"\s*;|[ \t]*\w+\s*;")
 
 
 def end_of_declaration(text: str, offset: int) -> int | None:
-    """Return the end of a `;`, or of a name and a `;`, behind an offset; None if there is
-    neither.
-    """
+    """Return the end of a `;`, or of a name and a `;`, at an offset; None without either."""
     rest = _END_OF_DECLARATION.match(text, offset)
     return rest.end() if rest else None
 
 
 def resumption(text: str, start: int, depth: int, marks: re.Pattern[str]) -> int:
-    """Where parsing goes on after an error at `start`, with `depth` braces open.
+    """Return where parsing resumes after an error at `start`, with `depth` open braces.
 
-    Behind the `;` that ends the declaration, or before the `}` around it. `marks` matches braces,
-    `;`, and the strings that may contain them.
+    This is after the `;` that ends the declaration, or before the `}` around it. `marks` matches
+    braces, `;`, and the strings that may contain them.
     """
     opened = depth > 0
     for match in marks.finditer(text, start):

@@ -1,33 +1,31 @@
-"""Names that someone may have meant."""
+"""Suggestions for misspelt names."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 
 _MAX_COMPARED = 500
-"""Of more candidates those are compared that begin alike and are about as long: it takes time."""
+"""Of more candidates, only those of similar start and length are compared, since that is slow."""
 
 _MAX_GUESSES = 200
-"""For so many mistakes of one sort a near name is looked for, since that takes time."""
+"""Maximum number of errors of one kind for which suggestions are searched, which is slow."""
 
 
 class Guesses:
-    """Near names for the first mistakes of one sort, each word looked for once."""
+    """Suggestions for the first errors of one kind; each word is searched once."""
 
     def __init__(self) -> None:
         self._known: dict[str, str | None] = {}
 
     def nearest(self, word: str, candidates: Iterable[str]) -> str | None:
-        """As the function of that name; None where there were too many mistakes before."""
+        """Return the result of the function `nearest`; None after too many errors."""
         if word not in self._known and len(self._known) < _MAX_GUESSES:
             self._known[word] = nearest(word, candidates)
         return self._known.get(word)
 
 
 def nearest(word: str, candidates: Iterable[str]) -> str | None:
-    """Return the candidate most like `word`: equal but for case, else by difflib; None if none
-    is.
-    """
+    """Return the candidate most similar to `word`: equal except for case, else by difflib."""
     if len(word) > 200:
         return None
     choices = list(candidates)

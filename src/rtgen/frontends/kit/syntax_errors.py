@@ -10,23 +10,23 @@ from functools import cached_property
 
 from rtgen.diagnostics import Diagnostic, Related, Rule, Span
 
-FAR = 4000
-"""So many characters around an error are looked at."""
+MAX_CONTEXT = 4000
+"""Number of characters around an error that are examined."""
 
 ENDS = re.compile(r"[;{}]")
-"""Where declarations end."""
+"""Characters that end declarations."""
 
-_FEW = 6
+_MAX_SHOWN = 6
 _INTERNAL = frozenset(("ERROR", "ANNOTATION_DCL", "TRAILING"))
 
 
 @dataclass(frozen=True, slots=True)
 class Recovery:
-    """A diagnostic with a recovery; without a diagnostic the error has been reported.
+    """A diagnostic with a recovery; without a diagnostic, the error has been reported.
 
-    `feed` are terminals to supply before the token, or replacing it with `instead` (without
-    `feed`, the token is dropped), after a reset to the list of declarations with `back`. `resume`
-    is the offset where parsing continues; None: after the broken declaration.
+    `feed` are terminals to supply before the token, or instead of it with `instead` (without
+    `feed`, the token is dropped), after unwinding to the list of declarations with `back`. `resume`
+    is the offset where parsing resumes; None: after the broken declaration.
     """
 
     diagnostic: Diagnostic | None
@@ -38,11 +38,11 @@ class Recovery:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class BaseContext(ABC):
-    """An unexpected token and its surroundings, in any language with braces and `;`.
+    """An unexpected token and its surroundings, in a language with braces and `;`.
 
-    `kind` is the token's terminal; `accepted` are the terminals that fit; `last` is the end of
-    the token before; `opening` is the innermost open brace; `surplus` is the number of `{` minus
-    that of `}` in the text.
+    `kind` is the token's terminal; `accepted` are the allowed terminals; `last` is the end of the
+    previous token; `opening` is the innermost open brace; `surplus` is the number of `{` minus that
+    of `}` in the text.
     """
 
     kind: str
@@ -57,7 +57,7 @@ class BaseContext(ABC):
     @property
     @abstractmethod
     def code(self) -> str:
-        """The text that is parsed."""
+        """The parsed text."""
 
     @abstractmethod
     def span(self, start: int, end: int) -> Span:
@@ -65,17 +65,17 @@ class BaseContext(ABC):
 
     @abstractmethod
     def span_after(self, offset: int) -> Span:
-        """Return the place just behind the character before an offset."""
+        """Return the place directly after the character before an offset."""
 
     @staticmethod
     @abstractmethod
     def shown(terminal: str) -> str:
-        """Return a terminal in a user's words: `a name`, `';'`."""
+        """Return a terminal as shown in messages: `a name`, `';'`."""
 
     @cached_property
     def statement(self) -> int:
         """The start of the declaration that contains the token."""
-        begin = low = max(0, self.start - FAR)
+        begin = low = max(0, self.start - MAX_CONTEXT)
         for match in ENDS.finditer(self.code, low, self.start):
             begin = match.end()
         return begin
@@ -99,18 +99,16 @@ class BaseContext(ABC):
         back: bool = False,
         resume: int | None = None,
     ) -> Recovery:
-        """Return a recovery with a diagnostic at the token, at a place, or `behind` the token
-        before.
-        """
+        """Return a recovery with a diagnostic at the token, at `at`, or `behind` the last token."""
         start, end = at or (self.start, self.end)
         span = self.span_after(self.last) if behind else self.span(start, end)
         diagnostic = rule.at(span, message, related=related, hint=hint)
         return Recovery(diagnostic, feed, instead, back, resume)
 
     def expectation(self) -> str:
-        """`: a name or ';' was expected`, if that is short."""
+        """Return `: a name or ';' was expected`, if that is short."""
         names = sorted({self.shown(terminal) for terminal in self.accepted - _INTERNAL})
-        if not names or len(names) > _FEW:
+        if not names or len(names) > _MAX_SHOWN:
             return ""
         if len(names) == 1:
             return f": {names[0]} was expected"

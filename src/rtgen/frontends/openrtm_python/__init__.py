@@ -28,7 +28,7 @@ class ModuleResult:
 
 
 def read(path: Path, include: Sequence[Path] = ()) -> ModuleResult:
-    """Read the component of a module. All problems of the file are in the diagnostics.
+    """Read the component of a module. All errors of the file are among the diagnostics.
 
     Imported modules are searched for beside it, up to the folder of the repository, and in
     `include`.

@@ -1,4 +1,4 @@
-"""Abstract evaluation of expressions: values known without running the module."""
+"""Abstract evaluation of expressions: values that are known without running the module."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ from rtgen.frontends.openrtm_python.values import (
     merged,
 )
 
-_DEEPEST = 60
+_MAX_DEPTH = 60
 _WIDE = re.compile(r"\d{4}")
-_LARGEST = 100_000
+_MAX_LENGTH = 100_000
 _OPERATORS: dict[type[ast.operator], Callable[[Any, Any], Any]] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
@@ -81,30 +81,32 @@ _METHODS: dict[type, frozenset[str]] = {
     tuple: frozenset(("index", "count")),
     dict: frozenset(("items", "keys", "values", "get", "update", "setdefault", "copy")),
 }
-_OUTWARD = frozenset(("append", "extend", "insert", "update", "setdefault", "get"))
-"""Methods that only store or forward values, which may be unknown."""
+_STORING_METHODS = frozenset(
+    ("append", "extend", "insert", "update", "setdefault", "get")
+)
+"""Methods that only store or forward values, so that these may be unknown."""
 
 
 def is_known(value: Value, depth: int = 0) -> bool:
-    """Return whether it is a constant, or consists of constants."""
+    """Return whether a value is a constant, or consists of constants."""
     if isinstance(value, CONSTANTS):
         return True
     if isinstance(value, list | tuple | range) and depth < 10:
-        return len(value) <= _LARGEST and all(is_known(v, depth + 1) for v in value)
+        return len(value) <= _MAX_LENGTH and all(is_known(v, depth + 1) for v in value)
     if isinstance(value, dict) and depth < 10:
         return all(is_known(v, depth + 1) for v in value.values())
     return False
 
 
 def iterated(value: Value) -> list[Value] | None:
-    """Return the items that a loop iterates over, None if unknown."""
+    """Return the items that a loop iterates over; None if unknown."""
     if isinstance(value, list | tuple | str | dict | range):
-        return list(value) if len(value) <= _LARGEST else None
+        return list(value) if len(value) <= _MAX_LENGTH else None
     return None
 
 
 class Statements(Protocol):
-    """Interface to the walker, which follows statements."""
+    """Interface to the walker, which evaluates statements."""
 
     def step(self) -> None: ...
 
@@ -122,7 +124,7 @@ class Expressions:
 
     def value(self, node: ast.expr | None, frame: Frame) -> Value:
         """Return the value of an expression, UNKNOWN if it is computed at run time."""
-        if node is None or self._depth >= _DEEPEST:
+        if node is None or self._depth >= _MAX_DEPTH:
             return UNKNOWN
         self._walker.step()
         self._depth += 1
@@ -219,7 +221,7 @@ class Expressions:
     def _joined(
         self, left: ast.expr, op: ast.operator, right: ast.expr, frame: Frame
     ) -> Value:
-        # A long sum leans to the left: each part adds no depth of its own.
+        # A long sum is nested to the left: it is not counted as depth.
         parts = [(op, right)]
         while isinstance(left, ast.BinOp):
             parts.append((left.op, left.right))
@@ -239,7 +241,7 @@ class Expressions:
         if isinstance(op, ast.Mult):
             sizes = [len(v) for v in (one, other) if isinstance(v, str | list | tuple)]
             counts = [v for v in (one, other) if isinstance(v, int)]
-            if sizes and counts and sizes[0] * counts[0] > _LARGEST:
+            if sizes and counts and sizes[0] * counts[0] > _MAX_LENGTH:
                 return UNKNOWN
         return self.guarded(function, one, other)
 
@@ -247,13 +249,16 @@ class Expressions:
         self, function: Callable[..., Any], *args: Value, **more: Value
     ) -> Value:
         """Return the result of a Python function for known values; UNKNOWN if it fails or is
-        huge.
+        large.
         """
         try:
             found = function(*args, **more)
             if isinstance(found, int) and abs(found) >= 1 << 256:
                 return UNKNOWN
-            if isinstance(found, str | list | tuple | bytes) and len(found) > _LARGEST:
+            if (
+                isinstance(found, str | list | tuple | bytes)
+                and len(found) > _MAX_LENGTH
+            ):
                 return UNKNOWN
             return found
         except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError):
@@ -324,19 +329,19 @@ class Expressions:
                 found.append(self.value(element, inner))
         return found
 
-    # Calls of Python's own.
+    # Calls of Python's built-in functions.
 
     def builtin(
         self, name: str, args: list[Value], keywords: dict[str, Value]
     ) -> Value:
-        """Return the result of a Python function, UNKNOWN if it is irrelevant here."""
+        """Return the result of a built-in function; UNKNOWN if it is irrelevant here."""
         function = _FUNCTIONS.get(name)
         passing = name in ("len", "list", "tuple", "zip", "enumerate", "reversed")
         fine = all(is_known(a) or (passing and iterated(a) is not None) for a in args)
         if function is None or not fine or not all(map(is_known, keywords.values())):
             return UNKNOWN
         if name == "range" and any(
-            isinstance(a, int) and abs(a) > _LARGEST for a in args
+            isinstance(a, int) and abs(a) > _MAX_LENGTH for a in args
         ):
             return UNKNOWN
         found = self.guarded(function, *args, **keywords)
@@ -349,15 +354,17 @@ class Expressions:
         """Return the result or effect of a method of a text, list or dict."""
         if name not in _METHODS.get(type(holder), ()):
             return UNKNOWN
-        if name not in _OUTWARD and not all(map(is_known, (*args, *keywords.values()))):
+        if name not in _STORING_METHODS and not all(
+            map(is_known, (*args, *keywords.values()))
+        ):
             return UNKNOWN
-        if isinstance(holder, list) and len(holder) > _LARGEST:
+        if isinstance(holder, list) and len(holder) > _MAX_LENGTH:
             return UNKNOWN
-        if any(isinstance(a, int) and a > _LARGEST for a in args):
+        if any(isinstance(a, int) and a > _MAX_LENGTH for a in args):
             return UNKNOWN
         if isinstance(holder, str):
             texts = [holder, *(a for a in args if isinstance(a, str))]
-            large = sum(map(len, texts)) > _LARGEST // 10 and name == "replace"
+            large = sum(map(len, texts)) > _MAX_LENGTH // 10 and name == "replace"
             if large or (name == "format" and _WIDE.search(holder)):
                 return UNKNOWN
         found = self.guarded(getattr(holder, name), *args, **keywords)
@@ -368,7 +375,5 @@ class Expressions:
 
 
 def is_made(value: Value, *names: str) -> bool:
-    """Return whether it is the result of a call of one of these, wherever they are imported
-    from.
-    """
+    """Return whether a value is the result of a call of one of these classes."""
     return isinstance(value, Made) and value.path[-1:] in {(name,) for name in names}

@@ -1,4 +1,4 @@
-"""The modules of a component: its own, and those of the repository that it imports."""
+"""The modules of a component: its own, and those that it imports from the repository."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ _OPENRTM = (("OpenRTM_aist",), ("omniORB",), ("RTC",))
 
 @dataclass(eq=False, slots=True)
 class ModuleName:
-    """A module as a value; an attribute that it lacks comes from a submodule."""
+    """A module as a value; a missing attribute of the module may be a submodule."""
 
     module: Module
     path: tuple[str, ...]
 
     def attribute_of(self, name: str) -> Value:
-        """Return the definition of a name in the module."""
+        """Return the definition of an attribute."""
         found = self.module.find(name)
         if isinstance(found, Named) or found is None:
             return Named((*self.path, name), imported=True)
@@ -42,7 +42,7 @@ class Modules:
         self._listed: dict[Path, frozenset[str]] = {}
 
     def imported(self, path: tuple[str, ...], of: Path, level: int) -> Module | None:
-        """Return the imported module, None if it is not in the repository."""
+        """Return the imported module; None if it is not in the repository."""
         if path[:1] in _OPENRTM:
             return None
         if level:
@@ -67,7 +67,7 @@ class Modules:
         return None
 
     def _entries(self, folder: Path) -> frozenset[str]:
-        """Return the names in a folder, listed once: most modules are in few of the folders."""
+        """Return the names in a folder; cached, since most modules are in few folders."""
         if folder not in self._listed:
             try:
                 self._listed[folder] = frozenset(each.name for each in folder.iterdir())

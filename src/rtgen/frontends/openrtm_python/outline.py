@@ -21,11 +21,11 @@ _KEY = "implementation_id"
 
 
 Item = tuple[ast.expr, Value]
-"""An item of a list: its place and its value."""
+"""An item of a list: its place and value."""
 
 
 def module_spec(module: Module, walker: Walker) -> tuple[ast.expr, list[Item]] | None:
-    """Return the first list of texts with an implementation id: its place and its items."""
+    """Return the first list of texts with an implementation id: its place and items."""
     for node in ast.walk(module.tree):
         if not isinstance(node, ast.Assign | ast.AnnAssign) or node.value is None:
             continue
@@ -56,7 +56,7 @@ def _items(node: ast.expr, frame: Frame, walker: Walker) -> Iterator[Item]:
 def component_classes(module: Module, walker: Walker) -> list[Class]:
     """Return the class of the component, then its bases in the repository.
 
-    It is the class that a factory is registered for, else the first that derives from OpenRTM's.
+    It is the class that a factory is registered for, else the first one derived from OpenRTM's.
     """
     frame = Frame(module)
     classes = [

@@ -36,7 +36,7 @@ _UNKNOWN_TYPE = "Unknown"
 
 
 class ReportAt(Protocol):
-    """Reports a diagnostic."""
+    """Function that reports a diagnostic."""
 
     def __call__(
         self, rule: Rule, span: Span, message: str, hint: str | None = None
@@ -44,7 +44,7 @@ class ReportAt(Protocol):
 
 
 class Ports:
-    """Ports of a component whose constructor and onInitialize were evaluated."""
+    """Ports of a component whose constructor and onInitialize have been evaluated."""
 
     def __init__(
         self, walker: Walker, module: Module, component: Component, report_at: ReportAt
@@ -61,7 +61,7 @@ class Ports:
         return Span(made.file, node.lineno, node.col_offset + 1, end, column)
 
     def _holder(self, made: Made) -> str:
-        """Return the attribute of a port, with a leading blank; empty without one."""
+        """Return the attribute that holds a port, with a leading blank; empty without one."""
         for name, value in self._component.attributes.items():
             if value is made:
                 return f" {name}"

@@ -76,7 +76,7 @@ class ModuleReader:
         )
 
     def profile(self) -> RtcProfile | None:
-        """Return the component, None if there is none."""
+        """Return the component; None if there is none."""
         try:
             self._walker.module(self._module)
             spec = module_spec(self._module, self._walker)
@@ -143,7 +143,7 @@ class ModuleReader:
                 break
         self._report_at(rules.NO_COMPONENT, start, f"there is no {what}", hint)
 
-    # What is done when the component is made.
+    # Calls while the component is made.
 
     def _walk(self, component: Component) -> None:
         """Evaluate the constructor and onInitialize, then other methods that add ports."""
@@ -268,7 +268,7 @@ class ModuleReader:
             yield name, call
 
     def _word(self, name: str, call: Call | None, span: Span) -> str:
-        """Return the type of the variable that a parameter is bound to, from its first value."""
+        """Return the type of the variable bound to a parameter, from its first value."""
         first = UNKNOWN if call is None else call.argument(1, "var")
         if isinstance(first, list) and len(first) == 1:
             item = first[0]
@@ -302,7 +302,7 @@ def span_of(node: ast.AST, file: str) -> Span:
 
 
 def _adds(function: ast.FunctionDef) -> bool:
-    """Return whether a method itself adds ports or parameters."""
+    """Return whether a method directly adds ports or parameters."""
     wanted = {*ADD_DATA_PORT, *ADD_SERVICE_PORT, "bindParameter"}
     return any(
         isinstance(node, ast.Attribute) and node.attr in wanted
@@ -311,7 +311,7 @@ def _adds(function: ast.FunctionDef) -> bool:
 
 
 def _is_empty(function: ast.FunctionDef) -> bool:
-    """Return whether a callback only returns a code."""
+    """Return whether a callback does nothing but return a code."""
     rest = [
         node
         for node in function.body

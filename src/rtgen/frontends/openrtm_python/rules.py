@@ -1,4 +1,4 @@
-"""The rules of OpenRTM-aist-Python modules that are read: `RTC0550` and on."""
+"""Rules of OpenRTM-aist-Python modules (RTC0550 and following)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Decodes and parses a module, in any encoding, and in Python 2 or 3."""
+"""Decodes and parses a module, in any encoding, in Python 2 or 3."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from rtgen.files import UnreadableError, read_file
 from rtgen.frontends.openrtm_python import rules
 
 _MAX_BYTES = 4 * 1024 * 1024
-_OTHERS = ("utf-8-sig", "euc_jp", "cp932", "latin-1")
+_FALLBACKS = ("utf-8-sig", "euc_jp", "cp932", "latin-1")
 """Fallback encodings if the declared one does not fit."""
 
 _FIXES = (
     *("except", "exec", "ne", "numliterals", "print", "raise", "repr"),
     *("tuple_params", "unicode"),
 )
-"""Conversions of Python 2: only syntax; names stay, because nothing is executed."""
+"""fissix fixers for Python 2: only syntax; names are kept, because nothing is executed."""
 
 _MAX_CONVERTED = 300_000
 """Maximum length of a module that is converted, which takes seconds."""
@@ -44,12 +44,12 @@ class Source:
 
     @property
     def file(self) -> str:
-        """The path as findings show it."""
+        """The displayed path."""
         return self.path.as_posix()
 
 
 def read_source(path: Path) -> Source:
-    """Read the text and tree of a file; its problems are in the diagnostics."""
+    """Read the text and tree of a file; errors are among the diagnostics."""
     file = path.as_posix()
     start = Span(file, 1, 1, 1, 2)
     try:
@@ -86,7 +86,7 @@ def _decoded(data: bytes) -> tuple[str, str | None]:
         return _lines(data.decode(encoding)), None
     except (LookupError, SyntaxError, UnicodeDecodeError):
         pass
-    for encoding in _OTHERS:
+    for encoding in _FALLBACKS:
         try:
             return _lines(data.decode(encoding)), encoding
         except UnicodeDecodeError:
@@ -115,7 +115,7 @@ def _parsed(text: str, file: str) -> tuple[ast.Module | None, Diagnostic | None]
 
 
 def _python_3(text: str, problem: str) -> str | None:
-    """Return the text converted to Python 3; None if it cannot be converted."""
+    """Convert the text to Python 3; None if that fails."""
     if len(text) > _MAX_CONVERTED or _NOT_PYTHON_3 not in problem or _DEEP in problem:
         return None
     try:
@@ -124,11 +124,11 @@ def _python_3(text: str, problem: str) -> str | None:
         tokens = import_module("fissix.pgen2.tokenize").TokenError
     except ImportError:
         return None
-    # Python 2 takes a tab for up to eight columns.
+    # Python 2 expands a tab to eight columns.
     text = _INDENT.sub(lambda found: found[0].expandtabs(8), text)
     tool = refactor.RefactoringTool([f"fissix.fixes.fix_{name}" for name in _FIXES])
     try:
         return str(tool.refactor_string(f"{text}\n", "module"))
     except (errors, tokens, IndentationError, RecursionError, ValueError, KeyError):
-        # KeyError: a character that no token of Python begins with.
+        # KeyError: a character that starts no token of Python
         return None

@@ -1,4 +1,4 @@
-"""The state of a function that is walked, for the ways that meet after a branch."""
+"""State of an evaluated function, to merge the branches of a statement."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from rtgen.frontends.openrtm_python.values import Frame, Value, merged
 
 @dataclass(frozen=True, slots=True)
 class State:
-    """The variables of a function and the attributes of its object at one moment."""
+    """The variables of a function and the attributes of its object at one point."""
 
     names: dict[str, Value]
     attributes: dict[str, Value]
 
     @classmethod
     def of(cls, frame: Frame) -> State:
-        """Return a copy of the present state."""
+        """Return a copy of the current state."""
         held = {} if frame.component is None else frame.component.attributes
         names = frame.module.names if frame.names is None else frame.names
         return cls(dict(names), dict(held))

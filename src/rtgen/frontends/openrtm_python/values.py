@@ -1,4 +1,4 @@
-"""Abstract values of a module: what is known without running it."""
+"""Abstract values: what is known of a module without running it."""
 
 from __future__ import annotations
 
@@ -117,9 +117,7 @@ class Component:
     attributes: dict[str, Value] = field(default_factory=dict)
 
     def method(self, name: str, behind: Class | None = None) -> Function | None:
-        """Return the method of that name; with a class given, the next one in the resolution
-        order.
-        """
+        """Return the method of that name; with `behind`, the next one in the resolution order."""
         place = 0 if behind is None else self.line.index(behind) + 1
         for each in self.line[place:]:
             for node in each.node.body:
@@ -155,7 +153,7 @@ class Frame:
 
 @dataclass(frozen=True, slots=True)
 class Bound:
-    """A method looked up in order to be called."""
+    """A method that was looked up to be called."""
 
     holder: Value
     name: str
@@ -180,7 +178,7 @@ def alternatives(value: Value) -> Iterator[Value]:
 
 
 def merged(one: Value, other: Value) -> Value:
-    """Return the common knowledge about two alternative values."""
+    """Return what is known of a value that is one of two."""
     same = one is other or (
         isinstance(one, CONSTANTS) and type(one) is type(other) and one == other
     )
@@ -191,7 +189,7 @@ def merged(one: Value, other: Value) -> Value:
 
 
 def dotted(node: ast.expr | None) -> tuple[str, ...]:
-    """`a.b.c` as its names; empty for any other expression."""
+    """Return the names in `a.b.c`; empty for any other expression."""
     names: list[str] = []
     while isinstance(node, ast.Attribute):
         names.append(node.attr)
@@ -202,7 +200,7 @@ def dotted(node: ast.expr | None) -> tuple[str, ...]:
 
 
 def scoped(value: Named | Made | Class | Value, open_modules: list[str]) -> str | None:
-    """Return the IDL name of a class of stubs, None for other classes."""
+    """Return the IDL name of a class of stubs; None for other classes."""
     if not isinstance(value, Named | Made) or not value.path:
         return None
     path = value.path

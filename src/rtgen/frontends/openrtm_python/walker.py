@@ -1,4 +1,6 @@
-"""Abstract interpretation of a component's construction: follows statements over partial values."""
+"""Abstract interpretation of a component's construction: evaluates statements over partial
+values.
+"""
 
 from __future__ import annotations
 
@@ -37,7 +39,7 @@ from rtgen.frontends.openrtm_python.values import (
 MAX_STEPS = 200_000
 """Maximum number of expressions and statements evaluated."""
 
-_DEEPEST = 20
+_MAX_DEPTH = 20
 _NO_DATA = ("OpenRTM_aist", "typing")
 """Packages without data types."""
 
@@ -50,7 +52,7 @@ class TooMuchError(Exception):
 
 @dataclass(eq=False, slots=True)
 class Call:
-    """A call of a method that the repository does not define: OpenRTM's own."""
+    """A call of a method that the repository does not define: it is OpenRTM's own."""
 
     name: str
     holder: Value
@@ -63,7 +65,7 @@ class Call:
 
 @dataclass(frozen=True, slots=True)
 class _End:
-    """Ways in which a block of statements ends early."""
+    """How a block of statements ends early."""
 
     kind: type[ast.stmt]
     value: Value = None
@@ -71,7 +73,7 @@ class _End:
 
 @dataclass(eq=False)
 class Walker:
-    """Runs statements over partial values; both branches of a condition are followed."""
+    """Evaluates statements over partial values; both branches of a condition are evaluated."""
 
     modules: Modules
     calls: list[Call] = field(default_factory=list)
@@ -92,7 +94,7 @@ class Walker:
             raise TooMuchError
 
     def module(self, module: Module) -> None:
-        """Run a module once."""
+        """Run a module, once."""
         if module not in self._known:
             self._known.add(module)
             module.names["__name__"] = "module"
@@ -200,7 +202,7 @@ class Walker:
                     found[key] = value
 
     def _branches(self, node: ast.If, frame: Frame) -> _End | None:
-        # `elif` stands in the `else` of what is before it: each adds no depth of its own.
+        # An `elif` is nested in the `else` of the one before: it is not counted as depth.
         ways: list[Sequence[ast.stmt]] = []
         rest: Sequence[ast.stmt] = [node]
         while len(rest) == 1 and isinstance(rest[0], ast.If):
@@ -217,7 +219,7 @@ class Walker:
         return self._any_of([*ways, rest], frame)
 
     def _any_of(self, ways: Sequence[Sequence[ast.stmt]], frame: Frame) -> _End | None:
-        """Run alternative blocks: their results are merged, except of those that end early."""
+        """Run alternative blocks and merge their states, except of those that end early."""
         start = State.of(frame)
         certain, self._certain = self._certain, False
         left: State | None = None
@@ -396,7 +398,7 @@ class Walker:
         if name == "bindParameter" and len(arguments) > 1:
             variable = arguments[1]
             if isinstance(variable, list):
-                # From now on it holds what the configuration says.
+                # its value now depends on the configuration
                 arguments[1] = [*variable]
                 variable[:] = [UNKNOWN] * len(variable)
         made = self._new((), False, arguments, keywords, node, frame)
@@ -411,7 +413,7 @@ class Walker:
         keywords: dict[str, Value],
     ) -> Value:
         node = function.node
-        if node in self._stack or len(self._stack) >= _DEEPEST:
+        if node in self._stack or len(self._stack) >= _MAX_DEPTH:
             return UNKNOWN
         parameters = [*node.args.posonlyargs, *node.args.args]
         defaults = node.args.defaults

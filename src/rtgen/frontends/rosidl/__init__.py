@@ -1,4 +1,4 @@
-"""ROS 2 interface files (`.msg`, `.srv`, `.action`) to the model: lines, types, declarations."""
+"""Front end for ROS 2 interface files (`.msg`, `.srv`, `.action`): lines, types, declarations."""
 
 from rtgen.frontends.rosidl.pipeline import load
 

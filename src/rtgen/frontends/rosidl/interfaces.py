@@ -1,7 +1,7 @@
 """Messages of an interface file: those of its parts, and those that ROS 2 derives from them.
 
 A service has a request and a response; an action a goal, a result and feedback, and the services
-and the message that carry them (ROS 2 design, "Actions", section "Introspection tools").
+and the message that transport them (ROS 2 design, "Actions", section "Introspection tools").
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ _DERIVED: Final = {
     "_GetResult_Response": (("status", "int8"), ("result", "_Result")),
     "_FeedbackMessage": (("goal_id", _UUID), ("feedback", "_Feedback")),
 }
-"""The messages of an action beside its parts: fields with their types or suffixes."""
+"""Messages of an action besides its parts: fields with their types or suffixes."""
 
 
 class Message(msgspec.Struct, frozen=True):
@@ -45,7 +45,7 @@ class Message(msgspec.Struct, frozen=True):
 def messages_of(
     package: str, kind: str, name: str, parts: Sequence[Part], span: Span
 ) -> Iterator[Message]:
-    """Yield the messages of a file, those that others contain first."""
+    """Yield the messages of a file, contained ones first."""
     for suffix, part in zip(PARTS[kind], parts, strict=True):
         yield Message((package, kind, name + suffix), part, span)
     if kind == "action":

@@ -1,8 +1,4 @@
-"""From messages to declarations, named as ROS 2 names them in IDL.
-
-`package::msg::Name`; constants in `package::msg::Name_Constants` (rosidl_adapter's mapping to
-OMG IDL 4.2).
-"""
+"""Lowers messages to declarations, with the names of ROS 2's mapping to IDL."""
 
 from __future__ import annotations
 
@@ -37,13 +33,13 @@ from rtgen.model import (
 )
 
 _UNIT: Final = re.compile(r"\[([^,\]]+)\]")
-"""The unit of a field, in its comment; rosidl_adapter takes it if it is the only one."""
+"""The unit in a field's comment; as in rosidl_adapter, it must be the only one."""
 FILLER: Final = "structure_needs_at_least_one_member"
-"""The member of a message without fields, of one octet."""
+"""The member, one octet, of a message without fields."""
 
 
 def declarations(message: Message, file: str) -> Iterator[Declaration]:
-    """Yield the constants and the struct of a message. Its types are known."""
+    """Yield the constants and the struct of a message, whose types are known."""
     constants = (*message.name[:-1], f"{message.name[-1]}_Constants")
     for constant in message.part.constants:
         name = (*constants, constant.name)
@@ -70,7 +66,7 @@ def declarations(message: Message, file: str) -> Iterator[Declaration]:
 
 
 def action_interfaces(action: ScopedName, file: str, span: Span) -> Iterator[Interface]:
-    """Yield the interfaces of an action, of its services and of its topics: `Go` and
+    """Yield the interfaces of an action: of its services and of its topics, `Go` and
     `Go_Events`.
     """
     whole = "/".join(action)

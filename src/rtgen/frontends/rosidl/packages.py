@@ -1,7 +1,7 @@
-"""Where the interface files of packages stand.
+"""Finds the interface files of packages.
 
-`FOLDER/PACKAGE/msg/Name.msg`, as in the sources of ROS 2 and below `share` of an installation.
-The common packages ship with rtgen, and are taken where no folder has them.
+`FOLDER/PACKAGE/msg/Name.msg`, as in the sources of ROS 2 and below `share` of an installation. The
+common packages ship with rtgen, and are used if no folder contains them.
 """
 
 from __future__ import annotations
@@ -27,9 +27,9 @@ _KEYS: Final = "rtgen/rosidl/"
 
 
 def identity(path: Path, findings: Findings, span: Span) -> tuple[str, str, str] | None:
-    """Package, kind and name of the interface of a file; None if a name is none of ROS 2.
+    """Return package, kind and name of a file's interface; None if a name is invalid in ROS 2.
 
-    A file that stands in no folder of its kind is of the package `interfaces`.
+    A file outside of a folder of its kind is in the package `interfaces`.
     """
     kind = INTERFACE_KINDS[path.suffix.lower()]
     folder = path.absolute().parent
@@ -53,9 +53,9 @@ def identity(path: Path, findings: Findings, span: Span) -> tuple[str, str, str]
 def candidates(
     name: ScopedName, beside: Path, include: Sequence[Path]
 ) -> list[tuple[Path, Path | None]]:
-    """Return the paths where the file of a message can be, as seen from a file that names it.
+    """Return the paths where the file of a message can be, as seen from a file that uses it.
 
-    With each path the include folder that it is in.
+    Each path comes with its include folder.
     """
     folder = beside.parent
     within = file_of(name)
@@ -66,9 +66,9 @@ def candidates(
 
 
 def file_of(name: ScopedName) -> str:
-    """Return the file of a message below a folder of packages: `std_msgs/msg/Header.msg`.
+    """Return the file of a message in a folder of packages: `std_msgs/msg/Header.msg`.
 
-    That of `std_srvs/srv/SetBool_Request` is `std_srvs/srv/SetBool.srv`.
+    For `std_srvs/srv/SetBool_Request` it is `std_srvs/srv/SetBool.srv`.
     """
     package, kind, message = name
     return f"{package}/{kind}/{message.partition('_')[0]}.{kind}"
@@ -83,7 +83,7 @@ def shipped() -> dict[str, VirtualFile | Path]:
 
 
 def dependencies(files: Sequence[SourceFile]) -> Iterator[Dependency]:
-    """Those of the files that ship with rtgen."""
+    """Yield the dependencies on those of the files that ship with rtgen."""
     for file in files:
         if file.key.startswith(_KEYS):
             path = ros_file(file.key.removeprefix(_KEYS))

@@ -1,4 +1,4 @@
-"""Reads interface files and those that they name, and makes declarations of them."""
+"""Reads interface files and those that they use, and lowers them to declarations."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ _MAX_FILES: Final = 10_000
 
 
 class InterfaceFile(msgspec.Struct, frozen=True):
-    """An interface file as read; `data` is None for a file that is too large."""
+    """An interface file with its bytes; `data` is None for a file that is too large."""
 
     name: str
     key: str
@@ -48,8 +48,8 @@ def load(
 ) -> FrontendResult:
     """Read interface files into one model, with the messages that they contain.
 
-    `root` is the project's folder, which keys of files are relative to; `include` are folders of
-    packages. All problems of the input are in the diagnostics; no exception is raised for them.
+    `root` is the project's folder, to which keys of files are relative; `include` are folders of
+    packages. All errors in the input are among the diagnostics; no exception is raised for them.
     """
     shown = {absolute_path(path): path.as_posix() for path in reversed(paths)}
     run = _Run(Library(InterfaceFile, root, include, shown, shipped()))
@@ -66,7 +66,7 @@ class _Run:
         self._declarations: list[Declaration] = []
         self._texts: dict[str, str] = {}
         self._known: dict[ScopedName, bool] = {}
-        """Messages by name: whether they are complete (else they are being read)."""
+        """Messages by name: True if complete, False while they are read."""
         self._names: dict[ScopedName, str] = {}
         """The files of messages, by displayed name."""
         self._places: set[ScopedName] = set()
@@ -164,7 +164,7 @@ class _Run:
     def _referenced(
         self, messages: Sequence[Message], file: InterfaceFile
     ) -> dict[str, None]:
-        """Read what the fields name; returns the files, by displayed name."""
+        """Read the types of the fields; return their files, by displayed name."""
         files: dict[str, None] = {}
         own: set[ScopedName] = set()
         for message in messages:
@@ -185,7 +185,7 @@ class _Run:
         return files
 
     def _carried(self, file: InterfaceFile, start: Span) -> dict[str, None]:
-        """Read what all actions share; returns the files, by displayed name."""
+        """Read the messages that all actions use; return the files, by displayed name."""
         files: dict[str, None] = {}
         for form in (*ACTION_SERVICES.values(), *ACTION_TOPICS.values()):
             package, _, name = form.partition("/")
@@ -206,7 +206,7 @@ class _Run:
     def _message(
         self, name: ScopedName, type_: FieldType, file: InterfaceFile
     ) -> str | None:
-        """Read the file of a message, unless it is read; its displayed name, None if missing."""
+        """Read the file of a message once; return its displayed name, None if missing."""
         if name not in self._known:
             self._find(name, file)
         if name not in self._known:
@@ -224,7 +224,7 @@ class _Run:
         return self._names.get(name)
 
     def _find(self, name: ScopedName, file: InterfaceFile) -> None:
-        """Read the file of a message, if there is one."""
+        """Read the file of a message, if it exists."""
         if len(self._read) >= _MAX_FILES:
             return
         found = None

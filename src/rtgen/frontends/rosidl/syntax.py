@@ -1,8 +1,4 @@
-"""The lines of an interface file: fields, constants, comments and separators.
-
-ROS 2 documentation, "Interfaces": field names are lower case, constants upper case; `#` begins a
-comment; `---` separates the parts of a service or an action.
-"""
+"""Parses the lines of an interface file: fields, constants, comments and separators."""
 
 from __future__ import annotations
 
@@ -45,16 +41,16 @@ _TYPE: Final = re.compile(
     r"(?P<base>[A-Za-z][A-Za-z0-9_/]*)(?:<=(?P<length>\d+))?"
     r"(?P<array>\[(?P<most><=)?(?P<size>\d*)\])?"
 )
-_LARGEST: Final = (1 << 32) - 1
-"""The largest bound, a number of 32 bits in CDR."""
+_MAX_BOUND: Final = (1 << 32) - 1
+"""Maximum bound: CDR's lengths have 32 bits."""
 
 
 class FieldType(msgspec.Struct, frozen=True):
-    """A type as it is written.
+    """A type as written.
 
-    `base` is a primitive, a string, or a message as `Name`, `package/Name` or
-    `package/msg/Name`. `length` bounds a string. `size` and `is_array` are of `[]`: an array of
-    `size`, or a sequence, bounded by `size` unless that is None.
+    `base` is a primitive, a string, or a message as `Name`, `package/Name` or `package/msg/Name`.
+    `length` bounds a string. `size` and `is_array` describe `[]`: an array of `size`, or a
+    sequence, bounded by `size` unless that is None.
     """
 
     base: str
@@ -82,7 +78,7 @@ class Field(msgspec.Struct, frozen=True):
 
 
 class Part(msgspec.Struct, frozen=True):
-    """What stands between two separators."""
+    """The lines between two separators."""
 
     fields: tuple[Field, ...]
     constants: tuple[Field, ...]
@@ -90,7 +86,7 @@ class Part(msgspec.Struct, frozen=True):
 
 
 def parts_of(text: str, file: str, findings: Findings) -> list[Part]:
-    """Return the parts of a file, one for a message. Faulty lines are reported and left out."""
+    """Return the parts of a file, one for a message. Invalid lines are reported and dropped."""
     reader = _Reader(file, findings)
     for number, line in enumerate(text.split("\n"), 1):
         reader.read(line, number)
@@ -110,7 +106,7 @@ class _Reader:
         self._doc: str | None = None
 
     def finished(self) -> list[Part]:
-        """Return the parts, with the last one."""
+        """Return the parts, including the last one."""
         self._end_part()
         return self._parts
 
@@ -127,15 +123,13 @@ class _Reader:
         self._begin()
 
     def _end_of_comment(self) -> str:
-        """Return the comment above; the first one that a blank line or the end follows is the
-        part's.
-        """
+        """Return the comment above; the first one before a blank line or the end is the part's."""
         comment = "\n".join(self._comment).strip("\n")
         self._comment = []
         return comment
 
     def read(self, line: str, number: int) -> None:
-        """Read a line, without its end."""
+        """Parse a line, without its line end."""
         content, mark, comment = line.partition("#")
         if not content.strip():
             if mark:
@@ -206,8 +200,8 @@ class _Reader:
             problem = f"{base} has no bound; strings have"
         elif match["most"] and not size:
             problem = "the bound is missing"
-        elif any(n and not 0 < int(n) <= _LARGEST for n in (length, size)):
-            problem = f"a bound is a number from 1 to {_LARGEST}"
+        elif any(n and not 0 < int(n) <= _MAX_BOUND for n in (length, size)):
+            problem = f"a bound is a number from 1 to {_MAX_BOUND}"
         if problem is not None:
             self._findings.add(rules.BAD_TYPE, span, problem)
             return None
@@ -255,5 +249,5 @@ def _check_length(value: Value, type_: FieldType) -> None:
         if size is not None and len(value) > size:
             raise ValueError(f"has {len(value)} values, more than {size}")
     for text in value if isinstance(value, tuple) else (value,):
-        if len(str(text)) > (type_.length or _LARGEST):
+        if len(str(text)) > (type_.length or _MAX_BOUND):
             raise ValueError(f"is longer than {type_.length} characters")

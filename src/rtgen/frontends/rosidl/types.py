@@ -8,9 +8,7 @@ from rtgen.model import ScopedName
 
 
 def scoped(base: str, package: str) -> ScopedName | None:
-    """Return the scoped name of a message as it is written in a package; None if it is not a
-    name.
-    """
+    """Return the scoped name of a message used in a package; None if it is not a name."""
     words = base.split("/")
     if len(words) == 1:
         words = [package, *words]

@@ -1,4 +1,4 @@
-"""Values of constants and defaults in interface files of ROS 2."""
+"""Parses constants and defaults in ROS 2 interface files."""
 
 from __future__ import annotations
 
@@ -20,10 +20,7 @@ _QUOTED: Final = re.compile(
 def parsed(
     text: str, kind: Primitive | None, *, many: bool, verbatim: bool = False
 ) -> Value:
-    """Return the value of a text; `kind` None is a string. Raises ValueError: why not.
-
-    `many`: `[a, b]`. `verbatim`: the string of a constant, whose quotes may be missing.
-    """
+    """Parse a value; `kind` None is a string. Raises ValueError with the reason."""
     if not many:
         return _scalar(text, kind, verbatim)
     if not (text.startswith("[") and text.endswith("]")):

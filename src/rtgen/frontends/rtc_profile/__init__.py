@@ -1,7 +1,7 @@
 """Reads RtcProfiles, the files of RTCBuilder (`RTC.xml`, formats 0.1 to 0.3), in XML or YAML.
 
-Names are resolved by namespace; unknown elements are ignored, what real files omit or misspell is
-read with a warning.
+Names are resolved by namespace; unknown elements are ignored; omissions and misspellings common in
+real files are accepted with a warning.
 """
 
 from __future__ import annotations
@@ -25,10 +25,10 @@ __all__ = ["load"]
 def load(
     paths: Sequence[Path], *, root: Path, include: Sequence[Path]
 ) -> FrontendResult:
-    """Read profiles into a model, and search for the IDL files that they name.
+    """Read profiles into a model, and search for the IDL files that they use.
 
-    These are searched for beside the profile, in a folder `idl` there, and in `include`. All
-    problems of a file are in the diagnostics.
+    These are searched for beside the profile, in a folder `idl` there, and in `include`. All errors
+    of a file are among the diagnostics.
     """
     profiles: list[RtcProfile] = []
     files: list[SourceFile] = []
@@ -75,6 +75,6 @@ def load(
 def _looked_for(path: Path) -> Dependency:
     try:
         data = read_start(path, MAX_BYTES + 1) if is_file(path) else None
-    except (OSError, ValueError):  # the front end of IDL reports it
+    except (OSError, ValueError):  # reported by the IDL front end
         data = None
     return Dependency(path, None if data is None else sha256(data).hexdigest())

@@ -30,7 +30,7 @@ _UPPER = (Operator.LESS, Operator.LESS_OR_EQUAL)
 
 
 class NoTextFormError(ValueError):
-    """A constraint without a text form in OpenRTM; the message gives the part."""
+    """A constraint without a text form in OpenRTM; the message names the part."""
 
 
 def constraint(element: Element) -> Constraint:
@@ -57,7 +57,7 @@ def _key(element: Element) -> str:
 
 
 def _only(element: Element) -> tuple[str, Element]:
-    """Return the one element inside, and its name."""
+    """Return the only child element, and its name."""
     inside = [child for child in element.children if child.name[0] == RTC]
     if len(inside) != 1:
         found = ", ".join(child.name[1] for child in inside) or "nothing"

@@ -1,4 +1,4 @@
-"""Namespaces of RtcProfile files, and the values of their attributes."""
+"""Namespaces of RtcProfile files, and values of attributes."""
 
 from __future__ import annotations
 

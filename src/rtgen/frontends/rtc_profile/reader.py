@@ -47,7 +47,7 @@ class Reader:
         self._misspellings: set[str] = set()
 
     def profile(self, root: Element) -> RtcProfile | None:
-        """Return the profile, None if it is unusable."""
+        """Return the profile; None if it is unusable."""
         if root.name != (RTC, "RtcProfile"):
             message = f"the root element is `{root.name[1]}`, not `RtcProfile` of {RTC}"
             self._findings.add(rules.NOT_A_PROFILE, root.span, message)
@@ -103,7 +103,7 @@ class Reader:
         return ""
 
     def _variable(self, element: Element) -> str:
-        """`rtcExt:variableName`, which templates of format 0.1 call `varname`."""
+        """Return `rtcExt:variableName`, which templates of format 0.1 call `varname`."""
         value = element.attributes.get((RTC_EXT, "variableName"))
         if value is not None:
             return value
@@ -115,14 +115,14 @@ class Reader:
         return ""
 
     def _misspelt(self, element: Element, local: str, written: str, meant: str) -> None:
-        """Report once for each kind of element."""
+        """Report a misspelt name, once for each kind of element."""
         message = f"`{written}` of `{element.name[1]}` is read as `{meant}`"
         if message not in self._misspellings:
             self._misspellings.add(message)
             self._findings.add(rules.MISSPELT, element.place(local), message)
 
     def _name(self, root: Element, info: Element) -> str | None:
-        """Return the component's name; falls back on the id."""
+        """Return the component's name, by default that in the id."""
         name = self._get(info, "name").strip()
         if name:
             return name
@@ -145,7 +145,7 @@ class Reader:
         return None
 
     def _wanted(self, element: Element, name: str, usual: str) -> str:
-        """Return an attribute that the schema requires; an empty one counts as written."""
+        """Return an attribute that the schema requires; an empty one is accepted."""
         known = (RTC, name) in element.attributes or ("", name) in element.attributes
         value = self._get(element, name).strip()
         if not known:
@@ -210,7 +210,7 @@ class Reader:
         return _DEFAULT_DATE
 
     def _facts(self, element: Element) -> Facts:
-        """Additional facts written by rtgen; none in profiles of other tools."""
+        """Return additional facts written by rtgen; none in profiles of other tools."""
         found, place = self._property(element)
         return self._checked(found, place)
 
@@ -386,7 +386,7 @@ def _base_name(path: str) -> str:
 
 
 def idl_files(profiles: Iterable[RtcProfile]) -> list[str]:
-    """Return the base names of the IDL files that profiles name, in order."""
+    """Return the base names of the IDL files in profiles, in order."""
     named = []
     for profile in profiles:
         named += [port.idl_file for port in profile.data_ports]

@@ -1,1 +1,1 @@
-"""Declarations of C headers that CDL files import."""
+"""Reads the declarations in C headers that CDL files import."""

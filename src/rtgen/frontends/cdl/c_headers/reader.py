@@ -1,8 +1,8 @@
 """C headers: the typedefs, structs and enums that `import_C` takes from them.
 
-pcpp preprocesses; its output is split into declarations at file scope, of which only those of
-types are parsed, by pycparser. So function bodies, variables and vendors' extensions do no
-harm. Nothing else of a header is kept: no macros, no functions.
+pcpp preprocesses the header. Its output is split into declarations at file scope, and only those of
+types are parsed, by pycparser, so that function bodies, variables and vendors' extensions are
+skipped. Macros and functions are not kept.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ MAX_DEPTH = 60
 """The largest depth of nested inclusions."""
 
 MAX_MISTAKES = 20
-"""After this many declarations that cannot be parsed the rest of the header is skipped."""
+"""After this number of declarations that cannot be parsed, the rest of the header is skipped."""
 
 _STANDARD_FOLDER = "/\0standard"
 
@@ -82,7 +82,7 @@ _STANDARD: Mapping[str, str] = {
         "",
     ),
 }
-"""The types of standard headers, which are known without their files."""
+"""Types of standard headers, known without the files."""
 
 _COMPILER: Mapping[str, str] = {
     f"__{name}__": value
@@ -101,7 +101,7 @@ _COMPILER: Mapping[str, str] = {
         *(("INTPTR_TYPE", "long int"), ("UINTPTR_TYPE", "long unsigned int")),
     )
 }
-"""Predefined macros that headers expect of the compiler: tecsgen preprocesses with gcc."""
+"""Predefined macros that headers expect from the compiler: tecsgen preprocesses with gcc."""
 
 _TOKEN = re.compile(
     r'\#line[ ](?P<line>\d+)(?:[ ]"(?P<file>[^"\n]*)")?[^\n]*'
@@ -126,7 +126,7 @@ class LimitError(Exception):
 
 
 class Headers:
-    """Reads the C headers of a main file; what they include is looked for as the library says."""
+    """Reads the C headers of a main file; the library finds their includes."""
 
     def __init__(
         self,
@@ -213,7 +213,7 @@ class _Preprocessor(Preprocessor):  # type: ignore[misc]  # pcpp has no types
     def __init__(self, library: Library[HeaderFile], file: HeaderFile) -> None:
         super().__init__()
         for name in ("__DATE__", "__TIME__"):
-            del self.macros[name]  # they would change from run to run
+            del self.macros[name]  # the paths differ between runs
         self.problems: list[str] = []
         self.missing: list[str] = []
         self.spans: dict[str, str] = {}
@@ -261,7 +261,7 @@ class _Preprocessor(Preprocessor):  # type: ignore[misc]  # pcpp has no types
     def on_directive_handle(
         self, directive: Any, toks: Any, ifpassthru: bool, precedingtoks: Any
     ) -> bool | None:
-        # pcpp indexes the tokens of an include guard without a check that they are there.
+        # pcpp accesses the tokens of an include guard without checking that they exist.
         if [t.value for t in toks] in _INCOMPLETE.get(directive.value, ()):
             message = f"#{directive.value} is incomplete"
             self.on_error(directive.source, directive.lineno, message)
@@ -334,7 +334,7 @@ class _Cutter:
             if token.startswith("#"):
                 continue
             if skipping is not None:
-                # The argument of a vendor's keyword: one pair of parentheses.
+                # skip the argument of a vendor's keyword: one pair of parentheses
                 skipping += {"(": 1, ")": -1}.get(token, 0)
                 if skipping == 0:
                     skipping = None

@@ -1,4 +1,4 @@
-"""Declarations of C, as pycparser reads them, to types of the model."""
+"""Converts declarations parsed by pycparser to types of the model."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ _NAMED = {
     **{kind.value: kind for kind in Scalar if kind.value.endswith("_t")},
     "size_t": Scalar.ULONG,
 }
-"""Names that stand for a type of CDL even if a header declares them otherwise."""
+"""Names that denote a CDL type even if a header declares them differently."""
 
 _BASIC = {
     "void": Scalar.VOID,
@@ -80,10 +80,10 @@ class _UnknownError(Exception):
 
 
 class Declarations:
-    """Reads the declarations of one C header after the other into one table.
+    """Reads the declarations of C headers, one after the other, into one table.
 
-    As in tecsgen, a header may use the typedefs and enumerators of headers that were imported
-    before it. `enter` starts the next header.
+    As in tecsgen, a header can use the typedefs and enumerators of headers imported before it.
+    `enter` starts the next header.
     """
 
     def __init__(self) -> None:
@@ -103,7 +103,7 @@ class Declarations:
         self._declared.clear()
 
     def read(self, text: str, file: str, line: int) -> Iterator[TecsDeclaration]:
-        """Yield the entities that a declaration declares. Raises NotCError."""
+        """Yield the entities of a declaration. Raises NotCError."""
         self._file, self._line = file, line
         used = dict.fromkeys(re.findall(r"[A-Za-z_]\w*", text))
         known = [name for name in used if name in self._typedefs or name in _BUILT_IN]
@@ -214,7 +214,7 @@ class Declarations:
         for member in node.decls:
             if not isinstance(member, c_ast.Decl):
                 continue
-            if member.name is None:  # an anonymous struct inside, or padding
+            if member.name is None:  # an anonymous nested struct, or padding
                 if isinstance(member.type, c_ast.Struct) and member.type.decls:
                     raise _UnknownError
                 continue
@@ -259,7 +259,7 @@ class Declarations:
         return CEnumType((tag,))
 
     def _internal(self, coord: Any) -> str:
-        """Return a tag for a struct or enum without one; the same each time its header is read."""
+        """Return a tag for a struct or enum without one, reproducible for each header."""
         span = self._span(coord)
         place = (self._file, span.line, span.column)
         return self._tags.setdefault(place, f"C_TAG__{len(self._tags)}__")

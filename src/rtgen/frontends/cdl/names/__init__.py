@@ -1,1 +1,1 @@
-"""The symbol table of a unit: scopes, entities, and the facts that later passes add."""
+"""Symbol table of a unit: scopes, entities, and the facts that later passes add."""

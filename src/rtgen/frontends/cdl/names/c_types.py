@@ -1,4 +1,4 @@
-"""Questions about C types: depth, constness, pointers, types known by name alone."""
+"""Predicates of C types: depth, constness, pointers, types known by name only."""
 
 from __future__ import annotations
 

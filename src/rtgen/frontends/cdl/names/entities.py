@@ -18,23 +18,23 @@ from rtgen.model.tecs import Signature
 from rtgen.model.types import ScopedName
 
 DECLARE = "declare it before, or import the file that does"
-"""The hint for a name that resembles no declared one."""
+"""Hint for an unknown name without a similar declared one."""
 
 Report: TypeAlias = Callable[[Diagnostic], None]
 
 
 def component(found: Entity | Scope | None) -> object:
-    """Return the celltype, composite or cell of an entity; None for a broken or other entity."""
+    """Return the celltype, composite or cell of an entity; None for an invalid or other entity."""
     return found.component if isinstance(found, Entity) else None
 
 
 def here(found: Entity | Scope, label: str = "declared here") -> list[Related]:
-    """Return the place of a declaration, where it has one."""
+    """Return the place of a declaration as related information, if it has one."""
     return [] if found.place is None else [Related(found.place, label)]
 
 
 class Spanned(Protocol):
-    """A node of the tree."""
+    """A node of the syntax tree with its offsets."""
 
     @property
     def start(self) -> int: ...
@@ -44,7 +44,7 @@ class Spanned(Protocol):
 
 
 class Place(msgspec.Struct, frozen=True):
-    """Where a node stands: its file, and the scope that its names are looked up from."""
+    """Place of a node: its file, and the scope in which its names are looked up."""
 
     unit: Unit
     scope: Scope
@@ -92,9 +92,7 @@ class Values(Protocol):
         """Whether an import is missing, so that unknown names may be declared there."""
 
     def declare(self, declaration: tree.Declaration, place: Place) -> list[Declared]:
-        """Return the names that a declaration of attributes or variables declares; reports
-        errors.
-        """
+        """Return the names declared by attributes or variables; reports errors."""
 
     def constant(
         self, expression: tree.Expression, place: Place, names: Names | None = None
@@ -108,8 +106,7 @@ class Values(Protocol):
         place: Place,
         types: Mapping[str, CType],
     ) -> Expression | None:
-        """Return the model of an initialiser of the type; None, after a diagnostic, if it does not
-        fit.
+        """Return the model of an initialiser of the type; None, after a diagnostic, if invalid.
 
         `types` are those of the attributes that it may use.
         """
@@ -121,7 +118,7 @@ class Values(Protocol):
 
 
 Names: TypeAlias = Callable[[str], "tuple[tree.Initialiser, Place] | None"]
-"""The initialiser of an attribute that an expression may name, with its place."""
+"""Initialisers of the attributes that an expression may name, with their places."""
 
 
 class HiddenFor(msgspec.Struct, eq=False):
@@ -167,7 +164,7 @@ class Port(msgspec.Struct, eq=False):
         return self.signature is not None and not self.signature.functions
 
     def parameters(self) -> Iterator[tuple[str, str, tuple[str, ...]]]:
-        """Function, parameter and allocator's signature of each send and receive parameter."""
+        """Yield function, parameter and allocator signature of each send and receive parameter."""
         for function in self.signature.functions if self.signature else ():
             for parameter in function.parameters:
                 if parameter.allocator is not None:
@@ -337,9 +334,9 @@ class Plugin(msgspec.Struct, frozen=True):
 class Join(msgspec.Struct, eq=False):
     """A join or attribute value of a cell. `index`: -1 for `[]`, None without a subscript.
 
-    `value` is what was written; the target is named by it, or by `target` where the join was made
-    for `require`, a reverse or fixed join, or an allocator. `made` is the name of a target that a
-    plug-in may make; `port` is the call port then.
+    `value` is the value as written, which names the target. For a join made for `require`, a
+    reverse or fixed join, or an allocator, `target` is set instead. `made` is the name of a target
+    that a plug-in may generate; `port` is the call port then.
     """
 
     name: str
@@ -381,10 +378,10 @@ class CellAllocator(msgspec.Struct, frozen=True):
 
 
 class Cell(msgspec.Struct, eq=False):
-    """A cell, or its prototype only, as long as it is not `defined`.
+    """A cell; only its prototype until it is `defined`.
 
-    `guessed`: the celltype is unknown and may have been declared by a plug-in. `assigned`
-    are ports and attributes that the cell sets, `clashing` those that it sets twice.
+    `guessed`: the celltype is unknown and may have been declared by a plug-in. `assigned` are ports
+    and attributes that the cell sets, `clashing` those that it sets twice.
     """
 
     entity: Entity

@@ -38,7 +38,7 @@ class OperandClass(StrEnum):
 class Operand:
     """A typed expression. `value` is None if the expression is not constant.
 
-    `type` is what a name or what `*`, `[]` and `.` make of it has as its type.
+    `type` is the type of a name, or of the result of `*`, `[]` and `.` applied to one.
     """
 
     operand_class: OperandClass
@@ -51,7 +51,7 @@ NUMBERS = (OperandClass.BOOL, OperandClass.INTEGER, OperandClass.FLOAT)
 
 
 class ExpressionError(Exception):
-    """An expression has an error, which is already reported."""
+    """Raised for an expression with an error, which is already reported."""
 
 
 def operand_class_of(type_: CType) -> OperandClass:

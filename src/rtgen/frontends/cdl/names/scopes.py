@@ -33,10 +33,10 @@ class Kind(StrEnum):
 class Entity(msgspec.Struct, eq=False):
     """A declared entity.
 
-    `unit` and `node` are None for what a C header or the prelude declares. `declaration` is its
-    model; None while it is made, and where it has errors. `place` is that of its name.
-    `component` is what the passes over celltypes and cells know of it, `value` what the value of a
-    constant is by itself, before it becomes one of the constant's type.
+    `unit` and `node` are None for declarations of C headers and of the prelude. `declaration` is
+    its model; None while it is analysed, and if it has errors. `place` is that of its name.
+    `component` holds the facts of the passes over celltypes and cells, `value` the value of a
+    constant before its conversion to the constant's type.
     """
 
     kind: Kind
@@ -59,8 +59,8 @@ class Entity(msgspec.Struct, eq=False):
 class Scope(msgspec.Struct, eq=False):
     """A name space or region; the root has no name.
 
-    Name spaces and regions are scopes and no entities. Tags of structs and enums have a table of
-    their own.
+    Name spaces and regions are scopes, not entities. Tags of structs and enums have a separate
+    table.
     """
 
     name: ScopedName
@@ -72,7 +72,7 @@ class Scope(msgspec.Struct, eq=False):
     tags: dict[str, Entity] = msgspec.field(default_factory=dict)
 
     def outwards(self) -> Iterator[Scope]:
-        """This scope, the one around it, and so on."""
+        """Yield this scope and the enclosing ones."""
         scope: Scope | None = self
         while scope is not None:
             yield scope
@@ -116,7 +116,7 @@ class Scope(msgspec.Struct, eq=False):
         return None
 
     def visible(self) -> Iterator[str]:
-        """Yield the names that can be used here without a path, for hints."""
+        """Yield the names that are visible without a path, for hints."""
         for scope in self.outwards():
             yield from scope.entities
             yield from scope.scopes

@@ -17,8 +17,8 @@ from rtgen.model.types import ScopedName
 class Table:
     """The declarations of a unit, by scope and in order, and its sink of diagnostics.
 
-    `with_prelude`: types that tecsgen's headers declare are known without an import;
-    `prelude_used` are the first uses of those.
+    `with_prelude`: types of tecsgen's headers are known without an import; `prelude_used` are their
+    first uses.
     """
 
     def __init__(
@@ -67,7 +67,7 @@ class Table:
 
     def _report_taken(self, name: tree.Name, unit: Unit, known: Entity | Scope) -> None:
         if known.kind is Kind.TYPEDEF and name.text in unit.maybe_declared:
-            return  # the parser has reported it
+            return  # reported by the parser
         related = [Related(known.place, "first declared here")] if known.place else []
         message = f"'{name.text}' is a {known.kind} already"
         place = unit.place(name)
@@ -93,7 +93,7 @@ class Table:
         self.declarations.append(entity)
 
     def tag(self, name: ScopedName) -> Entity | None:
-        """Return the struct or enum of a full name, if its members are known or being read."""
+        """Return the struct or enum of a full name, if its members are known or being analysed."""
         scope: Scope | None = self.root
         for part in name[:-1]:
             scope = scope.scopes.get(part) if scope is not None else None
@@ -126,10 +126,10 @@ class Table:
         return None
 
     def note_prelude(self, name: str, unit: Unit, node: tree.Name) -> None:
-        """Note the use of a type that is known without an import."""
+        """Record the use of a type that is known without an import."""
         if name not in self.prelude_used:
             self.prelude_used[name] = unit.place(node)
 
     def doc(self, unit: Unit, start: int, end: int) -> str:
-        """Return the comment that belongs to [start, end)."""
+        """Return the doc comment of [start, end)."""
         return unit.source.docs.of(start, end)

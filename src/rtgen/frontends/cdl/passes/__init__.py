@@ -1,5 +1,5 @@
-"""The passes over a parsed unit: the first line of each says what it reads and what it adds.
+"""Passes over a parsed unit; the first line of each says what it reads and what it adds.
 
-They share one symbol table (`names.table`), and are called by `analysis` for one declaration after
-the other, since a name of CDL is known only behind its declaration.
+They share one symbol table (`names.table`). `analysis` calls them for each declaration in turn,
+since a name of CDL is visible only after its declaration.
 """

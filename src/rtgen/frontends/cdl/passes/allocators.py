@@ -18,7 +18,7 @@ from rtgen.frontends.kit.suggestions import nearest
 from rtgen.model.tecs import Signature, TecsDirection, TecsParameter
 
 _ALLOCATOR = frozenset({"alloc", "dealloc"})
-"""The functions of a signature for allocators."""
+"""Functions of a signature that can be used as an allocator."""
 
 
 def resolve(type_: Celltype, port: Port, report: Report) -> None:
@@ -78,9 +78,7 @@ class _Resolver:
     def _parameter(
         self, signature: Signature, function: tree.Name, parameter: tree.Name
     ) -> TecsParameter | None:
-        """Return the send or receive parameter of those names; None, after a diagnostic, if
-        invalid.
-        """
+        """Return the send or receive parameter; None, after a diagnostic, if there is none."""
         place = self.type_.place
         owner = next((f for f in signature.functions if f.name == function.text), None)
         if owner is None:
@@ -113,7 +111,7 @@ class _Resolver:
         )
 
     def _own(self) -> Allocator | None:
-        """`function.parameter = eAlloc`."""
+        """Resolve `function.parameter = eAlloc`."""
         value = self.node.value
         if not isinstance(value, tree.ScopedName) or len(value.parts) != 1:
             self._form(
@@ -139,7 +137,7 @@ class _Resolver:
         return Allocator(self.node, entry=name.text)
 
     def _relay(self, parameter: TecsParameter) -> Allocator | None:
-        """`function.parameter <= cCall.function.parameter`."""
+        """Resolve `function.parameter <= cCall.function.parameter`."""
         value = self.node.value
         match value:
             case tree.Postfix(

@@ -65,7 +65,7 @@ class Analysis:
     def _items(
         self, items: Sequence[statements.Item], unit: Unit, scope: Scope
     ) -> None:
-        """Walk over the statements of a file or a name space."""
+        """Analyse the statements of a file or a name space."""
         for item in items:
             self._statement(item, unit, scope)
 

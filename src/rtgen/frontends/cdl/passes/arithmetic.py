@@ -1,4 +1,4 @@
-"""Numbers of constant expressions: ranges and widths of the scalar types, operators, literals."""
+"""Arithmetic of constant expressions: ranges and widths of scalar types, operators, literals."""
 
 from __future__ import annotations
 
@@ -39,9 +39,7 @@ COMPARISONS: dict[str, Callable[[Any, Any], bool]] = {
 
 
 def number_literal(node: tree.Number) -> Operand:
-    """Return the operand of a literal: decimal, octal (0...), hexadecimal (0x...) or
-    floating-point.
-    """
+    """Return the operand of a literal: decimal, octal, hexadecimal or floating-point."""
     text = node.text
     value: int | float
     if "." in text:
@@ -87,7 +85,7 @@ _BITS = {
 
 
 def width(kind: Scalar) -> str:
-    """Return the width of a basic type as a pointer's target; tecsgen ignores the sign."""
+    """Return the width of a basic type as a pointer's target; as in tecsgen, without the sign."""
     if kind in (Scalar.CHAR, Scalar.SCHAR, Scalar.UCHAR):
         return Scalar.CHAR
     return kind.removeprefix("unsigned ").removeprefix("u")
@@ -106,21 +104,19 @@ def wrapped(value: int, type_: CType) -> int:
 
 
 def limits(type_: CType) -> tuple[int | None, int | None]:
-    """Return the least and the greatest value of an integer type, where they are known."""
+    """Return the minimum and the maximum of an integer type, if known."""
     found = resolve(type_)
     assert isinstance(found, CScalarType)
     bits, unsigned = _BITS.get(found.kind), found.kind in tdr.UNSIGNED
     if bits is None:
         return (0 if unsigned else None), None
-    # A plain character may be signed or not.
+    # Whether a plain char is signed is not known.
     full = unsigned or found.kind is Scalar.CHAR
     return (0 if unsigned else -(1 << (bits - 1))), (1 << (bits - (not full))) - 1
 
 
 def clipped(value: float, type_: CType) -> int:
-    """Return a floating-point number after a cast to an integer type: the nearest value in
-    range.
-    """
+    """Cast a floating-point number to an integer type: to the nearest value in range."""
     low, high = limits(type_)
     if not math.isfinite(value):
         return (high or 0) if value > 0 else (low or 0)
@@ -130,9 +126,7 @@ def clipped(value: float, type_: CType) -> int:
 
 
 def whole_number(found: Operand) -> Operand:
-    """Return the integer of a constant in tecsgen's arithmetic: a truth value is 0 or 1, 2.0 is
-    2.
-    """
+    """Return the integer of a constant in tecsgen's arithmetic: true is 1, 2.0 is 2."""
     value = found.value
     if isinstance(value, bool) or (isinstance(value, float) and value.is_integer()):
         return Operand(OperandClass.INTEGER, int(value), Literal(int(value)))

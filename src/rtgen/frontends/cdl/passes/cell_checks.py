@@ -1,4 +1,4 @@
-"""Check of all cells after `joins`: use of prototypes, fixed joins, ids; adds nothing."""
+"""Checks all cells after `joins`: use of prototypes, fixed joins, ids; adds nothing."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def _check_callers(cell: known.Cell, report: known.Report) -> None:
 def check_ids(
     cells: Iterable[known.Cell], regions: Regions, report: known.Report
 ) -> None:
-    """Check that the ids of a celltype in a link unit are 1 to the number of its cells."""
+    """Check that the cells of a celltype in a link unit have the ids 1 to n."""
     counts: dict[Scope, Counter[known.Celltype]] = {}
     groups: dict[tuple[known.Celltype, Scope], list[known.Cell]] = {}
     for cell in cells:

@@ -98,7 +98,7 @@ class CellSpecifiers:
                 )
 
     def _allocator(self, cell: Cell, node: tree.Allocation, place: Place) -> None:
-        """`port[i].function.parameter = Cell.eAlloc` before a cell: a join of a hidden port."""
+        """Handle `port[i].function.parameter = Cell.eAlloc` of a cell: a join of a hidden port."""
         if node.operator != "=" or len(node.path) != 3:
             self._report(
                 celltype_rules.ALLOCATOR_FORM.at(

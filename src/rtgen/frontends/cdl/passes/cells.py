@@ -1,4 +1,4 @@
-"""Pass over cells: reads celltypes, adds bodies, prototypes, and joins still without targets."""
+"""Pass over cells: reads celltypes, adds bodies, prototypes, and joins without targets yet."""
 
 from __future__ import annotations
 
@@ -37,8 +37,11 @@ from rtgen.model.tecs import Signature
 _TYPES = (Kind.CELLTYPE, Kind.COMPOSITE)
 
 Export: TypeAlias = Callable[[Cell, tree.Name, tree.Name, str, Place], Member | None]
-"""Records an export of an inner cell: the cell, its member, the outer name, the kind of
-port (or `attribute`), and the place; returns the member of the composite of that name."""
+"""Function that records an export of an inner cell and returns the composite's member of that name.
+
+Its arguments are the cell, its member, the outer name, the kind of port (or `attribute`), and the
+place.
+"""
 
 
 class Cells:
@@ -189,7 +192,7 @@ class Cells:
         return cell, False
 
     def _own_allocators(self, cell: Cell, type_: Composite) -> None:
-        """Record the allocators of inner cells as those of a cell of the composite."""
+        """Give a cell of the composite the allocators of its inner cells."""
         span = cell.entity.place
         for port in type_.ports:
             for (function, parameter), allocator in port.allocators.items():
@@ -321,9 +324,7 @@ class Cells:
     def _inner_value(
         self, cell: Cell, node: statements.Join, place: Place
     ) -> tuple[bool, tree.Initialiser | None]:
-        """Return whether an attribute of an inner cell has a value in the composite, and the
-        value.
-        """
+        """Return whether an inner cell's attribute has a value in the composite, and the value."""
         assert cell.inside is not None
         assert cell.celltype is not None
         value = node.value
@@ -401,7 +402,7 @@ class Cells:
         cell.reversed.append((node, place))
 
     def turn(self, cell: Cell) -> None:
-        """Turn the reverse joins of a cell into joins of their callers."""
+        """Turn the reverse joins of a cell into joins of the calling cells."""
         for node, place in cell.reversed:
             caller = self._caller(cell, node, place)
             if caller is None:

@@ -45,7 +45,7 @@ class Celltypes:
         self._values = values
         self._applied = applied
         self._report = report
-        self._requirements = Requirements(self.add, self._unseen, report)
+        self._requirements = Requirements(self.add, self._may_be_declared, report)
         self._factories = Factories(values, report)
 
     def fill(self, type_: Celltype, node: statements.Celltype) -> None:
@@ -101,7 +101,7 @@ class Celltypes:
     def port(
         self, type_: Celltype, item: statements.Item, node: statements.Port
     ) -> Port:
-        """Add a port, for a composite with the call ports for its allocators."""
+        """Add a port; for a composite, also the call ports for its allocators."""
         place = type_.place
         outer = isinstance(type_, Composite)
         array, size = self._size(node, place)
@@ -128,7 +128,7 @@ class Celltypes:
     def _signature(self, name: tree.ScopedName, place: Place) -> Signature | None:
         found = place.lookup(name)
         if found is None:
-            if not self._unseen(name, place):
+            if not self._may_be_declared(name, place):
                 self._report(
                     rules.UNKNOWN_SIGNATURE.at(
                         place.span(name),
@@ -148,8 +148,8 @@ class Celltypes:
             return found.declaration
         return None
 
-    def _unseen(self, name: tree.ScopedName, place: Place) -> bool:
-        """Return whether an import or plug-in may declare an unknown name; reports the plug-in."""
+    def _may_be_declared(self, name: tree.ScopedName, place: Place) -> bool:
+        """Return whether an import or plug-in may declare an unknown name; warns of the plug-in."""
         if place.may_be_declared(name) or self._values.incomplete:
             return True
         maker = self._applied.of_types
@@ -240,7 +240,7 @@ class Celltypes:
         if owner is None or not isinstance(type_, Celltype):
             if owner is not None and owner.kind in (Kind.CELL, Kind.CELLTYPE):
                 return None  # has errors, already reported
-            if owner is None and self._unseen(target.owner, place):
+            if owner is None and self._may_be_declared(target.owner, place):
                 return None
             message = f"{target.owner} is not a celltype"
             return message, "name a singleton celltype that is declared before", []
@@ -366,7 +366,7 @@ class Celltypes:
             )
 
     def _sized_list(self, variable: Variable) -> bool:
-        """Return whether a list initialises a pointer without size, which is reported."""
+        """Return whether a list initialises a pointer without a size, which is reported."""
         assert variable.type is not None
         if not is_unsized_list(variable, variable.value):
             return False
@@ -381,9 +381,9 @@ class Celltypes:
         return True
 
     def sizes(self, type_: Celltype) -> None:
-        """Resolve sizes, and check lists against those already known in the celltype.
+        """Resolve sizes, and check lists whose sizes are known in the celltype.
 
-        For a composite the inner cells are checked.
+        In a composite, the inner cells are checked.
         """
         for variable in type_.variables:
             value, size_is = variable.value, variable.size_is
@@ -430,9 +430,7 @@ def attribute_values(type_: Celltype, cell: Cell | None = None) -> Names:
 
 
 def declared_size(values: Values, type_: Celltype, variable: Variable) -> object:
-    """Return the size of a list by the celltype's defaults; an attribute without one counts as
-    0.
-    """
+    """Return a list's size by the celltype's defaults; an attribute without one counts as 0."""
     given = attribute_values(type_)
 
     def names(name: str) -> tuple[tree.Initialiser, Place] | None:

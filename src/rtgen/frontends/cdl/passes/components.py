@@ -28,7 +28,7 @@ _GENERATED = (Kind.SIGNATURE, Kind.CELLTYPE, Kind.COMPOSITE, Kind.CELL)
 
 
 class Components:
-    """Analyses the statements of components in source order, then `finish`es.
+    """Analyses the statements of components in source order; `finish` completes them.
 
     The models of cells are made in `finish`, once the whole unit is known.
     """

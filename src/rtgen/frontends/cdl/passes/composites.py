@@ -183,7 +183,7 @@ class Composites:
         return False
 
     def _fits(self, inner: Member, outer: Member, spans: tuple[Span, Span]) -> None:
-        """Report what differs between an inner port or attribute and the outer one."""
+        """Report differences between an inner port or attribute and the outer one."""
         related = [Related(inner.span, "inside"), Related(outer.span, "outside")]
         kinds = [m.kind if isinstance(m, Port) else "attribute" for m in (inner, outer)]
         if kinds[0] != kinds[1]:
@@ -302,7 +302,7 @@ class Composites:
             )
 
     def _check_allocators(self, composite: Composite) -> None:
-        """Check that the composite names the allocator that the inner cell uses."""
+        """Check that the composite has the allocator that the inner cell uses."""
         for exported in composite.exports:
             outer = composite.members.get(exported.name)
             if not isinstance(outer, Port):

@@ -111,9 +111,7 @@ class Constants:
         scope: Scope,
         names: Mapping[str, CType] | None = None,
     ) -> Expression | None:
-        """Return the model of an initialiser of the type; None, after a diagnostic, if it does not
-        fit.
-        """
+        """Return the model of an initialiser of the type; None, after a diagnostic, if invalid."""
         return _Initial(self._types.expressions, unit, scope, names or {}).of(
             value, type_
         )
@@ -142,7 +140,7 @@ class _Initial:
         self._table.report(rule.at(span, message, hint=hint))
 
     def of(self, value: tree.Initialiser, type_: CType) -> Expression | None:
-        """Return the model of a value of the type; None, after a diagnostic, if it does not fit."""
+        """Return the model of a value of the type; None, after a diagnostic, if invalid."""
         if isinstance(value, tree.CExp):
             if isinstance(resolve(type_), CArrayType):
                 self._report(rules.SHAPE, value, "an array takes its values in braces")
@@ -210,7 +208,7 @@ class _Initial:
         ):
             return found.model
         if wanted is OperandClass.BOOL:
-            # tecsgen takes any value for a truth value; a string is never a null pointer.
+            # tecsgen accepts any value as a boolean; a string is never a null pointer.
             truth = found.operand_class is OperandClass.STRING or bool(found.value)
             return found.model if found.value is None else Literal(truth)
         if found.operand_class in (
@@ -269,7 +267,7 @@ class _Initial:
         if (
             found.operand_class is OperandClass.POINTER
             and not of_attribute
-            and not _alike(target, found.type)
+            and not _is_same_pointer(target, found.type)
         ):
             message = f"{found.type} is another pointer than {target}"
             self._report(
@@ -290,7 +288,7 @@ class _Initial:
 
 
 def _plain(type_: CType) -> str:
-    """Return the type as a cast spells it, without top-level qualifiers."""
+    """Return the type as written in a cast, without top-level qualifiers."""
     return str(type_).removeprefix("const ").removesuffix(" const")
 
 
@@ -299,9 +297,10 @@ def is_character(type_: CType) -> bool:
     return isinstance(type_, CScalarType) and type_.kind in _CHARACTERS
 
 
-def _alike(one: CType, other: CType | None) -> bool:
-    """Return whether tecsgen considers two pointer types equal: it compares their targets, level by
-    level, by kind and width.
+def _is_same_pointer(one: CType, other: CType | None) -> bool:
+    """Return whether tecsgen considers two pointer types equal.
+
+    It compares their targets, level by level, by kind and width.
     """
     while isinstance(one, CPointerType) and isinstance(other, CPointerType):
         one, other = one.target, other.target

@@ -1,4 +1,4 @@
-"""Walks over expressions of the model: nesting depth, and the names that are referred to."""
+"""Traversals of expressions of the model: nesting depth, and the names used."""
 
 from __future__ import annotations
 

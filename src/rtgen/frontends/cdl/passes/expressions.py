@@ -1,4 +1,4 @@
-"""Pass over one expression: reads names declared before, returns its operand; adds nothing."""
+"""Pass over one expression: reads names declared before, returns an operand; adds nothing."""
 
 from __future__ import annotations
 
@@ -50,15 +50,15 @@ from rtgen.model.c_types import (
 from rtgen.model.tecs import TecsConst, TecsStruct
 
 ReadType: TypeAlias = Callable[[tree.TypeName, Unit, Scope], CType | None]
-"""Reads the type of a cast; None if it has errors, which are reported."""
+"""Function that reads the type of a cast; returns None, after a diagnostic, if it has errors."""
 
 MAX_DEPTH = 100
-"""The largest nesting depth of operators whose value is not constant."""
+"""Maximum nesting depth of operators whose value is not constant."""
 
 _MAX_DIGITS = 1000
 
 _MAX_BITS = 4096
-"""Integers of more bits are not computed."""
+"""Integers with more bits are not computed."""
 
 _ESCAPES = {
     "n": 10, "t": 9, "r": 13, "0": 0, "a": 7, "b": 8, "f": 12, "v": 11,
@@ -79,9 +79,9 @@ class Expressions:
         scope: Scope,
         names: Mapping[str, CType] | None = None,
     ) -> Operand | None:
-        """Return the operand of an expression; `names`: parameters, members, attributes it may use.
+        """Return the operand of an expression; None, after a diagnostic, if it has errors.
 
-        None, after a diagnostic, if the expression has errors.
+        `names`: the parameters, members or attributes that it may use.
         """
         try:
             found = ExpressionAnalysis(self, unit, scope, names or {}).at(written)
@@ -94,7 +94,7 @@ class Expressions:
         return found
 
     def integer(self, written: tree.Expression, unit: Unit, scope: Scope) -> int | None:
-        """Return the value of a constant integer expression; None, after a diagnostic, for another
+        """Return the value of a constant integer expression; None, after a diagnostic, without
         one.
         """
         found = self.operand(written, unit, scope)
@@ -116,9 +116,7 @@ class Expressions:
         scope: Scope,
         names: Mapping[str, CType],
     ) -> Expression | None:
-        """Return the model of a size of struct members; None, after a diagnostic, if it has
-        errors.
-        """
+        """Return the model of a struct member's size; None, after a diagnostic, if invalid."""
         assert not isinstance(written, tree.Name | tree.Allocation | tree.Restriction)
         found = self.operand(written, unit, scope, names)
         if found is None:
@@ -183,7 +181,7 @@ class ExpressionAnalysis:
                 return self._conditional(node)
 
     def _character(self, node: tree.Character) -> Operand:
-        text = node.text or " "  # empty where the error is reported
+        text = node.text or " "  # empty after a reported error
         value = ord(text) if len(text) == 1 else _ESCAPES.get(text[1], ord(text[1]))
         return Operand(OperandClass.INTEGER, value, Literal(value))
 
@@ -203,7 +201,7 @@ class ExpressionAnalysis:
             class_ = operand_class_of(declaration.type)
             own = found.value
             if own is not None and class_ in NUMBERS and own.operand_class in NUMBERS:
-                # tecsgen substitutes the written value for the name.
+                # tecsgen replaces the name by the value as written.
                 return Operand(own.operand_class, own.value, model, declaration.type)
             return Operand(class_, value, model, declaration.type)
         if node.parts[-1].text in self._unit.maybe_declared:
@@ -230,7 +228,7 @@ class ExpressionAnalysis:
         if operand.operand_class is OperandClass.UNKNOWN:
             return Operand(OperandClass.UNKNOWN, None, model)
         if node.operator == "!":
-            value = self._truth(node.operand, operand)
+            value = self._boolean_of(node.operand, operand)
             negated = None if value is None else not value
             return operand_of(OperandClass.BOOL, negated, model)
         wanted = (
@@ -364,7 +362,7 @@ class ExpressionAnalysis:
     def _conditional(self, node: tree.Conditional) -> Operand:
         condition = self.at(node.condition)
         yes, no = self.at(node.yes), self.at(node.no)
-        truth = self._truth(node.condition, condition)
+        truth = self._boolean_of(node.condition, condition)
         if truth is not None:
             return yes if truth else no
         model = ConditionalExpression(condition.model, yes.model, no.model)
@@ -375,10 +373,8 @@ class ExpressionAnalysis:
         )
         return Operand(class_, None, model, yes.type)
 
-    def _truth(self, node: tree.Expression, operand: Operand) -> bool | None:
-        """Return the truth value of an operand; None if it is not constant. Raises
-        ExpressionError.
-        """
+    def _boolean_of(self, node: tree.Expression, operand: Operand) -> bool | None:
+        """Return the boolean value of an operand; None if not constant. Raises ExpressionError."""
         if operand.operand_class not in (
             OperandClass.BOOL,
             OperandClass.INTEGER,
@@ -408,7 +404,9 @@ class ExpressionAnalysis:
     ) -> Operand:
         model = BinaryExpression(mark, left.model, right.model)
         if mark in ("&&", "||"):
-            one, two = self._truth(node.first, left), self._truth(written, right)
+            one, two = self._boolean_of(node.first, left), self._boolean_of(
+                written, right
+            )
             if one is None or two is None:
                 return Operand(OperandClass.BOOL, None, model)
             truth = (one and two) if mark == "&&" else (one or two)
@@ -419,7 +417,7 @@ class ExpressionAnalysis:
             left.operand_class in ARITHMETIC
             and right.operand_class is OperandClass.BOOL
         ):
-            # tecsgen uses 0 or 1 for a truth value to the right of a number.
+            # tecsgen uses 0 or 1 for a boolean to the right of a number.
             number = None if right.value is None else int(right.value)
             right = Operand(OperandClass.INTEGER, number, right.model)
         if mark in COMPARISONS:

@@ -1,4 +1,4 @@
-"""Check of `factory` and `FACTORY`: reads attributes and variables; notes who has a factory."""
+"""Checks `factory` and `FACTORY` against attributes and variables; records who has a factory."""
 
 from __future__ import annotations
 
@@ -95,7 +95,7 @@ class Factories:
             )
 
     def _format(self, type_: Celltype, call: statements.FactoryCall) -> None:
-        """Whether the format matches its arguments by the rules of Ruby's `printf`."""
+        """Return whether the format matches its arguments by the rules of Ruby's `printf`."""
         text = self._values.constant(call.format, type_.place)
         if not isinstance(text, str):
             return
@@ -106,7 +106,7 @@ class Factories:
             if letter == "%" and not found["flags"]:
                 continue
             if letter in "$<{" and letter:
-                return  # values by number or name
+                return  # arguments by number or name
             if letter not in _LETTERS:
                 message = f"{found[0]!r} is not a conversion"
             elif not left:

@@ -18,7 +18,7 @@ from rtgen.frontends.cdl.rules import celltypes as celltype_rules
 
 
 class ImplicitJoins(Joins):
-    """The joins of cells, with those of required ports and fixed joins."""
+    """Adds joins for required ports and fixed joins to cells."""
 
     def require(self, type_: Celltype) -> None:
         """Join the required ports of the cells of a celltype."""
@@ -91,10 +91,10 @@ class ImplicitJoins(Joins):
         return best
 
     def fixed(self, cell: Cell) -> None:
-        """Add the fixed joins of a cell to the callers.
+        """Add the fixed joins of a cell to the calling cells.
 
-        Fixed joins to ports that inner cells do not export have no target with an outer name:
-        they only count as joins of the caller's port.
+        A fixed join to a port that an inner cell does not export has no target with an outer name:
+        it only counts as a join of the caller's port.
         """
         for port, entry in cell.celltype.fixed() if cell.celltype is not None else ():
             caller = self._fixed_caller(cell, port)

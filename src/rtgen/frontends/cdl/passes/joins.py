@@ -50,12 +50,12 @@ class Joins:
             for join in cell.order:
                 self._guess(join)
             return
-        for join in cell.order:  # extended by the joins of allocators
+        for join in cell.order:  # the joins of allocators are appended in the loop
             self._define(cell, join)
         self._relay(cell)
 
     def _guess(self, join: Join) -> None:
-        """Best-effort target of a join of a cell of unknown celltype."""
+        """Determine a best-effort target of a join of a cell of unknown celltype."""
         if join.value is None or isinstance(join.value, tree.OfComposite):
             return
         target = self._target(join)
@@ -96,7 +96,7 @@ class Joins:
                 )
             )
         else:
-            self._lead(cell, join, member)
+            self._resolve_call_port(cell, join, member)
 
     def _set(self, cell: Cell, join: Join, variable: Variable) -> None:
         if variable.kind == "var":
@@ -143,7 +143,7 @@ class Joins:
                 )
             )
 
-    def _lead(self, cell: Cell, join: Join, port: Port) -> None:
+    def _resolve_call_port(self, cell: Cell, join: Join, port: Port) -> None:
         """Resolve the join of a call port."""
         if port.array != (join.index is not None):
             message = (
@@ -174,8 +174,8 @@ class Joins:
                 self._expect(join, port, target)
             return
         callee.used = True
-        if self._enter(join, port, callee, target):
-            self._put_plugins(cell, join, port, callee)
+        if self._resolve_entry_port(join, port, callee, target):
+            self._set_plugins(cell, join, port, callee)
             self._allocator_joins(cell, join, callee, target)
 
     def _expect(self, join: Join, port: Port | None, target: Target) -> None:
@@ -262,7 +262,9 @@ class Joins:
         )
         return None
 
-    def _enter(self, join: Join, port: Port, callee: Cell, target: Target) -> bool:
+    def _resolve_entry_port(
+        self, join: Join, port: Port, callee: Cell, target: Target
+    ) -> bool:
         """Resolve and validate the entry port of the target."""
         type_ = callee.celltype
         if type_ is None:
@@ -320,7 +322,7 @@ class Joins:
         callee.callers[entry.name] = callee.callers.get(entry.name, 0) + 1
         return True
 
-    def _put_plugins(self, cell: Cell, join: Join, port: Port, callee: Cell) -> None:
+    def _set_plugins(self, cell: Cell, join: Join, port: Port, callee: Cell) -> None:
         """Set the plug-ins between a call port and its target, in order from the caller."""
         if join.plugins and port.omitted:
             reason = (
@@ -379,7 +381,7 @@ class Joins:
             self._cells.add(cell, made)
 
     def _relay(self, cell: Cell) -> None:
-        """Pass allocators on from call ports to entry ports."""
+        """Forward allocators from call ports to entry ports."""
         assert cell.celltype is not None
         assert cell.span is not None
         for port in cell.celltype.ports:

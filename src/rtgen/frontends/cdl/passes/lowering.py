@@ -1,4 +1,4 @@
-"""The model of celltypes and cells, made when all passes are done; adds nothing."""
+"""Makes the model of celltypes and cells after all passes; adds nothing."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ def _through(
     name = plugins.class_name(plugin.name.text)
     argument = _argument(plugin)
     ours = plugins.is_ours(name)
-    words = _words(cell, join, plugin)
+    words = _substitutions(cell, join, plugin)
     return Through(
         plugin=plugins.OWN_NAME if ours else name,
         argument=argument,
@@ -129,9 +129,7 @@ def _scoped(name: tree.ScopedName) -> ScopedName:
 
 
 def _argument(plugin: known.Plugin) -> PluginArgument:
-    """Return the argument with the places of its pieces; a piece ends with its line of the
-    source.
-    """
+    """Return the argument with the places of its pieces; a piece ends with its source line."""
     pieces = []
     offset = 0
     for part in plugin.argument.parts:
@@ -145,7 +143,9 @@ def _argument(plugin: known.Plugin) -> PluginArgument:
     return PluginArgument(plugin.argument.text, tuple(pieces))
 
 
-def _words(cell: known.Cell, join: known.Join, plugin: known.Plugin) -> dict[str, str]:
+def _substitutions(
+    cell: known.Cell, join: known.Join, plugin: known.Plugin
+) -> dict[str, str]:
     """Return the `$...$` substitutions in the argument of a plug-in."""
     caller = cell.entity.name
     callee = join.cell.entity.name if join.cell is not None else join.made

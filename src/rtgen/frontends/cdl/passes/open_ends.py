@@ -1,4 +1,4 @@
-"""Check of all cells after `joins`: call ports without joins, attributes without values."""
+"""Checks all cells after `joins`: call ports without joins, attributes without values."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ class OpenEnds:
         taken = set(numbers) if min(numbers) >= 0 else set(range(len(numbers)))
         size = port.size if port.size is not None else max(taken) + 1
         surplus = max(taken) + 1 > size
-        # Enough places to find every unjoined one that the message names.
+        # Limited to what is needed to find all unjoined ports that the message names.
         places = range(min(size, len(taken) + _MAX_NAMED + 1))
         holes = [n for n in places if n not in taken]
         if not surplus and (port.optional or not holes):
@@ -190,7 +190,7 @@ class OpenEnds:
         return _WORD.findall(code)
 
     def _check_sized_export(self, cell: Cell, variable: Variable) -> None:
-        """Check that the size of an exported attribute is the same inside and outside."""
+        """Check that the size of an exported attribute is equal inside and outside."""
         assert cell.inside is not None
         assert variable.size_is is not None
         exported = cell.exported[variable.name]

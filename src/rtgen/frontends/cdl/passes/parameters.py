@@ -82,8 +82,8 @@ class ParameterAnalysis(SignatureAnalysis):
     """Analyses the parameters of one function."""
 
     def of(self, written: tree.Parameters) -> tuple[TecsParameter, ...] | None:
-        """Return the model of a function's parameters; None, after diagnostics, if one has
-        errors.
+        """Return the model of a function's parameters; None, after diagnostics, if one is
+        invalid.
         """
         if len(written.items) == 1 and self._is_nothing(written.items[0]):
             return ()
@@ -237,23 +237,23 @@ class ParameterAnalysis(SignatureAnalysis):
                 parameter.good = False
 
     def _pointers(self, parameter: _Parameter) -> None:
-        """Check pointer levels and `const` against the specifiers."""
+        """Check pointer levels and `const` according to the specifiers."""
         is_pointer = isinstance(resolve(parameter.type), CPointerType)
         plain = not is_pointer and not parameter.given
         if plain and parameter.direction is TecsDirection.IN:
             return
         if not is_pointer:
-            self._pointer_words(parameter)
+            self._report_pointer_specifiers(parameter)
         if not parameter.good or not self._levels(parameter):
             return
         target = _target(parameter.type)
         if is_pointer:
             self._constness(parameter, target)
-        self._void(parameter, target)
+        self._report_void_sizes(parameter, target)
         self._combinations(parameter)
 
-    def _pointer_words(self, parameter: _Parameter) -> None:
-        """Report specifiers for pointers on a parameter that is not a pointer."""
+    def _report_pointer_specifiers(self, parameter: _Parameter) -> None:
+        """Report pointer specifiers on a parameter that is not a pointer."""
         for word in (*_LENGTHS, "nullable"):
             if word in parameter.given:
                 name = parameter.name.text
@@ -280,7 +280,7 @@ class ParameterAnalysis(SignatureAnalysis):
             self._report(rules.TOO_MANY_POINTERS, name, message)
         return True
 
-    def _void(self, parameter: _Parameter, target: CType) -> None:
+    def _report_void_sizes(self, parameter: _Parameter, target: CType) -> None:
         """Report sizes of a pointer to void."""
         given, depth = parameter.given, pointer_depth(parameter.type)
         received = parameter.direction is TecsDirection.RECEIVE and depth > 1
@@ -343,7 +343,7 @@ class ParameterAnalysis(SignatureAnalysis):
                 message = f"tecsgen does not understand this argument of {word}"
                 hint = "begin with the parameter, without parentheses: n * 2 + 1"
                 self._report(rules.SIZE_FORM, specifier, message, hint)
-            self._way(parameter, word, specifier, found.model, directions)
+            self._has_direction(parameter, word, specifier, found.model, directions)
             if word == "size_is" and len(specifier.arguments) > 1:
                 max_size = self._limit(parameter, specifier, found)
         if not parameter.good:
@@ -409,7 +409,7 @@ class ParameterAnalysis(SignatureAnalysis):
             self._report(rules.SIZE_UNDER_MAX, written, message, "leave it out")
         return None
 
-    def _way(
+    def _has_direction(
         self,
         parameter: _Parameter,
         word: str,
@@ -417,7 +417,7 @@ class ParameterAnalysis(SignatureAnalysis):
         length: Expression,
         directions: dict[str, TecsDirection | None],
     ) -> None:
-        """Whether the length has a suitable direction; tecsgen checks bare names only."""
+        """Return whether the length's direction is suitable; as in tecsgen, for bare names only."""
         written = specifier.arguments[0]
         direction = parameter.direction
         if not isinstance(length, Reference) or direction is None:
@@ -444,8 +444,10 @@ class ParameterAnalysis(SignatureAnalysis):
 
 
 def _tecsgen_knows(size: object) -> bool:
-    """Return whether tecsgen can type a size that is not constant: it uses the type of the first
-    operand, and supports parameters, their targets, and arithmetic of these only.
+    """Return whether tecsgen can determine the type of a size that is not constant.
+
+    It uses the type of the first operand, and supports only parameters, their targets, and
+    arithmetic.
     """
     match size:
         case tree.ScopedName():
@@ -460,7 +462,7 @@ def _tecsgen_knows(size: object) -> bool:
 
 
 def _needed_levels(parameter: _Parameter) -> int:
-    """Return the number of pointer levels required by a parameter's direction and specifiers."""
+    """Return the number of pointer levels that a parameter's direction and specifiers require."""
     given = parameter.given
     size = "size_is" in given or "count_is" in given
     string = "string" in given

@@ -1,8 +1,4 @@
-"""The argument string of a plug-in: `name = value, ...`, each with its place in the source.
-
-A value extends to the next comma, or is quoted: `\\"..\\"`, `'..'`, `%..%` or `!..!`. A
-backslash escapes the next character. `$...$` is replaced by a property of the join.
-"""
+"""Parses the argument string of a plug-in: `name = value, ...`, with the place of each value."""
 
 from __future__ import annotations
 
@@ -28,7 +24,7 @@ def options(
 ) -> tuple[PluginOption, ...]:
     """Return the options of an argument; parsing stops, after a diagnostic, at a malformed one.
 
-    `known` maps the words between dollars to their replacements: `source`, `count`, ...
+    `known` maps the names in `$...$` to their replacements: `source`, `count`, ...
     """
     return _Reader(argument, known, report).result()
 

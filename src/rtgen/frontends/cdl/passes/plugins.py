@@ -106,9 +106,9 @@ DOMAIN = frozenset(
 
 @dataclass(slots=True)
 class Applied:
-    """The foreign plug-ins of a unit, as written, whose declarations can be used by name.
+    """The third-party plug-ins used in a unit, whose declarations are not known.
 
-    `generators` run at their position, and can declare anything; plug-ins on joins and regions
+    `generators` run at their position and can declare anything; plug-ins on joins and regions
     generate cells once the unit is parsed.
     """
 
@@ -143,9 +143,7 @@ def is_ours(name: str) -> bool:
 
 
 def is_known(name: str) -> bool:
-    """Return whether a name, as written, is that of rtgen's plug-in or of one that tecsgen
-    ships.
-    """
+    """Return whether the name is that of rtgen's plug-in or of one that tecsgen ships."""
     return is_ours(name) or class_name(name) in TECSGEN or f"{name}Plugin" in DOMAIN
 
 

@@ -1,4 +1,4 @@
-"""The scalar types that the headers of TOPPERS kernels declare, known without an import."""
+"""Scalar types of TOPPERS kernels' headers, known without an import."""
 
 from __future__ import annotations
 

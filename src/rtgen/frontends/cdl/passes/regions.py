@@ -1,4 +1,4 @@
-"""Pass over regions: reads their specifiers, adds permitted joins, and plug-ins on the way."""
+"""Pass over regions: reads specifiers, adds permitted joins and the plug-ins on their paths."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from rtgen.frontends.kit.suggestions import nearest
 class Permits(msgspec.Struct, eq=False):
     """The joins that the specifiers of a region permit.
 
-    A list of plug-ins is None without the specifier: then no join may pass. `free` marks a
-    domain or class, whose plug-in decides.
+    A list of plug-ins is None without the specifier: then no join may cross the boundary. `free`
+    marks a domain or class, whose plug-in decides.
     """
 
     linkunit: bool = False
@@ -148,7 +148,7 @@ class Regions:
             )
 
     def apply(self, name: tree.Name, place: Place, *, on_way: bool) -> None:
-        """Record a plug-in; warn of one that is neither rtgen's nor tecsgen's."""
+        """Record a plug-in; warns unless it is rtgen's or tecsgen's."""
         if plugins.is_ours(name.text):
             return
         applied = self.applied
@@ -180,10 +180,8 @@ class Regions:
         raise AssertionError("a scope has a root")
 
     def distance(self, start: Scope, end: Scope) -> int | None:
-        """Return the number of region boundaries between two regions; None if one cannot be
-        crossed.
-        """
-        out, inn, split = _ways(start, end)
+        """Return the number of region boundaries between two regions; None if one is impassable."""
+        out, inn, split = _crossings(start, end)
         for scope in out:
             permits = self.of(scope)
             if not permits.free and permits.outward is None:
@@ -199,12 +197,10 @@ class Regions:
         return len(out) + len(inn) + (split is not None)
 
     def way(self, start: Scope, end: Scope, what: str, span: Span) -> list[Plugin]:
-        """Return the plug-ins of regions on the path of a join; reports boundaries it may not
-        cross.
-        """
-        out, inn, split = _ways(start, end)
+        """Return the regions' plug-ins on a join's path; reports boundaries it may not cross."""
+        out, inn, split = _crossings(start, end)
         found: list[Plugin] = []
-        if split is not None:  # the path leads from sibling to sibling
+        if split is not None:  # the path goes from sibling to sibling
             out, inn = out[:-1], inn[1:]
         for scope in out:
             permits = self.of(scope)
@@ -246,11 +242,12 @@ class Regions:
         return [replace(p, count=count) for p in permits.toward.get(name, ())]
 
 
-def _ways(
+def _crossings(
     start: Scope, end: Scope
 ) -> tuple[list[Scope], list[Scope], tuple[Scope, Scope] | None]:
-    """Return the regions to leave, inner first, those to enter, outer first, and their common
-    ancestor.
+    """Return the regions left, innermost first, those entered, outermost first, and the siblings.
+
+    The siblings are the pair where the path crosses over; None if one region contains the other.
     """
     left, entered = list(start.outwards())[::-1], list(end.outwards())[::-1]
     level = 0

@@ -21,7 +21,7 @@ from rtgen.frontends.kit.suggestions import nearest
 
 _REQUIRABLE = (Kind.CELLTYPE, Kind.CELL)
 _NAME = "_require_call_port_{}_{}"
-"""The name that tecsgen generates for a `require` without a name."""
+"""Format of tecsgen's name for a `require` without one."""
 
 
 class Requirements:
@@ -123,7 +123,7 @@ class Requirements:
     def _clash(
         self, type_: Celltype, node: statements.Require, port: Port, place: Place
     ) -> bool:
-        """Return whether a function of the port has a name that is taken, which is reported."""
+        """Return whether a function of the port has a name that is already used; reports it."""
         assert port.signature is not None
         names = {f.name for f in port.signature.functions}
         for other in type_.ports:

@@ -1,4 +1,4 @@
-"""Specifier lists: which specifiers each construct accepts."""
+"""Specifier lists: the specifiers that each construct accepts."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def accepted(
     place: Place,
     report: Report,
 ) -> list[tree.Specifier]:
-    """Return the specifiers of a list that `what` accepts; reports the others."""
+    """Return the specifiers that `what` accepts; reports the others."""
     found = []
     for specifier in bracket.items if bracket is not None else ():
         if specifier.word in words:
@@ -51,7 +51,7 @@ def accepted(
 def once(
     specifiers: list[tree.Specifier], word: str, place: Place, report: Report
 ) -> tree.Specifier | None:
-    """Return the specifier of a word that may occur once; reports a second one."""
+    """Return the only specifier with that keyword; reports a second one."""
     found = [s for s in specifiers if s.word == word]
     for other in found[1:]:
         report(

@@ -159,7 +159,7 @@ class Types:
             return CTypedefType((name,), prelude.TYPES[name])
         if name in unit.guessed:
             return CTypedefType((name,), opaque(name))
-        return None  # an unknown type was reported by the parser
+        return None  # reported by the parser
 
     def _struct(
         self, written: tree.StructSpecifier, unit: Unit, scope: Scope
@@ -352,7 +352,7 @@ class Types:
         unit: Unit,
         scope: Scope,
     ) -> CType | None:
-        """Return the type of a declarator with its base type; None if it has errors."""
+        """Return the type of a declarator, given its base type; None if it has errors."""
         if base is None or declarator is None:
             return base
         type_ = base
@@ -412,10 +412,7 @@ class Types:
     def is_value(
         self, type_: CType, unit: Unit, name: tree.Name, *, member: bool = False
     ) -> bool:
-        """Return whether the type can be that of a value; reports the error if not.
-
-        Only a struct member may point to an incomplete struct.
-        """
+        """Return whether a value can have the type; reports the error if not."""
         inner = type_
         while isinstance(inner, CArrayType):
             inner = resolve(inner.element)
@@ -442,7 +439,7 @@ class Types:
         return member or self.knows_struct(inner, unit, name)
 
     def knows_struct(self, type_: CType, unit: Unit, name: tree.Name) -> bool:
-        """Return whether the struct that a type is or points to is complete; reports it if not."""
+        """Return whether the struct of a type, or of its target, is complete; reports it if not."""
         target = type_
         while isinstance(target, CPointerType | CArrayType):
             target = (

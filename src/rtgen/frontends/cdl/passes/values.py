@@ -1,4 +1,4 @@
-"""What celltypes and cells read of earlier passes: types, constants, initialisers; adds nothing."""
+"""Types, constants and initialisers for the passes over celltypes and cells; adds nothing."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from rtgen.frontends.cdl.syntax import tree
 from rtgen.model.c_types import CType, Expression
 
 _MAX_NESTED = 20
-"""The largest depth of attributes whose values refer to one another."""
+"""Maximum depth of attributes whose values refer to one another."""
 
 
 class DeclaredValues:
@@ -32,9 +32,7 @@ class DeclaredValues:
         return self._table.incomplete
 
     def declare(self, declaration: tree.Declaration, place: Place) -> list[Declared]:
-        """Return the names that a declaration of attributes or variables declares; reports
-        errors.
-        """
+        """Return the names declared by attributes or variables; reports errors."""
         types, unit, scope = self._types, place.unit, place.scope
         base = types.of(declaration.type, unit, scope)
         found = []
@@ -81,7 +79,7 @@ class DeclaredValues:
 
 
 class _Quiet(ExpressionAnalysis):
-    """Evaluates without diagnostics; attributes are replaced by their values."""
+    """Evaluates without diagnostics, replacing attributes by their values."""
 
     def __init__(
         self, expressions: Expressions, place: Place, values: Names | None, depth: int

@@ -1,4 +1,4 @@
-"""Rules about files, imports, and their contents as a whole (CDL00xx)."""
+"""Rules about files and imports (CDL00xx)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Rules of the words and marks of CDL (CDL01xx)."""
+"""Rules of words and symbols of CDL (CDL01xx)."""
 
 from __future__ import annotations
 

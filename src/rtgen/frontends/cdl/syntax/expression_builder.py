@@ -1,4 +1,4 @@
-"""Parser callbacks for expressions, and what all callbacks share: places, names, selections."""
+"""Parser callbacks for expressions, and helpers for all callbacks: places, names, selections."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def name_of(token: Token) -> tree.Name:
 
 
 def word_of(token: Token) -> str:
-    """Return the keyword of a token, also of one replaced by error recovery."""
+    """Return the keyword of a token, even if error recovery replaced it."""
     return WORDS[token.type]
 
 
@@ -43,7 +43,7 @@ def keyword_of(token: Token) -> tree.Name:
 
 
 def nodes_in(children: Children, *kinds: type) -> tuple[Any, ...]:
-    """Return the children of that node class."""
+    """Return the children that are nodes of that class."""
     return tuple(child for child in children if isinstance(child, kinds))
 
 

@@ -43,7 +43,7 @@ _DECLARED = re.compile(r"\b([A-Za-z_]\w*)(?=\s*[;,{(\[=}])")
 
 
 class Imports(Protocol):
-    """The reader of the files that a unit imports."""
+    """Interface to the reader of a unit's imports."""
 
     @property
     def lacks_types(self) -> bool:
@@ -91,7 +91,7 @@ class CdlParser(RecoveringParser):
         if self._in_specifiers and text in SPECIFIERS:
             return TERMINALS[text]
         if text in self._types.prelude and self.takes("TYPE_NAME"):
-            # In a cast or in parentheses a name of the prelude is a type.
+            # In a cast or in parentheses, a name of the prelude denotes a type.
             return "TYPE_NAME" if self.would_shift("TYPE_NAME") else WORD
         return WORD
 

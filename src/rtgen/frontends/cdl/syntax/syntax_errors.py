@@ -54,7 +54,7 @@ _IDEOGRAPHIC = {"\u3000": " ", "\u3001": ",", "\u3002": "."}
 class ErrorContext(BaseContext):
     """An unexpected token of CDL and its surroundings.
 
-    `lacks_types`: a file is missing that may declare types.
+    `lacks_types`: a missing file may declare types.
     """
 
     unit: Unit
@@ -102,7 +102,7 @@ class ErrorContext(BaseContext):
 
 
 def explain(context: ErrorContext) -> Recovery:
-    """Return the likely error behind an unexpected token."""
+    """Return the recovery for the likely cause of an unexpected token."""
     for recogniser in _RECOGNISERS:
         found = recogniser(context)
         if found is not None:
@@ -261,7 +261,7 @@ def _qualifier(s: ErrorContext) -> Recovery | None:
 
 
 def _specifier(s: ErrorContext) -> Recovery | None:
-    """Return a word in a specifier list that is not a specifier."""
+    """Recognize a word in a specifier list that is not a specifier."""
     if s.kind not in ("IDENT", "TYPE_NAME") or "NULLABLE" not in s.accepted:
         return None
     found = nearest(s.text, SPECIFIERS)
@@ -390,8 +390,8 @@ def _misspelt(s: ErrorContext) -> Recovery | None:
     )
 
 
-def _mark(s: ErrorContext) -> Recovery | None:
-    """Return a missing closing bracket or comma."""
+def _missing_closer(s: ErrorContext) -> Recovery | None:
+    """Recognize a missing closing bracket or comma."""
     candidates = (
         ("RPAR", ")"),
         ("SPEC_R", "]"),
@@ -430,14 +430,12 @@ _RECOGNISERS: tuple[Callable[[ErrorContext], Recovery | None], ...] = (
     _type_as_name,
     _keyword_as_name,
     _misspelt,
-    _mark,
+    _missing_closer,
 )
 
 
 def bad_character(unit: Unit, start: int) -> tuple[Diagnostic, int]:
-    """Return the error for a character that starts no token, and the offset at which lexing
-    resumes.
-    """
+    """Return the diagnostic for a character that starts no token, and where lexing resumes."""
     text = unit.source.code
     character = text[start]
     end = start + 1
@@ -476,9 +474,9 @@ def bad_character(unit: Unit, start: int) -> tuple[Diagnostic, int]:
 
 
 def meant(text: str) -> str | None:
-    """Return the terminal that an unlexable text likely stands for; None: it is skipped.
+    """Return the terminal that an unlexable text likely stands for; None to skip it.
 
-    `ERROR` is that of a broken statement.
+    `ERROR` is the terminal of a broken statement.
     """
     mark = _ascii(text) if len(text) == 1 else None
     if mark is not None:

@@ -1,8 +1,7 @@
 """The syntax tree of CDL before name resolution: names, expressions, types (see `statements`).
 
-Nodes are immutable and compared by identity, so that later passes can keep facts about them
-in tables of their own. Positions are offsets into the text of the parsed file;
-`Unit.span` converts them to spans.
+Nodes are immutable and compared by identity, so that later passes can store facts about them in
+tables. Positions are offsets into the text of the parsed file; `Unit.span` converts them to spans.
 """
 
 from __future__ import annotations

@@ -13,7 +13,7 @@ from rtgen.model.types import ScopedName
 
 @dataclass(frozen=True, slots=True)
 class Header:
-    """The declarations of a C header, in order."""
+    """A C header with its declarations, in order."""
 
     declarations: tuple[TecsDeclaration, ...]
 
@@ -48,7 +48,7 @@ class Unit:
 class TypeNames:
     """The names of typedefs by name space.
 
-    `prelude` are names that, until declared, are types only where the grammar requires a type.
+    `prelude` are names that denote types, until declared, only where the grammar requires a type.
     """
 
     def __init__(self, prelude: frozenset[str]) -> None:

@@ -1,1 +1,1 @@
-"""From the bytes of CDL files to text with comments blanked."""
+"""From the bytes of CDL files to text without comments."""

@@ -1,6 +1,6 @@
 """From the bytes of a CDL file to text: UTF-8, EUC-JP and Shift_JIS.
 
-Only comments and strings may hold more than ASCII, but in Shift_JIS the second byte of a
+Only comments and strings may contain other characters than ASCII. In Shift_JIS the second byte of a
 character can be a backslash or a brace, so the text is decoded before lexing.
 """
 
@@ -13,7 +13,7 @@ NAMES = ("auto", "euc", "sjis", "utf8", "none")
 """The supported encodings; `none` maps each byte to one character."""
 
 _CODECS = {"euc": "euc_jp", "sjis": "cp932", "utf8": "utf-8", "none": "latin-1"}
-_SPOKEN = {"euc": "EUC-JP", "sjis": "Shift_JIS", "utf8": "UTF-8"}
+_DISPLAY_NAMES = {"euc": "EUC-JP", "sjis": "Shift_JIS", "utf8": "UTF-8"}
 _FORMS = {
     "euc": re.compile(
         rb"(?:[\x00-\x7f]++|(?:[\xa1-\xfe]{2})++|\x8e[\xa1-\xdf]|\x8f[\xa1-\xfe]{2})*+"
@@ -27,10 +27,7 @@ _HALF_WIDTH = re.compile("[\uff61-\uff9f]")
 
 
 def decode(data: bytes, encoding: str) -> tuple[str, str | None]:
-    """Return the text of a file, and a doubt about its encoding, or None.
-
-    A UTF-8 byte-order mark overrides the given encoding; it is kept in the text.
-    """
+    """Return the text of a file, and a doubt about its encoding or None."""
     if data.startswith(codecs.BOM_UTF8):
         encoding = "utf8"
     if encoding == "auto":
@@ -40,13 +37,13 @@ def decode(data: bytes, encoding: str) -> tuple[str, str | None]:
         found, _ = _detected(data)
         return (
             _text(data, found),
-            f"the file is not {_SPOKEN[encoding]}; read as {_SPOKEN.get(found, 'bytes')}",
+            f"the file is not {_DISPLAY_NAMES[encoding]}; read as {_DISPLAY_NAMES.get(found, 'bytes')}",
         )
     return _text(data, encoding), None
 
 
 def codec(data: bytes, encoding: str) -> str:
-    """Python's name of the encoding that `decode` reads a file in."""
+    """Return Python's name of the encoding that `decode` uses for a file."""
     if data.startswith(codecs.BOM_UTF8):
         encoding = "utf8"
     if encoding == "auto" or not _fits(data, encoding):

@@ -129,7 +129,7 @@ class Source:
         return LineTable(self.name, self.text)
 
     def position(self, offset: int) -> tuple[int, int]:
-        """Line and column, both from 1, of a place in the text."""
+        """Return line and column, both from 1, of an offset."""
         return self._lines.position(offset)
 
     def span(self, start: int, end: int) -> Span:

@@ -1,8 +1,4 @@
-"""`__tool_info__( "tecsgen" ) { ... }`: settings of tecsgen in a file of the editor tecscde.
-
-tecsgen imports `direct_import` first, searches the folders of `import_path`, and passes the macros
-of `define_macro` to C headers. It ignores the information of other tools.
-"""
+"""`__tool_info__( "tecsgen" ) { ... }`: tecsgen's settings in a file of the editor tecscde."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The rules of the EDS front end, grouped by hundreds as the codes are."""
+"""Rules of the EDS front end, in modules by hundreds of their codes."""
 
 from rtgen.diagnostics import Rule
 from rtgen.frontends.eds.rules import (

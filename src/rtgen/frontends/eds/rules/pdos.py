@@ -1,4 +1,4 @@
-"""Rules of PDOs (EDS05xx). A PDO that breaks one is read as it stands."""
+"""Rules of PDOs (EDS05xx). A PDO that violates one is still read."""
 
 from __future__ import annotations
 

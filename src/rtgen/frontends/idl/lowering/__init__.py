@@ -1,1 +1,1 @@
-"""The checked syntax tree as the model."""
+"""Lowers the checked syntax tree to the model."""

@@ -1,4 +1,4 @@
-"""The fields that all declarations of the model have: name, place, documentation, annotations."""
+"""Fields of all declarations of the model: name, place, documentation, annotations."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from rtgen.model import Type
 
 
 class CommonFields:
-    """Makes them."""
+    """Makes the fields that all declarations have."""
 
     def __init__(self, annotations: Annotations) -> None:
         self._annotations = annotations
 
     def common(self, entity: Entity, type_: Type | None = None) -> dict[str, Any]:
-        """Return the fields that every declaration has."""
+        """Return the fields of a declaration."""
         item = entity.item
         return {
             "name": entity.path,
@@ -44,5 +44,5 @@ class CommonFields:
         return unit.docs.of(item.start, item.end)
 
     def comment_says_key(self, item: tree.Item, unit: Unit) -> bool:
-        """Return whether the comment behind an entry marks a key member, as `//@key` does."""
+        """Return whether the comment after an entry marks it as a key, as `//@key` does."""
         return unit.docs.say_key(item.end)

@@ -1,4 +1,4 @@
-"""Components: an RTC's ports, configuration and profile from the component construct (CORBA 3)."""
+"""Lowers the component construct (CORBA 3) to an RTC's ports, configuration and profile."""
 
 from __future__ import annotations
 
@@ -108,9 +108,7 @@ class Components:
         return self._made.get(found) if isinstance(found, Entity) else None
 
     def _profile(self, common: dict[str, Any], entity: Entity) -> dict[str, Any]:
-        """Return the arguments of `@rtc`; the description defaults to the doc comment's first
-        line.
-        """
+        """Return the arguments of `@rtc`; the description defaults to the first line of the doc."""
         profile: dict[str, Any] = {}
         for annotation in common["annotations"]:
             if annotation.name == "rtc":
@@ -299,7 +297,7 @@ class Components:
 
 
 def _slot(item: Port | ConfigurationParameter) -> tuple[str, ...]:
-    """Return the key that must be unique among the ports and parameters of a component."""
+    """Return the key of a port or parameter, unique in a component."""
     if isinstance(item, ConfigurationParameter):
         return (item.name,)
     if item.kind in _DATA:

@@ -1,4 +1,4 @@
-"""Lowers the resolved tree to the model: one declaration for each name without errors."""
+"""Lowers the resolved tree to the model: one declaration for each valid name."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ class Lowering:
         return made
 
     def _undefined(self, entity: Entity) -> Declaration | None:
-        """Return an interface without definition, which can still be referenced."""
+        """Return an interface without a definition, which can still be referenced."""
         if entity.kind is Kind.INTERFACE:
             return Interface(
                 **self._fields.common(entity),
@@ -108,9 +108,7 @@ class Lowering:
     def _with_defaults(
         self, entity: Entity, *, derived: bool = False
     ) -> dict[str, Any]:
-        """Return the fields that every declaration has, with what annotations of modules say of
-        it.
-        """
+        """Return a declaration's fields, with the annotations that its modules define for it."""
         common = self._fields.common(entity)
         if entity.around:
             modules = [self._modules[id(item)] for item in entity.around]
@@ -119,7 +117,7 @@ class Lowering:
             )
         return common
 
-    # Structs and the like
+    # Structs and similar
 
     def _members(
         self, body: tree.Body, unit: Unit, hashed: bool = False

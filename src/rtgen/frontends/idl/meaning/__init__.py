@@ -1,1 +1,1 @@
-"""What declarations mean: types, constant expressions, annotations, and the checks of them."""
+"""Semantics of declarations: types, constant expressions, annotations, and checks."""

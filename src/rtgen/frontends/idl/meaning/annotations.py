@@ -50,9 +50,7 @@ class Annotations:
         unit: Unit,
         type_: Type | None = None,
     ) -> tuple[Annotation, ...]:
-        """Return the annotations of a declaration; `type_` is its type, for `@default` and
-        others.
-        """
+        """Return a declaration's annotations; `type_` is its type, for `@default` and similar."""
         nodes = tuple(annotations)
         if not nodes:
             return ()
@@ -117,7 +115,7 @@ class Annotations:
         return Annotation(node.name, tuple(arguments))
 
     def _declared(self, name: str) -> Definition | None:
-        """Return an annotation declared by `@annotation`, which may stand anywhere."""
+        """Return an annotation declared by `@annotation`, which is allowed everywhere."""
         found = self._types.tables.annotations.get(name)
         if found is None:
             return None
@@ -155,7 +153,7 @@ class Annotations:
         if wanted is None or isinstance(wanted, str):
             words = definition.words if definition is not None else ()
             if isinstance(value, tree.ScopedName) and str(value).upper() in words:
-                return str(value)  # even if something of that name is declared
+                return str(value)  # not looked up, even if it is declared
             found = self.natural(value, unit)
             if words and str(found).upper() not in words:
                 self._report(
@@ -172,7 +170,7 @@ class Annotations:
         return _shortest(found) if single and isinstance(found, float) else found
 
     def _scalar(self, type_: Type | None) -> Type | None:
-        """Return the type of a default value; lists are given as text."""
+        """Return the type of a default value; the default of a list is a text."""
         plain = self._types.unaliased(type_)
         if (
             plain is None
@@ -185,7 +183,7 @@ class Annotations:
         return type_
 
     def natural(self, value: tree.Expression, unit: Unit) -> ConstantValue | None:
-        """Return the value of an argument of unknown type: that of the literal itself."""
+        """Return the value of an argument of unknown type, as its literal suggests."""
         constants = self._types.constants
         match value:
             case tree.ScopedName():
@@ -207,7 +205,7 @@ class Annotations:
 
 
 def _complete(node: tree.Annotation, definition: Definition) -> bool:
-    """Return whether the mandatory argument is present, or a wrong one in its place."""
+    """Return whether the mandatory argument is present, valid or not."""
     given = [a.name.text if a.name else "value" for a in node.arguments]
     return (
         not definition.required
@@ -239,7 +237,7 @@ def limits(
 
 
 def contradictions(found: Iterable[Annotation]) -> Iterator[str]:
-    """Contradictions between a default and its limits."""
+    """Yield contradictions between a default and its limits."""
     low, high, default = limits(found)
     if exceeds(low, high):
         yield f"the minimum {low} is larger than the maximum {high}"
@@ -306,7 +304,7 @@ def value(
 
 
 def exceeds(left: ConstantValue | None, right: ConstantValue | None) -> bool:
-    """Return whether both are numbers, and the left one is larger."""
+    """Return whether both are numbers, and the left one is greater."""
     if isinstance(left, int | float) and isinstance(right, int | float):
         return left > right
     return isinstance(left, Decimal) and isinstance(right, Decimal) and left > right

@@ -49,7 +49,7 @@ from rtgen.model import (
 
 
 class _NoValueError(Exception):
-    """The expression has no value; a diagnostic has been reported."""
+    """Raised for an expression without a value; a diagnostic has been reported."""
 
 
 class Constants:

@@ -28,7 +28,7 @@ NARROW = {
     Primitive.UINT8: 8,
     Primitive.UNSIGNED_SHORT: 16,
 }
-"""Unsigned types narrower than the arithmetic, whose complement has to be masked."""
+"""Unsigned types narrower than the arithmetic, whose complement is masked."""
 
 WIDE = (Primitive.LONG_LONG, Primitive.UNSIGNED_LONG_LONG)
 
@@ -105,9 +105,7 @@ CONVERSIONS = {
 def operand_class_of(
     type_: Type | None, is_enum: Callable[[ScopedName], bool]
 ) -> OperandClass | None:
-    """Return the operand class of a type's constants, through aliases; None if it has no
-    constants.
-    """
+    """Return the operand class of a type's constants, through aliases; None without constants."""
     match type_:
         case PrimitiveType(kind):
             if kind in INTEGER_RANGES:
@@ -157,7 +155,7 @@ def without_zeros(value: Decimal) -> Decimal:
 
 
 def wider(value: int) -> str:
-    """Return a hint that names the smallest type for a value."""
+    """Return a hint with the smallest type for a value."""
     for kind in _BY_SIZE:
         low, high = INTEGER_RANGES[kind]
         if low <= value <= high:

@@ -16,13 +16,11 @@ _EXTENSIBILITIES = frozenset(e.value for e in Extensibility)
 _GROUPS = dict.fromkeys(("extensibility", *_EXTENSIBILITIES), "extensibility")
 _GROUPS |= {"nested": "nested", "topic": "nested", "default_nested": "nested"}
 _GROUPS |= {name: name for name in ("autoid", "data_representation")}
-"""Annotations that override those of modules, by the property they set."""
+"""Annotations that override those of modules, grouped by the property that they set."""
 
 
 def extensibility(annotations: Sequence[Annotation]) -> Extensibility:
-    """Return the extensibility from `@final`, `@appendable`, `@mutable`, `@extensibility`, or
-    final.
-    """
+    """Return the extensibility by annotations: `@extensibility(X)` or `@X`; final by default."""
     for annotation in annotations:
         name = annotation.name
         if name == "extensibility":
@@ -35,7 +33,7 @@ def extensibility(annotations: Sequence[Annotation]) -> Extensibility:
 def with_defaults(
     own: Sequence[Annotation], modules: Sequence[Sequence[Annotation]], derived: bool
 ) -> tuple[Annotation, ...]:
-    """Return the annotations of a struct or union, completed by those of its modules.
+    """Return the annotations of a struct or union, with those inherited from its modules.
 
     A derived struct has the extensibility of its base.
     """

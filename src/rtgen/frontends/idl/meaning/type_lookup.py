@@ -1,4 +1,4 @@
-"""The interface of the type table that the evaluation of constants needs."""
+"""Interface to the type table for the evaluation of constants."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from rtgen.model import (
 
 
 class TypeLookup(Protocol):
-    """What constants need of `typetable.Types`."""
+    """The part of `typetable.Types` that constants use."""
 
     tables: Tables
 

@@ -1,4 +1,4 @@
-"""Converts types of the tree to types of the model; resolves aliases, and enumerators to enums."""
+"""Converts types of the tree to types of the model; resolves aliases and enumerators."""
 
 from __future__ import annotations
 

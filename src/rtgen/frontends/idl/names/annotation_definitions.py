@@ -102,7 +102,7 @@ DEFINITIONS: Mapping[str, Definition] = MappingProxyType(
         "ignore_literal_names": _define("enum", value=FLAG),
         "non_serialized": _define("member", value=FLAG),
         "transfer_mode": _define(_ANYWHERE, value=WORD),
-        # rtgen: components
+        # rtgen's own, for components
         "rtc": _define(
             "component",
             kind=TEXT,
@@ -118,7 +118,7 @@ DEFINITIONS: Mapping[str, Definition] = MappingProxyType(
             created=TEXT,
             updated=TEXT,
         ),
-        # rtgen: a type known by name only
+        # rtgen's own: a type of which only the name is known
         "opaque": _define("struct interface"),
         "name": _define("port configuration component", required="value", value=TEXT),
         "port": _define("port", required="value", value=TEXT),
@@ -136,7 +136,7 @@ DEFINITIONS: Mapping[str, Definition] = MappingProxyType(
             condition=TEXT,
             type=TEXT,
         ),
-        # rtgen: the form of numbers in Python
+        # rtgen's own: the Python type of numbers
         "numeric": _define(
             "member case typedef",
             required="value",

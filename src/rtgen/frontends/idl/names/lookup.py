@@ -1,4 +1,4 @@
-"""Declares and looks up names: introduction of names, clashes, hints for unknown names."""
+"""Declares and looks up names; reports clashes and unknown names, with hints."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from rtgen.frontends.idl.text.unit import Unit
 from rtgen.frontends.kit.suggestions import nearest
 
 MAX_ELSEWHERE = 3
-"""Maximum number of further places listed in a diagnostic."""
+"""Maximum number of further places in a diagnostic."""
 _MAX_GUESSES = 200
-"""Maximum number of unknown names that a similar one is searched for, which is slow."""
+"""Maximum number of unknown names for which similar names are searched, which is slow."""
 
 _NO_GUESS = "declare it before its use, or include the file that declares it"
 
@@ -30,12 +30,12 @@ _ARTICLE = {"a": "an", "e": "an", "i": "an", "o": "an"}
 
 
 def called(entity: Entity) -> str:
-    """Return the entity in messages, such as `the struct RTC::Time`."""
+    """Return the entity as shown in messages, such as `the struct RTC::Time`."""
     return f"the {entity.kind} {entity.scoped}"
 
 
 def kind_of(entity: Entity) -> str:
-    """Return its kind with an article: `an interface`."""
+    """Return the kind of an entity with an article: `an interface`."""
     return f"{_ARTICLE.get(entity.kind[0], 'a')} {entity.kind}"
 
 
@@ -216,7 +216,7 @@ class Lookup:
     def report_unknown(self) -> None:
         """Report unknown names, after all declarations are known.
 
-        A name that is missing in several places is reported once.
+        A name that is unknown in several places is reported once.
         """
         uses: dict[tuple[str, Scope | None], list[_Unknown]] = {}
         for use in self._unknowns:
@@ -338,7 +338,7 @@ class Lookup:
             around is not None
             and self.key(around.name) == key
             and around.kind is not Kind.OPERATION
-            # ROS 2 has a field `uuid` in UUID.
+            # ROS 2 itself has a field `uuid` in the message UUID.
             and (name == around.name or not is_interface(around.scoped.split("::")))
         ):
             self._report(
@@ -415,9 +415,7 @@ class Lookup:
 
 
 def _enumerators(enum: Entity, text: str) -> str:
-    """Return a hint with an enumerator similar to `text`, or with all enumerators if they are
-    few.
-    """
+    """Return a hint: an enumerator similar to `text`, or all enumerators if they are few."""
     names = [e.name for e in enum.scope.names.values() if e.owner is enum]
     near = nearest(text, names)
     return f"did you mean {near}?" if near else f"it has {', '.join(names[:6])}"
@@ -441,7 +439,7 @@ def _hint_for_clash(entity: Entity, existing: Entity) -> str:
 
 
 def _introduce(scope: Scope, key: str, use: Use) -> None:
-    """Record a use in its scope, and in enclosing ones up to that of an interface or similar."""
+    """Record a use in its scope, and in enclosing ones up to an interface or similar."""
     around = list(scope.outward())
     ends = [
         i for i, p in enumerate(around) if p.entity and p.entity.kind in _USED_OUT_TO

@@ -95,9 +95,7 @@ class Naming(ABC):
         return entity
 
     def _merge(self, entity: Entity, existing: Entity) -> Entity | None:
-        """Return the forward declaration that this one defines or repeats, else None with a
-        diagnostic.
-        """
+        """Return the forward declaration that this one completes or repeats; None after a clash."""
         can_be_forward = entity.kind in FORWARDS.values()
         if not can_be_forward or not (existing.node is None or entity.node is None):
             self._lookup.clash(entity, existing)
@@ -369,7 +367,7 @@ class Naming(ABC):
 
 
 def _built_in(scope: Scope, name: tree.ScopedName) -> Primitive | None:
-    """Return the predefined type of a name that is not declared."""
+    """Return the predefined type of an undeclared name."""
     last = name.parts[-1].text
     if last in IDL_4_TYPES:
         return IDL_4_TYPES[last] if len(name.parts) == 1 else None

@@ -1,4 +1,4 @@
-"""Searches files near a unit for declarations of an unknown name, for hints only."""
+"""Searches nearby files for declarations of an unknown name, for hints only."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ _DECLARED = re.compile(
 
 
 class Neighbours:
-    """Index of the declarations in files beside a unit and in the include folders."""
+    """Index of the declarations in the files beside a unit and in the include folders."""
 
     def __init__(self, library: Library) -> None:
         self._library = library
         self._known: dict[Path, dict[str, str]] = {}
 
     def declares(self, name: str, unit: Unit) -> str | None:
-        """Return the file that declares a name, as it would be included; None if there is none."""
+        """Return how to include the file that declares a name; None if there is none."""
         own = unit.source.path.parent
         for folder in (own, *self._library.include):
             file = self._names(folder).get(name)

@@ -1,4 +1,4 @@
-"""Repository ids (CORBA 2.6, 10.6): prefixes, `#pragma ID` and `version`, typeid of CORBA 3."""
+"""Repository ids (CORBA 2.6, 10.6): prefixes, `#pragma ID` and `version`, CORBA 3's typeid."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ _PREFIX = re.compile(r'"[^"]*"(?:\s*"[^"]*")*')
 _ID = re.compile(r'((?:::\s*)?\w+(?:\s*::\s*\w+)*)\s+"([^"]*)"')
 _VERSION = re.compile(r"((?:::\s*)?\w+(?:\s*::\s*\w+)*)\s+(\d+\.\d+)")
 _IDL_FORM = re.compile(r"IDL:[^:]*:\d+\.\d+")
-_OWN = ("prefix", "ID", "version", "once")
-_OF_OTHERS = ("keylist", "DCPS_DATA_TYPE", "DCPS_DATA_KEY", "hdrstop")
+_SUPPORTED = ("prefix", "ID", "version", "once")
+_FOREIGN = ("keylist", "DCPS_DATA_TYPE", "DCPS_DATA_KEY", "hdrstop")
 """Common pragmas of DDS products and of C++ compilers."""
 _WITHOUT_ID = (Kind.MEMBER, Kind.ENUMERATOR, Kind.PARAMETER, Kind.PORT)
 
@@ -30,7 +30,7 @@ def repository_id(ids: str, name: str) -> str:
 
 
 def below(ids: str, name: str) -> str:
-    """Return the path of the ids inside a scope."""
+    """Return the prefix of the ids inside a scope."""
     return f"{ids}/{name}" if ids else name
 
 
@@ -67,8 +67,8 @@ class Identities:
                 entity = self._find(scope, found[1], pragma.span)
                 if entity is not None:
                     self._set_version(entity, found[2], pragma.span)
-        elif kind and kind not in _OF_OTHERS:
-            near = nearest(kind, (*_OWN, *_OF_OTHERS))
+        elif kind and kind not in _FOREIGN:
+            near = nearest(kind, (*_SUPPORTED, *_FOREIGN))
             hint = (
                 f"did you mean {near}?"
                 if near

@@ -155,12 +155,12 @@ class Resolver(TypeNames):
                     outer.ids = ids
 
     def _include(self, inclusion: Inclusion) -> None:
-        """Resolve an included file; of a file that was already read, only its own inclusions."""
+        """Resolve an included file; if it was already read, only its own inclusions."""
         unit = inclusion.unit
         if unit.text not in self._read.get(unit.source, ()):
             self._run_unit(unit)
             return
-        if unit.source in self._reading:  # a circle, which is reported already
+        if unit.source in self._reading:  # a cycle, already reported
             return
         if unit.text.strip():
             message = "the file is included again, and has no include guard"

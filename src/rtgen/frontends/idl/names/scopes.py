@@ -153,9 +153,7 @@ class Scope(msgspec.Struct, eq=False):
         return found
 
     def inherited(self, key: str) -> list[Entity]:
-        """Return the inherited declarations of `key`; a declaration hides those of its own
-        bases.
-        """
+        """Return the inherited declarations of `key`; a base's hides those of its own bases."""
         if not self.bases:
             return []
         found: dict[Entity, None] = {}

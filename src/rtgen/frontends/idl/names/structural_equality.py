@@ -8,9 +8,7 @@ _PLACE = frozenset(("start", "end", "span", "file", "doc"))
 
 
 def structurally_equal(one: object, other: object) -> bool:
-    """Return whether two nodes of the tree, or two declarations, are equal except for their
-    places.
-    """
+    """Return whether two nodes or declarations are equal except for their places."""
     if type(one) is not type(other):
         return False
     if isinstance(one, tuple) and isinstance(other, tuple):

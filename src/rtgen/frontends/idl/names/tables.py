@@ -1,4 +1,4 @@
-"""Tables filled by name resolution, beside the tree."""
+"""Results of name resolution, as tables beside the tree."""
 
 from __future__ import annotations
 
@@ -38,9 +38,9 @@ class Tables(msgspec.Struct, eq=False):
     `references` has None for names that were reported, and a Primitive for IDL 4's integers;
     `annotations` are those declared by `@annotation`, with their members; `modules` are the
     openings of modules that have annotations; `undefined` has a diagnostic for each interface
-    without a definition, which another file may contain; `marks` says in which unit the
-    names stand that are keys: each mark is a unit, and the number of entities and references
-    before the first ones of it. `openings` are the bodies of modules.
+    without a definition, which another file may contain. `marks` assigns names to units: each mark
+    is a unit, with the number of entities and references before its first ones. `openings` are the
+    bodies of modules.
     """
 
     top: Scope
@@ -57,5 +57,5 @@ class Tables(msgspec.Struct, eq=False):
     marks: list[tuple[Unit, int, int]] = msgspec.field(default_factory=list)
 
     def mark(self, unit: Unit) -> None:
-        """Note that names of a unit follow."""
+        """Record that the following names belong to a unit."""
         self.marks.append((unit, len(self.entities), len(self.references)))

@@ -16,7 +16,7 @@ from rtgen.frontends.idl.syntax import tree
 
 
 class TypeNames(Naming):
-    """Declares types and their members; the walk over bodies is a subclass's."""
+    """Declares types and their members; a subclass walks over bodies."""
 
     @abstractmethod
     def _body(self, entity: Entity, body: tree.Body) -> None:
@@ -153,7 +153,7 @@ class TypeNames(Naming):
         self._declarator(node.declarator, node.type, scope, Kind.MEMBER, item)
 
     def _label(self, name: tree.ScopedName, scope: Scope) -> None:
-        """Resolve a label; falls back on the scope of the switch's enum (OMG IDL 4.2)."""
+        """Resolve a label; falls back to the scope of the switch's enum (OMG IDL 4.2)."""
         entity = scope.entity
         assert entity is not None
         if len(name.parts) == 1 and isinstance(entity.node, tree.Union):

@@ -1,4 +1,4 @@
-"""The rules of the IDL front end, grouped by hundreds as the codes are."""
+"""Rules of the IDL front end, in modules by hundreds of their codes."""
 
 from rtgen.diagnostics import Rule
 from rtgen.frontends.idl.rules import (

@@ -1,1 +1,1 @@
-"""The grammar of OMG IDL 4.2: the parser, the syntax tree, and explanations of syntax errors."""
+"""Grammar of OMG IDL 4.2: parser, syntax tree, and diagnostics of syntax errors."""

@@ -1,4 +1,4 @@
-"""Callbacks of the parser: turn each rule of the grammar into a node of the syntax tree."""
+"""Parser callbacks: build the node of the syntax tree for each grammar rule."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Parser callbacks for expressions and annotations; places and names for all callbacks."""
+"""Parser callbacks for expressions and annotations, and helpers for all callbacks."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def end_of(token: Token) -> int:
 
 
 def start_of(node: Any) -> int:
-    """Start offset of a node or token."""
+    """Return the start offset of a node or token."""
     start: int = node.start if hasattr(node, "start") else node.start_pos
     return start
 

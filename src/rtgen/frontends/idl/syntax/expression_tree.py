@@ -1,6 +1,6 @@
 """Nodes of the syntax tree below declarations: names, literals, expressions, annotations.
 
-See `tree`, which has them all.
+`tree` exports them, too.
 """
 
 from __future__ import annotations
@@ -100,7 +100,7 @@ class Argument(Node):
 
 
 class Annotation(Node):
-    """`@name(arguments)`; `name` with `::` and without `@`."""
+    """`@name(arguments)`; `name` is without `@`, and may contain `::`."""
 
     name: str
     arguments: tuple[Argument, ...]

@@ -1,4 +1,4 @@
-"""Words of other languages that occur in definitions by mistake, with their IDL equivalents."""
+"""Words of other languages that are mistaken for IDL, with their IDL equivalents."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ TYPES = {
     "std::array": "write T name[n]",
     "std::map": "write map<K, V>",
 }
-"""Types by their name in other languages."""
+"""Types by their names in other languages."""
 
 VALUES = {
     "true": "the boolean constants are TRUE and FALSE",
@@ -58,7 +58,7 @@ VALUES = {
     "nullptr": 'IDL has no null; an empty string is ""',
     "none": 'IDL has no null; an empty string is ""',
 }
-"""Values, in lower case."""
+"""Values by their names in other languages, in lower case."""
 
 WORDS = {
     "class": "write struct for data, interface for operations, valuetype for both",
@@ -101,4 +101,4 @@ WORDS = {
     "include": 'write #include "file.idl"',
     "define": "write const for a constant",
 }
-"""Words that start or end a declaration in other languages."""
+"""Words at the start or end of a declaration in other languages."""

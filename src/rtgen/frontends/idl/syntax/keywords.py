@@ -65,9 +65,9 @@ SHOWN = {
     "AMPERSAND": "'&'",
     "$END": "the end of the file",
 }
-"""Terminals by their name in messages; others are keywords, shown in lower case and quotes."""
+"""Names of terminals in messages; other terminals are keywords, shown in lower case and quotes."""
 
 
 def shown(terminal: str) -> str:
-    """Return the name of a terminal in messages."""
+    """Return a terminal as shown in messages."""
     return SHOWN.get(terminal) or f"'{terminal.lower()}'"

@@ -33,7 +33,7 @@ _SIMPLE = {
     "'": "'",
     '"': '"',
 }
-_LARGEST = 2**64 - 1
+_MAX_INTEGER = 2**64 - 1
 
 
 class LiteralError(Exception):
@@ -62,12 +62,12 @@ def number(text: str) -> int | float | Decimal:
     ):
         if len(text) > 30:
             message = "the number is larger than 64 bits"
-            raise LiteralError(message, f"the largest number is {_LARGEST}")
+            raise LiteralError(message, f"the largest number is {_MAX_INTEGER}")
         base = 16 if text[1:2] in ("x", "X") else 8 if text[0] == "0" else 10
         value = int(text, base)
-        if value > _LARGEST:
+        if value > _MAX_INTEGER:
             message = f"{text} is larger than 64 bits"
-            raise LiteralError(message, f"the largest number is {_LARGEST}")
+            raise LiteralError(message, f"the largest number is {_MAX_INTEGER}")
         return value
     if _FLOAT.fullmatch(text):
         if len(text) > 1000:
@@ -106,8 +106,9 @@ def _fixed(digits: str) -> Decimal:
 
 
 def text(parts: tuple[str, ...], character: bool) -> LiteralText:
-    """Return the value of a character, or of adjacent strings, with their quotes. Raises
-    LiteralError.
+    """Return the value of a character, or of adjacent strings. Raises LiteralError.
+
+    The parts include their quotes.
     """
     wide = parts[0][0] == "L"
     unknown: list[str] = []

@@ -1,4 +1,4 @@
-"""Recognizes files in other languages called IDL by constructs that OMG IDL lacks."""
+"""Recognizes files in other languages called IDL, by constructs that OMG IDL does not have."""
 
 from __future__ import annotations
 
@@ -51,10 +51,9 @@ _EVIDENCE = {
 
 
 def other_language(text: str) -> tuple[str, int, int] | None:
-    """Return the language of a text without comments, and the place that reveals it; None for OMG
-    IDL.
+    """Return the language of a text, and the place that reveals it; None for OMG IDL.
 
-    Only called for a text with a syntax error.
+    Only called for a text with a syntax error, whose comments are blanked.
     """
     blank = _TEXT.sub(lambda match: '""' + " " * (len(match[0]) - 2), text)
     for language, evidence in _EVIDENCE.items():

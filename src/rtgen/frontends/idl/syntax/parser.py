@@ -88,7 +88,7 @@ class _Run:
                 self._bad_character()
 
     def _is_foreign(self) -> bool:
-        """Return whether the text is in another language, which is reported as a single error."""
+        """Return whether the text is in another language, which is reported as one error."""
         if self._is_idl is None:
             from rtgen.frontends.idl.syntax.other_languages import other_language
 
@@ -133,9 +133,7 @@ class _Run:
         from rtgen.frontends.idl.syntax.syntax_errors import ErrorContext, explain
 
         accepted = self._parser.accepts()
-        if (
-            "ERROR" in accepted
-        ):  # between declarations, where a `;` would be one too many
+        if "ERROR" in accepted:  # between declarations, where another `;` is an error
             accepted.discard("SEMI")
         start = found.start_pos
         context = ErrorContext(
@@ -157,7 +155,7 @@ class _Run:
             self._resume(start, context.statement)
 
     def _recover(self, recovery: Recovery, context: ErrorContext) -> bool:
-        """Continue parsing as a recovery says; False if impossible, or already tried here."""
+        """Apply a recovery and continue; False if impossible, or already tried here."""
         again = (context.start, recovery.feed, recovery.resume)
         if self._errors > MAX_ERRORS or again in self._mended:
             return False
@@ -197,7 +195,7 @@ class _Run:
         self._parser.close(len(self._text), most)
 
     def _lose(self, start: int, end: int) -> None:
-        """Record the names that a broken declaration may have declared."""
+        """Record the names that an invalid declaration may have declared."""
         names = [match[1] for match in _DECLARED.finditer(self._text, start, end)]
         for match in _ENUMERATORS.finditer(self._text, start, end):
             names += _NAME.findall(match[1])
@@ -251,7 +249,7 @@ class _Run:
             self._parser.feed(token("STRING", start, '""'))
 
     def _resume(self, start: int, statement: int) -> None:
-        """Reset the stack to a list of declarations, and skip the rest of the broken one."""
+        """Reset the stack to a list of declarations, and skip the rest of the invalid one."""
         depth = self._parser.unwind()
         self._parser.feed(token("ERROR", start))
         if self._errors > MAX_ERRORS:
@@ -300,7 +298,7 @@ def _mark_closers(text: str) -> str:
 
 
 def _lowest(tokens: list[tuple[str, int]]) -> list[int]:
-    """For each token, the minimum number of open templates in the rest of its declaration."""
+    """Return for each token the least number of open templates in the rest of the declaration."""
     lowest = [0] * len(tokens)
     low = 0
     for index in range(len(tokens) - 1, -1, -1):

@@ -1,6 +1,6 @@
 """Syntax tree: the text as written, before names are resolved.
 
-Nodes are immutable and compared by identity, so that later passes can keep facts about them in
+Nodes are immutable and compared by identity, so that later passes can store facts about them in
 tables. Positions are offsets into the text of the parsed unit.
 """
 
@@ -91,7 +91,7 @@ class Body(Node):
 
 
 class Item(Node):
-    """An entry of a body or file: annotations and a node, up to its `;`."""
+    """An entry of a body or file, up to its `;`: annotations and a node."""
 
     annotations: tuple[Annotation, ...]
     node: AnyNode
@@ -248,7 +248,7 @@ class Parameter(Node):
 
 
 class Names(Node):
-    """A list of scoped names, as after `raises`; its place is that of the clause."""
+    """A list of scoped names, such as after `raises`; its place is that of the clause."""
 
     keyword: str
     names: tuple[ScopedName, ...]

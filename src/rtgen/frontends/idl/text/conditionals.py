@@ -1,4 +1,4 @@
-"""Conditional inclusion (ISO C 1998, 16.1): which lines of a file are active."""
+"""Conditional inclusion (ISO C 1998, 16.1): determines the active lines of a file."""
 
 from __future__ import annotations
 
@@ -39,13 +39,13 @@ class Conditionals:
 
     @property
     def chooses(self) -> bool:
-        """Whether an `#elif` may make lines active: those around the conditional are."""
+        """Whether an `#elif` can activate lines: those around the conditional are active."""
         return bool(self._open) and self._open[-1].outer
 
     def begin(
         self, name: str, rest: str, span: Span, macros: Mapping[str, Macro]
     ) -> None:
-        """An `#if`, `#ifdef` or `#ifndef`."""
+        """Process an `#if`, `#ifdef` or `#ifndef`."""
         outer = self.active
         value = False
         if outer:
@@ -63,7 +63,7 @@ class Conditionals:
     def proceed(
         self, name: str, rest: str, span: Span, macros: Mapping[str, Macro]
     ) -> None:
-        """An `#elif`, `#else` or `#endif`."""
+        """Process an `#elif`, `#else` or `#endif`."""
         if not self._open:
             message = f"#{name} without #if"
             hint = "remove it, or look for an #if that is missing before it"
@@ -101,7 +101,7 @@ class Conditionals:
             return False
 
     def end(self) -> None:
-        """The end of the file: report conditionals that are still open."""
+        """Process the end of the file: report conditionals that are still open."""
         for conditional in self._open:
             self._report(
                 lexical.UNCLOSED_CONDITIONAL.at(

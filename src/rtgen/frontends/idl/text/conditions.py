@@ -53,7 +53,7 @@ _OPERATIONS: dict[str, Callable[[int, int], int]] = {
 }
 _INTEGER = re.compile(r"(?:0[xX][0-9a-fA-F]+|0[0-7]*|[1-9]\d*)[uUlL]{0,3}")
 _ESCAPES = {"n": 10, "t": 9, "0": 0, "r": 13, "a": 7, "b": 8, "f": 12, "v": 11}
-_DEEPEST = 64
+_MAX_DEPTH = 64
 
 
 def evaluate(text: str, macros: Mapping[str, Macro]) -> bool:
@@ -113,7 +113,7 @@ class _Parser:
 
     def expression(self, lowest: int = 0) -> _Number:
         self._depth += 1
-        if self._depth > _DEEPEST:
+        if self._depth > _MAX_DEPTH:
             raise ExpansionError("the expression is nested too deeply")
         left = self._unary()
         while self.tokens and _LEVEL.get(self.tokens[-1].text, -1) >= lowest:

@@ -1,4 +1,4 @@
-"""The search for included files (ISO C 1998, 16.2): beside the includer, in the folders of -I."""
+"""Search for included files (ISO C 1998, 16.2): beside the including file, and in folders of -I."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ Place = tuple[Path | None, Folders, str]
 
 
 class IncludePath:
-    """Finds the files of a library; each one that is missing is reported with a hint.
+    """Finds the files of a library; a missing file is reported with a hint.
 
-    Findings, and what was looked for, are those of the unit that includes the file.
+    Diagnostics and the searched paths are recorded in the unit that includes the file.
     """
 
     def __init__(self, library: Library) -> None:
@@ -36,9 +36,9 @@ class IncludePath:
     def place(
         self, includer: Source, name: str, *, quoted: bool, further: bool
     ) -> Place:
-        """What an `#include` in a file names.
+        """Return the place that an `#include` in a file names.
 
-        `further`: as GNU's `#include_next`, only the folders after that of the file.
+        `further`: search only the folders after that of the file, as GNU's `#include_next` does.
         """
         folders: Folders = (None, *self._library.include)
         origin = self._origins.get(includer)
@@ -49,7 +49,7 @@ class IncludePath:
         return (includer.folder if None in folders else None, folders, name)
 
     def find(self, place: Place, span: Span, unit: Unit) -> Source | None:
-        """Return the file at a place; None if there is none, which is reported."""
+        """Return the file at a place; None, after a diagnostic, if there is none."""
         known = self._found.get(place)
         if known is None:
             source, searched, printed = self._search(place, span, unit)
@@ -65,7 +65,7 @@ class IncludePath:
     def _search(
         self, place: Place, span: Span, unit: Unit
     ) -> tuple[Source | None, tuple[str, ...], bool]:
-        """Return the file, the paths that were looked at, and whether it is on no disk."""
+        """Return the file, the paths that were searched, and whether the file is on no disk."""
         beside, folders, name = place
         searched: list[str] = []
         if place not in self._missing:
@@ -96,7 +96,7 @@ class IncludePath:
         return None, (), False
 
     def _hint(self, place: Place) -> str:
-        """Return the folders searched, and a file there with a similar name."""
+        """Return a hint: the folders searched, and a file there with a similar name."""
         beside, folders, name = place
         if (beside, folders) not in self._searched:
             real = [folder or beside or Path() for folder in folders]

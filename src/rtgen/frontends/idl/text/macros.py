@@ -1,7 +1,7 @@
 """Macros (ISO C 1999, 6.10.3): definition and expansion, on tokens with hide sets.
 
-With GNU extensions: variadic arguments may be named, may be omitted, and `, ## __VA_ARGS__` then
-expands to nothing.
+With GNU extensions: variadic arguments can be named or omitted, and `, ## __VA_ARGS__` then expands
+to nothing.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ class ExpansionError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Token:
-    """A preprocessing token; `hidden` are the macros that it must not be expanded by."""
+    """A preprocessing token; `hidden` are the macros that must not expand it."""
 
     kind: str
     text: str
@@ -89,7 +89,7 @@ class MacroTable(dict[str, Macro]):
         return len(self._replaced)
 
     def changed_since(self, then: int) -> dict[str, Macro | None]:
-        """Return the definitions, at the time `then`, of all names changed since."""
+        """Return the definitions as they were at `then`, of all names changed since."""
         return dict(reversed(self._replaced[then:]))
 
 
@@ -129,9 +129,7 @@ def define(text: str, span: Span | None = None) -> Macro:
 
 
 def _parameters(inside: str, name: str) -> tuple[tuple[str, ...], bool, str | None]:
-    """Return the parameters of a macro, whether the last is variadic, and the error in them if
-    any.
-    """
+    """Return a macro's parameters, whether the last is variadic, and the error in them or None."""
     written = [p.strip() for p in inside.split(",")] if inside.strip() else []
     variadic = bool(written) and written[-1].endswith("...")
     if variadic:
@@ -316,7 +314,7 @@ def _last(tokens: list[Token]) -> str:
 
 
 def _paste_rest(result: list[Token], rest: list[Token]) -> None:
-    """Expand `, ## __VA_ARGS__`: without arguments the comma is removed."""
+    """Expand `, ## __VA_ARGS__`: the comma is removed if there are no arguments."""
     while result[-1].kind == "space":
         result.pop()
     if rest:

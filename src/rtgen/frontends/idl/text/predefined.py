@@ -1,4 +1,4 @@
-"""The macros that are defined before a file is read (ISO C 1998, 16.8)."""
+"""Predefined macros (ISO C 1998, 16.8)."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from collections.abc import Mapping
 from rtgen.frontends.idl.text.macros import ExpansionError, Macro, define
 
 PLACES = ("__FILE__", "__LINE__")
-"""Macros that stand for the place where they are used."""
+"""Macros that expand to the place where they are used."""
 
-_ASKED_FOR = {
+_TESTED_MACROS = {
     "__OMNIIDL__": "0x2630",
     "__RTGEN__": "1",
     "__STDC__": "1",
@@ -18,11 +18,11 @@ _ASKED_FOR = {
     "__DATE__": '"Jan  1 1970"',
     "__TIME__": '"00:00:00"',
 }
-"""Macros that files test for; all but `__RTGEN__` and the times are those of omniidl 4.2.5."""
+"""Macros that files test for; all except `__RTGEN__` and the times are those of omniidl 4.2.5."""
 TIMES = {
-    name: define(f"{name} {_ASKED_FOR[name]}") for name in ("__DATE__", "__TIME__")
+    name: define(f"{name} {_TESTED_MACROS[name]}") for name in ("__DATE__", "__TIME__")
 }
-"""Those that say when a text is translated, which is the same always."""
+"""Macros for the time of translation, which is constant here."""
 
 
 def predefined(values: Mapping[str, str]) -> dict[str, Macro]:
@@ -30,7 +30,7 @@ def predefined(values: Mapping[str, str]) -> dict[str, Macro]:
 
     Raises ExpansionError for a name that is not an identifier.
     """
-    table = {**_ASKED_FOR, **values}
+    table = {**_TESTED_MACROS, **values}
     macros = {}
     for name, value in table.items():
         if not re.fullmatch(r"[A-Za-z_]\w*", name):

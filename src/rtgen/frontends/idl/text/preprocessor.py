@@ -79,7 +79,7 @@ class _Prepared(msgspec.Struct, frozen=True):
 
 
 class Preprocessor:
-    """Turns files into units, which have the findings."""
+    """Preprocesses files to units, which hold the diagnostics."""
 
     def __init__(self, library: Library) -> None:
         self._path = IncludePath(library)
@@ -137,12 +137,12 @@ class Preprocessor:
     ) -> None:
         """Include the file named by an `#include` in `file`.
 
-        `further`: as GNU's `#include_next`, search only the folders after that of `file`.
+        `further`: search only the folders after that of `file`, as GNU's `#include_next` does.
         """
         unit = file.builder.unit
         place = self._path.place(file.source, name, quoted=quoted, further=further)
         source = self._path.find(place, span, unit)
-        # The folder that a file was found in first may have been searched for another unit.
+        # The folder where a file was found may have been recorded in another unit.
         unit.guessed = unit.guessed or further
         if source is None:
             unit.lacking = True
@@ -184,7 +184,7 @@ class Preprocessor:
         unit.events.append(Boundary(file.builder.length, source, False))
 
     def _exhaust(self, source: Source, span: Span, unit: Unit) -> None:
-        """Ignore all further includes."""
+        """Report the limit, and ignore all further includes."""
         if not self._exhausted:
             cycle: list[Source] = []
             if source in self._stack:
@@ -272,7 +272,7 @@ class _File:
         self._copy(copied, end)
 
     def _warn_of_time(self, words: Iterable[str], span: Span) -> None:
-        """Warn of a text that depends on the time of its translation."""
+        """Warn that the text depends on the time of translation."""
         for name in sorted(TIMES.keys() & words):
             if self.macros.get(name) == TIMES[name]:
                 self._report(
@@ -284,7 +284,7 @@ class _File:
                 )
 
     def _words(self, start: int, end: int) -> set[str]:
-        """Record the identifiers of an active piece: macros among them determine its result."""
+        """Record the identifiers of an active piece: its result depends on macros among them."""
         words = set(_WORD.findall(self.source.code, start, end))
         self.words |= words
         return words

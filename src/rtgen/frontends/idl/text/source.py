@@ -1,4 +1,4 @@
-"""Reads definition files: bytes to text, lines, comments; each file once in a run."""
+"""Reads definition files: bytes to text, lines, comments; each file once per run."""
 
 from __future__ import annotations
 
@@ -44,8 +44,8 @@ def decode(data: bytes) -> str:
 class Source:
     """A file that was read.
 
-    `text` is its content; `code` is the same with continuation lines joined and comments blanked.
-    Later stages read `code`, and `span` maps back to `text`.
+    `text` is its content; `code` is the text with continuation lines joined and comments blanked.
+    Later stages read `code`, and `span` maps offsets back to `text`.
     """
 
     def __init__(self, name: str, key: str, path: Path, data: bytes) -> None:
@@ -132,7 +132,7 @@ class Source:
         return offset + self._removed[bisect_right(self._splices, offset)]
 
     def position(self, offset: int) -> tuple[int, int]:
-        """Line and column, both 1-based, of an offset in `text`."""
+        """Return line and column, both 1-based, of an offset in `text`."""
         return self._lines.position(offset)
 
     def text_span(self, start: int, end: int) -> Span:

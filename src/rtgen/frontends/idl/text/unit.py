@@ -1,4 +1,4 @@
-"""A preprocessed file: its text, and a map from each character to its origin."""
+"""A preprocessed file: its text, with the origin of each character."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from rtgen.frontends.kit.findings import Findings
 
 
 class Piece(msgspec.Struct, frozen=True):
-    """A run of a unit's text, and the run [start, end) of a source's code it came from.
+    """A run of a unit's text that comes from [start, end) of a source's code.
 
-    `expanded`: the whole run came from the whole of [start, end), as macro expansions do. A line
-    marker sets another file name and an offset for line numbers.
+    `expanded`: as a whole it comes from all of [start, end), as macro expansions do. A line marker
+    sets another file name and an offset for line numbers.
     """
 
     source: Source
@@ -56,15 +56,15 @@ class Boundary(msgspec.Struct, frozen=True):
 class Unit(msgspec.Struct, eq=False, dict=True):
     """Result of preprocessing a file.
 
-    `events` (pragmas, inclusions, boundaries of nested files) and `comments` are in order of
-    their offsets in `text`. `lacking`: an include or a macro's text is missing, so unknown names
-    are not reported; `flawed` are the offsets of macro calls that could not be expanded;
-    `maybe_declared` are names, in lower case, that declarations with syntax errors may have
-    declared; `excused` are the offsets of superfluous `;` caused by an error that is reported;
-    `cut`: an unterminated comment or conditional has swallowed the rest. `included` are the units
-    of its inclusions, `findings` those of its own text; `searched` has the absolute path of each
-    file that its includes have looked for, `printed` the names of those that are on no disk.
-    `guessed`: a hint names other files of a folder.
+    `events` (pragmas, inclusions, boundaries of nested files) and `comments` are in order of their
+    offsets in `text`. `lacking`: an include or a macro's text is missing, so unknown names are not
+    reported; `flawed` are the offsets of macro calls that could not be expanded; `maybe_declared`
+    are names, in lower case, that declarations with syntax errors may have declared; `excused` are
+    the offsets of superfluous `;` caused by a reported error; `cut`: an unterminated comment or
+    conditional has swallowed the rest. `included` are the units of its inclusions, `findings` the
+    diagnostics of its own text; `searched` has the absolute paths of the files that its includes
+    were searched at, `printed` the names of included files that are on no disk. `guessed`: a hint
+    refers to other files of a folder.
     """
 
     source: Source
@@ -87,7 +87,7 @@ class Unit(msgspec.Struct, eq=False, dict=True):
 
     @property
     def all_included(self) -> Iterator[Unit]:
-        """The unit and what it includes, each once, in the order of their inclusions."""
+        """The unit and the units that it includes, each once, in order of their inclusions."""
         known: set[int] = set()
         waiting = [self]
         while waiting:
@@ -103,12 +103,12 @@ class Unit(msgspec.Struct, eq=False, dict=True):
         return Docs(self.text, self.comments)
 
     def piece(self, offset: int) -> tuple[Piece, int]:
-        """Return the piece at an offset, and its start; the last piece for the end of the text."""
+        """Return the piece at an offset, and its start; at the end of the text, the last piece."""
         index = max(bisect_right(self.offsets, offset) - 1, 0)
         return self.pieces[index], self.offsets[index]
 
     def span(self, start: int, end: int) -> Span:
-        """Return the original place of [start, end), as the user sees it."""
+        """Return the place of [start, end) in the original text."""
         if not self.pieces:
             return self.source.span(0, 0)
         first, begin = self.piece(start)

@@ -53,7 +53,7 @@ def run(
     made: Mapping[ScopedName, Declaration],
     report: Callable[[Diagnostic], None],
 ) -> None:
-    """Check a translation unit: its tree, and the declarations made of it."""
+    """Check a translation unit: its tree, and the declarations lowered from it."""
     context = Context(types, made, report)
     ids: dict[str, Entity] = {}
     for entity in tables.declared:
@@ -70,5 +70,5 @@ def left_out(
     made: Mapping[ScopedName, Declaration],
     report: Callable[[Diagnostic], None],
 ) -> None:
-    """Report declarations without errors that are missing from the model."""
+    """Report valid declarations that are missing from the model."""
     missing_definitions.report(tables, Context(types, made, report))

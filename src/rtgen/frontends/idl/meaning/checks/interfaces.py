@@ -12,7 +12,7 @@ _FEATURES = (Kind.OPERATION, Kind.ATTRIBUTE)
 
 
 def bases(entity: Entity, context: Context) -> None:
-    """Bases are named once, and are compatible with abstract and local."""
+    """Check that bases are named once, and are compatible with abstract and local."""
     node = entity.node
     assert isinstance(node, tree.Interface)
     seen: dict[Entity, tree.ScopedName] = {}
@@ -56,7 +56,7 @@ def bases(entity: Entity, context: Context) -> None:
 
 
 def inherited(entity: Entity, context: Context) -> None:
-    """Operations and attributes are neither redeclared nor inherited twice."""
+    """Check that operations and attributes are neither redeclared nor inherited twice."""
     scope = entity.inner
     if scope is None or not scope.bases:
         return

@@ -15,9 +15,9 @@ from rtgen.typemap.implementation_modules import referred
 def checked(
     made: Mapping[ScopedName, Declaration], report: Callable[[Diagnostic], None]
 ) -> dict[ScopedName, Declaration]:
-    """Return the declarations without those in too deep chains; reports the first over MAX_LEVELS.
+    """Return the declarations within MAX_LEVELS; reports the first chain that is deeper.
 
-    Components beyond the limit are left out, because each copies all inherited members.
+    Components beyond the limit are dropped, because each copies all inherited members.
     """
     edges = {name: set(_parts(declaration)) for name, declaration in made.items()}
     levels: dict[ScopedName, int] = {}

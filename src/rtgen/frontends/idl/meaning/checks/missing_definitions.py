@@ -1,4 +1,4 @@
-"""Reports valid declarations that are missing from the model because they need unsupported ones."""
+"""Reports valid declarations that are dropped because they need unsupported ones."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from rtgen.frontends.idl.syntax import tree
 
 
 def report(tables: Tables, context: Context) -> None:
-    """Report declarations, and parts of interfaces and components, that are left out.
+    """Report dropped declarations, and dropped parts of interfaces and components.
 
     Only for a translation unit without errors, which would explain what is missing.
     """

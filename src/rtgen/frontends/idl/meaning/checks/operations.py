@@ -18,7 +18,7 @@ _CLAUSES = {
     (False, "raises"): "write getraises, setraises, or both",
     (True, "setraises"): "write raises, or leave readonly out",
 }
-"""Clauses that an attribute cannot have, with their replacement, by whether it is readonly."""
+"""Clauses that an attribute must not have, with their replacement, by whether it is readonly."""
 _NAMELESS = (
     tree.Sequence,
     tree.Map,

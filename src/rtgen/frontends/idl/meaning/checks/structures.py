@@ -29,11 +29,11 @@ _WIDTH = {
 _EXTENSIBILITIES = ("final", "appendable", "mutable")
 _MAX_BITS = 64
 _MAX_BASES = 64
-_LARGEST_ID = 2**28 - 1
+_MAX_MEMBER_ID = 2**28 - 1
 
 
 def members(entity: Entity, context: Context) -> None:
-    """Members have data types."""
+    """Check that members have data types."""
     assert isinstance(entity.node, tree.Struct)
     for item in entity.node.body.items:
         if isinstance(item.node, tree.Member):
@@ -41,7 +41,7 @@ def members(entity: Entity, context: Context) -> None:
 
 
 def annotated(entity: Entity, context: Context) -> None:
-    """`@key`, `@optional` and extensibility agree with each other."""
+    """Check that `@key`, `@optional` and extensibility are compatible."""
     declaration = context.made.get(entity.path)
     if declaration is None or not entity.item:
         return
@@ -75,7 +75,7 @@ def _member_annotations(declaration: Struct, context: Context) -> None:
 
 
 def member_ids(entity: Entity, context: Context) -> None:
-    """Member ids, explicit or sequential, are unique."""
+    """Check that member ids, explicit or sequential, are unique."""
     declaration = context.made.get(entity.path)
     entries: list[Member | Case] = []
     if isinstance(declaration, Union):
@@ -93,8 +93,8 @@ def member_ids(entity: Entity, context: Context) -> None:
         number = following if entry.id is None else entry.id
         following = number + 1
         other = taken.setdefault(number, entry)
-        if not 0 <= number <= _LARGEST_ID:
-            message = f"the id {number} is not from 0 to {_LARGEST_ID}"
+        if not 0 <= number <= _MAX_MEMBER_ID:
+            message = f"the id {number} is not from 0 to {_MAX_MEMBER_ID}"
             context.report(annotation_rules.BAD_ARGUMENT.at(entry.span, message))
         elif other is not entry and entry in own:
             context.report(
@@ -108,7 +108,7 @@ def member_ids(entity: Entity, context: Context) -> None:
 
 
 def typedef(entity: Entity, context: Context) -> None:
-    """A typedef names a data type."""
+    """Check that a typedef names a data type."""
     if entity.type_node is not None:
         context.is_data(entity.type_node, entity.unit)
 
@@ -126,7 +126,7 @@ def constant(entity: Entity, context: Context) -> None:
 
 
 def bitset(entity: Entity, context: Context) -> None:
-    """Bit fields fit their types, and together into 64 bits."""
+    """Check that bit fields fit their types, and together into 64 bits."""
     declaration = context.made.get(entity.path)
     if not isinstance(declaration, Bitset):
         return
@@ -166,7 +166,7 @@ def _bits(declaration: Bitset, context: Context) -> int:
 
 
 def repository_id(entity: Entity, ids: dict[str, Entity], context: Context) -> None:
-    """Repository ids are unique."""
+    """Check that repository ids are unique."""
     other = ids.setdefault(entity.repository_id, entity)
     if other is not entity and not entity.poisoned and not other.poisoned:
         context.report(

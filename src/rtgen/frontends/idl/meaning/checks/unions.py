@@ -13,7 +13,7 @@ _CHARACTERS = 256
 
 
 def branches(entity: Entity, context: Context) -> None:
-    """There is a branch, each has a data type, and the switch type is valid."""
+    """Check that the switch type is valid, and that there are branches, all with data types."""
     node = entity.node
     assert isinstance(node, tree.Union)
     cases = [item.node for item in node.body.items if isinstance(item.node, tree.Case)]
@@ -37,7 +37,7 @@ def branches(entity: Entity, context: Context) -> None:
 
 
 def labels(entity: Entity, context: Context) -> None:
-    """Labels are unique; a default is given once, and only if values remain for it."""
+    """Check that labels are unique, and a default is given once, and only if values remain."""
     node = entity.node
     assert isinstance(node, tree.Union)
     unit = entity.unit

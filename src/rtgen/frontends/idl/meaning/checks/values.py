@@ -11,9 +11,9 @@ from rtgen.frontends.idl.syntax import tree
 
 
 def bases(entity: Entity, context: Context) -> None:
-    """There is at most one concrete base, in first place.
+    """Check that there is at most one concrete base, in the first place.
 
-    Abstract, custom, truncatable are compatible.
+    Also that abstract, custom and truncatable are compatible.
     """
     node = entity.node
     assert isinstance(node, tree.Valuetype)
@@ -98,7 +98,7 @@ def _concrete_first(
 
 
 def members(entity: Entity, context: Context) -> None:
-    """State members are data, not local, and not in an abstract valuetype."""
+    """Check that state members are data, not local, and not in an abstract valuetype."""
     node = entity.node
     assert isinstance(node, tree.Valuetype)
     for item in node.body.items:
@@ -137,7 +137,7 @@ def members(entity: Entity, context: Context) -> None:
 
 
 def box(entity: Entity, context: Context) -> None:
-    """A box contains data other than a value."""
+    """Check that a box contains data other than a value."""
     node = entity.node
     assert isinstance(node, tree.ValueBox)
     if not context.is_data(node.type, entity.unit):

@@ -24,7 +24,7 @@ _TYPES = ("struct", "union", "enum")
 
 
 def unclosed(s: ErrorContext) -> Recovery | None:
-    """Return a declaration that is not allowed in the open body: a `}` is missing before."""
+    """Recognize a declaration that the open body does not allow: a `}` is missing before it."""
     if s.surplus <= 0 or s.opening is None or s.kind == "$END":
         return None
     if s.construct in _DATA:
@@ -67,7 +67,7 @@ def _unclosed(s: ErrorContext, start: int, word: str, *, back: bool) -> Recovery
 
 
 def unopened(s: ErrorContext) -> Recovery | None:
-    """Return the body of `struct S` starts without `{`, and a `}` has no partner."""
+    """Recognize the body of `struct S` without `{`, when a `}` has no partner."""
     if s.surplus >= 0 or "LBRACE" not in s.accepted or s.text in ("{", ";"):
         return None
     if not any(word.text in DEFINERS for word in s.before):
@@ -76,7 +76,7 @@ def unopened(s: ErrorContext) -> Recovery | None:
 
 
 def doubled(s: ErrorContext) -> Recovery | None:
-    """Return a duplicated brace."""
+    """Recognize a duplicated brace."""
     twice = s.last > 0 and s.unit.text[s.last - 1] == s.text
     if twice and (
         (s.text == "{" and s.surplus > 0) or (s.text == "}" and s.surplus < 0)
@@ -87,7 +87,7 @@ def doubled(s: ErrorContext) -> Recovery | None:
 
 
 def end_without_brace(s: ErrorContext) -> Recovery | None:
-    """Return a `;` that ends a body whose `}` is missing."""
+    """Recognize a `;` that ends a body whose `}` is missing."""
     if s.surplus <= 0:
         return None
     if s.text == ";" and s.construct in ("enum", "bitmask") and "RBRACE" in s.accepted:
@@ -136,7 +136,7 @@ def _innermost(text: str, start: int, end: int) -> int:
 
 
 def stray(s: ErrorContext) -> Recovery | None:
-    """Return a `}` without an open brace."""
+    """Recognize a `}` without an open brace."""
     if s.text != "}" or s.opening is not None:
         return None
     return s.recover(

@@ -9,7 +9,7 @@ from rtgen.diagnostics import Diagnostic
 from rtgen.frontends.idl.rules import lexical, syntax
 from rtgen.frontends.idl.text.unit import Unit
 
-_MEANT = {
+_REPLACEMENTS = {
     "\N{LEFT DOUBLE QUOTATION MARK}": '"',
     "\N{RIGHT DOUBLE QUOTATION MARK}": '"',
     "\N{LEFT SINGLE QUOTATION MARK}": "'",
@@ -58,7 +58,7 @@ _INVISIBLE = ("Zs", "Zl", "Zp", "Cf", "Cc")
 
 
 def is_blank(character: str) -> bool:
-    """Return whether a character is invisible, and best skipped."""
+    """Return whether a character is invisible, so that it can be skipped."""
     return category(character) in _INVISIBLE
 
 
@@ -85,7 +85,7 @@ def bad_character(unit: Unit, text: str, start: int) -> Diagnostic:
         more = f" (it stands in this file {number} times)" if number > 1 else ""
         message = f"the {called} cannot stand here{more}"
         return lexical.BAD_CHARACTER.at(span, message, hint=hint)
-    replacement = _MEANT.get(character)
+    replacement = _REPLACEMENTS.get(character)
     ascii_ = "IDL is written in ASCII, but for comments and strings"
     hint = f"write {replacement}" if replacement else _HINTS.get(character, ascii_)
     called = f"'{character}'" if character.isprintable() else f"U+{ord(character):04X}"
@@ -97,11 +97,11 @@ def bad_character(unit: Unit, text: str, start: int) -> Diagnostic:
 
 
 def meant(text: str, start: int) -> tuple[str | None, int]:
-    """Return the terminal that a wrong character probably stands for, and its length."""
+    """Return the terminal that a wrong character likely stands for, and its length."""
     if _QUOTED.match(text, start):
         closing = _QUOTED.search(text, start + 1)
         if closing and "\n" not in text[start : closing.end()]:
             return "STRING", closing.end() - start
     if text[start] == ".":
         return "SCOPE", 1
-    return _TERMINALS.get(_MEANT.get(text[start], "")), 1
+    return _TERMINALS.get(_REPLACEMENTS.get(text[start], "")), 1

@@ -11,7 +11,7 @@ from rtgen.diagnostics import Related, Rule, Span
 from rtgen.frontends.idl.rules import syntax
 from rtgen.frontends.idl.syntax.keywords import RESERVED, shown
 from rtgen.frontends.idl.text.unit import Unit
-from rtgen.frontends.kit.syntax_errors import ENDS, FAR, BaseContext, Recovery
+from rtgen.frontends.kit.syntax_errors import ENDS, MAX_CONTEXT, BaseContext, Recovery
 
 _WORD = re.compile(
     r"\"(?:\\.|[^\"\\\n])*\"?|'(?:\\.|[^'\\\n]){0,12}'?|::|<<|>>|\w+|[^\s\w]"
@@ -35,7 +35,7 @@ class Word:
 
     @property
     def is_name(self) -> bool:
-        """Whether it is an identifier and no reserved word."""
+        """Whether it is an identifier, not a keyword."""
         return self.is_word and self.text not in RESERVED
 
     @property
@@ -72,7 +72,7 @@ class ErrorContext(BaseContext):
     @cached_property
     def after(self) -> list[Word]:
         """Some tokens after the unexpected one."""
-        return words(self.unit.text, self.end, self.end + FAR, _AHEAD)
+        return words(self.unit.text, self.end, self.end + MAX_CONTEXT, _AHEAD)
 
     @cached_property
     def header(self) -> list[Word]:
@@ -128,7 +128,7 @@ class ErrorContext(BaseContext):
         back: bool = False,
         resume: int | None = None,
     ) -> Recovery:
-        """As `recovery`, also at a word."""
+        """Return a recovery as `recovery` does, also at a word."""
         return self.recovery(
             rule,
             message,
@@ -150,7 +150,7 @@ class ErrorContext(BaseContext):
         feed: str | None = None,
         resume: int | None = None,
     ) -> Recovery:
-        """Return a missing token after the one before; parsing continues as if it were present."""
+        """Recognize a token missing after the previous one; parsing continues with it supplied."""
         return self.recover(
             syntax.MISSING_MARK,
             f"a '{mark}' is missing here",
@@ -172,8 +172,8 @@ def words(text: str, start: int, end: int, most: int = 400) -> list[Word]:
 
 
 def header(text: str, opening: int) -> list[Word]:
-    """Return the tokens between the end of the declaration before, and a `{`."""
-    low = max(0, opening - FAR)
+    """Return the tokens between the end of the previous declaration and a `{`."""
+    low = max(0, opening - MAX_CONTEXT)
     begin = low
     for match in ENDS.finditer(text, low, opening):
         begin = match.end()

@@ -30,7 +30,7 @@ _COMBINED = {
 
 
 def superfluous(s: ErrorContext) -> Recovery | None:
-    """`in const string a`, `interface B : public A`, `enum class E`."""
+    """Recognize `in const string a`, `interface B : public A`, `enum class E`."""
     if s.text == "const" and (s.in_parameters or s.previous == "<"):
         hint = "leave the word out: IDL passes values"
         return _other_language(s, Word(s.text, s.start, s.end), hint, drop=True)
@@ -44,7 +44,7 @@ def superfluous(s: ErrorContext) -> Recovery | None:
 
 
 def inclusion(s: ErrorContext) -> Recovery | None:
-    """`import file.idl;`, `include "file.idl"`."""
+    """Recognize `import file.idl;`, `include "file.idl"`."""
     if s.text == "import" and s.kind == "IDENT" and "IDENT" not in s.accepted:
         s.unit.lacking = True
         hint = (
@@ -57,7 +57,7 @@ def inclusion(s: ErrorContext) -> Recovery | None:
 
 
 def word(s: ErrorContext) -> Recovery | None:
-    """Return a word of another language, as the token or before it."""
+    """Recognize a word of another language: the token, or the one before it."""
     hint = WORDS.get(s.text)
     if hint is not None and s.kind == "IDENT" and "IDENT" not in s.accepted:
         return _other_language(s, Word(s.text, s.start, s.end), hint)
@@ -80,7 +80,7 @@ def word(s: ErrorContext) -> Recovery | None:
 
 
 def _named_before(s: ErrorContext, reserved: bool) -> Recovery | None:
-    """Return the first or the last word before the token belongs to another language."""
+    """Recognize another language by the first or the last word before the token."""
     if not s.before:
         return None
     first, last = s.before[0], s.before[-1]
@@ -110,7 +110,7 @@ def _other_language(
 
 
 def number_type(s: ErrorContext) -> Recovery | None:
-    """`unsigned double`, `long int`, `long float`."""
+    """Recognize `unsigned double`, `long int`, `long float`."""
     if s.previous == "unsigned" and s.accepted <= {"LONG", "SHORT"}:
         word = s.before[-1]
         hint = _UNSIGNED.get(

@@ -41,12 +41,12 @@ _BODIES_OF_DATA = ("struct", "exception", "union")
 
 
 def what_stands_here(s: ErrorContext) -> str:
-    """Return a hint about what the body around the token consists of."""
+    """Return a hint with the content that is allowed in the body around the token."""
     return _CONTENTS.get(s.construct, _CONTENTS[""])
 
 
 def colon_behind_access(s: ErrorContext) -> Recovery | None:
-    """`public:` of C++."""
+    """Recognize `public:` of C++."""
     if s.text in _ACCESS and s.following == ":":
         end = s.after[0].end
         return s.recover(
@@ -70,7 +70,7 @@ def colon_behind_access(s: ErrorContext) -> Recovery | None:
 
 
 def values(s: ErrorContext) -> Recovery | None:
-    """Casts and lists among the values of constants."""
+    """Recognize casts and lists among the values of constants."""
     if "NUMBER" not in s.accepted or s.first != "const":
         return None
     if s.text in _BASIC and s.previous == "(":
@@ -83,7 +83,7 @@ def values(s: ErrorContext) -> Recovery | None:
 
 
 def misplaced_direction(s: ErrorContext) -> Recovery | None:
-    """`long in a`, `in out long a`."""
+    """Recognize `long in a`, `in out long a`."""
     if s.text not in _DIRECTIONS or not s.in_parameters:
         return None
     if s.previous in _DIRECTIONS:
@@ -102,7 +102,7 @@ def misplaced_direction(s: ErrorContext) -> Recovery | None:
 
 
 def misplaced_clause(s: ErrorContext) -> Recovery | None:
-    """`void raises (E) f()`, `raises E`."""
+    """Recognize `void raises (E) f()`, `raises E`."""
     if s.text == "Object" and s.first == "interface" and s.previous in (":", ","):
         return s.recover(
             types.BAD_BASE,
@@ -125,7 +125,7 @@ def misplaced_clause(s: ErrorContext) -> Recovery | None:
 
 
 def misplaced(s: ErrorContext) -> Recovery | None:
-    """Return a declaration in a body that does not allow it."""
+    """Recognize a declaration in a body that does not allow it."""
     if s.before:
         return _method(s)
     body = s.construct
@@ -164,7 +164,7 @@ def _move(s: ErrorContext, message: str, hint: str) -> Recovery:
 
 
 def _outside_all(s: ErrorContext) -> Recovery | None:
-    """Return a member or an operation at file scope or in a module."""
+    """Recognize a member or an operation at file scope or in a module."""
     ahead = [word.text for word in s.after]
     until = ahead.index(";") if ";" in ahead else 0
     if "{" in ahead[:until]:
@@ -181,7 +181,7 @@ def _outside_all(s: ErrorContext) -> Recovery | None:
 
 
 def _method(s: ErrorContext) -> Recovery | None:
-    """Return an operation or an initial value among the members of a struct."""
+    """Recognize an operation or an initial value among the members of a struct."""
     if s.text == "(" and s.construct in _BODIES_OF_DATA and "SEMI" in s.accepted:
         if s.following.isdigit():
             return s.recover(
@@ -204,7 +204,7 @@ def _method(s: ErrorContext) -> Recovery | None:
 
 
 def assignment(s: ErrorContext) -> Recovery | None:
-    """`=` where no value is allowed, and bodies of operations."""
+    """Recognize `=` where no value is allowed, and bodies of operations."""
     if (
         s.text == "{"
         and s.previous == ")"
@@ -260,7 +260,7 @@ def _foreign(s: ErrorContext, message: str, hint: str) -> Recovery:
 
 
 def brackets(s: ErrorContext) -> Recovery | None:
-    """`long[3] a`, `a[]`, `a[2,3]`."""
+    """Recognize `long[3] a`, `a[]`, `a[2,3]`."""
     if s.text == "[" and "IDENT" in s.accepted and s.before:
         return s.recover(
             syntax.BAD_ARRAY,
@@ -286,7 +286,7 @@ def brackets(s: ErrorContext) -> Recovery | None:
 
 
 def parenthesis(s: ErrorContext) -> Recovery | None:
-    """Parentheses instead of angle brackets, and bases in parentheses."""
+    """Recognize parentheses in place of angle brackets, and bases in parentheses."""
     if s.text != "(":
         return None
     if s.previous in ("sequence", "string", "wstring", "fixed", "map"):
@@ -305,7 +305,7 @@ def parenthesis(s: ErrorContext) -> Recovery | None:
 
 
 def marks(s: ErrorContext) -> Recovery | None:
-    """`*`, `&`, `.`, `->`, `&&` and other symbols of other languages."""
+    """Recognize `*`, `&`, `.`, `->`, `&&` and other symbols of other languages."""
     if s.text in ("*", "&") and "IDENT" in s.accepted and "NUMBER" not in s.accepted:
         hint = (
             "write string for text, sequence<T> for several, inout or out for a result"

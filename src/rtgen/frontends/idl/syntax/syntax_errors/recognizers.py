@@ -36,7 +36,7 @@ _BY_TERMINAL = {"TEXT": "string", "WTEXT": "wstring"}
 
 
 def explain(context: ErrorContext) -> Recovery:
-    """Return the most likely cause of a syntax error."""
+    """Return the recovery for the likely cause of a syntax error."""
     for recognise in _RECOGNISERS:
         found = recognise(context)
         if found is not None:
@@ -87,7 +87,7 @@ def _semicolon(s: ErrorContext) -> Recovery:
 
 
 def _missing_semicolon(s: ErrorContext) -> Recovery | None:
-    """Return the token starts a line, is a keyword, or closes the body: a `;` is missing."""
+    """Recognize a missing `;`: the token starts a line, is a keyword, or closes the body."""
     if "SEMI" not in s.accepted or s.text in (";", "{", "="):
         return None
     if s.text == "const" and s.previous == ")" and s.following == ";":
@@ -119,7 +119,7 @@ def _comma_for_semicolon(s: ErrorContext, comma: Word, resume: int) -> Recovery:
 
 
 def _wrong_separator(s: ErrorContext) -> Recovery | None:
-    """`long a,` before the next member, `;` between parameters, and similar."""
+    """Recognize `long a,` before the next member, `;` between parameters, and similar."""
     if s.previous == "," and not s.in_parameters and "IDENT" in s.accepted:
         if s.text == "}" or (s.text in RESERVED and s.following not in _BEHIND_A_NAME):
             return _comma_for_semicolon(s, s.before[-1], s.start)
@@ -156,7 +156,7 @@ def _wrong_separator(s: ErrorContext) -> Recovery | None:
 
 
 def _split_name(s: ErrorContext) -> Recovery | None:
-    """`long max speed;`, `struct My Struct {`, a word after the `};` of a body."""
+    """Recognize `long max speed;`, `struct My Struct {`, a word after the `};` of a body."""
     text = s.unit.text
     if s.kind != "IDENT" or s.fresh_line:
         return None
@@ -197,7 +197,7 @@ def _split_name(s: ErrorContext) -> Recovery | None:
 
 
 def _expected_words(s: ErrorContext) -> dict[str, str]:
-    """Return the keywords that fit, with their terminals."""
+    """Return the keywords that are allowed here, with their terminals."""
     found = {
         _BY_TERMINAL.get(t, t.lower()): t
         for t in s.accepted
@@ -217,7 +217,7 @@ def _expected_words(s: ErrorContext) -> dict[str, str]:
 
 
 def _misspelt(s: ErrorContext) -> Recovery | None:
-    """Return the token resembles a keyword that fits; parsing continues with that one."""
+    """Recognize a misspelt keyword; parsing continues with the right one."""
     if s.kind != "IDENT":
         return None
     fitting = _expected_words(s)
@@ -234,7 +234,7 @@ def _misspelt(s: ErrorContext) -> Recovery | None:
 
 
 def _misspelt_before(s: ErrorContext) -> Recovery | None:
-    """Return the word before was read as a name, but resembles a keyword: `unsinged long`."""
+    """Recognize a misspelt keyword read as a name before: `unsinged long`."""
     word = s.before[-1] if s.before else None
     if word is None or not word.is_name:
         return None
@@ -272,7 +272,7 @@ def _misspelt_before(s: ErrorContext) -> Recovery | None:
 
 
 def _starters(s: ErrorContext) -> frozenset[str]:
-    """Return the terminals that may be supplied at the start of a declaration in this body."""
+    """Return the terminals that can be supplied at the start of a declaration in this body."""
     if s.construct == "interface":
         return frozenset(("UNSIGNED", "ONEWAY", "READONLY", "ATTRIBUTE", "TYPEDEF"))
     if s.construct in ("struct", "exception"):
@@ -301,7 +301,7 @@ def _keyword_as_name(s: ErrorContext) -> Recovery | None:
 
 
 def _doubled_word(s: ErrorContext) -> Recovery | None:
-    """Return a duplicated word."""
+    """Recognize a duplicated word."""
     if s.text != s.previous or not s.before[-1].is_word or s.fresh_line:
         return None
     message = f"'{s.text}' stands twice"
@@ -319,7 +319,7 @@ def _missing_tag(s: ErrorContext) -> Recovery | None:
 
 
 def _missing_mark(s: ErrorContext) -> Recovery | None:
-    """Only one token fits; parsing continues as if it were present."""
+    """Recognize the only token that fits; parsing continues as if it were there."""
     fitting = s.accepted - {"ERROR", "TRAILING"}
     if len(fitting) > 1 and fitting <= {"GREATER", "COMMA"}:
         fitting = {"GREATER"}
@@ -363,7 +363,7 @@ def _missing_mark(s: ErrorContext) -> Recovery | None:
 
 
 def _missing_word(s: ErrorContext) -> Recovery | None:
-    """Return a name, a type or a value is missing before `;`, `,`, `)` or `>`."""
+    """Recognize a missing name, type or value before `;`, `,`, `)` or `>`."""
     if s.text not in (";", ",", ")", ">", "}", "]"):
         return None
     if s.previous in ("(", ",", "<", "[", "=") and "NUMBER" in s.accepted:
@@ -432,7 +432,7 @@ def _missing_word(s: ErrorContext) -> Recovery | None:
 
 
 def _semicolon_of_macro(s: ErrorContext) -> Recovery | None:
-    """`#define SIZE 10;`"""
+    """Recognize the `;` of `#define SIZE 10;`."""
     if s.text != ";" or "SEMI" in s.accepted or not s.unit.piece(s.start)[0].expanded:
         return None
     return s.recover(
@@ -475,4 +475,4 @@ _RECOGNISERS: tuple[Callable[[ErrorContext], Recovery | None], ...] = (
     _missing_word,
     _missing_mark,
 )
-"""Order of the recognizers: the more certain first."""
+"""Order of the recognizers: the more reliable first."""
