@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from rtgen.backends.ros_idl import idl_of
 from rtgen.frontends import FrontendResult
-from rtgen.frontends.kit.findings import MOST, Findings
+from rtgen.frontends.kit.findings import MAX_PER_SEVERITY, Findings
 from rtgen.frontends.rosidl import load, rules
 from rtgen.frontends.rosidl.syntax import parts_of
 from rtgen.model import Const, Member, Model, NamedType, Struct
@@ -252,9 +252,9 @@ def test_a_file_without_folders_is_of_the_package_interfaces(tmp_path: Path) -> 
 
 def test_findings_are_bounded() -> None:
     findings = Findings(rules.TOO_MANY)
-    parts_of("?\n" * (MOST + 10), "a.msg", findings)
+    parts_of("?\n" * (MAX_PER_SEVERITY + 10), "a.msg", findings)
     codes = [d.code for d in findings.diagnostics]
-    assert codes == [rules.SYNTAX.code] * MOST + [rules.TOO_MANY.code]
+    assert codes == [rules.SYNTAX.code] * MAX_PER_SEVERITY + [rules.TOO_MANY.code]
 
 
 PIECES = (

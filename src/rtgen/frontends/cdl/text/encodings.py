@@ -13,7 +13,7 @@ NAMES = ("auto", "euc", "sjis", "utf8", "none")
 """The supported encodings; `none` maps each byte to one character."""
 
 _CODECS = {"euc": "euc_jp", "sjis": "cp932", "utf8": "utf-8", "none": "latin-1"}
-_DISPLAY_NAMES = {"euc": "EUC-JP", "sjis": "Shift_JIS", "utf8": "UTF-8"}
+_TITLES = {"euc": "EUC-JP", "sjis": "Shift_JIS", "utf8": "UTF-8"}
 _FORMS = {
     "euc": re.compile(
         rb"(?:[\x00-\x7f]++|(?:[\xa1-\xfe]{2})++|\x8e[\xa1-\xdf]|\x8f[\xa1-\xfe]{2})*+"
@@ -37,7 +37,7 @@ def decode(data: bytes, encoding: str) -> tuple[str, str | None]:
         found, _ = _detected(data)
         return (
             _text(data, found),
-            f"the file is not {_DISPLAY_NAMES[encoding]}; read as {_DISPLAY_NAMES.get(found, 'bytes')}",
+            f"the file is not {_TITLES[encoding]}; read as {_TITLES.get(found, 'bytes')}",
         )
     return _text(data, encoding), None
 
