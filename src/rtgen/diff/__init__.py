@@ -1,1 +1,1 @@
-"""Semantic comparison of two versions of definitions: what changed, what breaks, and whom."""
+"""Semantic comparison of two versions of definitions: what changed, what breaks, and for whom."""

@@ -13,7 +13,7 @@ from rtgen.diff.kinds.catalogue import KINDS, UNUSED_ALLOWANCE
 
 @dataclass(frozen=True, slots=True)
 class Allowance:
-    """An allowed break: a code or a class, patterns of the subject and of the file, a reason."""
+    """An allowed break: a code or class, patterns of subject and file, and the reason."""
 
     code: str
     reason: str
@@ -36,7 +36,7 @@ class Allowance:
 def allowed(
     changes: Iterable[Change], allowances: Sequence[Allowance]
 ) -> tuple[dict[Change, Allowance], list[Diagnostic]]:
-    """Return the allowed changes with what allows them, and findings about unused allowances."""
+    """Return the allowed changes with their allowances, and diagnostics about unused allowances."""
     found: dict[Change, Allowance] = {}
     used = set()
     for change in changes:

@@ -31,7 +31,7 @@ def compare_buses(old: Version, new: Version) -> Iterator[Change]:
 
 
 def _place(bus: Bus) -> Span:
-    """Return the beginning of the bus file."""
+    """Return the start of the bus file."""
     return Span(bus.file, 1, 1, 1, 2)
 
 

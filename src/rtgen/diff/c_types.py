@@ -26,7 +26,7 @@ from rtgen.model.types import ScopedName
 
 
 def c_shape(type_: CType, structs: Mapping[ScopedName, ScopedName]) -> str:
-    """What decides the octets of a value; structs by the name of the new version."""
+    """Return what determines the octets of a value; structs by their names in the new version."""
     match resolve(type_):
         case CScalarType(kind=Scalar.VOID):
             return "void"
@@ -47,12 +47,12 @@ def c_shape(type_: CType, structs: Mapping[ScopedName, ScopedName]) -> str:
 
 
 def c_text(type_: CType) -> str:
-    """Return a type as messages show it."""
+    """Return a type as shown in messages."""
     return str(type_)
 
 
 def length_text(expression: Expression | None, names: Mapping[str, str]) -> str:
-    """Return an expression with the parameters named as in the new version."""
+    """Return an expression with the parameter names of the new version."""
     match expression:
         case None:
             return "none"

@@ -192,7 +192,7 @@ def _join(old: Join, new: Join, name: str, names: Names) -> Iterator[Change]:
 
 
 def _on_the_wire(old: Through, new: Through) -> bool:
-    """Return whether an option changed that is not for tecsgen's half alone."""
+    """Return whether an option changed other than those of tecsgen's half."""
     options = ({o.name: o.value for o in t.options} for t in (old, new))
     before, after = options
     changed = (k for k in {**before, **after} if before.get(k) != after.get(k))

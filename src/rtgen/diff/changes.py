@@ -1,4 +1,4 @@
-"""Changes between two versions of definitions: their kinds, what they break and whom."""
+"""Changes between two versions of definitions: their kinds, what they break, and for whom."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from rtgen.diagnostics import Rule, Severity, Span
 
 
 class Break(StrEnum):
-    """The classes of changes; a change that breaks nothing is compatible."""
+    """Classes of changes; a change that breaks nothing is compatible."""
 
     WIRE = "wire"
     SOURCE = "source"
@@ -19,7 +19,7 @@ class Break(StrEnum):
 
 
 BREAKING = (Break.WIRE, Break.SOURCE, Break.STORED)
-"""The classes of what breaks something."""
+"""The classes of breaking changes."""
 
 
 class Wire(StrEnum):
@@ -40,13 +40,13 @@ class Wire(StrEnum):
 
 
 LOGGED = frozenset((Wire.CDR, Wire.XCDR1, Wire.XCDR2, Wire.PDO))
-"""The encodings of what logs hold."""
+"""The encodings in logs."""
 
 _ORDER = {wire: number for number, wire in enumerate(Wire)}
 
 
 def in_wire_order(wires: Iterable[Wire]) -> tuple[Wire, ...]:
-    """Return the wires, each once, in the order of `Wire`."""
+    """Return the wires in the order of `Wire`, without duplicates."""
     return tuple(sorted(set(wires), key=_ORDER.__getitem__))
 
 
@@ -54,9 +54,8 @@ def in_wire_order(wires: Iterable[Wire]) -> tuple[Wire, ...]:
 class Kind:
     """A kind of change: the record behind its rule, its row in docs/diff.md and its messages.
 
-    `breaks` are the classes of each change of the kind, `wires` what each breaks on the wire;
-    kinds of types leave both open to the comparison, which knows the extensibility.
-    `why` is one sentence.
+    `breaks` are the classes of each change of the kind, `wires` what each breaks on the wire; kinds
+    of types leave both to the comparison, which knows the extensibility. `why` is one sentence.
     """
 
     code: str
@@ -67,7 +66,7 @@ class Kind:
 
     @property
     def rule(self) -> Rule:
-        """The rule of `rtgen explain`; its severity is that of a change of an asked class."""
+        """The rule of `rtgen explain`; its severity is that of a change of a selected class."""
         return Rule(self.code, self.title, Severity.WARNING)
 
 
@@ -82,7 +81,7 @@ class User:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Change:
-    """A change of `subject`, a scoped name; `old` and `new` are its places, None where missing."""
+    """A change of `subject`, a scoped name; `old` and `new` are its places, None if missing."""
 
     kind: Kind
     subject: str
@@ -95,9 +94,10 @@ class Change:
 
     @property
     def classes(self) -> tuple[Break, ...]:
-        """The classes: those of the kind, and what follows of the wires.
+        """The classes of the kind, and those implied by the wires.
 
-        Logs hold samples in CDR and frames of PDOs, so what breaks these is stored, too.
+        Logs contain samples in CDR and frames of PDOs, so what breaks these also breaks stored
+        data.
         """
         found = {*self.breaks, *([Break.WIRE] if self.wires else [])}
         if not LOGGED.isdisjoint(self.wires):
@@ -115,7 +115,7 @@ def change(
     wires: Iterable[Wire] | None = None,
     breaks: Iterable[Break] | None = None,
 ) -> Change:
-    """Return a change with the classes and wires of its kind, unless others are given."""
+    """Return a change; classes and wires default to those of its kind."""
     return Change(
         kind=kind,
         subject=subject,

@@ -1,4 +1,4 @@
-"""Compares two versions: all worlds, then whom the changes break."""
+"""Compares two versions in all input languages, then determines the affected users."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Compares components: ports, configuration, profile data; and adapters."""
+"""Compares components (ports, configuration, profile data) and adapters."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def compare_components(
 
 
 def _shape(component: Component) -> object:
-    """Return all of a component but its name; None for one without ports."""
+    """Return all of a component except its name; None for one without ports."""
     if not component.ports:
         return None
     return (
@@ -236,7 +236,7 @@ def _adapters(
 ) -> Iterator[Change]:
     before = {a.name: a for a in old.model.adapters}
     after = {a.name: a for a in new.model.adapters}
-    found = matching(before, after, _copies_nothing)
+    found = matching(before, after, _no_shape)
     for each in found.removed:
         yield change(
             kinds.ADAPTER_REMOVED,
@@ -265,9 +265,9 @@ def _adapters(
 
 
 def _filling(adapter: Adapter) -> tuple[object, ...]:
-    """What fills the members of the target."""
+    """Return what fills the members of the target."""
     return adapter.copies, adapter.constants, adapter.scales
 
 
-def _copies_nothing(_: Adapter) -> None:
-    """Adapters are looked for by name alone."""
+def _no_shape(_: Adapter) -> None:
+    """Return no shape: adapters are matched by name only."""

@@ -1,4 +1,4 @@
-"""Compares the types of two versions, and finds which types each change breaks."""
+"""Compares the types of two versions, and determines which types each change breaks."""
 
 from __future__ import annotations
 
@@ -40,12 +40,12 @@ from rtgen.model import (
 _TYPES = (*COMPOSITE, Typedef, Const, Native)
 
 Broken = Mapping[ScopedName, frozenset[Wire]]
-"""Types of the new version whose values are not read equal, and in which encodings."""
+"""Types of the new version whose values are not read as equal, with the encodings concerned."""
 
 
 @dataclass(slots=True)
 class TypeChanges:
-    """The changes of types; `names` maps old declarations to new ones, `broken` is the sum."""
+    """The changes of types; `names` maps old declarations to new ones, `broken` is their sum."""
 
     changes: list[Change] = field(default_factory=list)
     names: dict[ScopedName, ScopedName] = field(default_factory=dict)
@@ -53,9 +53,7 @@ class TypeChanges:
 
 
 def compare_declarations(old: Version, new: Version) -> TypeChanges:
-    """Return the changes of structs, unions, enums, bit sets, typedefs, exceptions and
-    constants.
-    """
+    """Compare structs, unions, enums, bit sets, typedefs, exceptions and constants."""
     return _Declarations(old, new).compare()
 
 
@@ -79,7 +77,7 @@ class _Declarations:
         return self._result
 
     def _match(self) -> None:
-        """Fill `names`: types by name, renamed ones by shape, those they use first."""
+        """Fill `names`: types by name, renamed ones by shape, types that they use first."""
         old = {n: d for n, d in self._old.written.items() if isinstance(d, _TYPES)}
         new = {n: d for n, d in self._new.written.items() if isinstance(d, _TYPES)}
         names = self._result.names
@@ -137,7 +135,7 @@ class _Declarations:
         )
 
     def _facts(self, old: Declaration, new: Declaration) -> None:
-        """What is compared of all declarations alike."""
+        """Compare the facts common to all declarations."""
         if type(old) is not type(new):
             text = f"{new.scoped} is declared as {_word(new)}, was as {_word(old)}"
             self._add(kinds.TYPE_KIND, new.scoped, text, old, new)
@@ -199,7 +197,7 @@ class _Declarations:
                     self._add(kinds.CONST_TYPE, new.scoped, text, old, new)
 
     def _ensure(self, pair: Pair, types: TypeExpressions) -> None:
-        """Compare a pair and the pairs it leads to."""
+        """Compare a pair and the pairs reachable from it, once."""
         waiting = [pair]
         while waiting:
             each = waiting.pop()
@@ -257,14 +255,14 @@ def reachable(compared: Mapping[Pair, Compared], start: Pair) -> list[Pair]:
 
 
 def totals(compared: Mapping[Pair, Compared], start: Pair) -> frozenset[Wire]:
-    """What breaks where values of the pair stand inside others."""
+    """Return what breaks if values of the pair are inside other types."""
     return frozenset().union(
         *(f.nested for p in reachable(compared, start) for f in compared[p].found)
     )
 
 
 class _Assembly:
-    """From what was found in pairs to changes with the types they break."""
+    """Turns the findings about pairs into changes, with the types that they break."""
 
     def __init__(
         self,
@@ -298,7 +296,7 @@ class _Assembly:
         return self._result.names.get(pair[0]) == pair[1]
 
     def _effective(self, root: Pair, pair: Pair, found: Found) -> frozenset[Wire]:
-        """What a change inside `pair` breaks for values of `root`."""
+        """Return what a change inside `pair` breaks for values of `root`."""
         top, nested = found.top, found.nested
         if found.replaced is not None:
             top = nested = found.nested | totals(self._compared, found.replaced)
@@ -321,7 +319,7 @@ class _Assembly:
     def _report(
         self, pair: Pair, found: Found, broken: Mapping[ScopedName, frozenset[Wire]]
     ) -> None:
-        """Add a change; where one version lacks the part, the place is that of the whole."""
+        """Add a change; the place of a missing part is that of its declaration."""
         for name, wires in broken.items():
             known = self._result.broken.get(name, NO_WIRES)
             self._result.broken[name] = known | wires

@@ -25,7 +25,7 @@ NumberOrRelative = int | float | NodeRelative | None
 
 
 def compare_devices(old: Version, new: Version) -> Iterator[Change]:
-    """Yield the changes of devices; one of another file name is another device."""
+    """Yield the changes of devices; another file name is another device."""
     found = matching(
         {d.name: d for d in old.model.devices},
         {d.name: d for d in new.model.devices},
@@ -94,7 +94,7 @@ def _hex(number: int | None) -> str:
 
 def _objects(old: Device, new: Device) -> Iterator[Change]:
     kinds_of = matching(
-        {o.index: o for o in old.objects}, {o.index: o for o in new.objects}, _never
+        {o.index: o for o in old.objects}, {o.index: o for o in new.objects}, _no_shape
     )
     for one, other in kinds_of.pairs:
         if one.type is not other.type:
@@ -117,12 +117,12 @@ def _objects(old: Device, new: Device) -> Iterator[Change]:
             yield from _variable(before[key], variable, _name(new, variable))
 
 
-def _never(_: Object) -> None:
-    """Objects are known by their index."""
+def _no_shape(_: Object) -> None:
+    """Return no shape: objects are matched by index only."""
 
 
 def _is_pdo(variable: Variable) -> bool:
-    """Return whether it is a parameter of a PDO, which is compared as such."""
+    """Return whether a variable is a parameter of a PDO, which is compared separately."""
     return any(
         first <= variable.index < first + PDOS
         for first in (0x1400, 0x1600, 0x1800, 0x1A00)
@@ -188,7 +188,7 @@ def _type(variable: Variable) -> str:
 
 
 def shown(value: Value | None) -> str:
-    """Return a value as messages show it."""
+    """Return a value as shown in messages."""
     match value:
         case None:
             return "none"
@@ -204,7 +204,7 @@ def _end(limit: NumberOrRelative) -> str:
 
 
 def _is_narrower(old: NumberOrRelative, new: NumberOrRelative, sign: int) -> bool:
-    """Return whether a limit moved inwards: `sign` is 1 for the low one, -1 for the high one."""
+    """Return whether a limit moved inwards; `sign` is 1 for a minimum, -1 for a maximum."""
     if new is None or old == new:
         return False
     if old is None or isinstance(old, NodeRelative) or isinstance(new, NodeRelative):
@@ -233,7 +233,7 @@ def compare_pdos(old: Device, new: Device) -> Iterator[Change]:
 
 
 def pdo_name(device: Device, pdo: Pdo) -> str:
-    """Return the PDO of a device: `Drive.tpdo1`."""
+    """Return the name of a device's PDO: `Drive.tpdo1`."""
     return f"{device.name}.{pdo.direction}{pdo.number}"
 
 
@@ -295,7 +295,7 @@ def _communication(old: Pdo, new: Pdo, name: str) -> Iterator[Change]:
 
 
 def _identifier(cob_id: int | NodeRelative | None) -> tuple[bool, int | None]:
-    """Return the identifier without the valid bit, and whether it follows the node-id."""
+    """Return the identifier without flags, and whether it depends on the node-id."""
     relative = isinstance(cob_id, NodeRelative)
     number = cob_id.offset if isinstance(cob_id, NodeRelative) else cob_id
     return relative, None if number is None else number & ~INVALID

@@ -1,4 +1,4 @@
-"""Compares enums, bitmasks and bitsets: which number or bit stands for which name."""
+"""Compares enums, bitmasks and bitsets: the number or bit of each name."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from rtgen.model import (
 
 
 def compare_enums(old: Enum, new: Enum) -> Compared:
-    """Return the changes of an enum; classic CDR writes 4 octets whatever the bound."""
+    """Return the changes of an enum; in classic CDR it always has 4 octets."""
     name = new.scoped
     result = Compared()
     if old.bound != new.bound:
@@ -60,7 +60,7 @@ def compare_enums(old: Enum, new: Enum) -> Compared:
 
 
 def compare_bitmasks(old: Bitmask, new: Bitmask) -> Compared:
-    """Return the changes of a bitmask, whose readers keep the flags they have no name for."""
+    """Return the changes of a bitmask, whose readers keep unknown flags."""
     name = new.scoped
     result = Compared()
     if old.bound != new.bound:
@@ -103,7 +103,7 @@ def compare_bitmasks(old: Bitmask, new: Bitmask) -> Compared:
 
 
 def compare_bitsets(old: Bitset, new: Bitset, before: Model, after: Model) -> Compared:
-    """Return the changes of a bitset as a whole: its fields, their widths and places."""
+    """Return the changes of a bitset: its fields, their widths and places."""
     first, second = fields_of(old, before), fields_of(new, after)
     if first == second:
         return Compared()
@@ -123,7 +123,7 @@ def compare_bitsets(old: Bitset, new: Bitset, before: Model, after: Model) -> Co
 
 
 def fields_of(bitset: Bitset, model: Model) -> list[tuple[str | None, int, bool]]:
-    """Return the fields with their bits and whether they have a sign, those of the bases first."""
+    """Return the fields with their bits and whether they are signed, those of bases first."""
     found: list[tuple[str | None, int, bool]] = []
     if bitset.base is not None:
         base = model.find(bitset.base)
@@ -144,7 +144,7 @@ def _shown(fields: list[tuple[str | None, int, bool]]) -> str:
 
 
 def _renamed(old: Enum | Bitmask, new: Enum | Bitmask) -> dict[str, str]:
-    """New names of members with the same number, by the old one."""
+    """Return the new names of members whose number is unchanged, by old name."""
     gone = {m.name for m in old.members} - {m.name for m in new.members}
     come = {m.value: m.name for m in _come(old, new)}
     return {

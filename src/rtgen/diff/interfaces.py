@@ -30,7 +30,7 @@ _Item = TypeVar("_Item", Operation, Attribute, Parameter)
 
 
 def compare_interfaces(old: Version, new: Version, names: Names) -> Iterator[Change]:
-    """Yield the changes of interfaces and valuetypes; renamed ones are added to `names`."""
+    """Yield the changes of interfaces and valuetypes; adds renamed ones to `names`."""
     before = {n: d for n, d in old.written.items() if isinstance(d, Interface)}
     after = {n: d for n, d in new.written.items() if isinstance(d, Interface)}
     found = matching(before, after, _shape)
@@ -51,7 +51,7 @@ def compare_interfaces(old: Version, new: Version, names: Names) -> Iterator[Cha
 
 
 def _shape(interface: Interface) -> object:
-    """Return all of an interface but its name; None for one without operations and attributes."""
+    """Return all of an interface except its name; None without operations and attributes."""
     if not (interface.operations or interface.attributes):
         return None
     return (
@@ -282,7 +282,7 @@ def _by_name(items: Sequence[_Item]) -> dict[str, _Item]:
 
 
 def _reordered(old: Sequence[str], new: Sequence[str]) -> bool:
-    """Return whether what both have stands in another order."""
+    """Return whether the common items are in another order."""
     return [n for n in old if n in new] != [n for n in new if n in old]
 
 

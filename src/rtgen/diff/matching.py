@@ -1,4 +1,4 @@
-"""Matches the named things of two versions: by name, then those that were renamed by shape."""
+"""Matches the named items of two versions: by name, then renamed ones by shape."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Item = TypeVar("Item")
 
 @dataclass(frozen=True, slots=True)
 class Matching(Generic[Name, Item]):
-    """What is in both versions, under one name or `renamed`, and what is in one of them."""
+    """Items in both versions, under one name or `renamed`, and items in only one of them."""
 
     pairs: tuple[tuple[Item, Item], ...]
     renamed: tuple[tuple[Item, Item], ...]
@@ -28,7 +28,7 @@ def matching(
 ) -> Matching[Name, Item]:
     """Match two versions. A renamed item is the only one of its shape on both sides.
 
-    `shape` is everything but the name; None for items that are not looked for.
+    `shape` returns everything except the name; None for items that are matched by name only.
     """
     gone = {name: item for name, item in old.items() if name not in new}
     come = {name: item for name, item in new.items() if name not in old}

@@ -1,4 +1,4 @@
-"""Compares what annotations say of members, branches, ports and parameters."""
+"""Compares the annotations of members, branches, ports and parameters."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def member_facts(
 def other_annotations(
     old: Documented, new: Documented, name: str
 ) -> Iterator[tuple[Kind, str]]:
-    """Yield the annotations that rtgen makes nothing of."""
+    """Yield the changes of annotations that rtgen does not interpret."""
     before = {a for a in old.annotations if a.name not in _COMPARED_ELSEWHERE}
     after = {a for a in new.annotations if a.name not in _COMPARED_ELSEWHERE}
     forms = argument(old, "numeric"), argument(new, "numeric")
@@ -72,7 +72,7 @@ Limits = tuple[ConstantValue | None, ConstantValue | None]
 
 
 def limits(item: Documented) -> Limits:
-    """Return the least and greatest value, None for none."""
+    """Return minimum and maximum, None for none."""
     within = item.annotation("range")
     least, most = argument(item, "min"), argument(item, "max")
     if within is not None:
@@ -82,7 +82,7 @@ def limits(item: Documented) -> Limits:
 
 
 def is_narrower(old: Limits, new: Limits) -> bool:
-    """Return whether a value of the old range can lie outside of the new one."""
+    """Return whether a value of the old range can be outside of the new one."""
     least = new[0] is not None and (old[0] is None or _less(old[0], new[0]))
     most = new[1] is not None and (old[1] is None or _less(new[1], old[1]))
     return least or most
@@ -97,7 +97,7 @@ def _less(a: ConstantValue, b: ConstantValue) -> bool:
 
 
 def shown(range_: Limits) -> str:
-    """Return a range in words."""
+    """Return a range as shown in messages."""
     least, most = ("" if end is None else value_text(end) for end in range_)
     return f"{least}..{most}"
 
@@ -109,7 +109,7 @@ def argument(item: Documented, key: str) -> ConstantValue | None:
 
 
 def value_text(value: ConstantValue | None) -> str:
-    """Return a constant as messages show it."""
+    """Return a constant as shown in messages."""
     match value:
         case None:
             return "none"

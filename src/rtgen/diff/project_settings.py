@@ -1,4 +1,4 @@
-"""Compares rtgen.toml of two versions; what the definitions mean otherwise is found elsewhere."""
+"""Compares rtgen.toml of two versions; effects on definitions are compared elsewhere."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ def _flat(version: Version) -> dict[tuple[str, str], Any]:
 
 
 def _place(version: Version, key: tuple[str, str]) -> Span:
-    """Return the place of a key, or the beginning of the file."""
+    """Return the place of a key, or the start of the file."""
     found = version.places.get(key)
     if found is not None:
         return found

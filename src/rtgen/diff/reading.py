@@ -32,7 +32,7 @@ Relabel = Callable[[Span], Span]
 
 
 class Source(msgspec.Struct, frozen=True):
-    """Where a version comes from: a path, or a path at a revision.
+    """The source of a version: a path, or a path at a revision.
 
     `path` is None for the project of the working folder.
     """
@@ -44,9 +44,10 @@ class Source(msgspec.Struct, frozen=True):
 
 
 def source_of(word: str, *, revision: bool = False) -> Source:
-    """Return the source that a word of the command line names.
+    """Return the source that an argument of the command line denotes.
 
-    A path of that name comes before a revision, unless it has to be one. Raises InputError.
+    An existing path takes precedence over a revision, unless a revision is required. Raises
+    InputError.
     """
     path = Path(word)
     if not revision and path.exists():
@@ -77,7 +78,7 @@ def at_revision(source: Source, path: Path) -> Source:
 
 @contextmanager
 def opened(source: Source) -> Iterator[Version]:
-    """The version of a source, read. Raises InputError for definitions with errors."""
+    """Read the version of a source. Raises InputError for definitions with errors."""
     if source.commit is None:
         yield _read(source, _project_of_path(source.path), lambda span: span)
         return
@@ -119,9 +120,7 @@ def _relabelled(
 
 
 def _project_of_path(path: Path | None) -> Project:
-    """Return the project of the working folder, of a folder with rtgen.toml, or around other
-    paths.
-    """
+    """Return the project of the working folder, of a folder with rtgen.toml, or around a path."""
     if path is None:
         project = load()
         if project.file is None:
@@ -135,7 +134,7 @@ def _project_of_path(path: Path | None) -> Project:
 
 
 def _project_at(source: Source, folder: Path) -> Project:
-    """Return the same in a folder that a revision was extracted to."""
+    """Return the project in a folder to which a revision was extracted."""
     here = load()
     root = here.root.resolve()
     inside = Path()
@@ -202,7 +201,7 @@ def _read(source: Source, project: Project, relabel: Relabel) -> Version:
 
 
 def _is_project(source: Source, project: Project) -> bool:
-    """Return whether the source is a project, not some of its definitions."""
+    """Return whether the source is a project, as opposed to some of its definitions."""
     path = source.path
     if path is None or path.name == FILE_NAME:
         return True

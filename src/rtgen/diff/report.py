@@ -1,4 +1,4 @@
-"""Changes as findings for the printers, and as JSON."""
+"""Reports changes as diagnostics, and as JSON."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ _MAX_PER_KIND = 3
 
 
 def is_asked(change: Change, use: Collection[Break]) -> bool:
-    """Return whether the change is of a class that the run looks for."""
+    """Return whether the change is of a selected class."""
     return not set(use).isdisjoint(change.classes)
 
 
 def finding(
     change: Change, use: Collection[Break], allowance: Allowance | None
 ) -> Diagnostic:
-    """Return a change for the printers: a warning if it is of an asked class and not allowed."""
+    """Return the diagnostic of a change: a warning if selected and not allowed."""
     span = change.new or change.old
     related = []
     if change.new is not None and change.old is not None:
@@ -60,7 +60,7 @@ def _hint(change: Change, allowance: Allowance | None) -> str:
 
 
 def _users_texts(users: Sequence[User]) -> Iterator[str]:
-    """Yield the users, a few of each kind; they are in the order of kinds."""
+    """Yield the users, a few of each kind, in the order of kinds."""
     for kind, group in groupby(users, key=lambda user: user.kind):
         listed = [*group]
         yield from (_user_text(user) for user in listed[:_MAX_PER_KIND])
@@ -78,7 +78,7 @@ def as_json(
     changes: Sequence[Change],
     allowances: Mapping[Change, Allowance],
 ) -> dict[str, Any]:
-    """Return the comparison as an object, in the format rtgen-diff/1."""
+    """Return the comparison as JSON, in the format rtgen-diff/1."""
     return {
         "format": FORMAT,
         "old": labels[0],
@@ -91,7 +91,7 @@ def as_json(
 def counts(
     changes: Sequence[Change], allowances: Mapping[Change, Allowance]
 ) -> dict[str, int]:
-    """Return the number of changes that are not allowed, by class, and of those that are."""
+    """Return the number of changes that are not allowed, by class, and of allowed ones."""
     found = {str(each): 0 for each in Break}
     for change in changes:
         if change not in allowances:

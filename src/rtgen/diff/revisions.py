@@ -11,12 +11,12 @@ from rtgen.diagnostics import InputError, ToolError
 from rtgen.diff.kinds.catalogue import GIT_FAILED, NO_VERSION, TOO_LARGE
 
 MAX_FILES = 50_000
-"""The largest number of files that are copied of a revision."""
+"""Maximum number of files copied from a revision."""
 
 MAX_BYTES = 256 * 1024 * 1024
-"""The largest sum of their sizes."""
+"""Maximum total size of these files."""
 
-_LARGEST = 32 * 1024 * 1024
+_MAX_FILE_BYTES = 32 * 1024 * 1024
 _TIMEOUT = 120.0
 _REGULAR = (b"100644", b"100755")
 _NO_DEFINITION = frozenset(
@@ -28,14 +28,14 @@ _NO_DEFINITION = frozenset(
 
 
 def top_level(folder: Path) -> Path | None:
-    """Return the top folder of the repository around a folder; None outside of one."""
+    """Return the root of the repository around a folder; None outside of one."""
     result = _git(folder, "rev-parse", "--show-toplevel")
     text = result.stdout.decode("utf-8", "surrogateescape").rstrip("\n")
     return Path(text).resolve() if result.returncode == 0 and text else None
 
 
 def commit_of(repository: Path, revision: str) -> str | None:
-    """Return the commit that a revision names, or None."""
+    """Return the commit of a revision; None if it is unknown."""
     if revision.startswith("-") or "\0" in revision:
         return None
     name = f"{revision}^{{commit}}"
@@ -60,7 +60,7 @@ def unknown_revision(repository: Path | None, word: str) -> InputError:
 
 
 def extract(repository: Path, commit: str, folder: Path) -> None:
-    """Write the files of a commit below `folder`, but links and what cannot be a definition.
+    """Write the definition files of a commit below `folder`, without links.
 
     Raises InputError for a revision that git cannot read or that is too large.
     """
@@ -75,7 +75,7 @@ def extract(repository: Path, commit: str, folder: Path) -> None:
             continue
         path = name.decode("utf-8", "surrogateescape")
         size = int(parts[3])
-        if size <= _LARGEST and _is_wanted(path):
+        if size <= _MAX_FILE_BYTES and _is_wanted(path):
             chosen.append((parts[2], path, size))
     total = sum(size for _, _, size in chosen)
     if len(chosen) > MAX_FILES or total > MAX_BYTES:
@@ -92,7 +92,7 @@ def extract(repository: Path, commit: str, folder: Path) -> None:
 
 
 def _write(data: bytes, paths: Sequence[str], folder: Path) -> None:
-    """The output of `git cat-file --batch` as files."""
+    """Write the output of `git cat-file --batch` to files."""
     offset = 0
     for path in paths:
         end = data.index(b"\n", offset)
@@ -117,7 +117,7 @@ def _failed(result: subprocess.CompletedProcess[bytes]) -> InputError:
 def _git(
     folder: Path, *arguments: str, given: bytes = b""
 ) -> subprocess.CompletedProcess[bytes]:
-    """Run git. Raises ToolError if there is none, or if it does not end."""
+    """Run git. Raises ToolError if it is missing or does not terminate."""
     try:
         return subprocess.run(
             ["git", "-C", str(folder), *arguments],

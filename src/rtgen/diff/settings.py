@@ -1,4 +1,4 @@
-"""The section `[diff]` of rtgen.toml: the classes that are looked for, and allowed breaks."""
+"""The section `[diff]` of rtgen.toml: the selected classes, and allowed breaks."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Compares the signatures and types of CDL files; function ids count in the order of the text."""
+"""Compares signatures and types of CDL files; function ids are positions in the text."""
 
 from __future__ import annotations
 
@@ -32,9 +32,7 @@ Names = Mapping[ScopedName, ScopedName]
 
 
 def declared(version: Version, kind: type[Declared]) -> dict[ScopedName, Declared]:
-    """Return the declarations of a kind in the CDL files of a version, without those of C
-    headers.
-    """
+    """Return a version's CDL declarations of a kind, without those of C headers."""
     return {
         d.name: d
         for unit in version.model.tecs
@@ -97,7 +95,7 @@ def _function_shape(function: TecsFunction) -> object:
 
 
 def _types(old: Version, new: Version, names: Names) -> Iterator[Change]:
-    """Typedefs, enums and constants."""
+    """Yield the changes of typedefs, enums and constants."""
     typedefs = matching(
         declared(old, TecsTypedef), declared(new, TecsTypedef), lambda _: None
     )
@@ -132,7 +130,7 @@ _Part = TypeVar("_Part", TecsMember, TecsParameter)
 def _renamed(
     old: Sequence[_Part], new: Sequence[_Part], names: Names
 ) -> dict[str, str]:
-    """New names of parts at the same place with the same type, by the old one."""
+    """Return the new names of parts with unchanged place and type, by old name."""
     before, after = {p.name for p in old}, {p.name for p in new}
     return {
         a.name: b.name
@@ -262,7 +260,7 @@ class _Signatures:
 
     @staticmethod
     def _result(type_: CType, names: Names) -> tuple[str, bool]:
-        """Return the octets of a result, and whether an E_RPC in it leaves the outs out."""
+        """Return the octets of a result, and whether an E_RPC as result omits the outs."""
         return c_shape(type_, names), is_error_code(type_)
 
     def _parameter(

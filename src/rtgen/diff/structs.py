@@ -1,4 +1,4 @@
-"""Compares structs and exceptions member by member, as readers of the encodings find members."""
+"""Compares structs and exceptions member by member, matching as each encoding's readers do."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ ONLY_XCDR1 = frozenset((Wire.XCDR1,))
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Found:
-    """A change of a type, before the types around it are known.
+    """A change of a type, before its context is known.
 
-    `top` are the encodings that break where the type stands by itself, `nested` those inside
-    other types, `other` what breaks besides. `replaced` adds the encodings that break between
-    two declarations. `own`: the change is that of the compared declaration, not of its base.
+    `top` are the encodings that break if the type is the top-level one, `nested` those inside other
+    types, `other` what else breaks. `replaced` adds the encodings that break between two
+    declarations. `own`: the change is in the compared declaration, not in its base.
     """
 
     kind: Kind
@@ -45,7 +45,7 @@ class Found:
 
     @property
     def key(self) -> tuple[str, Span | None, Span | None]:
-        """What tells the change from others, whichever type it was found through."""
+        """Identifies the change, independently of the type through which it was found."""
         return (self.subject, self.old, self.new)
 
 
@@ -59,7 +59,7 @@ class Compared:
 
 @dataclass(frozen=True, slots=True)
 class Field:
-    """A member with its id, also that of a base; `owner` is the scoped name of its struct."""
+    """A member, possibly inherited, with its id; `owner` is the scoped name of its struct."""
 
     name: str
     type: Type
@@ -133,7 +133,7 @@ class _Structs:
             )
 
     def _renamed(self) -> dict[str, str]:
-        """New names of members that have another one, by the old one."""
+        """Return the new names of renamed members, by old name."""
         old, new = self._old.fields, self._new.fields
         gone = {f.name for f in old} - {f.name for f in new}
         come = {f.name for f in new} - {f.name for f in old}
@@ -158,7 +158,7 @@ class _Structs:
         come: Sequence[int],
         common: Sequence[tuple[int, int]],
     ) -> None:
-        """Members that one version lacks."""
+        """Compare members that are in only one version."""
         old, new = self._old.fields, self._new.fields
         last_old = max((i for i, _ in common), default=-1)
         last_new = max((j for _, j in common), default=-1)
@@ -204,7 +204,7 @@ class _Structs:
     def _missing(
         self, member: Field, at_end: bool, reused: set[int]
     ) -> tuple[frozenset[Wire], frozenset[Wire]]:
-        """What breaks if one version lacks the member: at the top, and nested."""
+        """Return what breaks if one version does not have the member: top-level, and nested."""
         if self._mutable:
             needed = member.must_understand or member.key or member.id in reused
             wires = XCDR if needed else NO_WIRES
@@ -260,7 +260,7 @@ class _Structs:
             self._report(kind, new, text, *spans)
 
     def _positional_id(self, old: Field, new: Field) -> bool:
-        """Return whether the ids follow from places alone, and no reader looks at them."""
+        """Return whether the ids depend on positions only, and no reader uses them."""
         written = old.member.id is not None or new.member.id is not None
         return not written and not self._mutable and not (old.optional and new.optional)
 
@@ -318,9 +318,7 @@ def struct_side(
     extensibility: Extensibility,
     is_unset: Callable[[Declaration, Member], bool],
 ) -> StructSide:
-    """Return the struct with its members and those of its bases, first ones first, with their
-    ids.
-    """
+    """Return the struct with all members and their ids, inherited ones first."""
     chain = [declaration]
     while isinstance(chain[-1], Struct) and chain[-1].base is not None:
         base = find(chain[-1].base)

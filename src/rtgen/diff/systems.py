@@ -19,7 +19,7 @@ _PROPERTY_KINDS = {
 
 
 def compare_systems(old: Version, new: Version) -> Iterator[Change]:
-    """Yield the changes of systems, which are known by their names."""
+    """Yield the changes of systems, matched by name."""
     found = matching(
         {s.name: s for s in old.model.systems},
         {s.name: s for s in new.model.systems},
@@ -36,7 +36,7 @@ def compare_systems(old: Version, new: Version) -> Iterator[Change]:
 
 
 def _place(system: System) -> Span:
-    """Return the beginning of the file of a system."""
+    """Return the start of a system's file."""
     return Span(system.file, 1, 1, 1, 2)
 
 

@@ -1,4 +1,4 @@
-"""Compares type expressions: whether values of the old one are read equal as the new one."""
+"""Compares type expressions: whether old values are read as equal by the new type."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from rtgen.model import (
 )
 
 Pair: TypeAlias = tuple[ScopedName, ScopedName]
-"""A declaration of the old version, and that of the new version it is compared with."""
+"""A declaration of the old version, and the one of the new version compared with it."""
 
 ENCODINGS = frozenset((Wire.CDR, Wire.XCDR1, Wire.XCDR2))
 NO_WIRES: frozenset[Wire] = frozenset()
@@ -47,8 +47,8 @@ _OCTETS = frozenset((Primitive.OCTET, Primitive.UINT8))
 class Verdict:
     """How a type expression changed; `kind` is None if it did not.
 
-    `wires`: encodings that break by the expression itself. `pair` are the declarations at its
-    end, compared on their own; `replaced`: another declaration stands there than before.
+    `wires`: encodings that break by the expression itself. `pair` are the declarations that it
+    refers to, compared separately; `replaced`: it refers to another declaration than before.
     """
 
     kind: Kind | None = None
@@ -62,7 +62,7 @@ _OTHER = Verdict(kinds.MEMBER_TYPE, ENCODINGS)
 
 
 class TypeExpressions:
-    """Compares the types of two models; `names` maps old declarations to those they match."""
+    """Compares the types of two models; `names` maps old declarations to matching ones."""
 
     def __init__(
         self, old: Model, new: Model, names: Mapping[ScopedName, ScopedName]
@@ -77,7 +77,7 @@ class TypeExpressions:
         return found
 
     def _written(self, type_: Type) -> str:
-        """Return the old type in the names of the new version."""
+        """Return the old type with the names of the new version."""
         match type_:
             case NamedType(name):
                 return str(NamedType(self._names.get(name, name)))
@@ -145,7 +145,7 @@ class TypeExpressions:
 
 
 def _first(inner: Verdict, own: Verdict) -> Verdict:
-    """Return the inner change, or else the own one, with what breaks by either."""
+    """Return the inner change, else the own one, with what either breaks."""
     return Verdict(
         inner.kind or own.kind,
         inner.wires | own.wires,
@@ -163,7 +163,7 @@ def _bounds(old: int | None, new: int | None) -> Verdict:
 
 
 def _flat(type_: Type, model: Model) -> tuple[Type, tuple[int, ...]]:
-    """Return the element of an array of arrays, and all dimensions."""
+    """Return the innermost element of an array of arrays, and all dimensions."""
     dimensions: tuple[int, ...] = ()
     while isinstance(type_, ArrayType):
         dimensions += type_.dimensions
@@ -172,7 +172,7 @@ def _flat(type_: Type, model: Model) -> tuple[Type, tuple[int, ...]]:
 
 
 def shape(declaration: Declaration, names: Mapping[ScopedName, ScopedName]) -> object:
-    """Everything of a type that values depend on but its name; None if it is of another kind."""
+    """Return all that determines a type's values, except its name; None for other kinds."""
 
     def written(type_: Type) -> str:
         return TypeExpressions(Model(), Model(), names)._written(type_)

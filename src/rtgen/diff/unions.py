@@ -1,4 +1,4 @@
-"""Compares unions: which branch each discriminator selects, before and after."""
+"""Compares unions: the branch that each discriminator selects, before and after."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ def _plain(label: ConstantValue) -> Label:
 
 
 def _universe(union: Union, model: Model) -> set[Label] | None:
-    """Return all discriminators, if they can be listed."""
+    """Return all discriminators, if they can be enumerated."""
     type_ = model.unalias(union.switch)
     if isinstance(type_, NamedType):
         declaration = model.find(type_.name)
@@ -102,7 +102,7 @@ class _Unions:
 
     @staticmethod
     def _open_wires(both: set[Extensibility]) -> frozenset[Wire]:
-        """Return the encodings whose readers take a discriminator without a branch."""
+        """Return the encodings whose readers accept a discriminator without a branch."""
         if both == {Extensibility.MUTABLE}:
             return XCDR
         if both == {Extensibility.APPENDABLE}:
@@ -151,7 +151,7 @@ class _Unions:
         return self._result
 
     def _renamed(self) -> dict[str, str]:
-        """New names of branches with the same labels, id and type, by the old one."""
+        """Return the new names of branches with unchanged labels, id and type, by old name."""
         old, new = self._old, self._new
         gone = {c.name for c in old.union.cases} - {c.name for c in new.union.cases}
         found = {}
@@ -172,7 +172,7 @@ class _Unions:
     def _moved(
         self, labels: Mapping[Label, None], names: Mapping[str, str]
     ) -> Iterator[tuple[Label, frozenset[Wire]]]:
-        """Yield the discriminators that select another branch, and what breaks thereby."""
+        """Yield the discriminators that select another branch, and what that breaks."""
         for label in labels:
             old, new = self._old.selects(label), self._new.selects(label)
             if old is None and new is None:
@@ -185,12 +185,12 @@ class _Unions:
     def _of(
         self, case: Case, side: UnionSide, moved: Mapping[Label, frozenset[Wire]]
     ) -> frozenset[Wire]:
-        """What breaks by the moved discriminators that select the branch."""
+        """Return what breaks by the moved discriminators that select the branch."""
         wires = (w for label, w in moved.items() if side.selects(label) is case)
         return frozenset().union(*wires)
 
     def _reused(self, case: Case, side: UnionSide, other: UnionSide) -> frozenset[Wire]:
-        """What breaks if the other version has another branch of the id."""
+        """Return what breaks if the other version has another branch with the id."""
         if not self._mutable:
             return NO_WIRES
         number = side.ids[case.name]

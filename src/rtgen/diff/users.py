@@ -1,4 +1,4 @@
-"""Whom changes break: the parts of the project that use what has changed."""
+"""Users affected by changes: the parts of the project that use what has changed."""
 
 from __future__ import annotations
 
@@ -27,17 +27,17 @@ _KINDS = (
     *("type", "operation", "component", "port", "instance", "connection", "system"),
     *("signature", "celltype", "cell", "join", "node", "link"),
 )
-"""The kinds of users in the order of messages."""
+"""Kinds of users, in the order of messages."""
 
 
 @dataclass(slots=True)
 class Users:
-    """Users of types, interfaces, components, signatures and devices, each by its name."""
+    """Users of types, interfaces, components, signatures and devices, by name."""
 
     direct: dict[str, set[User]] = field(default_factory=lambda: defaultdict(set))
 
     def of(self, name: str) -> set[User]:
-        """Return all users of a name, those of its users too."""
+        """Return all direct and indirect users of a name."""
         seen: set[User] = set()
         waiting = [name]
         while waiting:
@@ -49,7 +49,7 @@ class Users:
 
 
 def users_of(versions: Iterable[Version]) -> Users:
-    """Return the users in all versions, since what is removed was used in the old one."""
+    """Return the users in all versions: a removed item was used in the old one."""
     users = Users()
     for version in versions:
         models = [version.model, *(p.model for p in version.model.packages)]
@@ -64,7 +64,7 @@ def users_of(versions: Iterable[Version]) -> Users:
 
 
 def with_users(changes: Iterable[Change], users: Users) -> Iterator[Change]:
-    """Yield the changes with whom they break; compatible changes break none."""
+    """Yield the changes with their users; compatible changes have none."""
     for each in changes:
         if each.classes == (Break.COMPATIBLE,):
             yield replace(each, users=())
@@ -80,15 +80,15 @@ def with_users(changes: Iterable[Change], users: Users) -> Iterator[Change]:
         yield replace(each, users=tuple(order))
 
 
-_OF_PORTS = "DIF032"
-"""Codes of changes of ports, which break the connections of the port alone."""
+_PORT_CODES = "DIF032"
+"""Prefix of the codes of changes of ports, which only break connections of the port."""
 
 
 def _names_of(each: Change) -> Iterator[str]:
-    """Yield the names by which users refer to the subject: itself, and what it is part of."""
+    """Yield the names by which users refer to the subject: its own, and those of its parents."""
     subject = each.subject.partition("(")[0]
     yield subject
-    if "." in subject and not each.kind.code.startswith(_OF_PORTS):
+    if "." in subject and not each.kind.code.startswith(_PORT_CODES):
         yield subject.rpartition(".")[0]
 
 
@@ -116,7 +116,7 @@ def _of_components(model: Model, users: Users) -> None:
 
 
 def _named(type_: Type, model: Model) -> Iterator[str]:
-    """Yield the names in a type expression, those behind typedefs too."""
+    """Yield the names in a type expression, also behind typedefs."""
     match type_:
         case NamedType(name):
             yield "::".join(name)

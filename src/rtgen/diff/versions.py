@@ -1,4 +1,4 @@
-"""One of the two versions that are compared."""
+"""One of the two compared versions."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ class Version:
     """A version of definitions: the lowered model with its systems, texts and settings.
 
     `settings` is the content of rtgen.toml (empty without one), `places` the spans of its keys by
-    (section, key). `sources` maps displayed paths to texts; `relabel` turns a place of the model
-    into the one that is displayed, with the revision.
+    (section, key). `sources` maps displayed paths to texts; `relabel` converts a place of the model
+    to the displayed one, with the revision.
     """
 
     model: Model
@@ -45,12 +45,12 @@ class Version:
 
     @cached_property
     def cdr(self) -> CdrTypes:
-        """What the encodings have for each type."""
+        """The types' properties in the encodings."""
         return CdrTypes(self.model, self.representations)
 
     @cached_property
     def written(self) -> dict[ScopedName, Declaration]:
-        """The declarations of definition files, without rtgen's own and those of lowerings."""
+        """The declarations of definition files, without rtgen's own and those made by lowerings."""
         return {
             d.name: d
             for d in self.model.declarations
@@ -59,11 +59,11 @@ class Version:
         }
 
     def has_headers(self, name: ScopedName) -> bool:
-        """Return whether classic CDR lacks the type, so that `to_cdr` writes XCDR1."""
+        """Return whether classic CDR cannot represent the type, so that `to_cdr` writes XCDR1."""
         return self.cdr.has_headers(NamedType(name))
 
     def has_xcdr(self, name: ScopedName) -> bool:
-        """Return whether XCDR has the type."""
+        """Return whether XCDR can represent the type."""
         return self.representations.missing(NamedType(name)) is None
 
     def is_xcdr2(self, declaration: Struct | Union) -> bool:

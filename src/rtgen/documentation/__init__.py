@@ -1,1 +1,1 @@
-"""The pages of `rtgen docs`: a project's interfaces as Markdown, for those who use them."""
+"""`rtgen docs`: documents a project's interfaces as Markdown pages, for their users."""

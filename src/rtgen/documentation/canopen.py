@@ -15,7 +15,7 @@ from rtgen.model.canopen import DataType, Device, Pdo, Variable
 
 
 def listed(content: Content) -> None:
-    """Give devices and buses their pages."""
+    """Assign pages to devices and buses."""
     for device in content.model.devices:
         content.places.page(Kind.DEVICE, device.name)
     for bus in content.model.buses:
@@ -115,7 +115,7 @@ def _add_pdo(page: Page, d: Device, pdo: Pdo) -> None:
 
 
 def _bit_map(fields: list[tuple[int, int, str]]) -> str:
-    """Return the octets of a PDO, a row for each: bit 7 on the left, as data sheets draw them."""
+    """Return the bits of a PDO as a table, a row for each octet: bit 7 on the left."""
     if not fields:
         return ""
     size = -(-fields[-1][1] // 8)

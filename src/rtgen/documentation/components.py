@@ -1,4 +1,4 @@
-"""Pages of components: ports, parameters, life cycle, and who is connected with them."""
+"""Pages of components: ports, parameters, life cycle, and connected components."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _STATES = (
 
 
 def listed(content: Content) -> list[Component]:
-    """Return the components; they get their pages."""
+    """Return the components, and assign pages to them."""
     models = (content.model, *(p.model for p in content.model.packages))
     found: dict[str, Component] = {}
     for model in models:
@@ -99,7 +99,7 @@ def _port(content: Content, here: str, c: Component, port: Port) -> tuple[object
 
 
 def _peers(content: Content, here: str, c: Component, port: Port) -> Markdown:
-    """Return the ports of other components that systems connect with a port."""
+    """Return the ports of other components that systems connect to a port."""
     found: dict[str, None] = {}
     names = (
         {port.name} if port.kind in (PortKind.INPORT, PortKind.OUTPORT) else {port.port}

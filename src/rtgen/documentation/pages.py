@@ -1,4 +1,4 @@
-"""A page under construction, and what all pages share."""
+"""A page under construction, and helpers shared by all pages."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class File:
 
 @dataclass(frozen=True, slots=True)
 class Content:
-    """What is described: a model after all lowerings, its systems, and its default encodings."""
+    """The documented content: a model after all lowerings, its systems, and default encodings."""
 
     title: str
     model: Model
@@ -33,7 +33,7 @@ class Content:
     extensibility: Extensibility
 
     def representations(self, *, xcdr2: bool) -> Representations:
-        """Return the representations of types, where no annotation says it in CDR or in XCDR2."""
+        """Return the representations of types; those without annotation are CDR or XCDR2."""
         return Representations(self.model, xcdr2, self.extensibility)
 
     def source(self, file: str, span: Span) -> Markdown:
@@ -50,7 +50,7 @@ class Page:
     blocks: list[str] = field(default_factory=list)
 
     def add(self, *blocks: str) -> None:
-        """Append blocks, those that are empty aside."""
+        """Append blocks, except empty ones."""
         self.blocks += [block for block in blocks if block]
 
     def heading(self, level: int, label: object, anchor: str = "") -> None:

@@ -1,4 +1,4 @@
-"""Where each thing of a project is described: pages, anchors, and links between them."""
+"""Pages and anchors of all documented items, and links between them."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from rtgen.backends.kit.quoting.markdown import Markdown, code, link, text
 from rtgen.model import ArrayType, MapType, NamedType, SequenceType, Type
 
 _NOT_IN_PATHS = re.compile(r"[^A-Za-z0-9_-]+")
-_LONGEST = 80
+_MAX_LENGTH = 80
 
 
 class Kind(StrEnum):
-    """What a page or section is about; the values are folders."""
+    """Kind of item that a page or section documents; the values are folders."""
 
     TYPE = "types"
     COMPONENT = "components"
@@ -25,16 +25,16 @@ class Kind(StrEnum):
 
 
 class Places:
-    """The page and anchor of each thing; names that would clash in paths get a number."""
+    """Page and anchor of each item; clashing path names are numbered."""
 
     def __init__(self) -> None:
         self._places: dict[tuple[Kind, str], tuple[str, str]] = {}
         self._taken: set[str] = set()
 
     def page(self, kind: Kind, name: str, path: str = "") -> str:
-        """Return a page of its own, as a path without suffix; the same for the same name.
+        """Return the path without suffix of an item's page, the same for each call.
 
-        The path is made of `path`, by default the name.
+        The path is made from `path`, by default the name.
         """
         if (kind, name) not in self._places:
             free = self._free(f"{kind}/{_plain(path or name)}")
@@ -42,7 +42,7 @@ class Places:
         return self._places[kind, name][0]
 
     def section(self, kind: Kind, name: str, page: str) -> str:
-        """Return an anchor on a page."""
+        """Return the anchor of an item's section on a page."""
         anchor = self._free(f"{page}#{_plain(name)}").partition("#")[2]
         self._places[kind, name] = (page, anchor)
         return anchor
@@ -50,22 +50,20 @@ class Places:
     def link(
         self, kind: Kind, name: str, here: str, label: object | None = None
     ) -> Markdown:
-        """Return a link from the page `here`, or the name alone where it is described nowhere."""
+        """Return a link from the page `here`, or only the name if the item is not documented."""
         shown = code(name) if label is None else text(label)
         place = self._places.get((kind, name))
         if place is None:
             return shown
         return link(self._way(place, here, ".md"), shown)
 
-    def way(self, kind: Kind, name: str, here: str) -> str:
-        """Return the address of the built page, from the built page `here`; empty if there is
-        none.
-        """
+    def url(self, kind: Kind, name: str, here: str) -> str:
+        """Return the relative URL of the built page from `here`; empty if there is none."""
         place = self._places.get((kind, name))
         return "" if place is None else self._way(place, here, ".html")
 
     def type(self, type_: Type, here: str) -> Markdown:
-        """Return a type expression whose names are links."""
+        """Return a type expression with its names as links."""
         match type_:
             case NamedType(name):
                 return self.link(Kind.TYPE, "::".join(name), here)
@@ -98,7 +96,7 @@ class Places:
 
 
 def _plain(name: str) -> str:
-    """Return the name as a part of a path or an anchor."""
-    made = _NOT_IN_PATHS.sub("-", name.replace("::", "-"))[:_LONGEST].strip("-")
-    # `index` is the page of a folder.
+    """Return the name in a form for paths and anchors."""
+    made = _NOT_IN_PATHS.sub("-", name.replace("::", "-"))[:_MAX_LENGTH].strip("-")
+    # `index` is the page of the folder.
     return made if made and made.lower() != "index" else f"{made or 'x'}-"

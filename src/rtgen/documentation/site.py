@@ -19,10 +19,10 @@ PAGES = "docs"
 _TEMPLATES = Path(__file__).parents[1] / "templates" / "documentation"
 ASSETS = {
     "site.css": _TEMPLATES / "site.css",
-    # The plug-in `offline` loads its own from the network unless there is one of this name.
+    # The plug-in `offline` would load its own from the network unless a file of this name exists.
     "iframe-worker.js": _TEMPLATES / "folder_worker.js",
 }
-"""What pages load beside the theme, by path."""
+"""Files that pages load in addition to the theme, by path."""
 
 _Listed = tuple[str, Page]
 
@@ -85,7 +85,7 @@ def site(
 
 
 def _keys(model: Model) -> dict[str, str]:
-    """Return the displayed path of each file to that relative to the project."""
+    """Map the displayed path of each file to its path relative to the project."""
     models = (model, *(package.model for package in model.packages))
     files = {f.name: f.key for each in models for f in each.files}
     files |= {d.file: d.key for d in model.devices}
@@ -107,7 +107,7 @@ def _entries(pages: Iterable[_Listed]) -> Iterable[str]:
 
 
 def _settings(title: str, chapters: Mapping[str, Sequence[_Listed]]) -> str:
-    """Return the settings of MkDocs. JSON is YAML, and quotes any text."""
+    """Return the settings of MkDocs. JSON is valid YAML, and quotes any text."""
     navigation: list[dict[str, object]] = [{"Overview": "index.md"}]
     for chapter, pages in chapters.items():
         entries = [{name: f"{page.path}.md"} for name, page in pages]

@@ -1,4 +1,4 @@
-"""Pages of systems: the wiring as a picture whose boxes are links, instances, connections."""
+"""Pages of systems: the wiring as a picture whose boxes are links; instances, connections."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from rtgen.model import Component, System
 
 
 def listed(content: Content) -> None:
-    """Give systems their pages."""
+    """Assign pages to systems."""
     for system in content.systems:
         content.places.page(Kind.SYSTEM, system.file, system.name)
 
@@ -33,9 +33,9 @@ def _picture(
 ) -> File:
     views = {c.name[-1]: view_of(c) for c in components}
     ways = {
-        each.type: way
+        each.type: url
         for each in system.components
-        if (way := content.places.way(Kind.COMPONENT, each.type, page.path))
+        if (url := content.places.url(Kind.COMPONENT, each.type, page.path))
     }
     drawn = render(system, views, (), content.model.buses, links=ways)
     return File(f"{page.path}.svg", drawn)

@@ -40,11 +40,11 @@ _SIZES = {
     )
     for letter in letters
 }
-"""Octets of each letter with TDR `network`: short 16, int, long and intptr_t 32 bits."""
+"""Sizes of letters in octets with TDR `network`: short 16 bits; int, long and intptr_t 32."""
 
 
 def listed(content: Content) -> list[tuple[TecsUnit, Signature]]:
-    """Return the signatures; they get their pages."""
+    """Return the signatures, and assign pages to them."""
     found: dict[str, tuple[TecsUnit, Signature]] = {}
     for unit in content.model.tecs:
         for declaration in unit.declarations:
@@ -114,7 +114,7 @@ def _add_messages(page: Page, f: FunctionLayout) -> None:
 
 
 class _Table:
-    """Rows of a message; the offset is known until a value of variable size."""
+    """Rows of a message; offsets are known up to the first value of variable size."""
 
     def __init__(self, number: int) -> None:
         self._number = number

@@ -46,7 +46,7 @@ _WORDS: dict[type[Declaration], str] = {
 
 
 def listed(content: Content) -> dict[str, list[Declaration]]:
-    """Return the declarations that pages of types describe, by module; they get their anchors."""
+    """Return the declarations documented by pages of types, by module, and assign anchors."""
     found: dict[str, list[Declaration]] = {}
     for declaration in content.model.declarations:
         if not isinstance(declaration, Component | Home):
@@ -72,7 +72,7 @@ def pages(
 
 
 def _add(content: Content, page: Page, d: Declaration) -> None:
-    anchor = content.places.way(Kind.TYPE, d.scoped, page.path).partition("#")[2]
+    anchor = content.places.url(Kind.TYPE, d.scoped, page.path).partition("#")[2]
     page.heading(2, f"{_WORDS.get(type(d), 'native')} {d.name[-1]}", anchor)
     page.description(d.doc)
     facts = [("defined in", content.source(d.file, d.span))]
@@ -142,7 +142,7 @@ def _add_struct(content: Content, page: Page, struct: Struct) -> None:
 
 
 def _octets(place: MemberPlace) -> list[object]:
-    """Offset and size; `...` where values decide."""
+    """Return offset and size; `...` if they depend on values."""
     return ["..." if n is None else n for n in (place.offset, place.size)]
 
 

@@ -1,7 +1,7 @@
-"""The form of IDL and CDL texts: indentation, spaces and line ends; never a token or a comment.
+"""Formatter of IDL and CDL: changes indentation, spaces and line ends, never tokens or comments.
 
-`format_text` works on the text before preprocessing, so files that cannot be read whole have a
-form too. The form is that of the examples in OMG IDL 4.2 and of the signatures of TECS.
+`format_text` works on the text before preprocessing, so that files which are only parts can be
+formatted, too. The style is that of the examples in OMG IDL 4.2 and of the signatures of TECS.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """The form: columns of a line at most, and of a step of indentation."""
+    """Style options: maximum columns of a line, and columns of an indentation step."""
 
     line_length: int = 100
     indent: int = 4
@@ -36,7 +36,7 @@ class Options:
 
 @dataclass(frozen=True, slots=True)
 class Edit:
-    """Replaces [start, end) of a text."""
+    """An edit that replaces [start, end) of a text."""
 
     start: int
     end: int
@@ -47,9 +47,9 @@ DEFAULT = Options()
 
 
 def format_text(text: str, language: Language, options: Options = DEFAULT) -> str:
-    """Return the text in its form. Raises LexicalError where it is not made of tokens.
+    """Format a text. Raises LexicalError for an invalid token.
 
-    Line ends are `\\n`, in the text and in the result.
+    Line ends are `\n`, in the text and in the result.
     """
     return changed_text(text, language, options, None)
 
@@ -57,7 +57,7 @@ def format_text(text: str, language: Language, options: Options = DEFAULT) -> st
 def changed_text(
     text: str, language: Language, options: Options, lines: tuple[int, int] | None
 ) -> str:
-    """Return the text with its `edits`. Raises LexicalError."""
+    """Apply the `edits` to the text. Raises LexicalError."""
     parts: list[str] = []
     done = 0
     for edit in edits(text, language, options, lines):
@@ -72,9 +72,9 @@ def edits(
     options: Options = DEFAULT,
     lines: tuple[int, int] | None = None,
 ) -> list[Edit]:
-    """What `format_text` changes, in order; only statements within `lines`, first to last, from 1.
+    """Return the changes of `format_text`, in order; `lines` limits them to statements in a range.
 
-    Raises LexicalError.
+    `lines` are the first and the last line, from 1. Raises LexicalError.
     """
     found = tokens(text, language)
     frame = Frame(options.line_length, options.indent)
@@ -101,7 +101,7 @@ def edits(
 
 
 def _offsets(text: str, lines: tuple[int, int]) -> tuple[int, int]:
-    """Return the offsets of the beginning of the first line and of the end of the last one."""
+    """Return the start offset of the first line and the end offset of the last one."""
     ends = [0, *(match.end() for match in re.finditer("\n", text)), len(text) + 1]
     first, last = (min(number, len(ends) - 1) for number in lines)
     return ends[first - 1], ends[last]
@@ -114,7 +114,7 @@ def _shown(line: Line) -> str:
 
 
 def _align(lines: Sequence[Line]) -> None:
-    """Put comments behind consecutive lines below each other where the source has done so."""
+    """Align trailing comments of consecutive lines if they are aligned in the source."""
     run: list[Line] = []
     for line in [*lines, None]:
         fits = line is not None and _has_short_comment(line)

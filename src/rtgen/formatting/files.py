@@ -1,4 +1,4 @@
-"""The form of whole files: their encoding, byte-order mark and line ends are kept."""
+"""Formats whole files, keeping their encoding, byte-order mark and line ends."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ from rtgen.frontends.kit.library import MAX_BYTES
 from rtgen.frontends.kit.lines import LineTable
 
 LANGUAGES = {".idl": Language.IDL, ".cdl": Language.CDL}
-"""Suffix to language, in lower case."""
+"""Language by suffix, in lower case."""
 
 SUFFIXES = (*LANGUAGES, toml.SUFFIX)
-"""Those of files that have a form."""
+"""Suffixes of files that can be formatted."""
 
 _BYTES = "latin-1"
 
 
 @dataclass(frozen=True, slots=True)
 class Content:
-    """A file as text, and how the text becomes bytes again."""
+    """A decoded file, with what is needed to encode it again."""
 
     text: str
     codec: str
@@ -33,12 +33,12 @@ class Content:
     line_end: str
 
     def encoded(self, text: str) -> bytes:
-        """Return another text as bytes of the same form."""
+        """Encode another text in the same way."""
         return self.mark + text.replace("\n", self.line_end).encode(self.codec)
 
 
 def check_name(name: str) -> None:
-    """Raise InputError for a file that has no form."""
+    """Raise InputError for a file that cannot be formatted."""
     if PurePath(name).suffix.lower() not in SUFFIXES:
         known = ", ".join(f"*{suffix}" for suffix in SUFFIXES)
         message = f"{name} has no form that rtgen knows"
@@ -59,7 +59,7 @@ def content(data: bytes, language: Language | None, kcode: str = "auto") -> Cont
 
 
 def _is_kept(data: bytes, codec: str) -> bool:
-    """Return whether the bytes become text and again the same bytes."""
+    """Return whether decoding and encoding gives the same bytes."""
     try:
         return data.decode(codec).encode(codec) == data
     except UnicodeError:
@@ -74,9 +74,9 @@ def format_bytes(
     kcode: str = "auto",
     lines: tuple[int, int] | None = None,
 ) -> bytes:
-    """Return the content of the file `name` in its form; `lines`: only what is within them.
+    """Return the formatted content of the file `name`; `lines` limits the changes to a range.
 
-    Raises InputError where the file has no form or is not made of tokens, ToolError where its
+    Raises InputError for a file that cannot be formatted or has an invalid token, ToolError if its
     formatter is not installed.
     """
     check_name(name)

@@ -1,4 +1,4 @@
-"""Lays out a text: statements, blocks, comments and preprocessor lines, one after the other."""
+"""Lays out a text: statements, blocks, comments and preprocessor lines, in order."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from rtgen.formatting.wrapping import LAST_RESORT, Frame, Piece, moved, wrapped
 
 _LISTS = frozenset(("enum", "bitmask", "enum8", "enum16", "enum32", "enum64"))
 _OPEN_BLOCKS = frozenset(("module", "namespace", "region"))
-"""Blocks that never stand in one line."""
+"""Blocks that are never written on one line."""
 _HEADS = frozenset(("signature", "celltype", "cell", "composite", "region"))
-"""Words of CDL whose specifiers have a line of their own."""
+"""Keywords of CDL whose specifiers are on a line of their own."""
 _CLAUSES = frozenset(
     ("raises", "getraises", "setraises", "context", "supports", "manages")
 )
@@ -22,10 +22,10 @@ _BRACKETS = {")": "(", "]": "[", "}": "{"}
 
 @dataclass(slots=True)
 class Line:
-    """A line of the result, or some that belong together.
+    """A line of the result, or several that belong together.
 
-    `token` is the number of its first token. `behind` are comments behind it, `column` that of the
-    first of them in the source.
+    `token` is the number of its first token. `behind` are trailing comments, `column` that of the
+    first one in the source.
     """
 
     text: str
@@ -37,7 +37,7 @@ class Line:
 
 
 class _State(NamedTuple):
-    """What a branch of `#if` begins with."""
+    """The state at the start of a branch of `#if`."""
 
     blocks: tuple[bool, ...]
     spacing: Spacing
@@ -105,7 +105,7 @@ class Layout:
         return line
 
     def _flush(self, ends: bool = True) -> None:
-        """Print what the statement has so far; `ends`: it is complete."""
+        """Print the statement so far; `ends`: it is complete."""
         pieces = self._pieces
         if pieces:
             behind: list[Piece] = []
@@ -146,7 +146,7 @@ class Layout:
     # Comments and preprocessor lines
 
     def _comments(self, index: int) -> int:
-        """Comments between statements; the number of the token behind them."""
+        """Print comments between statements; return the number of the token after them."""
         token = self._tokens[index]
         if not token.breaks and self.lines and self._may_follow():
             self._behind(self.lines[-1], _stripped(token.text), self._column(token))
@@ -244,7 +244,7 @@ class Layout:
         return any(each.mark == "{" for each in self._spacing.brackets)
 
     def _is_value(self) -> bool:
-        """Return whether a `{` here begins an initialiser."""
+        """Return whether a `{` here starts an initialiser."""
         return self._last is not None and self._last.text == "=" and bool(self._pieces)
 
     def _is_closed(self) -> bool:
@@ -255,7 +255,7 @@ class Layout:
         return False
 
     def _between(self, token: Token) -> None:
-        """End a line behind annotations or specifiers, and behind a closed block."""
+        """End a line after annotations or specifiers, and after a closed block."""
         if not self._pieces or self._spacing.brackets:
             return
         if self._is_closed():
@@ -274,7 +274,7 @@ class Layout:
             self._labelled = labelled
 
     def _is_ahead(self, token: Token) -> bool:
-        """Return whether the statement has had annotations or specifiers only."""
+        """Return whether the statement so far is annotations or specifiers only."""
         if self._words or (token.kind is Kind.MARK and token.text in ("(", ";", ",")):
             return False
         return any(p.closes in ("[", "(") or p.text[0] == "@" for p in self._pieces)
@@ -325,7 +325,7 @@ class Layout:
         return False
 
     def _is_followed_by_greater(self, token: Token) -> bool:
-        """Return whether a `<` that is alone in its line would become an angle string."""
+        """Return whether a `<` alone on its line would become an angle string."""
         end = self._text.find(";", token.start)
         return ">" in self._text[token.start : end if end >= 0 else None]
 
@@ -353,7 +353,7 @@ class Layout:
         return None
 
     def _closes_templates(self, index: int) -> bool:
-        """Return whether a `>>` closes two templates, and is not a shift in a bound."""
+        """Return whether a `>>` closes two templates, instead of a shift in a bound."""
         brackets = self._spacing.brackets
         if [each.mark for each in brackets[-2:]] != ["<", "<"]:
             return False
@@ -367,7 +367,7 @@ class Layout:
         return depth > 0
 
     def _label(self, index: int) -> None:
-        """A label of a union's branch, with the branch in its line if it was there."""
+        """Print a label of a union's branch, with the branch on its line if written so."""
         follower = self._tokens[index + 1]
         self._words = []
         if follower.breaks or follower.kind in COMMENTS:
@@ -388,7 +388,7 @@ class Layout:
         self._blocks = (*self._blocks, is_list)
 
     def _inline(self, index: int) -> bool:
-        """Lay out a block in one line, if it is written so, is short and fits."""
+        """Lay out a block on one line if it is written so, is short and fits."""
         end = self._end_of_short(index)
         if end is None:
             return False
@@ -410,7 +410,7 @@ class Layout:
         return False
 
     def _end_of_short(self, index: int) -> int | None:
-        """Return the number behind the `}` of a block that may stand in one line."""
+        """Return the number after the `}` of a block that may be on one line."""
         follower = self._tokens[index + 1]
         if follower.text == "}" and follower.kind is Kind.MARK:
             return index + 2
@@ -451,6 +451,6 @@ class Layout:
 
 
 def _stripped(text: str) -> str:
-    """Return a comment or directive without blanks at its end, where they have no meaning."""
+    """Return a comment or directive without trailing blanks, unless they have a meaning."""
     bare = text.rstrip(" \t\r\f\v")
     return text if bare.endswith("\\") else bare

@@ -1,4 +1,4 @@
-"""The rules of the formatter (codes FMT...)."""
+"""Rules of the formatter (codes FMT...)."""
 
 from __future__ import annotations
 

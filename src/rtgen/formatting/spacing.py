@@ -1,4 +1,4 @@
-"""Where a space stands between two tokens of a statement, and how deep brackets nest there."""
+"""Determines spaces between two tokens of a statement, and the nesting of brackets."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _TEMPLATES = frozenset(
     ("sequence", "string", "wstring", "fixed", "map", "bitfield", "module")
 )
 _LISTED = frozenset(("raises", "getraises", "setraises", "context", "switch"))
-"""Words whose parenthesis has a space before it, as the standard writes them."""
+"""Words with a space before their parenthesis, as in the standard."""
 _BEFORE_TYPES = frozenset(
     (
         *("in", "out", "inout", "attribute", "readonly", "const", "typedef", "public"),
@@ -21,7 +21,7 @@ _BEFORE_TYPES = frozenset(
         *("cell", "call", "entry", "require", "union", "switch"),
     )
 )
-"""Words that a name with a leading `::` may follow."""
+"""Words that can precede a name with a leading `::`."""
 _NO_OPERAND = frozenset(("case", "const", "default", "in", "out", "inout", "return"))
 BINARY = frozenset(
     (
@@ -29,7 +29,7 @@ BINARY = frozenset(
         *("==", "!=", ">=", "&&", "||", "?"),
     )
 )
-"""Marks between operands, before which a line may end."""
+"""Operators between operands, before which a line can be broken."""
 _SIGNS = frozenset(("+", "-", "~", "!", "*", "&"))
 _OPENERS = {"(": ")", "[": "]", "{": "}"}
 _CLOSERS = frozenset(_OPENERS.values())
@@ -38,19 +38,19 @@ _CLOSERS = frozenset(_OPENERS.values())
 SPECIFIERS = "specifiers"
 BLOCK = "block"
 LABELS = ("case", "default")
-"""Words that labels of a union begin with."""
+"""First words of union labels."""
 
 
 @dataclass(slots=True)
 class Bracket:
-    """An open bracket: its mark, SPECIFIERS of CDL, or BLOCK; `values`: it holds expressions."""
+    """An open bracket: its character, SPECIFIERS of CDL, or BLOCK; `values`: it has expressions."""
 
     mark: str
     values: bool = False
 
 
 class Spacing:
-    """Follows the tokens of one statement; `space` must be called for each, in order."""
+    """State of a statement's tokens; `space` must be called for each, in order."""
 
     def __init__(self, language: Language) -> None:
         self._idl = language is Language.IDL
@@ -62,7 +62,7 @@ class Spacing:
         self._label = False
 
     def copy(self) -> Spacing:
-        """Return the same state, for looking ahead."""
+        """Return a copy of the state, for lookahead."""
         other = copy(self)
         other._base = copy(self._base)
         other.brackets = [copy(each) for each in self.brackets]
@@ -70,12 +70,12 @@ class Spacing:
 
     @property
     def depth(self) -> int:
-        """How many brackets are open."""
+        """Number of open brackets."""
         return len(self.brackets)
 
     @property
     def innermost(self) -> str:
-        """The mark of the innermost open bracket, or an empty text."""
+        """The innermost open bracket, or an empty text."""
         return self._inside.mark
 
     @property
@@ -85,7 +85,7 @@ class Spacing:
     def space(
         self, token: Token, *, closes_templates: bool = False, is_block: bool = False
     ) -> bool:
-        """Return whether a space stands before the token; takes the token in.
+        """Return whether a space precedes the token, and advance the state.
 
         `closes_templates`: it is a `>>` that does; `is_block`: it opens a block of statements.
         """

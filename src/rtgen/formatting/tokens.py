@@ -1,7 +1,7 @@
-"""Tokens of IDL and CDL with all that a compiler drops: comments, line ends, preprocessor lines.
+"""Tokens of IDL and CDL, including comments, line ends and preprocessor lines.
 
-The text is that of the file, before preprocessing, with `\\n` as its only line end. Preprocessor
-lines and what `#if 0` leaves out are single tokens. OMG IDL 4.2, 7.2; CDL as tecsgen reads it.
+The text is that of the file, before preprocessing, with `\n` as its only line end. A preprocessor
+line is one token, and so is the text that `#if 0` skips. OMG IDL 4.2, 7.2; CDL as tecsgen reads it.
 """
 
 from __future__ import annotations
@@ -12,14 +12,14 @@ from enum import Enum, auto
 
 
 class Language(Enum):
-    """A language that has a form."""
+    """A language that can be formatted."""
 
     IDL = "idl"
     CDL = "cdl"
 
 
 class Kind(Enum):
-    """What a token is."""
+    """The kind of a token."""
 
     WORD = auto()
     NUMBER = auto()
@@ -38,7 +38,7 @@ COMMENTS = (Kind.LINE_COMMENT, Kind.BLOCK_COMMENT)
 
 @dataclass(frozen=True, slots=True)
 class Token:
-    """A token at `start` of the text; `breaks` line ends stand between it and the one before."""
+    """A token at `start` of the text, after `breaks` line ends."""
 
     kind: Kind
     text: str
@@ -47,12 +47,12 @@ class Token:
 
     @property
     def end(self) -> int:
-        """The offset behind the token."""
+        """The offset after the token."""
         return self.start + len(self.text)
 
 
 class LexicalError(Exception):
-    """A text that is not made of tokens; `start` and `end` are the offsets of the fault."""
+    """An invalid token; `start` and `end` are its offsets."""
 
     def __init__(self, message: str, start: int, end: int, hint: str) -> None:
         super().__init__(message)
@@ -122,8 +122,8 @@ def tokens(text: str, language: Language) -> list[Token]:
     found: list[Token] = []
     scan = _SCANNERS[language].match
     position = breaks = 0
-    fresh = True  # only comments since the line began
-    spliced = False  # nothing but the mark of a continued line since the last token
+    fresh = True  # only comments since the start of the line
+    spliced = False  # only the mark of a continued line since the last token
     while position < len(text):
         if text[position] == "#" and fresh:
             token = _directive(text, position, breaks, language)
@@ -158,7 +158,7 @@ def tokens(text: str, language: Language) -> list[Token]:
 
 
 def _directive(text: str, start: int, breaks: int, language: Language) -> Token:
-    """Return a preprocessor line; with `#if 0`, also the lines that it leaves out."""
+    """Return a preprocessor line; for `#if 0`, with the lines that it skips."""
     match = _DIRECTIVES[language].match(text, start)
     assert match is not None
     if text.startswith("/*", match.end()):
@@ -170,7 +170,7 @@ def _directive(text: str, start: int, breaks: int, language: Language) -> Token:
 
 
 def _end_of_skipped(text: str, position: int) -> int:
-    """Where the lines end that `#if 0` leaves out."""
+    """Return the end of the lines that `#if 0` skips."""
     depth = 0
     for match in _SKIPPED.finditer(text, position):
         word = match["word"]
@@ -186,7 +186,7 @@ def _end_of_skipped(text: str, position: int) -> int:
 
 
 def _editors(text: str, word: Token) -> Token:
-    """What the editor tecscde has written, from its first word to its last brace."""
+    """Return the text of the editor tecscde, from its first word to its last brace."""
     depth = 0
     for match in _BRACES.finditer(text, word.end):
         if match[0] == "{":

@@ -1,6 +1,6 @@
-"""The form of TOML files: that of tombi, a formatter that is a program of its own (extra `fmt`).
+"""Formats TOML with tombi, a separate program (extra `fmt`).
 
-Values, their order and comments stay as they are; only spaces and line ends change.
+Values, their order and comments are kept; only spaces and line ends change.
 """
 
 from __future__ import annotations
@@ -45,15 +45,12 @@ def is_available() -> bool:
 def changed_text(
     text: str, name: str, options: Options, lines: tuple[int, int] | None
 ) -> str:
-    """Return the text in its form; `lines`: only hunks within them, first to last, from 1.
-
-    Raises InputError for a text that is not TOML, ToolError without tombi.
-    """
+    """Return the formatted text; `lines` limits changed hunks to a range, from 1."""
     before = _values(text, name)
     new = _formatted(text, name, options)
     if lines is not None:
         new = _within(text, new, lines)
-    # A hunk alone may not be TOML, nor mean the same: then nothing is changed.
+    # A single hunk may not be valid TOML, or not mean the same: then nothing is changed.
     return new if new == text or _is_same(before, new, name) else text
 
 
@@ -65,7 +62,7 @@ def _values(text: str, name: str) -> dict[str, Any]:
 
 
 def _is_same(before: dict[str, Any], new: str, name: str) -> bool:
-    """Return whether a text has these values, in this order."""
+    """Return whether a text has the same values, in the same order."""
     try:
         return repr(toml_text.parse(new, name)) == repr(before)
     except toml_text.TomlError:
@@ -102,14 +99,14 @@ def _formatted(text: str, name: str, options: Options) -> str:
 
 @cache
 def _program() -> str | None:
-    """Where tombi is: in this environment, else on the path."""
+    """Return the path of tombi: in this environment, else on the search path."""
     return shutil.which("tombi", path=sysconfig.get_path("scripts")) or shutil.which(
         "tombi"
     )
 
 
 def _within(text: str, new: str, lines: tuple[int, int]) -> str:
-    """Return the text with those hunks of a change that begin or end within the lines."""
+    """Apply those hunks of a change that start or end within the lines."""
     old_lines, new_lines = text.splitlines(True), new.splitlines(True)
     matcher = difflib.SequenceMatcher(None, old_lines, new_lines, autojunk=False)
     parts: list[str] = []

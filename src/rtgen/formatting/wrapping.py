@@ -1,4 +1,4 @@
-"""Breaks a statement into lines: where it has to, and where it is longer than a line."""
+"""Breaks a statement into lines: where required, and where it is too long."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 LAST_RESORT = 100
-"""Priority of a break directly behind an opening bracket."""
+"""Priority of a break directly after an opening bracket."""
 
 
 @dataclass(slots=True)
@@ -14,8 +14,8 @@ class Piece:
     """A token with its layout.
 
     `opens`, `closes`: the bracket that the piece is, or an empty text. `must`: a line ends before
-    the piece. `may`: how bad a break before it is; None where a line may not end. `restarts`: a
-    line that begins with it is indented as the first one. `column` is that of a comment in the
+    the piece. `may`: the cost of a break before it; None if a break is impossible. `restarts`: a
+    line that starts with it is indented like the first one. `column` is that of a comment in the
     source, whose further lines are moved with it.
     """
 
@@ -45,7 +45,7 @@ class _Open:
 
 @dataclass(slots=True)
 class _Point:
-    """A place where the line may end, and the state of the line before it."""
+    """A possible end of a line, with the state of the line before it."""
 
     may: int
     piece: int
@@ -103,7 +103,7 @@ class _Wrapping:
             self._points.append(point)
 
     def _rewind(self) -> int:
-        """End the line at the best point so far; the piece to go on with."""
+        """End the line at the best point so far; return the piece to continue with."""
         point = self._points[0]
         del self._parts[point.parts :]
         self._open = point.opened
@@ -151,17 +151,15 @@ class _Wrapping:
 def wrapped(
     pieces: Sequence[Piece], indent: int, frame: Frame, first: int | None = None
 ) -> list[str]:
-    """Return the lines of a statement that is indented by `indent`; the first one begins at
-    `first`.
-    """
+    """Return the lines of a statement, indented by `indent`; the first starts at column `first`."""
     return _Wrapping(pieces, indent, frame).lines(indent if first is None else first)
 
 
 def moved(comment: str, column: int, target: int) -> str:
-    """Return a comment of several lines whose beginning moves from one column to another.
+    """Return a comment of several lines, moved from one column to another.
 
-    The stars of a documentation comment stand below each other; other lines keep their distance,
-    where they can.
+    The stars of a doc comment are aligned; other lines keep their relative indentation, if
+    possible.
     """
     if comment.startswith("//"):
         return comment

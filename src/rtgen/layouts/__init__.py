@@ -1,1 +1,1 @@
-"""Wire layouts as data; templates print layouts and compute none."""
+"""Wire layouts as data, which templates print without computing any."""

@@ -1,4 +1,4 @@
-"""The messages of a CANopen bus in operation, each with its minimum period."""
+"""Messages of a CANopen bus in operation, each with its minimum period."""
 
 from __future__ import annotations
 
@@ -23,23 +23,26 @@ from rtgen.model.can_bus import Bus, BusNode
 from rtgen.model.canopen import Pdo, PdoDirection, resolved
 
 HOST = "host"
-"""The queue of the manager and the proxies, whose process sends in order."""
+"""Name of the queue of the manager and the proxies, whose process sends in order."""
 SPORADIC = 1.0
-"""The minimum time in seconds between two sporadic messages: NMT commands, the request
-and the answer of an SDO client and a node, emergencies without inhibit time."""
+"""The minimum time in seconds between two sporadic messages of a kind.
+
+These are NMT commands, the request and the answer of an SDO client and a node, and emergencies
+without inhibit time.
+"""
 
 _EMERGENCY_INHIBIT = 0x1015
 
 
 class Writing(msgspec.Struct, frozen=True):
-    """The writes of a component to an RPDO's port, in s; `jitter`: the delay of a sample."""
+    """Periodic writes of a component to an RPDO's port, in s; `jitter`: the delay of a sample."""
 
     period: float
     jitter: float = 0.0
 
 
 Writings: TypeAlias = Mapping[tuple[str, int], Writing]
-"""By the node's name and the RPDO's number."""
+"""Writes by node name and RPDO number."""
 
 
 def identifier_of(pdo: Pdo, node: BusNode) -> int | None:
@@ -54,8 +57,8 @@ def identifier_of(pdo: Pdo, node: BusNode) -> int | None:
 def messages(bus: Bus, writings: Writings | None = None) -> list[Message]:
     """Return the messages of nodes, their proxies and the manager.
 
-    An RPDO without a link is sent by the node's proxy: a synchronous one once per SYNC, others by
-    inhibit time, `writings`, or else the bus file's `event`.
+    An RPDO without a link is sent by the node's proxy: a synchronous one once per SYNC, others with
+    the period of the inhibit time, `writings`, or the bus file's `event`, in this order.
     """
     found = [_host("NMT", NMT, 2, SPORADIC)] if bus.nodes else []
     if bus.sync:

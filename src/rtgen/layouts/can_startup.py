@@ -1,9 +1,8 @@
-"""The SDO writes that configure a node before it is started, in an order safe for all devices.
+"""SDO writes that configure a node before it is started, in an order safe for all devices.
 
-Communication comes first, the node's heartbeat (1017h) before those that it consumes (1016h),
-then the PDOs (CiA 301, 7.5.2.36): a PDO that changes is switched off (bit 31 of its COB-ID), its
-mapping emptied, written and counted, and the PDO switched on at last. The other objects follow by
-index.
+Communication comes first, the node's heartbeat (1017h) before those that it consumes (1016h), then
+the PDOs (CiA 301, 7.5.2.36): a PDO that changes is disabled (bit 31 of its COB-ID), its mapping is
+cleared, written and counted, and finally the PDO is enabled. The other objects follow by index.
 """
 
 from __future__ import annotations
@@ -48,14 +47,14 @@ class StartWrite(msgspec.Struct, frozen=True):
 
 
 def start_up(node: BusNode) -> tuple[StartWrite, ...]:
-    """Return the writes to a node: values of the bus file, and those that differ from the defaults.
+    """Return the writes to a node: the bus file's values, and others that differ from defaults.
 
-    The period of its heartbeat is written in any case.
+    The period of its heartbeat is always written.
 
-    Raises CanValueError for a value that has no octets.
+    Raises CanValueError for a value that cannot be encoded.
     """
     asked = {number for number, _ in node.values}
-    # The manager relies on the heartbeat, also if its period is the device's default.
+    # The manager depends on the heartbeat, so its period is written even if it is the default.
     beats = {(v.index, v.subindex) for v in node.device.variables if _beats(v)}
     return tuple(_StartUp(node.device, node.id, asked | beats).writes())
 
@@ -63,7 +62,7 @@ def start_up(node: BusNode) -> tuple[StartWrite, ...]:
 def configuration(kind: DeviceKind) -> tuple[StartWrite, ...]:
     """Return the writes of a description's own configuration, with the mappings of the kind.
 
-    For a node outside of networks. Values without octets are left out: in a network they are
+    For a node outside of networks. Values that cannot be encoded are skipped: in a network they are
     EDS0805.
     """
     device = configured(kind)
@@ -73,12 +72,12 @@ def configuration(kind: DeviceKind) -> tuple[StartWrite, ...]:
     try:
         return tuple(_StartUp(replace(device, objects=writable), 0, set()).writes())
     except CanValueError:
-        # A mapping or COB-ID of a data type without values: its PDO has no port either.
+        # A mapping or COB-ID that cannot be encoded: its PDO has no port either.
         return ()
 
 
 def _writable(variable: Variable) -> Variable:
-    """Return the variable, without its configured value if that cannot be sent."""
+    """Return the variable, without its configured value if that cannot be encoded."""
     value = resolved(variable.value, 0)
     try:
         if value is not None:
@@ -108,7 +107,7 @@ def _beats(variable: Variable) -> bool:
 
 
 class _StartUp:
-    """`asked` are the numbers of variables that are written even if equal to the default."""
+    """Writes of a node; `asked` are the variables written even if equal to the default."""
 
     def __init__(
         self, device: Device, node_id: int, asked: set[tuple[int, int]]
@@ -197,7 +196,7 @@ class _StartUp:
             yield self._write(count, f"{name} maps {used}")
 
     def _of(self, index: int) -> list[Variable]:
-        """Return the writes of an object that differ from its defaults."""
+        """Return the variables of an object whose values differ from the defaults."""
         return [v for (of, _), v in self._changed.items() if of == index]
 
     def _write(
@@ -215,15 +214,13 @@ class _StartUp:
 
 
 def _order(variable: Variable) -> tuple[float, int]:
-    """Sort key: by index, except that the heartbeat precedes the consumed ones."""
+    """Return the sort key: by index, except that the heartbeat precedes the consumed ones."""
     index = _CONSUMER - 0.5 if variable.index == _PRODUCER else variable.index
     return index, variable.subindex
 
 
 def concise_dcf(writes: Iterable[StartWrite]) -> bytes:
-    """Return the writes as the octets of object 1F22h (CiA 302-3): their count, then each of
-    them.
-    """
+    """Encode the writes as object 1F22h (CiA 302-3): their number, then each of them."""
     entries = list(writes)
     parts = [struct.pack("<I", len(entries))]
     for write in entries:

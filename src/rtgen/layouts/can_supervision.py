@@ -1,4 +1,4 @@
-"""Supervision of a network's nodes: by heartbeat, falling back on node guarding.
+"""Supervision of a network's nodes: by heartbeat, falling back to node guarding.
 
 Times are in ms, 0 for none.
 """
@@ -23,8 +23,9 @@ def guard_time(node: BusNode) -> int:
 
 
 def heartbeat_timeout(node: BusNode) -> int:
-    """Return the time without heartbeat or guarding answer after which a node is lost; 0:
-    unsupervised.
+    """Return the time without heartbeat or guarding answer after which a node is lost.
+
+    0: unsupervised.
     """
     period = heartbeat(node) or guard_time(node)
     if period and node.heartbeat_timeout is not None:

@@ -1,11 +1,11 @@
 """Load and worst-case response times of the messages on a CAN bus.
 
-After R. I. Davis, A. Burns, R. J. Bril, J. J. Lukkien: "Controller Area Network (CAN)
-schedulability analysis: Refuted, revisited and revised", Real-Time Systems 35 (2007): the longest
-response among all instances of a message in its busy period, not that of the first one alone; and,
-for messages that leave a station in the order in which they came, R. I. Davis, N. Navet:
-"Controller Area Network (CAN) schedulability analysis for messages with arbitrary deadlines in FIFO
-and work-conserving queues" (2012). All times are whole nanoseconds.
+R. I. Davis, A. Burns, R. J. Bril, J. J. Lukkien: "Controller Area Network (CAN) schedulability
+analysis: Refuted, revisited and revised", Real-Time Systems 35 (2007): the longest response is that
+of all instances of a message in its busy period, not of the first one only. For messages that leave
+a station in order of arrival: R. I. Davis, N. Navet: "Controller Area Network (CAN) schedulability
+analysis for messages with arbitrary deadlines in FIFO and work-conserving queues" (2012). All times
+are whole nanoseconds.
 """
 
 from __future__ import annotations
@@ -19,18 +19,18 @@ import msgspec
 NANOSECONDS = 1_000_000_000
 
 _MAX_STEPS = 20_000
-"""The largest number of iterations for a message; a bus that needs more counts as overloaded."""
+"""Maximum number of iterations for a message; a bus that needs more counts as overloaded."""
 _MAX_ROUNDS = 200
-"""The largest number of rounds until jitters that depend on responses are stable."""
+"""Maximum number of rounds until jitters that depend on responses are stable."""
 
 
 class Message(msgspec.Struct, frozen=True):
     """A frame that is sent repeatedly.
 
-    `identifier` is that of 11 bits, or of 29 bits if `extended`; `octets` are its data. `period` is
-    the least time between two of them; `jitter` how late one can be queued. Messages of the same
-    `queue` leave their station in the order in which they came; others compete by priority. One
-    with a `trigger` is queued when the message of that name has ended.
+    `identifier` has 11 bits, or 29 bits if `extended`; `octets` is its length. `period` is the
+    minimum time between two of them; `jitter` the maximum delay of queuing. Messages of the same
+    `queue` leave their station in order of arrival; others compete by priority. One with a
+    `trigger` is queued when the message of that name has ended.
     """
 
     name: str
@@ -63,9 +63,7 @@ class Timing(msgspec.Struct, frozen=True):
 
 
 def frame_bits(octets: int, extended: bool = False) -> int:
-    """Return the most bits of a data frame, stuff bits and the gap of three bits after it
-    included.
-    """
+    """Return the maximum bits of a data frame with stuff bits and interframe space."""
     fixed = 54 if extended else 34
     stuffed = fixed + 8 * octets
     return stuffed + 13 + (stuffed - 1) // 4
@@ -102,10 +100,10 @@ _Arriving: TypeAlias = tuple[int, int, int]
 
 
 class _Delays:
-    """Response times and jitters, which grow with the responses of triggers and queues.
+    """Response times and jitters, which increase with the responses of triggers and queues.
 
-    `messages` are in the order of their priorities. Every round the jitters can only grow; None
-    stands for what has no bound.
+    `messages` are in order of priority. Jitters never decrease from round to round; None if
+    unbounded.
     """
 
     def __init__(self, messages: Sequence[Message], bit_rate: int) -> None:
@@ -121,7 +119,7 @@ class _Delays:
         self._waits: dict[str, int | None] = {m.queue: 0 for m in messages if m.queue}
 
     def improve(self) -> bool:
-        """Recompute all responses; returns whether a jitter has changed."""
+        """Recompute all responses; return whether a jitter has changed."""
         arriving = list(map(self._arriving, range(len(self._messages))))
         waits = {queue: self._queue_wait(queue, arriving) for queue in self._waits}
         bounded = True
@@ -168,9 +166,9 @@ class _Delays:
         return _response(own, interference, self._blocking[place], self._bit)
 
     def _queue_wait(self, queue: str, arriving: list[_Arriving | None]) -> int | None:
-        """Return the longest wait of the last message of a queue for arbitration.
+        """Return the longest wait of a queue's last message for arbitration.
 
-        Each message is in the queue once at most: otherwise there is no bound.
+        Each message must be in the queue at most once; otherwise there is no bound.
         """
         places = self._members(queue)
         last = places[-1]
@@ -197,7 +195,7 @@ class _Delays:
 
 
 def _greatest_behind(costs: Sequence[int]) -> list[int]:
-    """For each position the greatest cost after it."""
+    """Return for each position the greatest of the following costs."""
     found, greatest = [], 0
     for cost in reversed(costs):
         found.append(greatest)
@@ -244,7 +242,7 @@ def _response(
 
 
 def _demand(messages: Sequence[_Arriving], time: int) -> int:
-    """Return the bus time that messages demand within an interval."""
+    """Return the bus time that messages require within an interval."""
     return sum(_ceiling(time + jitter, period) * c for period, jitter, c in messages)
 
 

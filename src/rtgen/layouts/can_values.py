@@ -1,4 +1,4 @@
-"""Values of objects as SDO carries them (CiA 301, 7.1.6): little endian, a BOOLEAN in one octet."""
+"""Encoding of values for SDO (CiA 301, 7.1.6): little endian, a BOOLEAN in one octet."""
 
 from __future__ import annotations
 
@@ -23,13 +23,11 @@ _ENCODINGS = {
 
 
 class CanValueError(ValueError):
-    """A value that has no octets; the message is the reason."""
+    """A value that cannot be encoded; the message is the reason."""
 
 
 def octets(data_type: int, value: Value) -> bytes:
-    """Return the octets of a value. Raises CanValueError for one that its data type does not
-    have.
-    """
+    """Encode a value. Raises CanValueError if it is not a value of the data type."""
     if isinstance(value, bytes):
         return value
     try:

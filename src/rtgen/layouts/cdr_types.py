@@ -1,6 +1,6 @@
-"""Properties of the types of a model in CDR: which have a codec, and what the codec must handle.
+"""Properties of a model's types in CDR: which have a codec, and what the codec must handle.
 
-The codecs themselves are compiled by the runtime, from the descriptors of the types.
+The runtime compiles the codecs from descriptors of the types.
 """
 
 from __future__ import annotations
@@ -41,11 +41,11 @@ from rtgen.model.graphs import in_circles, leading_to
 _DYNAMIC = frozenset((Primitive.ANY, Primitive.TYPE_CODE, Primitive.VALUE_BASE))
 
 MAX_LOOPS = 12
-"""The largest depth of sequences nested without a struct or union between."""
+"""Maximum nesting of sequences without a struct or union between them."""
 
 
 class NotMarshalledError(Exception):
-    """A type without a (supported) layout in classic CDR; the message names type and reason."""
+    """A type without a (supported) layout in classic CDR; the message has type and reason."""
 
 
 class CdrTypes:
@@ -66,7 +66,7 @@ class CdrTypes:
 
     @cached_property
     def _uses(self) -> dict[ScopedName, set[ScopedName]]:
-        """The named types of members of structs and unions."""
+        """The named types used by members of structs and unions."""
         return {
             declaration.name: {
                 leaf.name
@@ -115,10 +115,7 @@ class CdrTypes:
         return name in self._recursive
 
     def is_unset(self, holder: Declaration, entry: Member | Case) -> bool:
-        """Return whether a member is None until it is set.
-
-        The type of an `@external` member can be recursive, or defined after the member.
-        """
+        """Return whether a member is None until it is assigned."""
         if not entry.external:
             return False
         type_ = self._model.unalias(entry.type)
@@ -147,9 +144,7 @@ class CdrTypes:
         return found
 
     def has_headers(self, type_: Type) -> bool:
-        """Return whether XCDR1 puts headers before members in the type: optional ones, mutable
-        types'.
-        """
+        """Return whether the type has member headers in XCDR1: optional members, mutable types."""
         if not self._headed:
             return False
         found = self._have_headers.get(type_)
@@ -269,7 +264,7 @@ class CdrTypes:
             )
 
     def _loops(self, type_: Type) -> int:
-        """Return the nesting depth of loops in a codec of the type."""
+        """Return the nesting depth of loops in the type's codec."""
         type_ = self._model.unalias(type_)
         match type_:
             case SequenceType(element):
@@ -282,7 +277,7 @@ class CdrTypes:
         return 0
 
     def _is_fixed(self, type_: Type) -> bool:
-        """Return whether values have a fixed size, so that sequences need no loop."""
+        """Return whether values have a fixed size, so that sequences of them need no loop."""
         type_ = self._model.unalias(type_)
         match type_:
             case PrimitiveType(kind):
@@ -297,7 +292,7 @@ class CdrTypes:
 
 
 def enum_code(declaration: Enum) -> str:
-    """Return the `struct` code of enumerators: four octets, signed where one is negative."""
+    """Return the `struct` code of enumerators: four octets, signed if one is negative."""
     return "i" if any(member.value < 0 for member in declaration.members) else "I"
 
 

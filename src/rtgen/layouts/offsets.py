@@ -1,7 +1,7 @@
-"""Offsets and sizes of the members of a struct in CDR, from the beginning of the struct.
+"""Offsets and sizes of the members of a struct in CDR.
 
-CORBA 3.3 part 2, 9.3 for classic CDR; DDS-XTypes 1.3, 7.4 for XCDR2. The beginning is aligned as
-that of a whole value is. Behind a value of variable length no offset is known.
+CORBA 3.3 part 2, 9.3 for classic CDR; DDS-XTypes 1.3, 7.4 for XCDR2. The start of the struct is
+aligned like that of a top-level value. After a value of variable length, offsets are unknown.
 """
 
 from __future__ import annotations
@@ -32,18 +32,15 @@ from rtgen.model import (
 _WIDEST = 8
 _WIDEST_IN_XCDR2 = 4
 _HEADER = 4
-"""Octets of the header of an appendable struct in XCDR2 (DHEADER)."""
+"""Size of the header of an appendable struct in XCDR2 (DHEADER)."""
 _MAX_ELEMENTS = 4096
-"""An array of more structs is not measured."""
+"""Maximum number of structs in an array whose size is computed."""
 _MAX_DEPTH = 64
 
 
 @dataclass(frozen=True, slots=True)
 class MemberPlace:
-    """A member with its octets: None where offset or size depend on values.
-
-    `holder` is the struct that declares it: a base's members come first.
-    """
+    """A member with its octets; None for an offset or size that depends on values."""
 
     holder: Struct
     member: Member
@@ -53,7 +50,7 @@ class MemberPlace:
 
 @dataclass(frozen=True, slots=True)
 class StructLayout:
-    """The members of a struct in wire order, and its size, None if it depends on values."""
+    """The members of a struct in wire order, and its size; None if that depends on values."""
 
     members: tuple[MemberPlace, ...]
     size: int | None
@@ -63,7 +60,7 @@ class StructLayout:
 def layout(
     model: Model, struct: Struct, representations: Representations
 ) -> StructLayout:
-    """Where the members of a struct lie."""
+    """Compute the layout of a struct."""
     xcdr2 = representations.is_xcdr2(struct)
     measure = _Measure(model, representations, xcdr2)
     members = tuple(measure.members(struct))
@@ -112,7 +109,7 @@ class _Measure:
                 yield each, member
 
     def _begin(self, struct: Struct | Union, offset: int) -> int | None:
-        """Where the members of a struct or union begin that stands at an offset."""
+        """Return the offset of the first member of a struct or union at an offset."""
         match self._representations.extensibility(struct):
             case Extensibility.MUTABLE:
                 return None
@@ -121,7 +118,7 @@ class _Measure:
         return offset
 
     def _size(self, type_: Type) -> int | None:
-        """Return the size of a value that stands at an aligned place."""
+        """Return the size of a value at an aligned offset."""
         return self._after(0, type_)
 
     def _aligned(self, offset: int, type_: Type) -> int:
@@ -173,7 +170,7 @@ class _Measure:
         return isinstance(self._model.unalias(type_), PrimitiveType)
 
     def _after(self, offset: int, type_: Type) -> int | None:
-        """Return the offset behind a value; None if its length varies."""
+        """Return the offset after a value; None if its length varies."""
         type_ = self._model.unalias(type_)
         start = self._aligned(offset, type_)
         match type_:
@@ -231,5 +228,5 @@ class _Measure:
 
 
 def _octets(bits: int) -> int:
-    """Return the octets of an integer that holds so many bits."""
+    """Return the octets of an integer with at least that many bits."""
     return next(size for size in (1, 2, 4, 8) if bits <= 8 * size or size == 8)

@@ -1,9 +1,9 @@
-"""The layout of a PDO's data (CiA 301, 7.3.3 and 7.5.2.36): slots read by one `struct` call.
+"""Layout of a PDO's data (CiA 301, 7.3.3 and 7.5.2.36): slots read by one `struct` call.
 
-Entries follow each other from bit 0 of the first octet on, without gaps of their own, little
-endian. A field that begins and ends at an octet is a slot of its own; fields that do not, share a
-slot from one octet boundary to the next, and come out of it by shifts. Widths that `struct` has no
-letter for are read in parts, the last of which carries the sign: 24 bits are `Hb`.
+Entries follow each other from bit 0 of the first octet, without gaps, little endian. A field that
+starts and ends at an octet boundary is a slot of its own; other fields share a slot between octet
+boundaries, and are extracted by shifts. Widths without a `struct` letter are read in parts, the
+last of which has the sign: 24 bits are `Hb`.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ MAX_BITS = 64
 
 
 class PdoLayoutError(ValueError):
-    """A mapping that cannot be laid out; the message is the reason."""
+    """A mapping without a layout; the message is the reason."""
 
 
 class Kind(StrEnum):
@@ -61,7 +61,7 @@ class Part(msgspec.Struct, frozen=True):
 class Slot(msgspec.Struct, frozen=True):
     """Octets that are read together: the parts, low ones first, and the fields in them.
 
-    `whole`: one field fills the slot, so it needs neither shift nor mask.
+    `whole`: one field fills the slot, without shift and mask.
     """
 
     parts: tuple[Part, ...]
@@ -137,7 +137,7 @@ def _kind(entry: Mapped) -> Kind:
 
 
 def _slot(size: int, field: PdoField | None) -> Slot:
-    """Return the slot of a field, or of a gap, that begins and ends at an octet."""
+    """Return the slot of a field, or of a gap, at octet boundaries."""
     if field is None:
         return _gap(size)
     parts: tuple[Part, ...]
@@ -161,7 +161,7 @@ def _gap(size: int) -> Slot:
 
 
 def _parts(size: int, signed: bool) -> Iterator[Part]:
-    """Letters for an integer of that many octets, low ones first; the last has the sign."""
+    """Yield letters for an integer of `size` octets, low ones first; the last has the sign."""
     for width, letter in ((8, "Q"), (4, "I"), (2, "H"), (1, "B")):
         if size >= width:
             size -= width

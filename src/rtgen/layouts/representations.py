@@ -1,4 +1,4 @@
-"""Data representations of types (DDS-XTypes 1.3), from annotations and defaults."""
+"""Data representations of types (DDS-XTypes 1.3), by annotations and defaults."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _NOT_IN_XCDR = frozenset(
     (Primitive.ANY, Primitive.OBJECT, Primitive.TYPE_CODE, Primitive.VALUE_BASE)
 )
 _EXTENSIBILITIES = frozenset(("extensibility", *Extensibility))
-"""The annotations that state an extensibility."""
+"""The annotations that define an extensibility."""
 
 
 class Representations:
@@ -45,9 +45,7 @@ class Representations:
         self._names = {d.name for d in model.declarations}
 
     def extensibility(self, declaration: Struct | Union) -> Extensibility:
-        """Return the extensibility of a struct or union; unannotated: its base's, or the
-        default.
-        """
+        """Return a struct's or union's extensibility: annotated, the base's, or the default."""
         written = any(a.name in _EXTENSIBILITIES for a in declaration.annotations)
         if written or declaration.name not in self._names:
             return declaration.extensibility
@@ -73,7 +71,7 @@ class Representations:
         return self._xcdr2
 
     def missing(self, type_: Type) -> str | None:
-        """Return the part of the type that XCDR cannot represent, or None."""
+        """Return the part of the type that XCDR cannot represent; None if there is none."""
         return self._missing(type_, set())
 
     def _missing(self, type_: Type, seen: set[ScopedName]) -> str | None:

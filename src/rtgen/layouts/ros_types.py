@@ -19,16 +19,16 @@ from rtgen.model import (
 )
 
 EVENT_INFO: Final = ("service_msgs", "msg", "ServiceEventInfo")
-"""The message that the events of each service contain."""
+"""The message in a service's events."""
 
 
 def type_name(name: ScopedName) -> str:
-    """Return the name as ROS 2 writes it: `std_msgs/msg/Header`."""
+    """Return the name in ROS 2's notation: `std_msgs/msg/Header`."""
     return "/".join(name)
 
 
 def type_hash(model: Model, struct: Struct) -> str:
-    """Return the hash of a message (`RIHS01_...`). Raises ValueError for types that ROS 2 lacks."""
+    """Return the hash of a message (`RIHS01_...`). Raises ValueError for types unknown to ROS 2."""
     referenced: dict[str, Struct] = {}
     _collect(model, struct, referenced)
     described = {name: _individual(each) for name, each in referenced.items()}
@@ -36,9 +36,9 @@ def type_hash(model: Model, struct: Struct) -> str:
 
 
 def service_hash(model: Model, request: Struct, response: Struct) -> str:
-    """Return the hash of the service of two messages, with that of its events (REP 2016).
+    """Return the hash of a service by its two messages, and its events' (REP 2016).
 
-    Raises ValueError for types that ROS 2 lacks, and if service_msgs/msg/ServiceEventInfo is not in
+    Raises ValueError for types unknown to ROS 2, and if service_msgs/msg/ServiceEventInfo is not in
     the model.
     """
     structs = {

@@ -1,9 +1,9 @@
-"""The digest of a TECS signature, by which two peers detect different signatures.
+"""Digest of a TECS signature, by which two peers detect that their signatures differ.
 
 OpaqueRPC sends neither names nor types, so peers with different signatures would misread each
-other. `signature_text` contains all that determines the bytes and their meaning;
-`RTCPlugin.rb` writes the same text of tecsgen's model (`templates/tecs/RTCPlugin.rb.j2`), so the
-two have to change together. docs/opaque-rpc.md describes it.
+other. `signature_text` contains all that determines the bytes and their meaning; `RTCPlugin.rb`
+writes the same text from tecsgen's model (`templates/tecs/RTCPlugin.rb.j2`), so both must be
+changed together. docs/opaque-rpc.md describes it.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ SPELLINGS = {
     "float": Scalar.FLOAT32,
     "double": Scalar.DOUBLE64,
 }
-"""Spellings of tecsgen, and typedefs of C headers, that stand for a basic type of CDL."""
+"""Basic types of CDL by their spellings in tecsgen, and as typedefs of C headers."""
 
 
 def signature_digest(unit: TecsUnit, signature: Signature) -> str:
@@ -62,7 +62,7 @@ def signature_text(unit: TecsUnit, signature: Signature) -> str:
 
 
 class _Writer:
-    """Writes types without typedefs, qualifiers and tags; members of a struct at its first use."""
+    """Writes types without typedefs, qualifiers and tags; a struct's members at its first use."""
 
     def __init__(self, unit: TecsUnit) -> None:
         self._unit = unit
@@ -130,7 +130,7 @@ def _specifiers(sizes: Sizes) -> Iterator[str]:
 
 
 def _length(expression: Expression | None) -> str:
-    """Return the constant length, or the parameters of its expression; empty without a length."""
+    """Return the constant length, or the parameters in its expression; empty without a length."""
     if isinstance(expression, Literal):
         value = expression.value
         return str(int(value) if isinstance(value, bool | float) else value)

@@ -1,8 +1,8 @@
-"""The layout of TECS OpaqueRPC messages: their values in wire order, and dependencies of sizes.
+"""Layout of TECS OpaqueRPC messages: values in wire order, and dependencies of sizes.
 
 A message is a tuple of steps. A `Run` is a sequence of values whose size is fixed once the TDR is
-known; values whose size depends on earlier ones are between the runs. Expressions are those of
-the definition.
+known; between the runs are values whose size depends on earlier ones. Expressions are those of the
+definition.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ class Nothing(msgspec.Struct, frozen=True):
 
 
 class Basic(msgspec.Struct, frozen=True):
-    """A number or truth value."""
+    """A number or boolean."""
 
     scalar: Scalar
 
@@ -64,14 +64,14 @@ class Octets(msgspec.Struct, frozen=True):
 
 
 class FixedArray(msgspec.Struct, frozen=True):
-    """A fixed array of anything else."""
+    """A fixed array of other elements."""
 
     element: Node
     count: int
 
 
 class Record(msgspec.Struct, frozen=True):
-    """A struct; `items` in the order of the declaration, `steps` in that of the wire."""
+    """A struct; `items` in order of declaration, `steps` in wire order."""
 
     struct: TecsStruct
     items: tuple[Item, ...]
@@ -79,7 +79,7 @@ class Record(msgspec.Struct, frozen=True):
 
     @property
     def fixed(self) -> bool:
-        """Whether the size of the struct depends on no value."""
+        """Whether the size of the struct is independent of values."""
         return all(isinstance(step, Run) for step in self.steps)
 
 
@@ -93,7 +93,7 @@ class Counted(msgspec.Struct, frozen=True):
 
     @property
     def scalar(self) -> Scalar | None:
-        """The type of the elements if they are numbers or truth values."""
+        """The type of the elements if they are numbers or booleans."""
         return self.element.scalar if isinstance(self.element, Basic) else None
 
     @property
@@ -123,7 +123,7 @@ Node: TypeAlias = Nothing | Basic | Octets | FixedArray | Record | Counted | Str
 
 
 class Item(msgspec.Struct, frozen=True):
-    """A parameter, a member or the return value (whose name is empty).
+    """A parameter, a member, or the return value (with an empty name).
 
     `pointer`: the value is the target of a pointer without sizes.
     """
@@ -147,7 +147,7 @@ class Item(msgspec.Struct, frozen=True):
 
     @property
     def asked(self) -> bool:
-        """Whether the request has a flag for whether the caller wants the value."""
+        """Whether the request has a flag that says whether the caller wants the value."""
         return self.nullable and self.direction is TecsDirection.OUT
 
 
@@ -206,14 +206,14 @@ class Part(msgspec.Struct, frozen=True):
 
 
 class Branch(msgspec.Struct, frozen=True):
-    """Steps that are present only if the item is not NULL."""
+    """Steps that are only present if the item is not NULL."""
 
     item: Item
     steps: tuple[Step, ...]
 
 
 class Reserve(msgspec.Struct, frozen=True):
-    """No bytes: reserves the server's memory for an outward array or string."""
+    """No bytes: allocates the server's memory for an outward array or string."""
 
     item: Item
 
@@ -222,10 +222,10 @@ Step: TypeAlias = Run | Payload | Part | Branch | Reserve
 
 
 class FunctionLayout(msgspec.Struct, dict=True, frozen=True):
-    """A function. `reply` is None where it is oneway; `paper` the reply with the outs first.
+    """A function. `reply` is None if it is oneway; `paper` is the reply with the outs first.
 
-    `kept` are the parameters whose value in the request the reply depends on. `leaves_out`:
-    after an `E_RPC` the reply has no outs.
+    `kept` are the parameters on whose request values the reply depends. `leaves_out`: after an
+    `E_RPC` the reply has no outs.
     """
 
     function: TecsFunction
@@ -239,12 +239,12 @@ class FunctionLayout(msgspec.Struct, dict=True, frozen=True):
 
     @cached_property
     def arguments(self) -> tuple[Item, ...]:
-        """The items of which the request contains the value or a flag."""
+        """The items of which the request has the value or a flag."""
         return tuple(i for i in self.items if i.inward or i.asked)
 
     @cached_property
     def outs(self) -> tuple[Item, ...]:
-        """The items whose values the reply contains."""
+        """The items whose values are in the reply."""
         return tuple(i for i in self.items if i.outward)
 
     @property
@@ -254,7 +254,7 @@ class FunctionLayout(msgspec.Struct, dict=True, frozen=True):
 
 
 class SignatureLayout(msgspec.Struct, frozen=True):
-    """A signature; `records` are the structs it needs, those inside others first."""
+    """A signature; `records` are the structs that it uses, contained ones first."""
 
     signature: Signature
     functions: tuple[FunctionLayout, ...]
@@ -296,9 +296,7 @@ def is_fixed(node: Node) -> bool:
 
 
 def references(expression: Expression | None) -> Iterator[str]:
-    """Yield the names of parameters or members in an expression, members of a struct's value
-    aside.
-    """
+    """Yield the parameters or members in an expression, except members of a struct's value."""
     match expression:
         case Reference(name):
             yield name
@@ -317,7 +315,7 @@ def references(expression: Expression | None) -> Iterator[str]:
 
 
 def sizes_of(node: Node) -> tuple[Expression, ...]:
-    """Return the expressions that the layout of a value depends on, `size` before `count`."""
+    """Return the expressions on which a value's layout depends, `size` before `count`."""
     match node:
         case Counted(element, size, count):
             own = (size,) if count is size else (size, count)
@@ -328,7 +326,7 @@ def sizes_of(node: Node) -> tuple[Expression, ...]:
 
 
 def capacity(node: Node) -> Expression | None:
-    """Return the expression for how many elements or units the caller can hold."""
+    """Return the expression for the number of elements or units that the caller can hold."""
     match node:
         case Counted(size=size):
             return size
@@ -338,6 +336,6 @@ def capacity(node: Node) -> Expression | None:
 
 
 def is_known(node: Node, items: Iterable[Item]) -> bool:
-    """Return whether the capacity follows from the values of these items."""
+    """Return whether the capacity can be computed from the values of these items."""
     names = {item.name for item in items}
     return all(name in names for name in references(capacity(node)))

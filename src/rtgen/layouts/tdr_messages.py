@@ -1,4 +1,4 @@
-"""The messages of TECS functions: steps in wire order, and request values kept for the reply."""
+"""Messages of TECS functions: steps in wire order, and request values kept for the reply."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ _TEXT_UNITS = frozenset("bBhHiIqQ")
 
 
 def layout_of(unit: TecsUnit, signature: Signature) -> SignatureLayout:
-    """Return the layout of all functions; raises TransferError."""
+    """Return the layout of all functions. Raises TransferError."""
     nodes = _Nodes(unit)
     functions = tuple(_function(nodes, f) for f in signature.functions)
     return SignatureLayout(signature, functions, tuple(nodes.records.values()))
@@ -120,12 +120,12 @@ def _function(nodes: _Nodes, function: TecsFunction) -> FunctionLayout:
 
 
 def is_error_code(type_: CType) -> bool:
-    """Return whether tecsgen treats the type as an error code, by its written name."""
+    """Return whether tecsgen treats the type as an error code, by its name as written."""
     return isinstance(type_, CTypedefType) and type_.name in (("ER",), ("ER_INT",))
 
 
 def _in_order(items: Sequence[Item], all_items: Iterable[Item]) -> list[Item]:
-    """Referenced ones first, each group as declared."""
+    """Return referenced items first, each group in order of declaration."""
     names = {
         name
         for item in all_items
@@ -203,8 +203,9 @@ def _is_bound_only(item: Item) -> bool:
 
 
 def _is_reserved(item: Item, arguments: Sequence[Item]) -> bool:
-    """Return whether the server must reserve memory for an out before the call, and knows its
-    size.
+    """Return whether the server can and must allocate an out's memory before the call.
+
+    It must for an outward array or string, and can if its size is known.
     """
     if item.direction is not TecsDirection.OUT:
         return False
@@ -251,7 +252,7 @@ def _reply_value(item: Item) -> list[Field | Step]:
 
 
 def _steps(*parts: Sequence[Field | Step]) -> tuple[Step, ...]:
-    """Return all parts, with consecutive fields merged into runs."""
+    """Return all steps, with consecutive fields merged into runs."""
     steps: list[Step] = []
     fields: list[Field] = []
     for part in parts:
@@ -417,7 +418,7 @@ def _check_members(struct: TecsStruct, ordered: Sequence[Item]) -> None:
 
 
 def _check_element(element: Node, span: Span) -> None:
-    """Reject elements without bytes, of which a message could claim any number."""
+    """Reject elements without bytes, since a message could claim any number of them."""
     if is_fixed(element) and not kinds(element):
         raise TransferError(span, "an array of elements that have no byte")
 

@@ -1,4 +1,4 @@
-"""The linter: rules about valid definitions that could be better."""
+"""The linter: rules about valid definitions that could be improved."""
 
 from __future__ import annotations
 
@@ -47,10 +47,10 @@ def lint(
     options: Mapping[str, Mapping[str, Any]] | None = None,
     target: str = "",
 ) -> list[Diagnostic]:
-    """Diagnostics of the built-in checks and of plug-ins for the given files, in order.
+    """Return the diagnostics of built-in checks and of plug-ins for the given files, in order.
 
     `sources` maps displayed paths to texts; `options` has the table `[plugin.NAME]` of rtgen.toml
-    for each name, `target` is what components run on. Rules of ON_DEMAND only run if `select`
+    for each name, `target` is the platform of components. Rules of ON_DEMAND only run if `select`
     has their codes.
     """
     context = Context(model, sources, options or {}, target)

@@ -27,7 +27,7 @@ _WORD = re.compile(r"[^\W\d]\w*")
 
 @dataclass(frozen=True, eq=False)
 class Context:
-    """The model, source texts by displayed path, the options of plug-ins, and the target."""
+    """The model, source texts by displayed path, options of plug-ins, and the target."""
 
     model: Model
     sources: Mapping[str, str]
@@ -54,7 +54,7 @@ class Context:
 
     @cached_property
     def words(self) -> dict[str, list[str]]:
-        """The identifiers of each file, including directives, without comments and texts."""
+        """The identifiers of each file, including directives, without comments and strings."""
         return {
             name: _WORD.findall(_NO_CODE.sub(" ", text))
             for name, text in self.sources.items()

@@ -30,7 +30,7 @@ from rtgen.model import (
 )
 
 _DATA = (PortKind.INPORT, PortKind.OUTPORT)
-_FEW = 4
+_MAX_NAMED = 4
 _SMALL = "small"
 
 
@@ -43,7 +43,7 @@ def _ports(context: Context) -> Iterator[tuple[Component, Port]]:
 
 
 def any_in_ports(context: Context) -> Iterator[Diagnostic]:
-    """Data ports whose type contains an `any`, so that the transmitted type is unknown."""
+    """Report data ports whose type contains an `any`, so that the transmitted type is unknown."""
     for _, port in _ports(context):
         field = _any_in(context, port.type, set())
         if field is not None:
@@ -58,7 +58,7 @@ def any_in_ports(context: Context) -> Iterator[Diagnostic]:
 def _any_in(
     context: Context, type_: Type, seen: set[ScopedName]
 ) -> Member | Case | None:
-    """Return the field that is, or contains, an `any`."""
+    """Return the field that is or contains an `any`."""
     while isinstance(type_, SequenceType | ArrayType):
         type_ = type_.element
     plain = context.model.unalias(type_)
@@ -84,7 +84,7 @@ def _is_any(context: Context, type_: Type) -> bool:
 
 
 def times_of_ports(context: Context) -> Iterator[Diagnostic]:
-    """Data ports of RT components without a time stamp."""
+    """Report data ports of RT components without a time stamp."""
     for _, port in _ports(context):
         plain = context.model.unalias(port.type)
         struct = (
@@ -113,7 +113,7 @@ def _has_time(context: Context, struct: Struct) -> bool:
 
 
 def unbounded(context: Context) -> Iterator[Diagnostic]:
-    """Members with an unbounded number of elements."""
+    """Report members with an unbounded number of elements."""
     for declaration in context.declarations:
         for field in fields(declaration):
             what = _unbounded(context, field.type)
@@ -141,7 +141,7 @@ def _unbounded(context: Context, type_: Type) -> str | None:
 
 
 def unbounded_on_boards(context: Context) -> Iterator[Diagnostic]:
-    """Data ports without a bound where memory is set aside beforehand: the target small."""
+    """Report data ports without a bound where memory is preallocated: the target small."""
     if context.target != _SMALL:
         return
     for _, port in _ports(context):
@@ -160,7 +160,7 @@ def unbounded_on_boards(context: Context) -> Iterator[Diagnostic]:
 def _unbounded_in(
     context: Context, type_: Type, seen: set[ScopedName]
 ) -> tuple[str, Member | Case | None] | None:
-    """What has no bound in a type, and the field that holds it, the type itself if None."""
+    """Return the unbounded part of a type, and its field; None for the type itself."""
     what = _unbounded(context, type_)
     if what is not None:
         return what, None
@@ -178,7 +178,7 @@ def _unbounded_in(
 
 
 def missing_enumerators(context: Context) -> Iterator[Diagnostic]:
-    """Unions over an enum without a default and without a branch for each enumerator."""
+    """Report unions over an enum with neither a default nor a branch for each enumerator."""
     for declaration in context.declarations:
         if not isinstance(declaration, Union):
             continue
@@ -194,8 +194,12 @@ def missing_enumerators(context: Context) -> Iterator[Diagnostic]:
         }
         missing = [m for m in enum.members if m.name not in listed]
         if missing:
-            names = ", ".join(m.name for m in missing[:_FEW])
-            more = f" and {len(missing) - _FEW} more" if len(missing) > _FEW else ""
+            names = ", ".join(m.name for m in missing[:_MAX_NAMED])
+            more = (
+                f" and {len(missing) - _MAX_NAMED} more"
+                if len(missing) > _MAX_NAMED
+                else ""
+            )
             yield rules.MISSING_ENUMERATORS.at(
                 declaration.span,
                 f"{declaration.scoped} has no branch for {names}{more}",

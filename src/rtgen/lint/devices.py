@@ -15,11 +15,11 @@ _HEARTBEAT = 0x1017
 _IDENTITY = 0x1018
 _VENDOR = 1
 _FIRST_OF_DEVICE = 0x2000
-"""Lower indices are the communication profile, whose names repeat by design."""
+"""Objects below this index are the communication profile, which repeats names by design."""
 
 
 def heartbeats(context: Context) -> Iterator[Diagnostic]:
-    """Devices without heartbeat, whose failure goes unnoticed."""
+    """Report devices without heartbeat, whose failure would not be noticed."""
     for device in context.model.devices:
         if device.find(_HEARTBEAT) is None:
             yield rules.NO_HEARTBEAT.at(
@@ -30,7 +30,7 @@ def heartbeats(context: Context) -> Iterator[Diagnostic]:
 
 
 def identities(context: Context) -> Iterator[Diagnostic]:
-    """Devices without an identity, so that they cannot be distinguished from others."""
+    """Report devices without an identity, which cannot be told apart from others."""
     for device in context.model.devices:
         vendor = device.find(_IDENTITY, _VENDOR)
         vendor_id = device.vendor_id or (None if vendor is None else vendor.current)
@@ -43,7 +43,7 @@ def identities(context: Context) -> Iterator[Diagnostic]:
 
 
 def unreachable(context: Context) -> Iterator[Diagnostic]:
-    """Application objects that SDO may only write, and no PDO maps."""
+    """Report application objects that SDO can only write, and no PDO maps."""
     for device in context.model.devices:
         mapped = {
             (entry.index, entry.subindex)
@@ -67,7 +67,7 @@ def unreachable(context: Context) -> Iterator[Diagnostic]:
 
 
 def names(context: Context) -> Iterator[Diagnostic]:
-    """Application objects with equal names, whose fields are numbered."""
+    """Report application objects with equal names, whose fields are numbered."""
     for device in context.model.devices:
         for alike in _with_equal_names(device):
             first, *others = alike
@@ -89,5 +89,5 @@ def _with_equal_names(device: Device) -> list[list[Variable]]:
 
 
 def _is_count(device: Device, variable: Variable) -> bool:
-    """Return whether it is sub-index 0 of an object with further sub-indices."""
+    """Return whether a variable is sub-index 0 of an object with other sub-indices."""
     return not variable.subindex and device.find(variable.index, 1) is not None

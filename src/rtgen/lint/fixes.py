@@ -1,7 +1,7 @@
-"""Safe edits for findings: what removes the cause and leaves the meaning as it is.
+"""Safe edits for diagnostics, which remove the cause without changing the meaning.
 
-A fix is a function of the text that a finding points at. It is only attached where that text is
-what the finding speaks of, so findings in expanded macros have none.
+A fix is a function of the text at a diagnostic's span. It is only attached if that text is what the
+diagnostic refers to, so diagnostics in expanded macros have none.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _NUMBER = re.compile(r"0|[1-9]\d*")
 _HINTED = re.compile(r"(?:write|did you mean) (\S+?)\??")
 
 Replacement = tuple[int, int, str]
-"""Start and end in a text, and what takes the place."""
+"""Start and end in a text, and the replacement."""
 
 
 class Text:
@@ -34,7 +34,7 @@ class Text:
         self._starts = [0, *(m.end() for m in re.finditer("\n", text))]
 
     def offset(self, line: int, column: int) -> int:
-        """Return the offset of a line and column, both from 1; the end of the text beyond it."""
+        """Return the offset of a line and column, both 1-based; beyond the text, its end."""
         if line > len(self._starts):
             return len(self.text)
         return min(self._starts[line - 1] + column - 1, len(self.text))
@@ -54,7 +54,7 @@ class Text:
         )
 
     def line(self, offset: int) -> tuple[int, int]:
-        """Return the range of the line at an offset, with its end."""
+        """Return the range of the line at an offset, with its line end."""
         number = bisect_right(self._starts, offset)
         return self._starts[number - 1], self.offset(number + 1, 1)
 
@@ -87,7 +87,7 @@ def _fraction(text: str, start: int, end: int, d: Diagnostic) -> Replacement | N
 
 
 def _item(text: str, start: int, end: int, d: Diagnostic) -> Replacement | None:
-    """Return an item of a list that is left out, with the comma before it."""
+    """Return the removal of an item of a list, with the comma before it."""
     before = _BEFORE.search(text, 0, start)
     return None if before is None else (before.start(), end, "")
 
@@ -126,7 +126,7 @@ def _include(text: str, start: int, end: int, d: Diagnostic) -> Replacement | No
 
 
 def _suppression(text: str, start: int, end: int, d: Diagnostic) -> Replacement | None:
-    """Return the code that has no effect, with its comment if that has no other."""
+    """Return the removal of a code without effect, with its comment if that has no other."""
     opens, closes = text.rfind("[", 0, start) + 1, text.find("]", end)
     if text[opens:start].strip():
         return text.rfind(",", 0, start), end, ""
@@ -161,18 +161,16 @@ _FIXES: Mapping[
     "LINT0001": ("remove the #include", _include),
     "LINT0015": ("remove the comment", _suppression),
 }
-"""Code to the title of the fix, and to what finds the edit."""
+"""Title of the fix and function that finds the edit, by code."""
 
 CODES = frozenset(_FIXES)
-"""The codes of the findings that a fix may be attached to."""
+"""Codes of the diagnostics that can have a fix."""
 
 
 def attached(
     found: Iterable[Diagnostic], sources: Mapping[str, str]
 ) -> list[Diagnostic]:
-    """Return the findings, each with its fix if it has one; `sources` are texts by displayed
-    path.
-    """
+    """Return the diagnostics with their fixes; `sources` are texts by displayed path."""
     texts: dict[str, Text] = {}
     result = []
     for d in found:
@@ -198,9 +196,7 @@ def _with_fix(d: Diagnostic, text: Text) -> Diagnostic:
 
 
 def applied(text: str, edits: Sequence[Edit]) -> str:
-    """Return the text with edits; one that overlaps an earlier one, or finds another text, is left
-    out.
-    """
+    """Apply edits to a text, except those that overlap an earlier one or do not match."""
     lines = Text(text)
     parts: list[str] = []
     done = 0

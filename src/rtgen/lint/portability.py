@@ -1,4 +1,4 @@
-"""Lint checks of what compilers of CORBA 2 and 3, such as omniidl, refuse."""
+"""Lint checks of constructs that CORBA 2 and 3 compilers, such as omniidl, reject."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _NO_SWITCH = (Primitive.OCTET, Primitive.WCHAR, *_NEW)
 
 
 def constructs(context: Context) -> Iterator[Diagnostic]:
-    """Constructs of IDL 4 in files without components, which other compilers could read."""
+    """Report constructs of IDL 4 in files without components, which other compilers could read."""
     own = {d.file for d in context.declarations if isinstance(d, Component)}
     for declaration in context.declarations:
         if declaration.file not in own:

@@ -1,4 +1,4 @@
-"""Lint checks of names that are changed in Python, or shadow something there."""
+"""Lint checks of names that are changed in Python, or shadow other names there."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _BUILTINS = frozenset(dir(builtins))
 
 
 def names(context: Context) -> Iterator[Diagnostic]:
-    """Keywords, builtins, and names used by generated classes."""
+    """Report keywords, builtins, and names used by generated classes."""
     mapping = PythonNames(context.model, "robots")
     for declaration in context.declarations:
         if isinstance(declaration, Component) or not is_emitted(declaration):

@@ -1,4 +1,4 @@
-"""The rules of `rtgen lint` (LINT...): warnings for what is likely wrong, notes for habits."""
+"""Rules of `rtgen lint` (LINT...): warnings for likely errors, notes for style."""
 
 from __future__ import annotations
 

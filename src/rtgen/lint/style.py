@@ -35,8 +35,8 @@ _STYLES = {
     "UPPER_CASE": re.compile(r"[A-Z][A-Z0-9]*(?:_[A-Z0-9]+)*"),
     "Mixed_Case": re.compile(r"[A-Z][a-zA-Z0-9]*(?:_[a-zA-Z0-9]+)+"),
 }
-_FEWEST = 4
-_MOST = 0.75
+_MIN_NAMES = 4
+_MAJORITY = 0.75
 _TYPES = (Struct, Union, Enum, Bitset, Bitmask, Interface, Valuetype, ExceptionDecl)
 _DOCUMENTED = (*_TYPES, Component)
 
@@ -44,7 +44,7 @@ Named = list[tuple[str, Span]]
 
 
 def anonymous_types(context: Context) -> Iterator[Diagnostic]:
-    """Sequences, arrays and maps without a typedef, which interface files of ROS 2 have none of."""
+    """Report sequences, arrays and maps without a typedef; ROS 2's interface files have none."""
     for declaration in context.declarations:
         if declaration.file.lower().endswith(INTERFACE_SUFFIXES):
             continue
@@ -58,13 +58,13 @@ def anonymous_types(context: Context) -> Iterator[Diagnostic]:
 
 
 def naming(context: Context) -> Iterator[Diagnostic]:
-    """Names whose style differs from most of their kind in the file."""
+    """Report names whose style differs from most names of their kind in the file."""
     for (_, kind), names in _kinds(context).items():
         clear = Counter(style for name, _ in names if (style := _style(name)))
-        if not clear or sum(clear.values()) < _FEWEST:
+        if not clear or sum(clear.values()) < _MIN_NAMES:
             continue
         style, number = clear.most_common(1)[0]
-        if number < _MOST * sum(clear.values()):
+        if number < _MAJORITY * sum(clear.values()):
             continue
         for name, span in names:
             if _style(name) is not None and not _STYLES[style].fullmatch(name):
@@ -97,7 +97,7 @@ def _kinds(context: Context) -> dict[tuple[str, str], Named]:
 
 
 def _named(declaration: Declaration) -> Iterator[tuple[str, str, Span]]:
-    """Kind, name and place of a declaration and of its members."""
+    """Yield kind, name and place of a declaration and of its members."""
     name, span = declaration.name[-1], declaration.span
     if isinstance(declaration, Const):
         yield "constants", name, span
@@ -116,7 +116,7 @@ def _named(declaration: Declaration) -> Iterator[tuple[str, str, Span]]:
 
 
 def documentation(context: Context) -> Iterator[Diagnostic]:
-    """Types, interfaces, operations and components without a comment."""
+    """Report types, interfaces, operations and components without a comment."""
     for declaration in context.declarations:
         if isinstance(declaration, _DOCUMENTED) and not declaration.doc:
             yield _undocumented(declaration.span, declaration.scoped)
@@ -134,7 +134,7 @@ def _undocumented(span: Span, name: str) -> Diagnostic:
 
 
 def prefixes(context: Context) -> Iterator[Diagnostic]:
-    """Interfaces whose repository id has no prefix."""
+    """Report interfaces whose repository id has no prefix."""
     for declaration in context.declarations:
         if isinstance(declaration, Interface) and _plain_id(declaration):
             yield rules.NO_PREFIX.at(

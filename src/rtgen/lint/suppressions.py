@@ -1,7 +1,7 @@
-"""Findings that a comment in the source, or `rtgen.toml`, suppresses.
+"""Suppresses diagnostics by comments in the source, and by `rtgen.toml`.
 
-`rtgen: ignore[CODE, CODE] reason` in a comment holds for the findings in its line; in a line of
-its own, for those in the next line that has something else. Errors are never suppressed.
+`rtgen: ignore[CODE, CODE] reason` in a comment applies to the diagnostics in its line; in a line of
+its own, to those in the next line with other content. Errors are never suppressed.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ class _Suppression:
 
 @dataclass(slots=True)
 class FilePattern(_Suppression):
-    """A code that `[lint] per-file-ignores` names for the files of a pattern."""
+    """A code with a pattern of files, from `[lint] per-file-ignores`."""
 
     pattern: str = ""
 
@@ -52,10 +52,10 @@ def suppressed(
     active: Collection[str] | None,
     whole: bool = False,
 ) -> list[Diagnostic]:
-    """Return the findings that are left, and one for each suppression that has suppressed none.
+    """Return the remaining diagnostics, and one for each suppression without effect.
 
-    `known` are the codes of all rules; `active` those of which findings would have been found, None
-    if that cannot be said. `whole`: `sources` are all files that the patterns may be for.
+    `known` are the codes of all rules; `active` those of the rules that were run, None if that is
+    unknown. `whole`: `sources` are all files that the patterns can match.
     """
     comments = {
         name: _in_text(name, text)
@@ -95,7 +95,7 @@ def _is_suppressed(
 
 
 def _in_text(name: str, text: str) -> dict[int, list[_Suppression]]:
-    """Return the suppressions of a file, by the line that they hold for."""
+    """Return the suppressions of a file, by the line that they apply to."""
     suffix = name[name.rfind(".") :].lower() if "." in name else ""
     marks = _MARKS.get(suffix, _OTHER_MARKS)
     found: dict[int, list[_Suppression]] = {}

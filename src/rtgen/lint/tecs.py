@@ -12,7 +12,7 @@ from rtgen.model.tecs import Signature
 
 
 def signatures(context: Context) -> Iterator[Diagnostic]:
-    """Functions that no join through a transport could carry."""
+    """Report functions that no join through a transport can transfer."""
     seen: set[Span] = set()
     for unit in context.model.tecs:
         for signature in unit.declarations:

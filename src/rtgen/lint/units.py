@@ -1,4 +1,4 @@
-"""Lint checks of units: those that cannot be read, and factors that contradict a drive."""
+"""Lint checks of units: unreadable ones, and factors that contradict a drive's objects."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from rtgen.model import Component
 from rtgen.typemap.drive_units import BY_DESCRIPTION, NoFactorError, drive_factor
 
 _SAME: Final = 1e-3
-"""The relative difference of two factors one of which is written with few digits."""
+"""Relative difference up to which factors count as equal, since one may be rounded."""
 
 
 def texts(context: Context) -> Iterator[Diagnostic]:
-    """Texts of `@unit` and of bus files that do not denote a unit."""
+    """Report texts of `@unit` and of bus files that do not denote a unit."""
     found = list(_texts(context))
     if not found:
         return
@@ -54,7 +54,7 @@ def _texts(context: Context) -> Iterator[tuple[str, Span]]:
 
 
 def factors(context: Context) -> Iterator[Diagnostic]:
-    """Factors of bus files other than those that the drive's own objects give."""
+    """Report factors of bus files that differ from those of the drive's own objects."""
     for bus in context.model.buses:
         for kind in bus.kinds:
             units = dict(kind.units)

@@ -29,10 +29,10 @@ _DEFINE = re.compile(r"^[ \t]*#[ \t]*define[ \t]+(\w+)", re.MULTILINE)
 
 
 def includes(context: Context) -> Iterator[Diagnostic]:
-    """Included files from which the including file uses no name.
+    """Report included files of which the including file uses no name.
 
-    A file without declarations of its own collects others, and is not checked. A file included
-    inside a scope is part of its includer.
+    A file without declarations of its own is a collection of others, and is not checked. A file
+    included inside a scope is part of its includer.
     """
     declaring = {declaration.file for declaration in context.model.declarations}
     for file in context.model.files:
@@ -41,7 +41,7 @@ def includes(context: Context) -> Iterator[Diagnostic]:
         parts = [i for i in file.includes if context.files[i].belongs_to is not None]
         words = {w for f in (file.name, *parts) for w in context.words.get(f, ())}
         for included in file.includes:
-            if included not in parts and words.isdisjoint(_brought(context, included)):
+            if included not in parts and words.isdisjoint(_provided(context, included)):
                 span = _include_of(context, file, included)
                 if span is not None:
                     yield rules.UNUSED_INCLUDE.at(
@@ -51,8 +51,8 @@ def includes(context: Context) -> Iterator[Diagnostic]:
                     )
 
 
-def _brought(context: Context, name: str) -> set[str]:
-    """Return the names and macros that a file provides, with its own includes."""
+def _provided(context: Context, name: str) -> set[str]:
+    """Return the names and macros that a file provides, including those of its includes."""
     files: dict[str, None] = {}
     pending = [name]
     while pending:
@@ -72,7 +72,7 @@ def _brought(context: Context, name: str) -> set[str]:
 
 
 def _include_of(context: Context, file: SourceFile, included: str) -> Span | None:
-    """Return the place of the directive."""
+    """Return the place of the `#include`."""
     text = context.sources.get(file.name, "")
     name = PurePosixPath(included).name
     for match in _INCLUDE.finditer(text):
@@ -85,9 +85,9 @@ def _include_of(context: Context, file: SourceFile, included: str) -> Span | Non
 
 
 def types(context: Context) -> Iterator[Diagnostic]:
-    """Types of files with components whose name is never used.
+    """Report types of files with components whose name is never used.
 
-    Files of types alone are there for others.
+    Types in files without components are there for other files.
     """
     own = {d.file for d in context.declarations if isinstance(d, Component)}
     count: Counter[str] = Counter()
@@ -107,7 +107,7 @@ def types(context: Context) -> Iterator[Diagnostic]:
 
 
 def typedefs(context: Context) -> Iterator[Diagnostic]:
-    """Typedefs whose name is never used."""
+    """Report typedefs whose name is never used."""
     count: Counter[str] = Counter()
     for words in context.words.values():
         count.update(words)

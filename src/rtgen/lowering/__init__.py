@@ -1,3 +1,5 @@
-"""Lowerings: model to model, before any back end. They turn boards of CDL files and adapters
-into types, interfaces and components, which back ends support.
+"""Lowerings: transformations from model to model, applied before any back end.
+
+They turn boards of CDL files, devices, profiles and adapters into types, interfaces and components,
+which back ends support.
 """

@@ -1,4 +1,4 @@
-"""The rules of adapters, `[adapter.NAME]` of rtgen.toml (codes ADP...)."""
+"""Rules of adapters, `[adapter.NAME]` of rtgen.toml (codes ADP...)."""
 
 from __future__ import annotations
 

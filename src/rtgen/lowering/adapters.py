@@ -45,12 +45,12 @@ from rtgen.typemap.python_names import module_name
 
 _NAME: Final = re.compile(r"[A-Za-z]\w*", re.ASCII)
 _UNIT: Final = re.compile(r"\[([^,\]]+)\]")
-_HELD: Final = {
+_EXACT_INTEGERS: Final = {
     **INTEGER_RANGES,
     Primitive.FLOAT: (-(2**24), 2**24),
     Primitive.DOUBLE: (-(2**53), 2**53),
 }
-"""The range of integers that each type represents exactly."""
+"""The range of integers that each floating-point type represents exactly."""
 
 
 def lower(model: Model, settings: Settings) -> Lowered:
@@ -141,7 +141,7 @@ def _port(
 
 @dataclass(frozen=True)
 class _Maker:
-    """Makes the adapter of one table."""
+    """Makes the adapter of a table `[adapter.NAME]`."""
 
     model: Model
     entry: AdapterEntry
@@ -221,7 +221,7 @@ class _Maker:
         to_ros: bool,
         constants: tuple[tuple[tuple[str, ...], AdapterConstant], ...],
     ) -> Adapter:
-        """Return the adapter of a pair of RT-Middleware and ROS 2."""
+        """Return the adapter between a type of RT-Middleware and one of ROS 2."""
         rtm, ros = (source, target) if to_ros else (target, source)
         for struct, units in ((rtm, pair.rtm_units), (ros, pair.ros_units)):
             for path, unit in units.items():
@@ -245,7 +245,7 @@ class _Maker:
     def _constant(
         self, target: Struct, path: str, value: AdapterConstant
     ) -> tuple[tuple[str, ...], AdapterConstant]:
-        """Return a member with its value, if that fits."""
+        """Return a member and its value, checked."""
         names = tuple(path.split("."))
         if not _takes(self._type(target, names), value):
             shown = list(value) if isinstance(value, tuple) else value
@@ -260,7 +260,7 @@ class _Maker:
         source: Struct,
         from_: tuple[str, ...],
     ) -> tuple[float, float] | None:
-        """Factor and offset of a member; None where the value is copied. Raises InputError."""
+        """Return factor and offset of a member; None if the value is copied. Raises InputError."""
         name = ".".join(to)
         own, theirs = self._unit(target, to), self._unit(source, from_)
         stated = self.entry.units.get(name)
@@ -288,9 +288,7 @@ class _Maker:
         return conversion
 
     def _unit(self, struct: Struct, path: tuple[str, ...]) -> str | None:
-        """Return the unit of a member of known type: that of `@unit`, or the only one in its
-        comment.
-        """
+        """Return a member's unit: that of `@unit`, or the only one in its comment."""
         *outer, name = path
         if outer:
             inner = self._type(struct, tuple(outer))
@@ -331,7 +329,7 @@ class _Maker:
         return self.model.unalias(member.type), member.optional
 
     def _type(self, struct: Struct, path: tuple[str, ...]) -> Type:
-        """Return the type of a member, of a member of a member, and so on."""
+        """Return the type at the end of a path of member names."""
         members = {member.name: member for member in self._members(struct)}
         name, *rest = path
         if name not in members:
@@ -369,7 +367,7 @@ def _is_equal(first: str, second: str) -> bool:
 
 
 def _conversion_between(source: str, target: str) -> tuple[float, float] | None:
-    """Factor and offset between two units; None for units that do not fit or cannot be read."""
+    """Return factor and offset between two units; None if they are incompatible or unreadable."""
     from rtgen.units import Relation, UnitError, conversion, parse, relation
 
     try:
@@ -392,7 +390,7 @@ def _is_real(model: Model, type_: Type) -> bool:
 
 
 def _include(name: tuple[str, ...]) -> str | None:
-    """Return a hint for a struct that ships with rtgen and that no definition includes."""
+    """Return a hint for a struct that ships with rtgen, but is not included by a definition."""
     message = "/".join(name)
     if f"{message}.msg" in ros_interfaces():
         return f'#include "{message}.idl" in a definition'
@@ -405,7 +403,7 @@ def _include(name: tuple[str, ...]) -> str | None:
 
 
 def _takes(type_: Type, value: AdapterConstant) -> bool:
-    """Return whether a member of the type can have the value."""
+    """Return whether a value is valid for a member of the type."""
     if isinstance(type_, SequenceType):
         if not isinstance(value, tuple) or not isinstance(type_.element, StringType):
             return False
@@ -423,13 +421,13 @@ def _takes(type_: Type, value: AdapterConstant) -> bool:
 
 
 def _holds(to: Type, from_: Type) -> bool:
-    """Return whether the one type represents every number of the other."""
+    """Return whether one type represents every number of the other."""
     if not (isinstance(to, PrimitiveType) and isinstance(from_, PrimitiveType)):
         return False
     if to.kind is Primitive.DOUBLE and from_.kind is Primitive.FLOAT:
         return True
-    if from_.kind not in INTEGER_RANGES or to.kind not in _HELD:
+    if from_.kind not in INTEGER_RANGES or to.kind not in _EXACT_INTEGERS:
         return False
     low, high = INTEGER_RANGES[from_.kind]
-    least, greatest = _HELD[to.kind]
+    least, greatest = _EXACT_INTEGERS[to.kind]
     return least <= low and high <= greatest

@@ -1,7 +1,7 @@
-"""Settles the form of each numeric sequence and array in Python: `[python] numeric`, `@numeric`.
+"""Determines the Python type of numeric sequences and arrays: `[python] numeric`, `@numeric`.
 
-The result stands in the types of members, branches and typedefs. Types in other places, those of
-parameters, are lists, unless they are named.
+The result is stored in the types of members, branches and typedefs. Types elsewhere, such as those
+of parameters, are lists unless they are named.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ _ENTRIES: Final = {
 
 
 def lower(model: Model, settings: Settings) -> Lowered:
-    """Return the model with the form of each sequence and array, and diagnostics of `@numeric`."""
+    """Return the model with a form for each sequence and array, and diagnostics of `@numeric`."""
     forms = _Forms(model, settings)
     declarations = tuple(map(forms.declaration, model.declarations))
     if any(a is not b for a, b in zip(declarations, model.declarations, strict=True)):
@@ -65,7 +65,7 @@ class _Forms:
         self.findings: list[Diagnostic] = []
 
     def declaration(self, declaration: Declaration) -> Declaration:
-        """Return the declaration with the forms of its members; itself where all are lists."""
+        """Return the declaration with the forms of its members; unchanged if all are lists."""
         if isinstance(declaration, Typedef | ValueBox):
             return self._entry(declaration)
         attribute = _ENTRIES.get(type(declaration))
@@ -90,25 +90,25 @@ class _Forms:
                 hint = "@numeric belongs to sequences and arrays of numbers"
                 self.findings.append(NO_NUMBERS.at(entry.span, message, hint=hint))
                 return entry
-        formed = self._formed(type_, wanted)
+        formed = self._with_form(type_, wanted)
         return entry if formed is entry.type else replace(entry, type=formed)
 
-    def _formed(self, type_: Type, wanted: Numeric | None) -> Type:
-        """Return the type with its form, which is `wanted` if that is given."""
+    def _with_form(self, type_: Type, wanted: Numeric | None) -> Type:
+        """Return the type with a form: `wanted`, or else that of the project."""
         match type_:
             case MapType(value=value):
-                inner = self._formed(value, None)
+                inner = self._with_form(value, None)
                 return type_ if inner is value else replace(type_, value=inner)
             case SequenceType(element) | ArrayType(element):
-                form = wanted or self._usual(type_)
-                inner = self._formed(element, None)
+                form = wanted or self._project_form(type_)
+                inner = self._with_form(element, None)
                 if inner is element and form == "list":
                     return type_
                 return replace(type_, element=inner, numeric=form)
         return type_
 
-    def _usual(self, type_: SequenceType | ArrayType) -> Numeric:
-        """Return the form of the project, where the type can have it and gains by it."""
+    def _project_form(self, type_: SequenceType | ArrayType) -> Numeric:
+        """Return the form of the project, if the type can have it and it pays off."""
         if not self._can_be(type_, self._default):
             return "list"
         if self._default == "array":
@@ -130,7 +130,7 @@ class _Forms:
         return isinstance(element, NamedType) and self._is_record(element)
 
     def _is_record(self, type_: Type) -> bool:
-        """Return whether values are structs of numbers that follow each other without a gap."""
+        """Return whether values are structs of numbers without gaps between them."""
         scalars = list(self._scalars(type_, 0))
         if not scalars or None in scalars:
             return False
@@ -144,7 +144,7 @@ class _Forms:
     def _scalars(
         self, type_: Type, depth: int
     ) -> Iterator[tuple[int, int, int] | None]:
-        """Size, alignment and number of the numbers in order; None for anything else."""
+        """Yield size, alignment and count of the numbers in order; None for anything else."""
         type_ = self._model.unalias(type_)
         match type_:
             case PrimitiveType(kind) if kind in NUMBERS:
@@ -160,7 +160,7 @@ class _Forms:
                     return
             case NamedType(name):
                 struct = self._model.find(name)
-                if isinstance(struct, Struct) and depth < _DEEPEST:
+                if isinstance(struct, Struct) and depth < _MAX_DEPTH:
                     members = self._members(struct)
                     if not self._is_final(struct) or any(m.optional for m in members):
                         yield None
@@ -182,8 +182,8 @@ class _Forms:
         return struct.extensibility is Extensibility.FINAL and (self._final or written)
 
 
-_DEEPEST: Final = 32
-"""Structs in structs; deeper ones are not looked into."""
+_MAX_DEPTH: Final = 32
+"""Maximum nesting of structs that is examined."""
 
 
 def _is_number(type_: Type) -> bool:

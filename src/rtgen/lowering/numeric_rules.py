@@ -1,4 +1,4 @@
-"""The rule of the forms of numbers in Python, `@numeric` (code NUM...)."""
+"""The rule of `@numeric` (code NUM...)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The IDL files of rtgen that profiles need."""
+"""The IDL files of rtgen that profiles require."""
 
 from __future__ import annotations
 
@@ -13,9 +13,7 @@ _DECLARED = re.compile(r"\b(?:struct|union|interface)\s+(\w+)\s*[:{]")
 
 
 def needed_idl(profiles: Sequence[RtcProfile]) -> list[str]:
-    """Return the files that profiles name, or that declare OpenRTM's types of data ports, by
-    name.
-    """
+    """Return the names of the files in profiles, or with OpenRTM's types of data ports."""
     types = [port.type for profile in profiles for port in profile.data_ports]
     parts = [type_.split("::") for type_ in types]
     names = {p[-1] for p in parts if len(p) == 1 or p[-2] == "RTC"}
@@ -47,9 +45,7 @@ def _types(profile: RtcProfile) -> Iterator[str]:
 
 
 def declared_in(path: Path) -> set[str]:
-    """Return the structs, unions and interfaces that an IDL file likely declares; none if
-    unreadable.
-    """
+    """Return the types and interfaces that an IDL file likely declares; none if unreadable."""
     try:
         return set(_DECLARED.findall(path.read_text("utf-8", "replace")))
     except OSError:

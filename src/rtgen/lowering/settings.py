@@ -13,10 +13,10 @@ from rtgen.facts.numeric import Numeric
 
 
 class AdapterEntry(msgspec.Struct, frozen=True, kw_only=True):
-    """`[adapter.NAME]`: scoped names of structs, and which member of `source` fills which.
+    """`[adapter.NAME]`: scoped names of structs, and the member of `source` for each of the target.
 
-    `constants` are members of the target with values, `units` those that are converted, with the
-    unit at the source and that at the target.
+    `constants` are target members with values, `units` converted ones, with the units of source and
+    target.
     """
 
     name: str

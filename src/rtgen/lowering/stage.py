@@ -15,14 +15,14 @@ from rtgen.model import Model
 
 
 class Lowered(msgspec.Struct, frozen=True):
-    """The lowered model and the diagnostics."""
+    """A lowered model with the diagnostics."""
 
     model: Model
     diagnostics: tuple[Diagnostic, ...] = ()
 
 
 Lower: TypeAlias = Callable[[Model, Settings], Lowered]
-"""The signature of a lowering, a pure function."""
+"""Signature of a lowering, a pure function."""
 
 
 def _no_idl(_: Model) -> list[str]:
@@ -30,10 +30,10 @@ def _no_idl(_: Model) -> list[str]:
 
 
 class Lowering(msgspec.Struct, frozen=True):
-    """A lowering of rtgen: its module has `lower`, and is imported only if the model needs it.
+    """A lowering of rtgen: its module defines `lower`, and is imported only if the model needs it.
 
-    `idl` gives the names of the IDL files of rtgen whose types the lowering uses. `definitions`:
-    the result counts as definitions of the project, which `inspect` shows.
+    `idl` returns the names of rtgen's IDL files whose types the lowering uses. `definitions`: the
+    result counts as definitions of the project, which `inspect` shows.
     """
 
     module: str
@@ -91,27 +91,22 @@ LOWERINGS: Final = (
     Lowering("rtgen.lowering.tecs.boards", lambda model, _: bool(model.tecs)),
     Lowering("rtgen.lowering.numeric", lambda *_: True),
 )
-"""The lowerings of rtgen, in order. Those of plug-ins follow them."""
+"""The lowerings of rtgen, in order; those of plug-ins follow."""
 
 
 def lowerings(*, complete: bool) -> tuple[Lowering, ...]:
-    """Return the lowerings of rtgen; unless `complete`, those whose results count as
-    definitions.
-    """
+    """Return the lowerings; unless `complete`, only those whose results are definitions."""
     return tuple(each for each in LOWERINGS if complete or each.definitions)
 
 
 def needed_idl(model: Model, *, complete: bool) -> list[str]:
-    """Return the names of the IDL files of rtgen whose types the lowerings use, each once."""
+    """Return the names of rtgen's IDL files whose types the lowerings use."""
     names = (name for each in lowerings(complete=complete) for name in each.idl(model))
     return list(dict.fromkeys(names))
 
 
 def lowered(model: Model, settings: Settings, *, complete: bool = True) -> Lowered:
-    """Return the model after the lowerings, each applied to the result of the previous one.
-
-    Raises ToolError for a plug-in that cannot be imported.
-    """
+    """Return the model after all lowerings, each applied to the result of the previous one."""
     found: list[Diagnostic] = []
     steps: Iterable[tuple[str, Lower]] = (
         (lowering.name, lowering) for lowering in lowerings(complete=complete)

@@ -21,7 +21,7 @@ from rtgen.model.canopen import SIGNED, UNSIGNED, DataType
 
 
 class Source(StrEnum):
-    """The source of a row."""
+    """Source of a row."""
 
     TABLE_4 = "RTC-CANopen, Table 4"
     WIDER = "next wider type"
@@ -31,7 +31,7 @@ class Source(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """A data type in IDL. `timed` is the RTC type of a port that carries it alone, if any."""
+    """The IDL type of a data type. `timed` is the RTC type of a port with this type only."""
 
     type: Type
     timed: str | None
@@ -90,7 +90,7 @@ def row(data_type: int) -> Row:
 
 
 def limits(data_type: int) -> tuple[int, int] | None:
-    """Return the range of an integer type, where its IDL type has a wider one."""
+    """Return the range of an integer type whose IDL type has a wider range."""
     if row(data_type).source is not Source.WIDER:
         return None
     code = DataType(data_type)

@@ -7,21 +7,19 @@ from rtgen.typemap.canopen_ports import Quantity
 
 
 def line(text: str) -> str:
-    """Return a text of a description in one line, without characters illegal in comments and
-    XML.
-    """
+    """Return a description in one line, without characters illegal in comments and XML."""
     printable = "".join(c if c.isprintable() else " " for c in text)
     return " ".join(printable.replace("\\", "/").split())
 
 
 def number(variable: Variable) -> str:
-    """Return the object's number as CiA writes it: `6064h`, `1018h:1`."""
+    """Return the object's number in CiA's notation: `6064h`, `1018h:1`."""
     subindex = f":{variable.subindex}" if variable.subindex else ""
     return f"{variable.index:04X}h{subindex}"
 
 
 def type_name(data_type: int) -> str:
-    """Return the name of a data type such as `INTEGER16`; for an unknown one, its code."""
+    """Return a data type's name, such as `INTEGER16`; the code if it is unknown."""
     try:
         return DataType(data_type).name
     except ValueError:
@@ -29,10 +27,7 @@ def type_name(data_type: int) -> str:
 
 
 def object_line(quantity: Quantity) -> str:
-    """Return an object in one line: number, name, type, factor and unit.
-
-    A factor that does not apply to the shown value is part of the unit: `0.1 rpm`.
-    """
+    """Describe an object in one line: number, name, type, factor and unit."""
     variable = quantity.variable
     text = f"{line(variable.name)} ({number(variable)}, {type_name(variable.data_type)}"
     if quantity.factor is not None:

@@ -60,7 +60,7 @@ def field_names(variables: Iterable[Variable]) -> dict[tuple[int, int], str]:
 
 
 def numbered(name: str, number: tuple[int, int]) -> str:
-    """Return the name with the number of its object: `Input_6401_01`."""
+    """Return the name with the object's number appended: `Input_6401_01`."""
     index, subindex = number
     return f"{name}_{index:04X}_{subindex:02X}"
 

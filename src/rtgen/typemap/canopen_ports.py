@@ -27,7 +27,7 @@ from rtgen.typemap.canopen_idl import row
 from rtgen.typemap.canopen_names import field_names, numbered
 
 STAMP = "tm"
-"""The first member of every sample: the time of measurement or arrival, of type `RTC::Time`."""
+"""The first member of every sample, an `RTC::Time`: the time of measurement or arrival."""
 
 _DOUBLE = PrimitiveType(Primitive.DOUBLE)
 OWN_PARAMETERS = (
@@ -35,7 +35,7 @@ OWN_PARAMETERS = (
     *("master", "heartbeat_timeout", "boot_timeout", "emergency_stop", "recoveries"),
     "sdo_in_error",
 )
-"""Configuration parameters of every proxy; devices have those up to `network`, `merged_stop`."""
+"""Configuration parameters of every proxy; devices have those up to `network` and `merged_stop`."""
 
 NUMERIC = frozenset((*SIGNED, *UNSIGNED, DataType.REAL32, DataType.REAL64))
 """Numeric kinds."""
@@ -68,9 +68,7 @@ class Quantity(msgspec.Struct, frozen=True):
         return row(self.variable.data_type).type if self.factor is None else _DOUBLE
 
     def timed(self, module: str) -> ScopedName:
-        """Return the type of a port for this variable alone; `module` contains those that RTC
-        lacks.
-        """
+        """Return the type of a port with this variable only; RTC's, or one of `module`."""
         if self.factor is not None:
             return ("RTC", "TimedDouble")
         port_type = row(self.variable.data_type).timed
@@ -80,13 +78,13 @@ class Quantity(msgspec.Struct, frozen=True):
 
 
 def _usable(factor: float | None, variable: Variable) -> float | None:
-    """Return a factor that changes the value."""
+    """Return the factor if it changes the value, else None."""
     fine = factor is not None and isfinite(factor) and factor not in (0, 1)
     return factor if fine and variable.data_type in NUMERIC else None
 
 
 def can_be_parameter(quantity: Quantity) -> bool:
-    """Return whether an object can be a configuration parameter: writable, and a number or text."""
+    """Return whether an object can be a configuration parameter: a writable number or text."""
     code = quantity.variable.data_type
     return quantity.variable.access.writable and (
         code in NUMERIC or code in _PLAIN_PARAMETERS
@@ -146,11 +144,7 @@ class DevicePorts:
         self.samples = tuple(self._samples())
 
     def quantity(self, variable: Variable) -> Quantity:
-        """Return a variable with the factor and the unit of the bus file.
-
-        The factor of an EDS is informative: types are those of the object. Its unit belongs to the
-        physical value, so it is omitted if the raw value is shown.
-        """
+        """Return a variable with the factor and the unit of the bus file."""
         number = variable.index, variable.subindex
         factor = _usable(self._factors.get(number), variable)
         plain = factor is None and _usable(variable.factor, variable) is not None
@@ -161,7 +155,7 @@ class DevicePorts:
     def parameters(self) -> tuple[Quantity, ...]:
         """The objects that become configuration parameters, in order of the bus file.
 
-        The number is appended to a name that is used by every proxy.
+        The number is appended to a name that every proxy uses.
         """
         found = []
         for number in self.kind.parameters:
@@ -175,7 +169,7 @@ class DevicePorts:
 
     @property
     def operations(self) -> tuple[Quantity, ...]:
-        """The objects that the SDO service has operations for, in the order of the bus file."""
+        """The objects for which the SDO service has operations, in order of the bus file."""
         variables = (self.device.find(*number) for number in self.kind.operations)
         return tuple(self.quantity(v) for v in variables if v is not None)
 
@@ -185,7 +179,7 @@ class DevicePorts:
 
     @property
     def object_ports(self) -> tuple[ObjectPort, ...]:
-        """A port for each mapped object; `_in` or `_out` is appended if it has both directions."""
+        """A port for each mapped object, named `_in` and `_out` if there are both directions."""
         found: dict[tuple[PdoDirection, tuple[int, int]], list[tuple[int, int]]] = {}
         quantities: dict[tuple[int, int], Quantity] = {}
         for sample in self.samples:
@@ -235,8 +229,8 @@ class DevicePorts:
     ) -> Quantity:
         """Return a variable as a member of a struct.
 
-        The number is appended to a name equal to that of the struct, the time stamp or the module
-        of its type; a variable that is mapped twice is counted.
+        The object's number is appended to a name equal to that of the struct, the time stamp or the
+        module of its type; repeated variables are numbered.
         """
         quantity = self.quantity(variable)
         first = quantity.name

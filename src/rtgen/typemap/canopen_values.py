@@ -1,4 +1,4 @@
-"""CANopen data types and values in the form of the runtime's descriptions."""
+"""CANopen data types and values in the form of the runtime's object dictionary."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ PYTHON_TYPES = {
     "r32": "float",
     "r64": "float",
 }
-"""Python types of values by kind; those of all others are int."""
+"""Python types of values by kind; others are int."""
 
 
 def kind(data_type: int) -> Kind:
@@ -33,14 +33,14 @@ def kind(data_type: int) -> Kind:
 
 
 def python_type(data_type: int) -> str:
-    """Return the Python type of its values."""
+    """Return the Python type of a data type's values."""
     return PYTHON_TYPES.get(kind(data_type), "int")
 
 
 def object_value(
     data_type: int, value: Value | None
 ) -> bool | int | float | str | bytes | None:
-    """Return a value for the runtime; of a value relative to the node-id, the offset."""
+    """Convert a value for the runtime; a value relative to the node-id becomes the offset."""
     if isinstance(value, NodeRelative):
         return value.offset
     if not isinstance(value, int):

@@ -1,4 +1,4 @@
-"""The callbacks of a component (OMG RTC 1.0, 5.2.2.4 ComponentAction and its data-flow kin)."""
+"""The callbacks of a component (OMG RTC 1.0, 5.2.2.4 ComponentAction, and data-flow actions)."""
 
 from __future__ import annotations
 
@@ -9,8 +9,7 @@ from dataclasses import dataclass
 class Action:
     """A callback: its element in an RtcProfile, its method, and when it is called.
 
-    `implemented` says that a skeleton which rtgen creates has the method; `parameters` are those
-    after `self`, as Python writes them.
+    `implemented`: skeletons contain the method; `parameters` are those after `self`, in Python.
     """
 
     element: str
@@ -42,4 +41,4 @@ ACTIONS = (
     ),
     Action("OnRateChanged", "on_rate_changed", "Called when the rate has changed."),
 )
-"""In the order of the profile's schema (RtcProfile 0.3, `rtc:Actions`)."""
+"""All callbacks, in the order of the profile's schema (RtcProfile 0.3, `rtc:Actions`)."""

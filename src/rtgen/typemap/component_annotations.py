@@ -1,4 +1,4 @@
-"""IDL annotations for properties of components beyond IDL."""
+"""IDL annotations for properties of components that IDL itself does not have."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ _PROFILE = (
 )
 """The arguments of `@rtc`, in order: fields of a component."""
 
-_USUAL = dict(
+_DEFAULTS = dict(
     zip(
         reversed(Component.__struct_fields__),
         reversed(Component.__struct_defaults__),
         strict=False,
     )
 )
-"""The defaults of a component's fields; those without stand first."""
+"""Defaults of a component's fields; fields without one come first."""
 
 _FIELDS = {
     **{(word, "value"): word for word in ("name", "port", "instance", "unit")},
@@ -40,10 +40,10 @@ _FIELDS = {
     ("range", "min"): "minimum",
     ("range", "max"): "maximum",
 }
-"""Arguments of annotations of ports and parameters that correspond to fields."""
+"""Arguments of annotations of ports and parameters, with the corresponding fields."""
 
 WrittenAnnotation: TypeAlias = Annotation | tuple[str, ...]
-"""An annotation as written, or name and arguments of one that corresponds to fields."""
+"""An annotation as written; or name and arguments, if they correspond to fields."""
 
 
 def annotations_of(item: Documented) -> tuple[Annotation, ...]:
@@ -63,7 +63,7 @@ def _one(name: str, value: ConstantValue) -> Annotation:
 
 
 def _of_component(component: Component) -> tuple[Annotation, ...]:
-    """`@rtc` with the arguments that differ from the defaults."""
+    """Yield `@rtc` with the arguments that differ from the defaults."""
     arguments = tuple(_different(component))
     if not arguments:
         return ()
@@ -74,7 +74,7 @@ def _of_component(component: Component) -> tuple[Annotation, ...]:
 def _different(component: Component) -> Iterator[tuple[str, ConstantValue]]:
     for name in _PROFILE:
         value = getattr(component, name)
-        usual = _USUAL[name]
+        usual = _DEFAULTS[name]
         if name == "description":
             usual = component.doc.split("\n")[0]
         if value != usual:
@@ -116,16 +116,16 @@ def _of_parameter(
             yield word, value
 
 
-# Annotations of which the fields are what counts.
+# Annotations whose content is in fields
 
 
 def written_annotations(item: Documented) -> tuple[WrittenAnnotation, ...] | None:
-    """Return the annotations of an item as written; None for those that a profile implies.
+    """Return the annotations of an item as written; None if a profile implies them.
 
-    Those are the result of `annotations_of`, and events.
+    A profile implies the result of `annotations_of`, and events.
     """
     events = tuple(a for a in item.annotations if a.name in (EVENT_PORT, EVENT))
-    if item.annotations in ((), (*annotations_of(item), *map(_whole, events))):
+    if item.annotations in ((), (*annotations_of(item), *map(_complete, events))):
         return None
     return tuple(_written(item, annotation) for annotation in item.annotations)
 
@@ -138,7 +138,7 @@ def _written(item: Documented, annotation: Annotation) -> WrittenAnnotation:
 def annotations_from(
     item: Documented, entries: Sequence[WrittenAnnotation]
 ) -> tuple[Annotation, ...]:
-    """Return the annotations of an item as written, as far as its fields still agree with them."""
+    """Return the annotations of an item as written, unless its fields contradict them."""
     made: list[Annotation] = []
     for entry in entries:
         found = entry if isinstance(entry, Annotation) else _of_fields(item, entry)
@@ -155,13 +155,11 @@ def annotations_from(
 
 
 def same_event(one: Annotation, other: Annotation) -> bool:
-    """Return whether two annotations of an event port are equivalent; omitted arguments are
-    empty.
-    """
-    return one.name == other.name and _whole(one) == _whole(other)
+    """Return whether two event annotations are equivalent; missing arguments count as empty."""
+    return one.name == other.name and _complete(one) == _complete(other)
 
 
-def _whole(event: Annotation) -> Annotation:
+def _complete(event: Annotation) -> Annotation:
     """Return an event with all arguments, as in profiles."""
     if event.name != EVENT:
         return event
@@ -171,7 +169,7 @@ def _whole(event: Annotation) -> Annotation:
 
 
 def _of_fields(item: Documented, short: Sequence[str]) -> Annotation | None:
-    """Return the annotation with the values of the fields; None if a field has none."""
+    """Return the annotation with the fields' values; None if a field has none."""
     name, *keys = short
     arguments: list[tuple[str, ConstantValue]] = []
     for key in keys:

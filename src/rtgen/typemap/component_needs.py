@@ -19,9 +19,7 @@ from rtgen.typemap.type_parsing import names_in
 
 
 def declarations_of(model: Model, component: Component) -> list[Declaration]:
-    """Return the declarations of its types, its base, its interfaces, and the enumerators it
-    names.
-    """
+    """Return the declarations of a component's types, base, interfaces and named enumerators."""
     items: list[Port | ConfigurationParameter]
     items = [*component.ports, *component.configuration]
     names = [each.name for item in items for each in names_in(item.type)]

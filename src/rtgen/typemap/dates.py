@@ -10,7 +10,7 @@ _FRACTION = re.compile(r"\.\d+")
 
 
 def is_date(text: str) -> bool:
-    """Return whether it is a date with a time; the zone may be missing."""
+    """Return whether a text is a date with a time; the zone may be missing."""
     if not _DATE.fullmatch(text):
         return False
     try:

@@ -1,7 +1,7 @@
-"""Physical values of the objects of a drive (CiA 402-2: 608Fh, 6091h, 60A8h to 60AAh).
+"""Physical units of a drive's objects (CiA 402-2: 608Fh, 6091h, 60A8h to 60AAh).
 
-Increments are counted at the motor, and a drive that positions by increments has its velocities
-there, too; angles are those of the driving shaft behind the gear. Codes of units: CiA 303-2.
+Increments are counted at the motor; a drive with positions in increments has its velocities there,
+too. Angles are those of the driving shaft behind the gear. Codes of units: CiA 303-2.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from rtgen.model.canopen import Device
 from rtgen.units import Relation, Unit, UnitError, conversion, parse, relation
 
 BY_DESCRIPTION: Final = "cia402"
-"""A factor of a bus file that is computed from the objects of the drive."""
+"""Value of a factor in a bus file that is computed from the drive's objects."""
 
 _POSITION, _VELOCITY, _ACCELERATION = (0x60A8, 0), (0x60A9, 0), (0x60AA, 0)
 _INCREMENT: Final = 0xB5
@@ -29,11 +29,11 @@ _ORDERS: Final = {
 
 
 class NoFactorError(ValueError):
-    """The description does not say what the object's value means."""
+    """The description does not determine the meaning of the object's value."""
 
 
 def drive_factor(device: Device, number: tuple[int, int], unit: str) -> float:
-    """Physical value = factor * value, in a unit. Raises NoFactorError."""
+    """Return the factor to a unit: physical value = factor * value. Raises NoFactorError."""
     if not unit:
         raise NoFactorError("it has no unit in `units`")
     try:
@@ -51,7 +51,7 @@ def drive_factor(device: Device, number: tuple[int, int], unit: str) -> float:
 
 
 def _unit(device: Device, order: int) -> Unit:
-    """Return the unit of positions, velocities or accelerations, at the driving shaft."""
+    """Return the unit of positions, velocities or accelerations at the driving shaft."""
     prefix, what, _ = _parts(_number(device, _POSITION))
     turns = _number(device, (0x6091, 1)), _number(device, (0x6091, 2))
     at_motor = what == _INCREMENT
@@ -73,7 +73,7 @@ def _unit(device: Device, order: int) -> Unit:
 
 
 def _parts(code: int) -> tuple[float, int, int]:
-    """Prefix, numerator and denominator of a unit's code."""
+    """Split the code of a unit into prefix, numerator and denominator."""
     exponent = code >> 24 & 0xFF
     prefix = 10.0 ** (exponent - 0x100 if exponent & 0x80 else exponent)
     return prefix, code >> 16 & 0xFF, code >> 8 & 0xFF

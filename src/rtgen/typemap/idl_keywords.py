@@ -13,20 +13,20 @@ RESERVED = _words("""
     out private public raises readonly sequence short string struct supports switch TRUE
     truncatable typedef union unsigned ValueBase valuetype void wchar wstring
     """)
-"""CORBA 2.6, 3.2.4, table 3-6."""
+"""Reserved words of CORBA 2.6, 3.2.4, table 3-6."""
 
 CORBA_3 = _words("""
     component consumes emits eventtype finder getraises home import manages multiple primarykey
     provides publishes setraises typeid typeprefix uses
     """)
-"""CORBA 3.0, 3.2.4: usable as identifiers in CORBA 2.6, though not in a CORBA 3 compiler."""
+"""Reserved words added by CORBA 3.0, 3.2.4: valid identifiers in CORBA 2.6, invalid in CORBA 3."""
 
 FOLDED = {word.lower(): word for word in RESERVED}
-"""Reserved words by their lower-case form: no identifier may differ from one in case only."""
+"""Reserved words by lower-case form: identifiers must differ from them in more than case."""
 
 _ESCAPED = frozenset(FOLDED).union(CORBA_3)
 
 
 def escaped(name: str) -> str:
-    """Return the identifier as written in a definition, with `_` before one that is a keyword."""
+    """Return the identifier as written in IDL, with a leading `_` if it is a keyword."""
     return f"_{name}" if name.lower() in _ESCAPED else name

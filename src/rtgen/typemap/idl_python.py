@@ -46,7 +46,7 @@ from rtgen.typemap.python_names import identifier
 class PythonType:
     """The annotation of a type, and the expression of its initial value.
 
-    `imports` are the names that both need, as (module, name); builtins have an empty module.
+    `imports` are the names that both use, as (module, name); builtins have an empty module.
     """
 
     annotation: str
@@ -100,21 +100,21 @@ PRIMITIVES: dict[Primitive, PythonType] = {
 """The basic types (OMG IDL to Python 1.3, table 1; CORBA 3.3 part 1, 7.11.1)."""
 
 BYTES_ELEMENTS = (Primitive.OCTET, Primitive.UINT8)
-"""Elements whose sequences and one-dimensional arrays are `bytes`."""
+"""Element types whose sequences and one-dimensional arrays are `bytes`."""
 
 _SIGNED = frozenset(
     (Primitive.SHORT, Primitive.LONG, Primitive.LONG_LONG, Primitive.INT8)
 )
 
 STR_ELEMENTS = (Primitive.CHAR,)
-"""Elements whose sequences and one-dimensional arrays are `str`."""
+"""Element types whose sequences and one-dimensional arrays are `str`."""
 
 NameOf: TypeAlias = Callable[[ScopedName], str]
-"""Returns how a declared type is written at the place of the text."""
+"""Function that returns the name of a declared type as written at the place of the text."""
 
 
 class PythonMapping:
-    """The Python side of type expressions; `spell` returns a name that a text has to import.
+    """The Python types of type expressions; `spell` returns the name for an import.
 
     `spell(module, name)` returns how the name is written (it may have an alias). An object of an
     interface is a reference in data, and with `servants` the abstract servant.
@@ -197,7 +197,7 @@ class PythonMapping:
                 return "None"
 
     def immutable(self, type_: Type) -> bool:
-        """Return whether values of the type can be shared, as a default or between copies."""
+        """Return whether values of the type can be shared, such as defaults, without copying."""
         type_ = self._model.unalias(type_)
         match type_:
             case SequenceType() | ArrayType():
@@ -227,9 +227,7 @@ class PythonMapping:
         return flat and self._text_type(type_) is not None
 
     def _text_type(self, type_: Type) -> str | None:
-        """Return the type of a sequence, or of an array's innermost dimension, if it is not a
-        list.
-        """
+        """Return `bytes` or `str` if a sequence or the innermost dimension of an array is one."""
         if not isinstance(type_, SequenceType | ArrayType):
             return None
         element = self._model.unalias(type_.element)
@@ -285,7 +283,7 @@ class PythonMapping:
     def _numpy_default(
         self, type_: SequenceType | ArrayType, shape: tuple[int, ...]
     ) -> str:
-        """Return the expression of a numpy array of zeros."""
+        """Return an expression for a numpy array of zeros."""
         if self._kind(type_) is None:
             element = self.annotation(self._model.unalias(type_.element))
         else:
@@ -294,7 +292,7 @@ class PythonMapping:
         return f"{self._spell('rtgen.runtime', 'idl')}.zeros({element}, {sizes})"
 
     def _item_type(self, type_: SequenceType | ArrayType) -> str:
-        """Return the scalar type of numpy, that of structured arrays for structs."""
+        """Return numpy's scalar type; for structs, that of structured arrays."""
         kind = self._kind(type_)
         if kind is None:
             return "void"
@@ -308,8 +306,9 @@ class PythonMapping:
 
 
 def is_boolean(model: Model, field: Bitfield) -> bool:
-    """Return whether a bitfield is a bool: one bit, no type or `boolean` written (IDL 4.2,
-    7.4.13.4.3).
+    """Return whether a bitfield is a boolean (IDL 4.2, 7.4.13.4.3).
+
+    It has one bit, and no type or `boolean`.
     """
     if field.type is None:
         return field.bits == 1
@@ -317,6 +316,6 @@ def is_boolean(model: Model, field: Bitfield) -> bool:
 
 
 def is_signed(model: Model, field: Bitfield) -> bool:
-    """Return whether a bitfield is in two's complement."""
+    """Return whether a bitfield is signed, in two's complement."""
     plain = None if field.type is None else model.unalias(field.type)
     return isinstance(plain, PrimitiveType) and plain.kind in _SIGNED

@@ -1,7 +1,7 @@
-"""IDL to Python: the names of declarations and members, and the modules that they are in.
+"""IDL to Python: names and modules of declarations and members.
 
-A name that Python, a generated class or generated text has already gets a trailing `_` (OMG IDL to
-Python mapping 1.3, which puts one in front).
+A name that Python, a generated class or generated text already uses gets a trailing `_` (OMG IDL to
+Python mapping 1.3 prepends one).
 """
 
 from __future__ import annotations
@@ -46,10 +46,10 @@ CODEC = frozenset(
         "key_hash",
     }
 )
-"""The public methods of everything with a codec; IDL names that clash get a trailing `_`."""
+"""Public methods of all types with a codec; equal IDL names get a trailing `_`."""
 
 NUMBER = frozenset({"to_number", "from_number"})
-"""The further methods of what stands on the wire as one number."""
+"""Further methods of types that are one number on the wire."""
 
 _UNION_FIELDS = frozenset({"discriminator", "value"})
 
@@ -82,17 +82,17 @@ OWN_NAMES[Bitset] = CODEC | NUMBER
 OWN_NAMES[Valuetype] = CODEC | {"described"}
 
 _PACKAGES = frozenset({"components", "tecs"})
-"""Packages that rtgen itself generates below the root."""
+"""Packages below the root that rtgen itself generates."""
 
 Fielded: TypeAlias = Struct | ExceptionDecl | Union | Bitset | Valuetype
-"""Declarations with named parts that become attributes."""
+"""Declarations whose parts become attributes."""
 
 
 class PythonNames:
     """The place of each declaration of a model in the generated package.
 
-    One implementation module for each IDL file, `_idl.<file>`; one package for each IDL module,
-    which re-exports. `support` are the names that generated text uses itself in class scope.
+    There is one implementation module for each IDL file, `_idl.<file>`, and one package for each
+    IDL module, which re-exports. `support` are the names that generated text uses in class scope.
     """
 
     def __init__(self, model: Model, package: str) -> None:
@@ -109,7 +109,7 @@ class PythonNames:
             self._name_classes(module)
 
     def module(self, file: str) -> str:
-        """Return the implementation module of a source file, by its displayed path."""
+        """Return the implementation module of a source file, given by displayed path."""
         return self._modules[file]
 
     def declarations(self, module: str) -> list[Declaration]:
@@ -127,14 +127,14 @@ class PythonNames:
         return [m for m in dict.fromkeys(self._modules.values()) if m in used]
 
     def implementation(self, name: ScopedName) -> tuple[str, str]:
-        """(`_idl.<module>`, class name) of a declaration."""
+        """Return (`_idl.<module>`, class name) of a declaration."""
         return self._implementations[name]
 
     def public(self, name: ScopedName) -> tuple[tuple[str, ...], str]:
-        """(package path below the root, attribute there) of a declaration.
+        """Return (package path below the root, attribute there) of a declaration.
 
-        `("IIS", "TimedPose2D")` gives `(("iis",), "TimedPose2D")`, what stands in the global scope
-        `((), "RefHard")`, a type of an interface `((), "RefHard.Mode")`.
+        `("IIS", "TimedPose2D")` gives `(("iis",), "TimedPose2D")`, a declaration in the global
+        scope `((), "RefHard")`, a type in an interface `((), "RefHard.Mode")`.
         """
         inner = self._depth(name)
         attribute = ".".join(
@@ -143,7 +143,7 @@ class PythonNames:
         return package_path(name[:inner]), attribute
 
     def attribute(self, name: ScopedName) -> str:
-        """Return the name of a declaration or enumerator in its enclosing scope."""
+        """Return the attribute of a declaration or enumerator in its enclosing scope."""
         return self._attribute(name)
 
     def companion(self, name: ScopedName, suffix: str) -> str:
@@ -173,13 +173,11 @@ class PythonNames:
         return found
 
     def is_nested(self, name: ScopedName) -> bool:
-        """Return whether it is declared inside an interface, struct or similar."""
+        """Return whether a declaration is inside an interface, struct or similar."""
         return self._depth(name) < len(name) - 1
 
     def enumerator(self, name: ScopedName) -> tuple[ScopedName, str]:
-        """Return the enum that has the enumerator of that scoped name, and its Python name
-        there.
-        """
+        """Return the enum of an enumerator's scoped name, and its Python name there."""
         enum = self._model.find(self._enumerators[name])
         assert isinstance(enum, Enum | Bitmask)
         return enum.name, self.enumerators(enum)[name[-1]]
@@ -195,9 +193,7 @@ class PythonNames:
         return list(self.enumerators(declaration).values())
 
     def members(self, declaration: Fielded) -> dict[str, str]:
-        """Return the Python names of the members of a struct or similar, or the branches of a
-        union.
-        """
+        """Return the Python names of a struct's members, or of a union's branches."""
         name = declaration.name
         if name not in self._members:
             self._members[name] = self._new_members(declaration)
@@ -221,7 +217,7 @@ class PythonNames:
         return distinct((e.name for e in entries if e.name), own.union(inherited))
 
     def operations(self, declaration: Interface | Valuetype) -> dict[str, str]:
-        """Return the Python names of the attributes and operations that it adds to its bases."""
+        """Return the Python names of the attributes and operations added to the bases'."""
         name = declaration.name
         if name not in self._operations:
             self._operations[name] = self._new_operations(declaration)
@@ -241,15 +237,13 @@ class PythonNames:
     def bases(self, declaration: Interface | Valuetype) -> list[ScopedName]:
         """Return the base classes: the latest declared first.
 
-        With this common order, in which derived classes precede their bases, Python finds a method
-        resolution order for everything that IDL allows.
+        This order, in which derived classes precede their bases, always gives a valid method
+        resolution order.
         """
         return sorted(declaration.bases, key=self._places.__getitem__, reverse=True)
 
     def contested(self, declaration: Interface) -> dict[str, Declaration]:
-        """Return the attributes that bases define differently, with the one that takes
-        precedence.
-        """
+        """Return attributes that bases define differently, with the definition that wins."""
         if len(declaration.bases) < 2:
             return {}
         given: dict[str, Declaration] = {}
@@ -262,7 +256,7 @@ class PythonNames:
         return contested
 
     def hides(self, declaration: Interface) -> bool:
-        """Return whether an attribute differs from that of a base."""
+        """Return whether an attribute of the declaration differs from a base's."""
         held = self._held(declaration.name)
         return any(
             held[attribute] is not inner
@@ -328,7 +322,7 @@ class PythonNames:
         return found
 
     def _depth(self, name: ScopedName) -> int:
-        """How many leading parts are IDL modules."""
+        """Return how many leading parts are IDL modules."""
         scope = name[:-1]
         if scope not in self._depths:
             self._depths[scope] = next(
@@ -364,7 +358,7 @@ class PythonNames:
 
     @cached_property
     def _emitted(self) -> list[Declaration]:
-        """The declarations in order, nested ones before the enclosing one."""
+        """The declarations in order, nested ones before enclosing ones."""
         inside: dict[ScopedName, list[Declaration]] = {}
         for declaration in self._model.declarations:
             if self.is_nested(declaration.name) and is_emitted(declaration):
@@ -414,7 +408,7 @@ class PythonNames:
 
 
 def distinct(names: Iterable[str], reserved: Collection[str]) -> dict[str, str]:
-    """Python names of the members of one scope: unique, and none reserved."""
+    """Return unique Python names for the members of one scope, none of them reserved."""
     wanted = list(names)
     made = [identifier(name, reserved) for name in wanted]
     if made == wanted:
@@ -438,13 +432,11 @@ def _free(name: str, taken: Collection[str]) -> str:
 
 
 def is_emitted(declaration: Declaration) -> bool:
-    """Return whether the types back end generates anything for it."""
+    """Return whether the types back end generates code for the declaration."""
     return not isinstance(declaration, Component | Home | Native)
 
 
 def package_path(scope: ScopedName) -> tuple[str, ...]:
-    """Return the package path below the root for an IDL module; rtgen's own packages keep
-    theirs.
-    """
+    """Return the package path below the root of an IDL module; avoids rtgen's own packages."""
     path = scope_modules(scope)
     return (identifier(path[0], _PACKAGES), *path[1:]) if path else path

@@ -1,8 +1,8 @@
 """Assigns the declarations of definition files to implementation modules.
 
-One module for each file, with two exceptions: a file included inside a scope, and files that
-depend on each other (an include in mid-file, or files that refer to each other's interfaces).
-Such files share a module, since modules that import each other cannot be imported in any order.
+There is one module for each file, with two exceptions: a file included inside a scope, and files
+that depend on each other (an include in mid-file, or interfaces that refer to each other). Such
+files share a module, since modules that import each other cannot be imported in any order.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ _SERIES = (SequenceType, ArrayType)
 
 
 def implementation_modules(model: Model) -> dict[str, str]:
-    """Displayed path of each file to the name of its module."""
+    """Return the module name of each file, by displayed path."""
     owners = _owners(model)
     modules: dict[str, str] = {}
     for file in model.files:
@@ -54,7 +54,7 @@ def implementation_modules(model: Model) -> dict[str, str]:
 
 
 def _owners(model: Model) -> dict[str, str]:
-    """Return each file with the file whose module it belongs to."""
+    """Map each file to the file whose module it belongs to."""
     includers = {file.name: file.belongs_to for file in model.files}
     owners = {}
     for file in model.files:
@@ -75,7 +75,7 @@ def _owners(model: Model) -> dict[str, str]:
 
 
 def _needs(model: Model, owners: dict[str, str]) -> dict[str, set[str]]:
-    """Return the other files that the declarations of each file refer to."""
+    """Return the other files that each file's declarations refer to."""
     files = {d.name: owners[d.file] for d in model.declarations}
     needs: dict[str, set[str]] = {}
     for declaration in model.declarations:
@@ -86,7 +86,7 @@ def _needs(model: Model, owners: dict[str, str]) -> dict[str, set[str]]:
 
 
 def referred(declaration: Declaration) -> Iterator[ScopedName]:
-    """Yield the names in a declaration: types, bases, exceptions."""
+    """Yield the names used in a declaration: types, bases, exceptions."""
     match declaration:
         case Struct(members=members, base=base):
             yield from (base,) if base else ()

@@ -1,7 +1,7 @@
-"""Names of ports on OpenRTM, and their mapping to those of the definition.
+"""Names of ports on OpenRTM, and their mapping to the definition's names.
 
-OpenRTM has one name space for all ports of a component, and only keeps the part of a name after
-its last dot (`PortBase.setOwner`). Profiles written by its tools have these names.
+OpenRTM has one name space for all ports of a component, and only keeps the part of a name after its
+last dot (`PortBase.setOwner`). Profiles written by its tools use these names.
 """
 
 from __future__ import annotations
@@ -29,20 +29,20 @@ _POLARITIES = {PortKind.PROVIDER: "provided", PortKind.CONSUMER: "required"}
 
 
 def key_of(port: Port) -> Key:
-    """Return the key of a port; interfaces of one service port share it."""
+    """Return the key of a port; the interfaces of a service port share it."""
     way = _WAYS.get(port.kind, SERVICE)
     return way, port.port if way == SERVICE else port.name
 
 
 def chosen_name(port: Port) -> str:
-    """Return the name in the port's annotation; empty without one."""
+    """Return the name given by annotation; empty without one."""
     annotation = port.annotation(OPENRTM_NAME)
     value = None if annotation is None else annotation.get()
     return value if isinstance(value, str) else ""
 
 
 def names_of(component: Component) -> dict[Key, str]:
-    """Registration names for the ports of a component."""
+    """Return registration names for the ports of a component."""
     chosen: dict[Key, str] = {}
     for port in component.ports:
         if name := chosen_name(port):
@@ -81,10 +81,7 @@ def ports_of(component: Component) -> InstancePorts:
 def with_definition_names(
     system: System, instances: Mapping[str, InstancePorts]
 ) -> System:
-    """Return the system with OpenRTM's names of ports and interfaces replaced by the definitions'.
-
-    Unknown names are kept.
-    """
+    """Replace OpenRTM's names of ports and interfaces in a system by the definitions'."""
     connections = (_connection(c, instances) for c in system.connections)
     return replace(system, connections=tuple(connections))
 
@@ -114,7 +111,7 @@ def _connection(
 
 
 def _aliases(registered: str) -> tuple[str, str]:
-    """Return the names in files for a port registered under a name."""
+    """Return the names that files use for a port registered under a name."""
     return registered, known_name(registered)
 
 
@@ -133,10 +130,10 @@ def _definition_end(
 def _definition_key(
     text: str, ends: Sequence[PortReference], instances: Mapping[str, InstancePorts]
 ) -> str:
-    """Return a key or value of a property, which may name an interface of one of the ends.
+    """Translate a key or value of a property if it names an interface of one of the ends.
 
-    The type in the name is ignored: the other parts are unique, and files write a type with or
-    without its scope.
+    The type in the name is ignored: the other parts are unique, and files omit or include the
+    type's scope.
     """
     for end in ends:
         ports = instances.get(end.instance, _NOTHING)

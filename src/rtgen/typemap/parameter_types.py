@@ -1,7 +1,7 @@
 """Types of configuration parameters and their C++ names in an RtcProfile.
 
-Source: the output of RTCBuilder (facts on `rtc:Configuration`); `_FURTHER` has variants written
-by people.
+Source: the output of RTCBuilder (facts on `rtc:Configuration`); `_FURTHER` has variants used by
+people.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ _VECTOR = re.compile(r"(?:std::)?vector ?< ?(.*?) ?>")
 
 
 def type_of(word: str) -> Type | None:
-    """Return the type for a name, None for an unknown one."""
+    """Return the type for a name; None for an unknown one."""
     word = " ".join(word.split())
     if word in _STRINGS:
         return StringType()

@@ -1,4 +1,4 @@
-"""Configuration parameters as text, for profiles, files and tools."""
+"""Validates configuration parameters and converts them from and to text."""
 
 from __future__ import annotations
 
@@ -39,13 +39,13 @@ class ValueMismatchError(ValueError):
 
 
 class Parameters:
-    """The parameters of a model's components, their typedefs and enums resolved."""
+    """The parameters of a model's components, with typedefs and enums resolved."""
 
     def __init__(self, model: Model) -> None:
         self._model = model
 
     def is_supported(self, type_: Type) -> bool:
-        """Return whether values of the type can be a parameter; see the rule RTC0302."""
+        """Return whether a parameter can have the type; see the rule RTC0302."""
         item = self.item_type(type_)
         match item:
             case PrimitiveType(kind):
@@ -58,7 +58,7 @@ class Parameters:
                 )
 
     def profile_type(self, type_: Type) -> str:
-        """Return the value of `rtc:type` in an RtcProfile: a C++ type, as RTCBuilder writes it."""
+        """Return `rtc:type` in an RtcProfile: a C++ type, as written by RTCBuilder."""
         type_ = self._model.unalias(type_)
         match type_:
             case SequenceType(element):
@@ -70,7 +70,7 @@ class Parameters:
                 return "string"
 
     def canonical_type(self, type_: Type) -> str:
-        """IDL's spelling with typedefs resolved; an enum keeps its scoped name."""
+        """Return IDL's spelling with typedefs resolved; an enum keeps its scoped name."""
         type_ = self._model.unalias(type_)
         if isinstance(type_, SequenceType):
             bound = "" if type_.bound is None else f",{type_.bound}"
@@ -78,7 +78,7 @@ class Parameters:
         return str(type_)
 
     def default_text(self, parameter: ConfigurationParameter) -> str:
-        """Return the default as text; falls back on that of the type's zero value."""
+        """Return the default as text, falling back to the zero value of the type."""
         if parameter.default is not None:
             return value_text(parameter.default)
         type_ = self._model.unalias(parameter.type)
@@ -91,7 +91,7 @@ class Parameters:
                 return ""
 
     def enumerators(self, type_: Type) -> tuple[str, ...]:
-        """Return the names of an enum's members; empty for every other type."""
+        """Return the names of an enum's members; empty for other types."""
         type_ = self._model.unalias(type_)
         if isinstance(type_, NamedType):
             declaration = self._model.find(type_.name)
@@ -107,11 +107,7 @@ class Parameters:
         return [text]
 
     def constraint(self, parameter: ConfigurationParameter) -> Constraint | None:
-        """Return the constraint as written, else from the bounds, else from the enum's members.
-
-        Raises ConstraintError for a malformed constraint, or for one on a value that is not a
-        number.
-        """
+        """Return the constraint as written, else that of the bounds or of the enum's members."""
         written = parse(parameter.constraint)
         if written is not None:
             self._check_literals(parameter.type, written)
@@ -128,7 +124,7 @@ class Parameters:
     def is_default_allowed(
         self, parameter: ConfigurationParameter, limit: Constraint
     ) -> bool:
-        """Return whether the default (of the right type) satisfies the constraint."""
+        """Return whether the default, of the right type, meets the constraint."""
         item = self.item_type(parameter.type)
         texts = self.default_items(parameter)
         return allows(limit, [self._value(item, text) for text in texts])
@@ -138,7 +134,7 @@ class Parameters:
         return text if isinstance(value, Decimal | EnumeratorName) else value
 
     def item_type(self, type_: Type) -> Type:
-        """Return the type of a sequence's elements, or the type itself; typedefs resolved."""
+        """Return the element type of a sequence, or the type itself; typedefs are resolved."""
         type_ = self._model.unalias(type_)
         return (
             self._model.unalias(type_.element)
@@ -151,7 +147,7 @@ class Parameters:
         return isinstance(self._model.unalias(type_), SequenceType)
 
     def is_number(self, type_: Type) -> bool:
-        """Return whether a value, or an item of it, is a number (not a boolean)."""
+        """Return whether a value or its items are numbers (not booleans)."""
         item = self.item_type(type_)
         return isinstance(item, PrimitiveType) and (
             item.kind in INTEGER_RANGES or item.kind in FLOAT_LIMITS
@@ -233,7 +229,7 @@ class Parameters:
 
 
 def value_text(value: ConstantValue) -> str:
-    """Return a value as written in profiles; booleans are 1 and 0, which every target converts."""
+    """Return a value's text in profiles; booleans are 1 and 0, which every target accepts."""
     match value:
         case bool():
             return str(int(value))

@@ -1,9 +1,9 @@
 """Properties of a definition that an RtcProfile's attributes cannot express, as JSON.
 
-A profile written by rtgen has them in properties `rtgen.definition` of the component, of its data
-ports, service ports and parameters, only where the attributes alone would be read differently. A
-fact only applies while the attributes are those that rtgen writes for it, so edits of the
-attributes take precedence.
+A profile written by rtgen has them as properties `rtgen.definition` of the component, its data
+ports, service ports and parameters, only if the attributes alone would be read differently. A fact
+applies only while the attributes are those that rtgen writes for it, so edited attributes take
+precedence.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ PROPERTY = "rtgen.definition"
 
 Facts: TypeAlias = dict[str, Any]
 
-_LONGEST = 1 << 20
+_MAX_LENGTH = 1 << 20
 
 WITH_USUAL = {
     "kind": "DataFlowComponent",
@@ -63,7 +63,7 @@ _KINDS: dict[str, tuple[type, str]] = {
     ),
     **dict.fromkeys(("supports", "files", "order", "annotations"), (list, "a list")),
 }
-"""JSON types of facts; those not listed are values of parameters."""
+"""JSON types of facts; those not listed are parameter values."""
 
 
 # As text.
@@ -76,8 +76,8 @@ def text_from(facts: Facts) -> str:
 
 def facts_from(text: str) -> Facts:
     """Parse the value of the property. Raises ValueError."""
-    if len(text) > _LONGEST:
-        raise ValueError(f"it is longer than {_LONGEST:,} characters")
+    if len(text) > _MAX_LENGTH:
+        raise ValueError(f"it is longer than {_MAX_LENGTH:,} characters")
     try:
         found = json.loads(text)
     except RecursionError:
@@ -167,7 +167,7 @@ def _entry(found: Any) -> WrittenAnnotation:
     raise ValueError(f"{str(found)[:40]} is not an annotation")
 
 
-# What attributes do not say.
+# What attributes do not express
 
 
 def of_component(model: Model, component: Component) -> Facts:
@@ -271,28 +271,28 @@ def _of_annotations(item: Documented) -> Facts:
 
 
 def default_id(name: ScopedName) -> str:
-    """Return the default repository id."""
+    """Return the default repository id of a scoped name."""
     return f"IDL:{'/'.join(name)}:1.0"
 
 
 def read_text(value: str, usual: str) -> str:
-    """Return a text of a component as it is read back."""
+    """Return a component's text as it will be read back."""
     return value.strip() or usual
 
 
 def read_doc(doc: str, otherwise: str = "") -> str:
-    """Return a doc text as it is read back; `otherwise` replaces an empty one."""
+    """Return a doc text as it will be read back; `otherwise` replaces an empty one."""
     return profile_escapes.lines(profile_escapes.written(doc) or otherwise)
 
 
 def in_profile_order(ports: Sequence[Port]) -> list[Port]:
-    """Ports in the order of a profile: data ports, then interfaces by their service ports."""
+    """Return ports in the order of a profile: data ports, then interfaces by service port."""
     data = [p for p in ports if p.kind in (PortKind.INPORT, PortKind.OUTPORT)]
     return data + [port for group in by_service_port(ports).values() for port in group]
 
 
 def by_service_port(ports: Sequence[Port]) -> dict[str, list[Port]]:
-    """Interfaces by the service port that they share, in the order of their first ones."""
+    """Return the interfaces by service port, in the order of their first ones."""
     grouped: dict[str, list[Port]] = {}
     for port in ports:
         if port.kind in (PortKind.PROVIDER, PortKind.CONSUMER):

@@ -1,4 +1,4 @@
-"""The rules of RtcProfile files: `RTC0530` and on."""
+"""Rules of RtcProfile files (RTC0530 and following)."""
 
 from __future__ import annotations
 

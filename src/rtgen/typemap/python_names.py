@@ -17,9 +17,9 @@ _MODULES_OF_PYTHON = ("__init__", "__main__")
 
 
 def identifier(name: str, reserved: Collection[str] = ()) -> str:
-    """Return the name as a Python identifier: `_` is appended to a keyword or a reserved name.
+    """Return the name as a Python identifier; `_` is appended to keywords and reserved names.
 
-    It is in the normal form of Python identifiers (NFKC), so that the attribute is found.
+    It is in Python's normal form of identifiers (NFKC), so that attribute access by text works.
     """
     name = _plain(name)
     while name in reserved:
@@ -39,7 +39,7 @@ def _plain(name: str) -> str:
 
 
 def words(name: str) -> str:
-    """Return the name in normal form, with `_` for illegal characters."""
+    """Return the normal form of a name, with `_` for illegal characters."""
     if name.isascii():
         return name if name.isidentifier() else _NOT_A_WORD.sub("_", name)
     name = unicodedata.normalize("NFKC", name)
@@ -47,7 +47,7 @@ def words(name: str) -> str:
 
 
 def snake_case(name: str) -> str:
-    """`RefHardRh3` to `ref_hard_rh3`, `OmniTo2WD` to `omni_to2_wd`."""
+    """Convert to snake case: `RefHardRh3` to `ref_hard_rh3`, `OmniTo2WD` to `omni_to2_wd`."""
     name = _WORD_END.sub(r"\1_\2", name)
     return _WORD_START.sub(r"\1_\2", name).lower()
 
@@ -58,7 +58,5 @@ def module_name(name: str) -> str:
 
 
 def scope_modules(scope: ScopedName) -> tuple[str, ...]:
-    """Return the package path below the root package for an IDL module: `("IIS",)` to
-    `("iis",)`.
-    """
+    """Return the package path below the root for an IDL module: `("IIS",)` to `("iis",)`."""
     return tuple(identifier(part.lower()) for part in scope)

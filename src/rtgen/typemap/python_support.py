@@ -1,4 +1,4 @@
-"""Names of the runtime, the standard library and the builtins used by generated modules."""
+"""Names of the runtime, the standard library and builtins in generated modules."""
 
 from __future__ import annotations
 
@@ -57,7 +57,4 @@ HOMES = {
     "type": "builtins",
     "zip": "builtins",
 }
-"""Name to module, and the name there if it differs (`module:name`).
-
-Classes of generated modules cannot have these names.
-"""
+"""Module of each name, with the name there if it differs (`module:name`)."""

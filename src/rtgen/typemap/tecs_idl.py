@@ -1,7 +1,7 @@
 """TECS to IDL: Table 1 of the RTM-TECS publication and its extension.
 
-IDL expresses less than CDL: it lacks the sign of an `int8_t`, or the length of a buffer. The
-mapping keeps the bits; `docs/tecs.md` describes the differences.
+IDL expresses less than CDL: it has no sign of an `int8_t`, and no length of a buffer. The mapping
+keeps the bits; `docs/tecs.md` describes the differences.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ EXTENSION = {
     Scalar.LONG_LONG: Primitive.LONG_LONG,
     Scalar.ULONG_LONG: Primitive.UNSIGNED_LONG_LONG,
 }
-"""Scalars of fixed width that Table 1 lacks."""
+"""Scalars of fixed width that are not in Table 1."""
 
 BY_WIDTH = {
     (16, True): Primitive.SHORT,
@@ -77,7 +77,7 @@ BY_WIDTH = {
     (64, True): Primitive.LONG_LONG,
     (64, False): Primitive.UNSIGNED_LONG_LONG,
 }
-"""Integers by width and sign."""
+"""Integer types by width and sign."""
 
 _EIGHT_BITS = frozenset(
     (Scalar.CHAR, Scalar.SCHAR, Scalar.UCHAR, Scalar.INT8, Scalar.UINT8)
@@ -86,7 +86,7 @@ _EIGHT_BITS = frozenset(
 
 @dataclass(frozen=True, slots=True)
 class Widths:
-    """Width of C's types without a fixed width, at the peer."""
+    """Widths of C's types without a fixed width, at the peer."""
 
     short: int = 16
     int_: int = 32
@@ -94,7 +94,7 @@ class Widths:
     intptr: int = 32
 
     def of(self, kind: Scalar) -> tuple[int, bool] | None:
-        """Width and whether there is a sign; None for other types."""
+        """Return the width and whether the type is signed; None for other types."""
         return {
             Scalar.SHORT: (self.short, True),
             Scalar.USHORT: (self.short, False),

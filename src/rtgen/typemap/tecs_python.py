@@ -124,7 +124,7 @@ def member_name(name: str) -> str:
 
 
 def annotation(node: Node, given: bool = False) -> str:
-    """Return the type of a value; `given`: only read, so that a tuple is accepted."""
+    """Return the annotation of a value; `given`: it is only read, so tuples are accepted."""
     many = "Sequence" if given else "list"
     match node:
         case Basic(Scalar.BOOL):
@@ -147,18 +147,18 @@ def annotation(node: Node, given: bool = False) -> str:
 
 
 def item_annotation(item: Item, given: bool = False) -> str:
-    """Return the type of a parameter's value; None represents NULL."""
+    """Return the annotation of a parameter; None represents NULL."""
     text = annotation(item.node, given)
     return f"{text} | None" if item.nullable and text != "None" else text
 
 
 def argument_annotation(item: Item) -> str:
-    """Return the type of a parameter's value in a request."""
+    """Return the annotation of a parameter in a request."""
     return "bool" if item.asked else item_annotation(item, given=True)
 
 
 def zero(node: Node) -> str:
-    """Return an expression for a value of zeros; arrays and texts of variable length are empty."""
+    """Return an expression for a zero value; arrays and texts of variable length are empty."""
     match node:
         case Basic(Scalar.BOOL):
             return "False"

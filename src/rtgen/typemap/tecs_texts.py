@@ -1,4 +1,4 @@
-"""Functions of signatures as CDL writes them."""
+"""Text of functions of signatures in CDL."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from rtgen.model.tecs import Sizes, TecsFunction
 
 
 def function_text(function: TecsFunction, name: str | None = None) -> str:
-    """Return the function as CDL declares it; `name` in place of its own."""
+    """Return the function as CDL declares it, with `name` in place of its own."""
     parameters = ", ".join(
         f"[{', '.join([str(p.direction), *sizes_text(p.sizes)])}] {_declared(p.type, p.name)}"
         for p in function.parameters

@@ -1,4 +1,4 @@
-"""Parses types in the canonical spelling given by `str` (no `fixed`, no maps)."""
+"""Parses types in the canonical spelling of `str` (without `fixed` and maps)."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ _STRING = re.compile(r"(w?)string(?:<(\d{1,9})>)?")
 _SEQUENCE = re.compile(r"sequence<(.+?)(?:,(\d{1,9}))?>")
 _NAME = re.compile(r"[A-Za-z_]\w*(?:::[A-Za-z_]\w*)*", re.ASCII)
 _PRIMITIVES = frozenset(kind.value for kind in Primitive)
-_LONGEST = 1000
+_MAX_LENGTH = 1000
 
 
 def parsed(text: str) -> Type:
     """Parse a type. Raises ValueError."""
-    if len(text) > _LONGEST:
+    if len(text) > _MAX_LENGTH:
         raise ValueError("a type is too long")
     if text in _PRIMITIVES:
         return PrimitiveType(Primitive(text))
@@ -41,7 +41,7 @@ def _bound(text: str | None) -> int | None:
 
 
 def names_in(type_: Type) -> Iterator[NamedType]:
-    """Yield the declared types that a type refers to."""
+    """Yield the declared types in a type."""
     match type_:
         case NamedType():
             yield type_

@@ -10,7 +10,7 @@ _OF_VALUES = ("radio", "checkbox", "ordered_list", "orderd_list")
 
 
 def is_widget(text: str) -> bool:
-    """Return whether it is a known widget, with its step if it has one."""
+    """Return whether a text is a known widget, with its step if it has one."""
     kind = text.partition(".")[0]
     if kind == "slider":
         return bool(_SLIDER.fullmatch(text)) and float(text[len("slider.") :]) > 0

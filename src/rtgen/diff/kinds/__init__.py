@@ -1,1 +1,1 @@
-"""The kinds of changes, one module for each world: the facts behind `rtgen diff`."""
+"""Kinds of changes, one module for each input language: the facts behind `rtgen diff`."""

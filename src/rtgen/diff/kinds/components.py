@@ -1,4 +1,4 @@
-"""The kinds of changes of components, their ports, parameters and profiles (DIF03..)."""
+"""Kinds of changes of components, their ports, parameters and profiles (DIF03..)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The kinds of changes of CANopen devices and buses (DIF05..)."""
+"""Kinds of changes of CANopen devices and buses (DIF05..)."""
 
 from __future__ import annotations
 

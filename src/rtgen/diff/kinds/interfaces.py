@@ -1,4 +1,4 @@
-"""The kinds of changes of interfaces, their operations and valuetypes (DIF02..)."""
+"""Kinds of changes of interfaces, their operations and valuetypes (DIF02..)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The kinds of changes of CDL: signatures, types, celltypes, cells (DIF04..)."""
+"""Kinds of changes of CDL: signatures, types, celltypes, cells (DIF04..)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The kinds of changes of systems and of the project file (DIF06.., DIF07..)."""
+"""Kinds of changes of systems and of the project file (DIF06.., DIF07..)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The kinds of changes of IDL types (DIF01..); what breaks on the wire is compared per type."""
+"""Kinds of changes of IDL types (DIF01..); what breaks on the wire is compared for each type."""
 
 from __future__ import annotations
 

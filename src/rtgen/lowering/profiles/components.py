@@ -1,4 +1,4 @@
-"""Lowers profiles to components of the model: resolves types, makes identifiers of names."""
+"""Lowers profiles to components of the model: resolves types, makes identifiers."""
 
 from __future__ import annotations
 
@@ -52,16 +52,16 @@ _BREAKS_ID = re.compile(r"[:\r\n\t]")
 _BREAKS_VERSION = re.compile(r"[:\s]+")
 _REPOSITORY_ID = re.compile(r"IDL:(.*?)(?::[\d.]*)?")
 _TYPE_NAME = re.compile(r"\w+(?:::\w+)*")
-"""Other forms, such as repository ids, are not registered by components."""
-_LONGEST_NAME = 100
+"""The valid form of a type name: components do not register other forms, such as repository ids."""
+_MAX_NAME_LENGTH = 100
 
 
 @dataclass
 class Lowering:
-    """Lowers profiles to components, with the types of a model, and placeholders for others.
+    """Lowers profiles to components, with the types of a model, and placeholders for unknown ones.
 
-    `given` are the definition files that the user named. A component that was reached through a
-    profile belongs to that profile.
+    `given` are the definition files given by the user. A component found through a profile belongs
+    to that profile.
     """
 
     model: Model
@@ -82,7 +82,7 @@ class Lowering:
         )
 
     def component(self, profile: RtcProfile) -> Component:
-        """Lower a profile; later ones must not clash with its component."""
+        """Lower a profile, whose names are reserved for later ones."""
         taken: set[str] = set()
         ports = [self._data_port(profile, port, taken) for port in profile.data_ports]
         for service in profile.service_ports:
@@ -129,9 +129,9 @@ class Lowering:
         self.diagnostics.append(rule.at(span, message, hint=hint))
 
     def _name(self, profile: RtcProfile) -> ScopedName:
-        """Return the component's name, with a diagnostic if it had to be changed."""
-        last = profile_escapes.word(profile.name, "Component")[:_LONGEST_NAME]
-        why = "is not an identifier" if len(last) < _LONGEST_NAME else "is too long"
+        """Return the component's name, with a diagnostic if it was changed."""
+        last = profile_escapes.word(profile.name, "Component")[:_MAX_NAME_LENGTH]
+        why = "is not an identifier" if len(last) < _MAX_NAME_LENGTH else "is too long"
         name = self._definitions.name(profile, last)
         known = self._by_name.get(name)
         if isinstance(known, Component):
@@ -152,7 +152,7 @@ class Lowering:
     def _id_part(
         self, profile: RtcProfile, text: str, breaking: re.Pattern[str]
     ) -> str:
-        """Return a part of the profile's id, with a diagnostic if it had to be changed."""
+        """Return a part of the profile's id, with a diagnostic if it was changed."""
         mended = breaking.sub("_", text)
         if mended != text:
             message = f"{text!r} would break the profile's id; {mended!r} is taken"
@@ -160,9 +160,7 @@ class Lowering:
         return mended
 
     def _outside_name(self, span: Span, text: str) -> str:
-        """Return the name of a port, interface or parameter, with a diagnostic if it had to be
-        changed.
-        """
+        """Return a port's, interface's or parameter's name, with a diagnostic if it was changed."""
         mended = "".join(c if c.isprintable() else "_" for c in text)
         mended = mended if mended.strip() else "_"
         if mended != text:
@@ -171,9 +169,7 @@ class Lowering:
         return mended
 
     def _is_taken(self, name: ScopedName) -> bool:
-        """Return whether the name, in any case, is that of a type or module, or used inside a
-        type.
-        """
+        """Return whether the name, in any case, is that of a type or module, or used in a type."""
         scopes = tuple(_scopes(name))
         return scopes[-1] in self._bound or not self._types.isdisjoint(scopes)
 
@@ -252,7 +248,7 @@ class Lowering:
         return self._stand_in(profile, port, written, service)
 
     def _found(self, written: ScopedName, service: bool) -> ScopedName | None:
-        """Return the declared name; a name without its module is searched for in all modules."""
+        """Return the declared name; without a scope, it is searched for in all modules."""
         if written in self._by_name:
             return written
         if len(written) != 1:
@@ -294,7 +290,7 @@ class Lowering:
         written: ScopedName,
         service: bool,
     ) -> Type:
-        """Return the placeholder for a name, under that name if it is free."""
+        """Return the placeholder for a name, with the same name if it is free."""
         name = self._stand_ins.get((written, service))
         if name is None:
             parts = [profile_escapes.word(part, "Unknown") for part in written]
@@ -388,14 +384,14 @@ class Lowering:
 
 
 def _scopes(name: ScopedName) -> Iterator[ScopedName]:
-    """Yield the name and the scopes that it stands in, outermost first, in lower case."""
+    """Yield the name and its scopes, outermost first, in lower case."""
     small = tuple(part.lower() for part in name)
     for depth in range(1, len(name) + 1):
         yield small[:depth]
 
 
 def _scoped(text: str) -> ScopedName:
-    """Return a type's name in its variants: IDL, repository id, with dots or slashes."""
+    """Parse a type's name in its variants: IDL, repository id, with dots or slashes."""
     text = text.strip()
     if (found := _REPOSITORY_ID.fullmatch(text)) is not None:
         text = found[1]
@@ -405,7 +401,7 @@ def _scoped(text: str) -> ScopedName:
 
 
 def _type_name(interface: ProfileInterface, type_: Type) -> str:
-    """Return the name of an interface's type in a profile, if it is not the scoped name."""
+    """Return an interface's type name in a profile, if it is not the scoped name."""
     written = interface.type.strip()
     is_name = _TYPE_NAME.fullmatch(written) or interface.facts.get("type_name")
     return written if is_name and written != str(type_) else ""
@@ -437,7 +433,7 @@ _Item = TypeVar("_Item", Port, ConfigurationParameter)
 
 
 def _beside(component: str, item: _Item, taken: set[str]) -> _Item:
-    """Return the item, renamed if it has the component's identifier, which IDL does not allow."""
+    """Return the item, renamed if it has the component's identifier, which IDL forbids."""
     if item.identifier.lower() != component.lower():
         return item
     name, number = item.identifier, 1
@@ -452,7 +448,7 @@ def _identifier(
     otherwise: str,
     taken: set[str],
 ) -> str:
-    """Return an identifier unique in the component, in any case."""
+    """Return an identifier that is unique in the component, ignoring case."""
     text = profile_escapes.identifier(item.variable or item.name, otherwise)
     base = name = identifier_of(item.variable, item.facts) or text
     number = 1
@@ -466,14 +462,14 @@ def _identifier(
 def components(
     profiles: Sequence[RtcProfile], model: Model, given: frozenset[str] = frozenset()
 ) -> tuple[tuple[Declaration, ...], tuple[Diagnostic, ...]]:
-    """Return the placeholders and components of profiles, in that order, with the diagnostics."""
+    """Return the placeholders, then the components of profiles, and the diagnostics."""
     lowering = Lowering(model, given)
     made = [lowering.component(profile) for profile in _bases_first(profiles)]
     return (*lowering.placeholders.values(), *made), tuple(lowering.diagnostics)
 
 
 def _bases_first(profiles: Sequence[RtcProfile]) -> list[RtcProfile]:
-    """Return the profiles, each after that of its base if there is one."""
+    """Return the profiles, each after its base's."""
     rest = list(profiles)
     made: list[RtcProfile] = []
     while rest:

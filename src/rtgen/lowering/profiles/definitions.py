@@ -1,7 +1,8 @@
 """Applies rtgen's additional facts in a profile to the lowered component.
 
-A fact only applies if the attributes are those that rtgen writes for it; edited attributes take
-precedence. So a fact is applied, and its attribute written again and compared.
+A fact applies only while the attributes are those that rtgen writes for it, so that edited
+attributes take precedence. Therefore a fact is applied, and the attributes written from the result
+are compared.
 """
 
 from __future__ import annotations
@@ -43,7 +44,7 @@ _Item = TypeVar("_Item", Port, ConfigurationParameter, Component)
 
 @dataclass(frozen=True)
 class Definitions:
-    """Restores definitions; unusable facts are reported to `report`."""
+    """Applies facts; unusable ones are reported to `report`."""
 
     declared: Mapping[ScopedName, Declaration]
     parameters: Parameters
@@ -52,9 +53,7 @@ class Definitions:
     # Ports.
 
     def port(self, made: Port, facts: Facts, events: Sequence[Annotation] = ()) -> Port:
-        """Return the port with its facts applied; `events` are those of an event port, as
-        annotations.
-        """
+        """Return the port with its facts applied; `events` are an event port's, as annotations."""
         with self._passing_over(made.span):
             is_data = made.kind in (PortKind.INPORT, PortKind.OUTPORT)
             name = facts.get("name")
@@ -71,7 +70,7 @@ class Definitions:
     # Parameters.
 
     def type(self, parameter: ProfileParameter) -> Type | None:
-        """Return the IDL type of a parameter, None if its attribute determines the type."""
+        """Return the IDL type of a parameter; None if its attribute determines the type."""
         with self._passing_over(parameter.type_span):
             text = parameter.facts.get("type")
             if text is None:
@@ -105,7 +104,7 @@ class Definitions:
     def parameter(
         self, made: ConfigurationParameter, parameter: ProfileParameter
     ) -> ConfigurationParameter:
-        """Return the parameter with the rest of its facts."""
+        """Return the parameter with its remaining facts applied."""
         facts = parameter.facts
         with self._passing_over(made.span):
             name = facts.get("name")
@@ -120,7 +119,7 @@ class Definitions:
     def _with_limits(
         self, made: ConfigurationParameter, parameter: ProfileParameter
     ) -> ConfigurationParameter:
-        """Return the parameter with bounds and the wording of its constraint. Raises ValueError."""
+        """Return the parameter with bounds and its constraint as written. Raises ValueError."""
         facts = parameter.facts
         constraint = facts.get("constraint")
         tried = replace(
@@ -153,7 +152,7 @@ class Definitions:
     # The component.
 
     def name(self, profile: RtcProfile, last: str) -> ScopedName:
-        """Return the scoped name; `last` is the component's own."""
+        """Return the scoped name; `last` is the component's unscoped name."""
         with self._passing_over(profile.span):
             text = profile.facts.get("name")
             if text is None:
@@ -251,7 +250,7 @@ class Definitions:
 
     @contextmanager
     def _passing_over(self, span: Span) -> Iterator[None]:
-        """Report unusable facts; those restored before are kept."""
+        """Report unusable facts; those already applied are kept."""
         try:
             yield
         except ValueError as error:
@@ -263,7 +262,7 @@ class Definitions:
 
 
 def identifier_of(variable: str, facts: Facts) -> str | None:
-    """Return the identifier in the facts, if the attribute agrees."""
+    """Return the identifier in the facts, if the attribute matches."""
     found = facts.get("identifier")
     return variable if found == variable else None
 
@@ -276,7 +275,7 @@ def _with_doc(made: _Item, facts: Facts) -> _Item:
 
 
 def _in_order(ports: Sequence[Port], order: Sequence[Any] | None) -> tuple[Port, ...]:
-    """Return the ports as the definition has them; new ones come last."""
+    """Return the ports in the order of the definition; new ones are last."""
     if order is None:
         return tuple(ports)
     places = {str(name): place for place, name in enumerate(order)}
@@ -291,7 +290,7 @@ _Part = TypeVar("_Part", Port, ConfigurationParameter)
 def _inherited(
     own: Sequence[_Part], of_base: Sequence[_Part]
 ) -> tuple[_Part, ...] | None:
-    """Return all items, those of the base first and unchanged; None if one of those differs."""
+    """Return all items, the base's first and unchanged; None if one of those differs."""
     rest: list[_Part] = list(own)
     for item in of_base:
         same = [each for each in rest if replace(each, span=item.span) == item]

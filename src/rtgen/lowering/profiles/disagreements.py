@@ -1,4 +1,4 @@
-"""Compares the component of an RtcProfile with the one of its name in IDL."""
+"""Compares the component of an RtcProfile with the IDL component of the same name."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _Entries = Mapping[str, tuple[str, Span]]
 
 
 def disagreements(profile: Component, definition: Component) -> Iterator[Diagnostic]:
-    """What the profile says otherwise than the definition: ports, parameters, their types."""
+    """Yield differences between profile and definition: ports, parameters, their types."""
     for what, ours, theirs in (
         ("port", _ports(profile), _ports(definition)),
         ("parameter", _parameters(profile), _parameters(definition)),
