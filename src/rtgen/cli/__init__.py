@@ -1,4 +1,4 @@
-"""The command line: one module for each command, loaded when it is called."""
+"""The command line: one module for each command, imported when it is called."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ COMMANDS = {
     "lsp": "Serve editors: the language server.",
     "explain": "Tell what a diagnostic means.",
 }
-"""Command to its line of help; the module of the same name has a function of the same name."""
+"""Commands with their help lines; the module has a function, both with the command's name."""
 
 _INTERRUPTED = 130
 
@@ -54,9 +54,9 @@ def application() -> None:
 
 
 def run(arguments: Sequence[str], *, ends: bool = False) -> int:
-    """Run a command line and returns its exit code; nothing but that leaves it.
+    """Run a command line; return its exit code and raise nothing.
 
-    `ends`: the process ends with the command, so nothing that it made is collected as garbage.
+    `ends`: the process ends with the command, so garbage collection is disabled.
     """
     try:
         code = application.main(
@@ -76,7 +76,7 @@ def run(arguments: Sequence[str], *, ends: bool = False) -> int:
 
 
 def _ended_by(error: BrokenPipeError) -> int:
-    """Return the exit code where a reader of the output has left."""
+    """Return the exit code after a reader of the output has gone."""
     from rtgen.cli.common import NO, discard_unread
     from rtgen.runtime.failures import ends_run
 

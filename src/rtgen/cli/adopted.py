@@ -69,8 +69,8 @@ def _with_neighbours(
 ) -> Adopted:
     """Return the component, with the IDL files near the module if they can be read.
 
-    IDL files are searched in the module's folder and in a folder `idl` inside or beside it, for
-    declarations of the types that the ports need.
+    IDL files are searched for in the module's folder and in a folder `idl` inside or beside it, for
+    declarations of the types that the ports use.
     """
     [adopted] = profile.model.profiles
     wanted = type_names(adopted)
@@ -95,9 +95,7 @@ def _with_neighbours(
 
 
 def _definitions(include: Sequence[Path], beside: Sequence[Path]) -> Project:
-    """Return the project extended by the IDL files of `include` and `beside`, without its
-    adapters.
-    """
+    """Return the project extended by further IDL files, without its adapters."""
     project = load()
     files = [path for folder in include for path in sorted(folder.glob("*.idl"))]
     files += beside

@@ -103,7 +103,7 @@ def _add_all(
     settings: Sequence[SetParameter],
     report: FailureReport,
 ) -> None:
-    """Give the system its components. Raises as `assemble` does."""
+    """Add the components to the system. Raises as `assemble` does."""
     findings: list[Diagnostic] = []
     folder = Path(profile.file).absolute().parent
     for c in profile.components:
@@ -129,7 +129,7 @@ def add_component(
     folder: Path,
     report: FailureReport,
 ) -> None:
-    """Add a component to a system that may already run. Raises as `assemble` does."""
+    """Add a component to a system, which may be running. Raises as `assemble` does."""
     if component.type not in factories:
         hint = factories.hint(component.type)
         message = f"no factory for the type {component.type!r}"
@@ -146,7 +146,7 @@ def _fill(
     transport: ProcessTransport | None,
     patience: float,
 ) -> None:
-    """Give the system its connections and timeline. Raises as `assemble` does."""
+    """Add connections and timeline to the system. Raises as `assemble` does."""
     findings: list[Diagnostic] = []
     profile = with_definition_names(
         profile, {name: _ports(system.component(name)) for name in system.instances}
@@ -206,9 +206,7 @@ def _ports(component: runtime.Component) -> InstancePorts:
 def _failed_end(
     system: runtime.System, connection: Connection
 ) -> tuple[Span, str | None]:
-    """Return the place at which to report a failed connection: the end without port, and a
-    suggestion.
-    """
+    """Return the place of a failed connection's error, the end without port, and a suggestion."""
     for end in (connection.source, connection.target):
         if end.instance not in system.instances:
             continue
@@ -233,7 +231,7 @@ def _raise_if_any(findings: Sequence[Diagnostic]) -> None:
 def _findings(
     rule: Rule, span: Span | None, action: Callable[[], object]
 ) -> Iterator[Diagnostic]:
-    """Diagnostics for the runtime's errors in an action."""
+    """Yield diagnostics for the runtime's errors in an action."""
     try:
         action()
     except runtime.TransportError as error:
@@ -300,7 +298,7 @@ def _configure(
             if found := [*_findings(PARAMETER, span, change)]:
                 wrong.add(set_id)
                 yield from found
-    # A set in which everything is wrong does not exist.
+    # a set without a valid value is not created
     if any(pairs for _, pairs in c.parameter_sets) and c.active_set not in wrong:
         yield from _findings(PARAMETER, c.span, partial(sets.activate, c.active_set))
     for setting in settings:
@@ -315,7 +313,7 @@ def _load_conf(sets: runtime.ConfigurationSets, file: Path) -> None:
 def _start(profile: System, system: runtime.System) -> Iterator[tuple[int, str]]:
     """Yield the activation times in ns; all components start at 0 unless the profile has an order.
 
-    At one instant, providers of services are activated before their consumers.
+    At the same time, providers of services are activated before their consumers.
     """
     instants: dict[int, list[str]] = {}
     if not profile.activation:

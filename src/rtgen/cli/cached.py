@@ -1,4 +1,4 @@
-"""Runs of the compiler, from the cache unless one of their inputs has changed."""
+"""Runs the compiler, or takes the result from the cache if its inputs are unchanged."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from rtgen.project import Project
 from rtgen.project.cache import Cache
 from rtgen.project.compilation import Compilation
 
-if TYPE_CHECKING:  # a run from the cache needs no model
+if TYPE_CHECKING:  # imported lazily: a run from the cache needs no model
     from rtgen.diagnostics import Diagnostic
     from rtgen.model import System
 
@@ -41,7 +41,7 @@ def inspect(
 ) -> Compilation:
     """Return the model of a project's definitions and of system profiles as text: one artifact.
 
-    It is kept in the cache unless there are profiles.
+    It is cached unless there are profiles.
     """
     if cache is None or project is None or profiles:
         return _inspected(project, profiles, as_json)
@@ -95,7 +95,7 @@ def _inspected(
 def _checked(
     system: System, project: Project | None
 ) -> tuple[Sequence[System], Sequence[Diagnostic]]:
-    """Return the system with the definitions' names of ports; without a project, as it is."""
+    """Return the system with the definitions' port names; without a project, unchanged."""
     from rtgen import compiler
     from rtgen.systems import checks, reading
 

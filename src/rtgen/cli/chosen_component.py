@@ -1,4 +1,4 @@
-"""The component of a definition that a command is about."""
+"""Selects the component of a definition for a command."""
 
 from __future__ import annotations
 

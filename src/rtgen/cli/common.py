@@ -37,7 +37,7 @@ _PORTS = 1 << 16
 
 
 class Refusal(click.ClickException):
-    """An argument of the command line that does not exist or has the wrong form."""
+    """An argument of the command line that does not exist or has an invalid form."""
 
     exit_code = BAD_INPUT
 
@@ -161,7 +161,7 @@ def write_out(text: str | bytes) -> None:
 
 
 def discard_unread() -> None:
-    """Let what is still buffered for a reader that has left go nowhere, so that exit is silent."""
+    """Discard output still buffered for a reader that has gone, so that exit is silent."""
     from rtgen.runtime.failures import has_lost_its_reader
 
     for stream in (sys.stdout, sys.stderr):
@@ -339,7 +339,7 @@ def project_of(
 ) -> Project:
     """Return the project of the working folder, with the settings of the command line.
 
-    `add`: the paths are read in addition to the project's sources instead of replacing them.
+    `add`: the paths are added to the project's sources instead of replacing them.
     """
     with stages.stage("find definitions"):
         project = with_arguments(
@@ -360,7 +360,7 @@ def project_of(
 
 
 def require_target(project: Project) -> None:
-    """Raise ToolError for a target that this version lacks."""
+    """Raise ToolError for a target that this version does not implement."""
     if project.target not in AVAILABLE_TARGETS:
         raise ToolError(
             f"the target {project.target!r} is not available in this version",

@@ -15,11 +15,7 @@ from rtgen.typemap.component_needs import declarations_of
 
 
 def component_idl(model: Model, component: Component) -> str:
-    """Return the component as IDL: includes for its types, placeholders for unknown ones, itself.
-
-    Declarations from the component's own file are written out, because including that file would
-    define the component twice.
-    """
+    """Return the component as IDL: includes for its types, placeholders for unknown ones."""
     needed = declarations_of(model, component)
     opaque = {d.name for d in needed if d.annotation(OPAQUE) is not None}
     own = {component.file, component.other_file}

@@ -30,7 +30,7 @@ _SELECTOR = re.compile(
     r"(?P<instance>[^.]+)\.(?P<name>[^.\[]+)(?P<path>(\.\w+|\[\d+\])*)"
 )
 _STEP = re.compile(r"\.(\w+)|\[(\d+)\]")
-_MOST = 32
+_MAX_NUMBERS = 32
 _PERIOD = SECOND // 50
 
 Number: TypeAlias = float | int
@@ -73,7 +73,7 @@ class Selection:
 
     @property
     def curves(self) -> list[Curve]:
-        """The curves so far, one without values before the first. InputError without numbers."""
+        """The curves so far, one of which may be empty. Raises InputError without numbers."""
         if not self._curves and self._text:
             message = f"{self.selector} has no numbers; {self._text}"
             raise InputError([OBSERVABLE.at(None, message, hint=self._hint)])
@@ -82,7 +82,7 @@ class Selection:
     def add(self, time: float, value: Any, unit: str) -> None:
         """Add a sample, as JSON has it, at a time [s]."""
         inner, at = _inside(value, self.whole, self._path)
-        numbers = [*_numbers(inner, at)][:_MOST]
+        numbers = [*_numbers(inner, at)][:_MAX_NUMBERS]
         units = [text.strip() for text in unit.split(",")]
         if len(units) != len(numbers):
             units = [unit] * len(numbers)
@@ -128,8 +128,8 @@ def divided(
 class Curves:
     """Records the curves selected on the command line.
 
-    An OutPort gives each sample written, an InPort each sample read, an observable its value 50
-    times a second. Raises InputError for a name that the component lacks.
+    An OutPort records each sample written, an InPort each sample read, an observable its value 50
+    times a second. Raises InputError for a name that the component does not have.
     """
 
     def __init__(self, running: runtime.System, selectors: Sequence[str]) -> None:
@@ -183,9 +183,7 @@ class Curves:
 
 
 def _inside(value: Any, label: str, path: list[str | int]) -> tuple[Any, str]:
-    """Return the part of a sample that a path selects, with its label; None if the sample lacks
-    it.
-    """
+    """Return the part of a sample that a path selects, with its label; None if missing."""
     for step in path:
         label += f"[{step}]" if isinstance(step, int) else f".{step}"
         if isinstance(step, int):
@@ -197,7 +195,7 @@ def _inside(value: Any, label: str, path: list[str | int]) -> tuple[Any, str]:
 
 
 def _members(value: Any, path: list[str | int]) -> str | None:
-    """Return a hint for a path with a member that the sample lacks; None for other paths."""
+    """Return a hint for a path with a missing member; None for other paths."""
     for step in path:
         if isinstance(value, dict) and isinstance(step, str) and step not in value:
             close = get_close_matches(step, value, n=1)
@@ -211,9 +209,7 @@ def _members(value: Any, path: list[str | int]) -> str | None:
 
 
 def _numbers(value: Any, label: str) -> Iterator[tuple[str, Number]]:
-    """Yield the numbers in a sample with their labels; a time stamp beside other members is left
-    out.
-    """
+    """Yield the numbers in a sample with their labels, without time stamps of other members."""
     match value:
         case bool():
             yield label, int(value)

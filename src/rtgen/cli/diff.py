@@ -95,7 +95,7 @@ def _sources(versions: Sequence[str], against: str | None) -> list[Source]:
 
 
 def _asked(use: str | None, default: tuple[Break, ...]) -> tuple[Break, ...]:
-    """Return the classes that were asked for."""
+    """Return the selected classes."""
     if use is None:
         return default
     words = [word.strip().lower() for word in use.split(",")]

@@ -8,7 +8,7 @@ from difflib import unified_diff
 from rtgen.project import shown
 from rtgen.project.output import Change
 
-_NOWHERE = "/dev/null"
+_DEV_NULL = "/dev/null"
 
 
 def diff(changes: Iterable[Change]) -> str:
@@ -20,8 +20,8 @@ def _one(change: Change) -> str:
     name = shown(change.path)
     if change.obstacle:
         return f"Not a regular file: {name}\n"
-    before = f"a/{name}" if change.old is not None else _NOWHERE
-    after = f"b/{name}" if change.new is not None else _NOWHERE
+    before = f"a/{name}" if change.old is not None else _DEV_NULL
+    after = f"b/{name}" if change.new is not None else _DEV_NULL
     lines = [*unified_diff(_lines(change.old), _lines(change.new), before, after)]
     if not lines:
         lines = [f"--- {before}\n", f"+++ {after}\n"]

@@ -108,7 +108,7 @@ class EngineOptions:
     call_timeout: float | None
 
     def check_taken(self, takes: dict[str, frozenset[str]]) -> None:
-        """Raise Refusal for an option that the transport does not take."""
+        """Raise Refusal for an option that the transport does not have."""
         for given in self.given:
             if given not in takes.get(self.transport, ()):
                 takers = [each for each, names in takes.items() if given in names]
@@ -127,7 +127,7 @@ class EngineOptions:
     def open(self, system: str, lease: float | None = None) -> DistributedTransport:
         """Return the transport, in the partition of the system of this name.
 
-        `lease` [s] is the shortest that connections ask for. Raises ToolError.
+        `lease` [s] is the shortest that connections require. Raises ToolError.
         """
         from rtgen.runtime.distribution.medium import MediumError, check_name
         from rtgen.runtime.distribution.transport import DistributedTransport
@@ -156,7 +156,7 @@ TAKES: dict[str, frozenset[str]] = {
     "dds": ENGINE | {"interface", "domain"},
     "zenoh": ENGINE | {"connect", "listen"},
 }
-"""The options that an engine takes."""
+"""The options of each engine."""
 
 
 def _dds(options: EngineOptions, partition: str, lease: float | None) -> Medium:

@@ -1,4 +1,4 @@
-"""An example of each command, which its help ends with."""
+"""Example of each command, shown at the end of its help."""
 
 from __future__ import annotations
 
@@ -54,4 +54,4 @@ EXAMPLES = {
     "lsp": "rtgen lsp",
     "explain": "rtgen explain IDL0101",
 }
-"""Command to a line of a shell. Those of commands that are missing stand in their own texts."""
+"""Shell line by command; commands that are missing have an example in their own help."""

@@ -43,7 +43,7 @@ class Factories:
             for name, language in _listed(listed, FOREIGN).items()
             if name not in dict(project.components) and name not in installed
         }
-        """The languages of the types that others run, by their profiles."""
+        """Languages of the types that other programs run, according to their profiles."""
         for folder in reversed(project.import_folders):
             if folder.is_dir() and str(folder) not in sys.path:
                 sys.path.insert(0, str(folder))

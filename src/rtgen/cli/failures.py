@@ -263,9 +263,7 @@ def place(error: BaseException) -> Span | None:
 
 
 def traceback_text(error: BaseException, form: str) -> str:
-    """Return the traceback: `short` has only frames in the user's own files, `full` has all
-    frames.
-    """
+    """Return the traceback: `short` only has the user's own files, `full` all frames."""
     described = TracebackException.from_exception(error, compact=True)
     if not described.stack:
         described.stack = StackSummary.from_list(_frames(error))
@@ -274,7 +272,7 @@ def traceback_text(error: BaseException, form: str) -> str:
         one = todo.pop()
         if one is not None:
             frames = list(one.stack)
-            if getattr(one, "filename", None):  # A SyntaxError shows its line itself.
+            if getattr(one, "filename", None):  # a SyntaxError shows its line itself
                 one.filename = shown(Path(one.filename))
                 frames = [f for f in frames if is_users(f.filename)]
             elif form == "short":
@@ -303,8 +301,8 @@ def _own(frames: list[FrameSummary]) -> list[FrameSummary]:
 
 
 def _relative(frame: FrameSummary) -> FrameSummary:
-    """Return the frame with its file name as messages show it."""
-    _ = frame.line  # Read while the file still has its full name.
+    """Return the frame with its file name as displayed in messages."""
+    _ = frame.line  # read now, while the file name is complete
     path = Path(frame.filename)
     if path.is_absolute() and path.is_relative_to(Path.cwd()):
         frame.filename = shown(path)

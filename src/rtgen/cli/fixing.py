@@ -1,4 +1,4 @@
-"""Carries out the fixes of findings on the files of a project."""
+"""Applies the fixes of diagnostics to the files of a project."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from rtgen.project.output import Change
 
 
 def changed_files(project: Project, found: Sequence[Diagnostic]) -> list[Change]:
-    """What the fixes make of the files that were given; others, such as included ones, stay."""
+    """Return the given files changed by fixes; included files are not changed."""
     edits: defaultdict[str, list[Edit]] = defaultdict(list)
     for d in found:
         for edit in d.fix.edits if d.fix is not None else ():

@@ -107,7 +107,7 @@ def fmt(
 
 
 def _files(project: Project, paths: tuple[str, ...]) -> Iterator[Path]:
-    """Yield the files to format. Raises InputError for a file that has no form."""
+    """Yield the files to format. Raises InputError for a file that cannot be formatted."""
     if not paths and project.file is None:
         raise click.UsageError("no rtgen.toml here or in a folder above: name a PATH")
     named = [Path(path) for path in paths] or project.sources

@@ -23,11 +23,7 @@ from rtgen.systems.rules import FOREIGN
 def named(
     profile: System, listed: str | None, languages: Mapping[str, str]
 ) -> frozenset[str]:
-    """Return the instances of the system's property, of the option, and of types in other
-    languages.
-
-    Raises InputError for an unknown instance.
-    """
+    """Return the foreign instances: of the property, the option, and types in other languages."""
     place = profile.places.get(PROPERTY)
     texts = [(name, place) for name in foreign_instances(profile.properties)]
     texts += [(name.strip(), None) for name in (listed or "").split(",") if listed]
@@ -68,9 +64,9 @@ def require_reachable(
 def awaited(
     profile: System, outside: Collection[str], here: Collection[str]
 ) -> Sequence[ForeignComponent]:
-    """Return the foreign components with which this process is concerned.
+    """Return the foreign components that concern this process.
 
-    Those that are connected with its own; a process that runs all others takes all of them.
+    They are those connected with its own components; a process that runs all others takes all.
     """
     joined = {
         end.instance
@@ -96,7 +92,7 @@ def awaited(
 def expected(
     transport: ProcessTransport | None, components: Sequence[ForeignComponent]
 ) -> Iterator[None]:
-    """Let the transport look for foreign components. Raises ToolError."""
+    """Let the transport look for foreign components within the block. Raises ToolError."""
     if isinstance(transport, ForeignTransport):
         try:
             for component in components:

@@ -36,7 +36,7 @@ class Request:
 
     def project(self) -> Project:
         """Return the project as it is now. Raises InputError, and ToolError for a target."""
-        # The tree of a project holds what all its sources give, in every run.
+        # The project's tree contains the output of all its sources, in every run.
         alone = self.output is not None
         project = project_of(
             self.definitions,
@@ -52,7 +52,7 @@ class Request:
 
 
 def generate_once(console: Console, request: Request) -> tuple[int, Iterable[Path]]:
-    """Return the exit code, and the paths of the files that the run looked for."""
+    """Return the exit code, and the paths of the files that the run searched for."""
     project = request.project()
     run = build(project, cache.default() if request.cached else None)
     looked_for = map(Path, run.dependencies)

@@ -25,7 +25,7 @@ from rtgen.project import cache, is_component_profile, is_system
 
 
 def _is_system(path: Path) -> bool:
-    """Return whether to read the file as a system; also for unknown XML, to report its errors."""
+    """Return whether to read the file as a system; also unknown XML, to report its errors."""
     unknown = path.suffix.lower() == ".xml" and not is_component_profile(path)
     return unknown or is_system(path)
 

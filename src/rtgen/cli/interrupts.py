@@ -1,4 +1,4 @@
-"""Handles Ctrl-C and SIGTERM during a run: it ends in order, within a bound if a call hangs."""
+"""Handles Ctrl-C and SIGTERM during a run: orderly shutdown, bounded even if a call hangs."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from rtgen.cli.signals import handled
 from rtgen.runtime.system import watchdog
 from rtgen.runtime.system.watchdog import Call, Since, calls_under_way, followed
 
-_LOOK = 0.1
-_SHORT = 0.3
+_POLL_INTERVAL = 0.1
+_REPORT_AFTER = 0.3
 """Seconds after which a call that delays the end of the run is reported."""
 
 
@@ -26,7 +26,7 @@ class Ending:
     """The signal handler of a run: the first signal ends the run.
 
     A call that delays the end is reported, then interrupted, then abandoned. Before the run has
-    begun, and from the second signal on, it raises KeyboardInterrupt immediately.
+    begun, and from the second signal on, KeyboardInterrupt is raised immediately.
     """
 
     def __init__(self, say: Callable[[Call, str], None]) -> None:
@@ -58,10 +58,10 @@ class Ending:
         main = threading.main_thread().ident
         seen: dict[int, Since] = {}
         interrupted: Call | None = None
-        while not self._over.wait(_LOOK):
+        while not self._over.wait(_POLL_INTERVAL):
             seen = {call.thread: since for call, since in followed(seen)}
             for since in seen.values():
-                if since.seconds >= _SHORT and not since.reported:
+                if since.seconds >= _REPORT_AFTER and not since.reported:
                     since.reported = True
                     self._say(since.call, "has not returned, and the run is to end")
             blocked = seen.get(main) if main is not None else None

@@ -32,7 +32,7 @@ from rtgen.project import Project, shown
 from rtgen.project.rewriting import rewrite
 
 MAX_ROUNDS = 10
-"""How often --fix reads what it has changed, since a fix may make way for another."""
+"""Maximum number of rounds of --fix, since a fix may make another one possible."""
 
 
 @click.command(epilog="Example: rtgen lint --fix specs")
@@ -94,7 +94,7 @@ def lint(
 def _findings(
     project: Project, select: Sequence[str], ignore: Sequence[str], whole: bool
 ) -> tuple[list[Diagnostic], Mapping[str, str]]:
-    """Return the findings that are not silenced, and the texts that they are about."""
+    """Return the diagnostics that are not suppressed, and the texts that they refer to."""
     from rtgen.linting import findings
     from rtgen.systems import reading
 

@@ -1,4 +1,4 @@
-"""Options of commands that show a run while it goes on."""
+"""Options of commands that show a running system."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _PORTS = 1 << 16
 
 @dataclass(frozen=True, slots=True)
 class LiveOptions:
-    """Where clients of a live view connect, and how fast simulated time passes."""
+    """Address for clients of a live view, and the pace of simulated time."""
 
     place: tuple[str, int] | None
     rate: float | None

@@ -37,7 +37,7 @@ def lsp(console: Console, log_level: str) -> int:
       args = ["lsp"]
     """
     logging.basicConfig(level=log_level.upper(), stream=sys.stderr)
-    if log_level != "debug":  # it logs each request that is refused with a traceback
+    if log_level != "debug":  # it logs rejected requests with a traceback
         logging.getLogger("pygls").setLevel(logging.CRITICAL)
     try:
         from attrs import validators
@@ -48,12 +48,12 @@ def lsp(console: Console, log_level: str) -> int:
             raise
         message = "the language server needs pygls"
         raise ToolError(message, 'pip install "rtgen[lsp]"') from None
-    # Answers come between the steps of an analysis, and large collections are rare.
+    # Responses are sent between the steps of an analysis; large collections are rare.
     sys.setswitchinterval(0.001)
     gc.set_threshold(100_000, 20, 20)
-    # Features make positions of places in texts: checking each again takes a third of an answer.
+    # Skip validation: features create valid positions, and it takes a third of a response's time.
     validators.set_disabled(True)
-    # The protocol has streams of its own: a stray print must not get between its messages.
+    # The protocol has its own streams, so that a stray print cannot corrupt its messages.
     with (
         os.fdopen(os.dup(sys.stdin.fileno()), "rb") as requests,
         os.fdopen(os.dup(sys.stdout.fileno()), "wb") as answers,

@@ -1,4 +1,4 @@
-"""Lets simulated time pass as the wall clock does, times a factor."""
+"""Paces simulated time by the wall clock, times a factor."""
 
 from __future__ import annotations
 
@@ -9,26 +9,26 @@ from rtgen.cli.common import FiniteRange
 from rtgen.runtime.timing.clocks import SECOND
 
 RATE = FiniteRange(1e-6, 1e6)
-"""The type of options for the factor."""
+"""Type of the options for the factor."""
 
 _PERIOD = 0.02
-"""How often a system waits for the wall clock [s]."""
-_LONGEST = 3600.0
-"""The longest single wait [s]; operating systems limit it."""
+"""Period of waiting for the wall clock [s]."""
+_MAX_WAIT = 3600.0
+"""Longest single wait [s], which operating systems limit."""
 
 
 class Pace:
-    """Waits until instants have come, counted from when it was made."""
+    """Waits for times counted from its creation."""
 
     def __init__(self, rate: float) -> None:
         self._rate = rate
         self._begun = time.monotonic()
 
     def wait(self, instant: int) -> None:
-        """Wait for an instant [ns] of simulated time."""
+        """Wait for a simulated time [ns]."""
         due = self._begun + instant / SECOND / self._rate
         while (ahead := due - time.monotonic()) > 0.0:
-            time.sleep(min(ahead, _LONGEST))
+            time.sleep(min(ahead, _MAX_WAIT))
 
 
 def pace(running: runtime.System, rate: float) -> None:

@@ -1,4 +1,4 @@
-"""Cuts a system down to the components that one process runs (`--only`)."""
+"""Reduces a system to the components that one process runs (`--only`)."""
 
 from __future__ import annotations
 
@@ -27,10 +27,7 @@ _OBSERVABLES = ("rtgen.run.pose", "rtgen.run.goal")
 def named(
     only: str | None, profile: System, outside: Collection[str] = ()
 ) -> frozenset[str]:
-    """Return the instances of a comma-separated list, or all of them, without those `outside`.
-
-    Raises InputError for an unknown instance, and for a listed one that is outside.
-    """
+    """Return the instances of a comma-separated list, or all of them, except those `outside`."""
     if only is None:
         return frozenset(c.instance for c in profile.components) - {*outside}
     names = [name.strip() for name in only.split(",")]
@@ -43,12 +40,7 @@ def named(
 
 
 def share(profile: System, here: Collection[str], *, data: bool = False) -> System:
-    """Return the components of this process, and the connections with an end there.
-
-    The order of activation is kept; properties that name observables of other processes are
-    dropped. Raises InputError for data connections to other processes, unless the transport carries
-    samples (`data`).
-    """
+    """Return the components of this process, and their connections."""
     connections = [c for c in profile.connections if _touches(c, here)]
     _raise_if_any(
         _between(c.name, c.source, c.target, c.span)
@@ -70,7 +62,7 @@ def share(profile: System, here: Collection[str], *, data: bool = False) -> Syst
             (name, kept)
             for name, value in profile.properties
             if (kept := _without(others, value) if name in _OBSERVABLES else value)
-            # Only the process that has pose and goal can judge the end.
+            # Only the process with pose and goal can evaluate the end.
             and not (elsewhere and name == "rtgen.run.tolerance")
         ),
     )
@@ -127,9 +119,7 @@ def measures_here(
 def condition_here(
     condition: Condition, here: Collection[str], *, asked: bool
 ) -> Condition:
-    """Return the condition, dropped if it concerns another process. Raises InputError if
-    `asked`.
-    """
+    """Return the condition; None for another process's. Raises InputError if `asked` for."""
     instance = condition.instance
     if instance is None or instance in here:
         return condition

@@ -12,7 +12,7 @@ _LINE_EVERY = 10 * SECOND
 
 
 class Progress(Protocol):
-    """Receives the time in ns since the start, and every change of a component's state."""
+    """Observer of the time in ns since the start, and of changes of components' states."""
 
     def at(self, time: int) -> None:
         """Called as time passes."""
@@ -77,7 +77,7 @@ class Bar:
 
 
 def progress(files: ExitStack, limit: int | None, *, quiet: bool) -> Progress:
-    """Return the display that suits standard error; `files` closes it."""
+    """Return the display suitable for standard error; `files` closes it."""
     if quiet:
         return Silence()
     return Bar(files, limit) if sys.stderr.isatty() else Lines()

@@ -1,4 +1,4 @@
-"""Writes the trajectory of a run, as CSV and as a picture."""
+"""Writes the trajectory of a run as CSV and as a picture."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Sample:
 
 
 def opened(files: ExitStack, path: str | None) -> TextIO | None:
-    """Open a file for writing before a run begins; `files` closes it. Raises ToolError."""
+    """Open a file for writing before a run starts; `files` closes it. Raises ToolError."""
     if path is None:
         return None
     try:
@@ -71,7 +71,7 @@ def check_picture(path: str | None, command: str = "--plot") -> None:
         with file.open("ab"):
             pass
         if not existed:
-            file.unlink()  # a run that fails leaves no empty picture
+            file.unlink()  # a failed run leaves no empty picture
     except OSError as error:
         raise ToolError(f"cannot write {path}: {error.strerror}") from error
 
@@ -112,9 +112,9 @@ def draw(
 
 @contextmanager
 def reproducible() -> Iterator[None]:
-    """Settings of matplotlib that make its output deterministic, and names no formulas.
+    """Make matplotlib's output deterministic, and names not formulas, within the block.
 
-    The font lacks some scripts; a box stands for a character that it lacks.
+    Some scripts are missing in the font; their characters are shown as boxes.
     """
     from matplotlib import rc_context
 
@@ -150,7 +150,7 @@ def stroke(number: int, count: int) -> dict[str, Any]:
 
 
 def add_legend(figure: Figure, axes: Sequence[Axes], most: int = 4) -> None:
-    """Add one legend below all axes, with at most `most` entries in a row."""
+    """Add one legend below all axes, with up to `most` entries per row."""
     found: dict[str, Any] = {}
     for each in axes:
         for handle, label in zip(*each.get_legend_handles_labels(), strict=True):

@@ -17,22 +17,19 @@ from rtgen.diagnostics import ToolError
 if TYPE_CHECKING:
     from rtgen.recording.recorder import Recorder
 
-_LONGEST = 1_000_000_000
-"""In real time a chunk has the messages of a second at most, in ns."""
+_MAX_CHUNK_NS = 1_000_000_000
+"""Maximum duration of a chunk in real time, in ns."""
 
 
 @dataclass(frozen=True, slots=True)
 class RecordingOptions:
-    """What is recorded, and how it is compressed."""
+    """Options of a recording: the file and its compression."""
 
     file: str | None
     compression: str | None
 
     def begin(self, files: ExitStack, running: runtime.System) -> Recorder | None:
-        """Record a system from now on until `files` is closed; None without a file.
-
-        Raises ToolError.
-        """
+        """Record a system from now on until `files` is closed; None without a file."""
         if self.file is None:
             if self.compression is not None:
                 raise Refusal("--compression goes with --record")
@@ -46,14 +43,14 @@ class RecordingOptions:
             writer = McapWriter(
                 self.file,
                 self.compression or "zstd",
-                longest=None if simulated else _LONGEST,
+                longest=None if simulated else _MAX_CHUNK_NS,
             )
         except RecordingError as error:
             raise ToolError(str(error), hint=error.hint) from error
         return Recorder(running, files.enter_context(writer))
 
     def tell(self, console: Console, recorder: Recorder | None) -> None:
-        """Say which samples are missing in the recording."""
+        """Report the samples that are missing in the recording."""
         if recorder is None:
             return
         for port, (count, why) in recorder.skipped.items():

@@ -48,9 +48,9 @@ from rtgen.systems.reading import read_file
 from rtgen.systems.timeline import SECOND, Connect, Disconnect, Step
 
 _PLAYER = "rtgen.Player"
-_NOWHERE = Span("", 1, 1, 1, 1)
-_LONGEST = 1e9
-"""Seconds that a replay can take."""
+_NO_SPAN = Span("", 1, 1, 1, 1)
+_MAX_SECONDS = 1e9
+"""Maximum duration of a replay in seconds."""
 
 
 @click.command()
@@ -71,7 +71,7 @@ _LONGEST = 1e9
 )
 @click.option(
     "--until",
-    type=FiniteRange(0, _LONGEST),
+    type=FiniteRange(0, _MAX_SECONDS),
     metavar="SECONDS",
     help="End before the end.",
 )
@@ -175,7 +175,7 @@ def replay(
 
 
 class _Factories(Factories):
-    """The factories of a project, and that of players."""
+    """The factories of a project, and the player's."""
 
     def __init__(self, project: Project) -> None:
         super().__init__(project)
@@ -192,7 +192,7 @@ def _with_players(
 ) -> System:
     """Return the system with players for the recorded components that are not present.
 
-    Components and connections are in the recorded order; what was not recorded comes last.
+    Components and connections are in the recorded order; those not recorded are last.
     """
     own = {c.instance: c for c in profile.components if c.instance in present}
     recorded = {
@@ -226,7 +226,7 @@ def _connections(
                 source=source,
                 target=target,
                 service=False,
-                span=_NOWHERE,
+                span=_NO_SPAN,
                 properties=tuple(player.properties(recorded).items()),
             )
     yield from own.values()
@@ -238,7 +238,7 @@ def _reference(text: str) -> PortReference:
 
 
 def _plain(profile: System) -> System:
-    """Return the system without observables for the report: their components may be players."""
+    """Return the system without observables for the report: players have none."""
     return replace(profile, properties=())
 
 
@@ -248,7 +248,7 @@ def _player(instance: str, rate: float) -> SystemComponent:
         type=_PLAYER,
         id="",
         path_uri="",
-        span=_NOWHERE,
+        span=_NO_SPAN,
         rate=rate if rate > 0.0 else 1.0,
     )
 
@@ -256,7 +256,7 @@ def _player(instance: str, rate: float) -> SystemComponent:
 def _steps(
     steps: Sequence[Step], profile: System, present: Collection[str]
 ) -> Sequence[Step]:
-    """Return the steps of a timeline that concern the components that are present alone."""
+    """Return the steps of a timeline that only concern present components."""
     known = {
         c.name
         for c in profile.connections

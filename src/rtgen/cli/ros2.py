@@ -1,4 +1,4 @@
-"""The option `--ros2` of `rtgen run`: ports of `[ros2.topics]` as topics of ROS 2."""
+"""The option `--ros2` of `rtgen run`: connects ports to topics of ROS 2 (`[ros2.topics]`)."""
 
 from __future__ import annotations
 
@@ -60,11 +60,7 @@ def join(
     *,
     simulated: bool,
 ) -> None:
-    """Make ports topics until `files` is closed. `name` is that of the system.
-
-    Raises Refusal for simulated time, InputError for ports that cannot be topics, ToolError if
-    the network fails.
-    """
+    """Connect ports to topics until `files` is closed. `name` is that of the system."""
     if kind is None:
         return
     if simulated:
@@ -97,14 +93,14 @@ def join(
 
 
 def _node_name(system: str) -> str:
-    """Return a name of ROS made of that of a system."""
+    """Convert the name of a system to a ROS name."""
     words = "".join(c if c.isascii() and c.isalnum() else " " for c in system).split()
     name = "_".join(words) or "rtgen"
     return f"rtgen_{name}" if name[0].isdigit() else name
 
 
 def _nodes(running: runtime.System) -> dict[str, str]:
-    """Return the nodes of components, by instance. Raises InputError for two of one name."""
+    """Return the nodes of components, by instance. Raises InputError for duplicate names."""
     nodes: dict[str, str] = {}
     for instance in running.instances:
         name = _node_name(instance)
@@ -130,7 +126,7 @@ def _joints(
     node: RosNode,
     nodes: Mapping[str, str],
 ) -> list[Joint]:
-    """Return the ports with their topics. Raises InputError with all that cannot be topics."""
+    """Return the ports with their topics. Raises InputError for all invalid ones."""
     from rtgen.runtime.ros2.ports import Joint
 
     entries = [*settings.topics, *_connected(running)]
@@ -157,9 +153,7 @@ def _joints(
 
 
 def _connected(running: runtime.System) -> Iterator[TopicEntry]:
-    """Yield both ends of the connections with `dataport.marshaling_type=ros2:...`, which are
-    cut.
-    """
+    """Yield both ends of connections with `marshaling_type=ros2:...`, and disconnect them."""
     from rtgen.runtime.ports.data_ports import DataConnector
 
     seen = set()
@@ -185,7 +179,7 @@ def _connected(running: runtime.System) -> Iterator[TopicEntry]:
 
 
 def _problems(entry: TopicEntry, running: runtime.System) -> Iterator[str]:
-    """Why a port cannot be a topic."""
+    """Yield why a port cannot be a topic."""
     if entry.instance not in running.instances:
         known = ", ".join(running.instances)
         yield f"there is no component {entry.instance!r}; known: {known}"
@@ -220,9 +214,9 @@ def _service_joints(
     node: RosNode,
     nodes: Mapping[str, str],
 ) -> list[ServiceJoint | EventJoint]:
-    """Return the operations with their services, those of actions, too.
+    """Return the operations with their services, including those of actions.
 
-    Raises InputError with all that cannot be services.
+    Raises InputError for all invalid ones.
     """
     from rtgen.runtime.ros2.actions import joints_of
     from rtgen.runtime.ros2.managed import EVENT_INFO
@@ -269,9 +263,7 @@ def _component(instance: str, running: runtime.System) -> runtime.Component:
 
 
 def _service_port(entry: ServiceEntry, running: runtime.System) -> Any:
-    """Return the provider, or the consumer without a connection. Raises LookupError with the
-    reason.
-    """
+    """Return the provider, or the unconnected consumer. Raises LookupError with the reason."""
     from rtgen.runtime.services.servants import operations_of
 
     component = _component(entry.instance, running)
@@ -301,7 +293,7 @@ def _marshaled(entry: TopicEntry, running: runtime.System) -> Marshaling | None:
 
 
 def message_classes(*interfaces: str) -> dict[str, Any]:
-    """Classes of interfaces that ship with rtgen, and of what they contain, by name."""
+    """Return the classes of interfaces that ship with rtgen, and of contained ones, by name."""
     from rtgen.frontends.rosidl import load
     from rtgen.recording.schema_types import message_classes
 

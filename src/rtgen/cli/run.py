@@ -55,10 +55,10 @@ from rtgen.systems.reading import read_file
 from rtgen.systems.rules import CONDITION, MEASURE, OBSERVABLE
 from rtgen.systems.timeline import SECOND, Condition
 
-_LONGEST = 600 * SECOND
+_DEFAULT_LIMIT = 600 * SECOND
 """Limit of a run in simulated time that only waits for a state, in ns."""
 _SAMPLE_PERIOD = SECOND // 50
-_LOOK_PERIOD = SECOND // 10
+_PROGRESS_PERIOD = SECOND // 10
 
 
 @click.command()
@@ -258,7 +258,7 @@ def run(
         ) as running,
     ):
         report.end_run = running.end_run
-        # A user who limits the run by --until does not want its end judged.
+        # A run limited by --until is not evaluated by its end.
         judged = until is None or condition.instance is not None
         view = View(running, profile, simulated=simulated, judged=judged)
         curves = Curves(running, (*in_table, *in_picture))
@@ -403,9 +403,9 @@ def _run(
 
 
 def _limit(condition: Condition, simulated: bool) -> int | None:
-    """When a run ends at the latest, in ns."""
+    """Return the latest end of a run, in ns."""
     if condition.limit is None and simulated:
-        return _LONGEST
+        return _DEFAULT_LIMIT
     return condition.limit
 
 
@@ -442,4 +442,4 @@ def _show(running: runtime.System, view: Progress) -> None:
                 text = f"{name_of(state)} ({reason})" if is_error else name_of(state)
                 view.state(now, instance, text)
 
-    running.every(_LOOK_PERIOD, look)
+    running.every(_PROGRESS_PERIOD, look)

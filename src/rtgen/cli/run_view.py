@@ -16,7 +16,7 @@ from rtgen.systems.measures import Course, Result
 from rtgen.systems.rules import OBSERVABLE, TOLERANCE
 from rtgen.systems.timeline import SECOND
 
-_NOWHERE = (math.nan, math.nan, math.nan)
+_NO_POSE = (math.nan, math.nan, math.nan)
 _POSE = 3
 
 
@@ -42,7 +42,7 @@ def _tolerance(file: str, text: str | None) -> Tolerance | None:
 def losses(
     component: runtime.Component, state: runtime.LifeCycleState
 ) -> Iterator[str]:
-    """Lost samples of each InPort with cause and remedy, and missed deadlines."""
+    """Yield lost samples of each InPort with cause and remedy, and missed deadlines."""
     for port in component.in_ports.values():
         for connector in port.connectors:
             if connector.lost:
@@ -83,7 +83,7 @@ def _why_lost(
 
 
 def overruns(context: runtime.ExecutionContext) -> str:
-    """Why a context missed ticks, with a remedy."""
+    """Return why a context missed ticks, with a remedy."""
     longest, period = context.longest / 1e6, context.period / 1e6
     times = f"the longest tick took {longest:.3g} ms of a period of {period:.3g} ms"
     if longest > period:
@@ -149,7 +149,7 @@ class View:
 
     def sample(self) -> Sample:
         """Return a sample of the current state."""
-        poses = tuple(self._pose(name) or _NOWHERE for name in self.poses)
+        poses = tuple(self._pose(name) or _NO_POSE for name in self.poses)
         return Sample(self._running.time / SECOND, poses, self._pose(self._goal_name))
 
     def course(self, samples: Sequence[Sample]) -> Course:

@@ -1,4 +1,4 @@
-"""A line on the terminal with the stage and the file in work, while a run takes long."""
+"""Shows the current stage and file on a terminal, during long runs."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ class _Stage:
 
 
 class StageProgress:
-    """Shows the line from `after` [s] after its start, and only within stages.
+    """Shows the line from `after` [s] after the start, and only within stages.
 
-    Outside of them others may print. `close` ends it.
+    Outside of stages, other output is possible. `close` ends it.
     """
 
     def __init__(self, after: float) -> None:
@@ -34,7 +34,7 @@ class StageProgress:
             self._timer.start()
 
     def close(self) -> None:
-        """Show nothing any more."""
+        """Stop showing the line."""
         self._timer.cancel()
         with self._lock:
             self._due = False
@@ -62,7 +62,7 @@ class StageProgress:
         """See `stages.Observer`."""
 
     def text(self) -> str:
-        """Return the stages in work, outermost first, and the file in work."""
+        """Return the current stages, outermost first, and the current file."""
         stages = list(self._open)
         files = [stage.file for stage in stages if stage.file]
         text = ", ".join(stage.name for stage in stages)

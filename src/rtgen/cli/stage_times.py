@@ -1,4 +1,4 @@
-"""The table of `-v`: the time that each stage of a run took."""
+"""Table of `-v`: the duration of each stage of a run."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from time import perf_counter_ns
 from typing import TypeAlias
 
-_LEAST_NS = 50_000
-"""Stages that took less are left out: they had nothing to do."""
+_MIN_NS = 50_000
+"""Minimum duration; shorter stages are omitted, since they had nothing to do."""
 
 _TOTAL = "total"
 
 Path: TypeAlias = tuple[str, ...]
-"""A stage's name after those of the stages around it."""
+"""A stage's name, preceded by those of the enclosing stages."""
 
 
 @dataclass(slots=True)
@@ -28,9 +28,9 @@ class _Row:
 
 
 class StageTimes:
-    """Adds up the time of each stage, in the order in which they first began.
+    """Sums the durations of each stage, in the order of their first starts.
 
-    `clock` gives the time [ns].
+    `clock` returns the time [ns].
     """
 
     def __init__(self, clock: Callable[[], int] = perf_counter_ns) -> None:
@@ -61,16 +61,16 @@ class StageTimes:
             self._rows[self._path()].note = text
 
     def table(self) -> str:
-        """Return the stages with their times in ms, a stage's own stages indented below it.
+        """Return the stages with their durations in ms, nested stages indented.
 
-        Empty if there was no stage.
+        Empty without stages.
         """
         if not self._rows:
             return ""
         lines = [
             ("  " * (len(path) - 1) + path[-1], row.ns, row.remark())
             for path, row in self._rows.items()
-            if row.ns >= _LEAST_NS
+            if row.ns >= _MIN_NS
         ]
         lines.append((_TOTAL, self._clock() - self._start, ""))
         cells = [("stage", "ms", "")]

@@ -1,4 +1,4 @@
-"""What commands show of the stages of a run: their times with `-v`, progress on a terminal."""
+"""Stages of a run as shown by commands: durations with `-v`, progress on a terminal."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from rtgen.cli.common import Console
 P = ParamSpec("P")
 
 LONG_S = 1.0
-"""Work that takes longer shows its progress [s]."""
+"""Duration of work after which its progress is shown [s]."""
 
 
 def with_stages(
     function: Callable[Concatenate[Console, P], int],
 ) -> Callable[..., int]:
-    """Add -v, and show the stages of the run; stands below `with_console`."""
+    """Add -v, and show the stages of the run; place it below `with_console`."""
 
     @click.option(
         "-v",
@@ -46,7 +46,7 @@ def with_stages(
 
 @contextmanager
 def shown(console: Console) -> Iterator[None]:
-    """Within it stages show their progress, and afterwards their times if that is wanted."""
+    """Show progress of stages within the block, and their durations afterwards if requested."""
     with ExitStack() as stack:
         observers: list[stages.Observer] = []
         if console.verbose:
@@ -90,9 +90,7 @@ class _All:
 
 
 def _shows_progress(console: Console) -> bool:
-    """Return whether somebody looks: standard error is a terminal, and no service for builds has
-    it.
-    """
+    """Return whether to show progress: standard error is a terminal, not a CI log."""
     plain = os.environ.get("CI") or os.environ.get("TERM") == "dumb"
     talks = console.form == "text" and not console.quiet
     return talks and not plain and sys.stderr.isatty()

@@ -58,7 +58,7 @@ class Outcome:
 
     @property
     def errors(self) -> tuple[float, float] | None:
-        """Distance [m] and angle [rad] between goal and pose; None if either is unknown."""
+        """Distance [m] and angle [rad] from goal to pose; None if either is unknown."""
         if self.goal is None or len(self.poses) != 1:
             return None
         [(_, pose)] = self.poses

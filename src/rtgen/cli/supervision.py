@@ -1,4 +1,4 @@
-"""`rtgen run --supervise`: a process for each group of components, started again when it dies."""
+"""`rtgen run --supervise`: a process for each group of components, restarted when it fails."""
 
 from __future__ import annotations
 
@@ -30,30 +30,30 @@ from rtgen.systems.timeline import Condition
 if TYPE_CHECKING:
     from rtgen.runtime.corba.name_server import NameServer
 
-_FIRST_PAUSE, _LONGEST_PAUSE = 0.5, 10.0
-"""Seconds before a process is started again: twice as many each time."""
+_FIRST_DELAY, _MAX_DELAY = 0.5, 10.0
+"""First and longest delay before a restart in seconds; it doubles each time."""
 _STEADY = 60.0
-"""A process that has run for so many seconds has not failed before."""
-_LOOK = 0.05
-_TO_END = 15.0
-"""Seconds that a process has to end in order."""
+"""Seconds of running after which earlier failures of a process are forgotten."""
+_POLL_INTERVAL = 0.05
+_SHUTDOWN_TIMEOUT = 15.0
+"""Seconds that a process has for an orderly shutdown."""
 
-_OWN = frozenset(
+_NOT_PASSED_ON = frozenset(
     {"system", "clock", "until", "settings", "nameserver", "form", "colour"}
     | {"supervise", "groups", "restarts", "quiet"}
 )
-"""Options of `rtgen run` that go with `--supervise`, and are not handed on as they are."""
-_TAKEN = (
-    _OWN
+"""Options of `rtgen run` that are compatible with `--supervise`, but not passed on unchanged."""
+_COMPATIBLE = (
+    _NOT_PASSED_ON
     | {"timeline_file", "verbose", "transport", "checkpoints"}
     | {*chain(*TAKES.values())}
 ) - {"only"}
-"""All options that go with it."""
+"""All options that are compatible with it."""
 
 
 @dataclass(frozen=True, slots=True)
 class Policy:
-    """When a process that has died is started again: at most `restarts` times in a row."""
+    """Restart policy: a failed process is restarted up to `restarts` times in a row."""
 
     restart: bool
     restarts: int
@@ -66,7 +66,7 @@ class Worker:
     name: str
     command: Sequence[str]
     decides: bool
-    """Whether the run ends when it ends by itself."""
+    """Whether the run ends if this process ends by itself."""
     process: subprocess.Popen[str] | None = None
     begun: float = 0.0
     failures: int = 0
@@ -76,14 +76,14 @@ class Worker:
 
     @property
     def runs(self) -> bool:
-        """Whether the process is there."""
+        """Whether the process is running."""
         return self.process is not None and self.process.poll() is None
 
 
 def divided(
     profile: System, groups: Sequence[str], outside: Sequence[str]
 ) -> list[frozenset[str]]:
-    """Return the groups of instances; an instance that no group names has one of its own.
+    """Return the groups of instances; an ungrouped instance is a group of its own.
 
     Raises InputError for an unknown instance, Refusal for one in two groups.
     """
@@ -98,21 +98,24 @@ def divided(
 
 
 def check_options(context: click.Context) -> None:
-    """Raise Refusal for an option that does not go with `--supervise`."""
+    """Raise Refusal for an option that is incompatible with `--supervise`."""
     for parameter in context.command.params:
         name = parameter.name or ""
         source = context.get_parameter_source(name)
-        if source is click.core.ParameterSource.COMMANDLINE and name not in _TAKEN:
+        if source is click.core.ParameterSource.COMMANDLINE and name not in _COMPATIBLE:
             raise Refusal(f"--supervise does not go with {parameter.opts[-1]}")
 
 
 def handed_on(context: click.Context) -> list[str]:
-    """Return the options that each process gets as they were given."""
+    """Return the options that each process gets unchanged."""
     words: list[str] = []
     for parameter in context.command.params:
         name = parameter.name or ""
         source = context.get_parameter_source(name)
-        if source is not click.core.ParameterSource.COMMANDLINE or name in _OWN:
+        if (
+            source is not click.core.ParameterSource.COMMANDLINE
+            or name in _NOT_PASSED_ON
+        ):
             continue
         value = context.params.get(name)
         text = ",".join(value) if isinstance(value, tuple) else str(value)
@@ -157,7 +160,7 @@ def commands(
 
 
 class Supervisor:
-    """Starts processes, says what becomes of them, and starts them again."""
+    """Starts processes, reports their ends, and restarts them."""
 
     def __init__(
         self, workers: Sequence[Worker], policy: Policy, console: Console
@@ -177,7 +180,7 @@ class Supervisor:
                     self._start(worker)
                 self._tell()
                 while (ended := self._look()) is None:
-                    time.sleep(_LOOK)
+                    time.sleep(_POLL_INTERVAL)
                 code = ended
         except KeyboardInterrupt:
             code = NO if self._lost else OK
@@ -196,7 +199,7 @@ class Supervisor:
                 stdin=subprocess.DEVNULL,
                 text=True,
                 errors="replace",
-                start_new_session=True,  # Ctrl-C is for the supervisor.
+                start_new_session=True,  # Only the supervisor handles Ctrl-C.
             )
         except OSError as error:
             raise ToolError(f"{worker.name} cannot be started: {error}") from error
@@ -204,7 +207,7 @@ class Supervisor:
         worker.output.start()
 
     def _copy(self, worker: Worker) -> None:
-        """Print what a process prints, with the name of its group before each line."""
+        """Print a process's output, each line preceded by the name of its group."""
         assert worker.process is not None
         assert worker.process.stdout is not None
         for line in worker.process.stdout:
@@ -212,7 +215,7 @@ class Supervisor:
                 sys.stderr.write(f"{worker.name} | {line}")
 
     def _look(self) -> int | None:
-        """Look at all processes; the exit code if the run has ended."""
+        """Check all processes; return the exit code if the run has ended."""
         now = time.monotonic()
         for worker in self._workers:
             if worker.due is not None and now >= worker.due:
@@ -235,12 +238,12 @@ class Supervisor:
         return None
 
     def _failed(self, worker: Worker, code: int, now: float) -> None:
-        """Report that a process has died, and plan what follows."""
+        """Report that a process has failed, and schedule its restart."""
         assert worker.process is not None
         if now - worker.begun > _STEADY:
             worker.failures = 0
         worker.failures += 1
-        pause = min(_FIRST_PAUSE * 2 ** (worker.failures - 1), _LONGEST_PAUSE)
+        pause = min(_FIRST_DELAY * 2 ** (worker.failures - 1), _MAX_DELAY)
         if not self._policy.restart:
             follows = "it is not started again (--supervise never)"
         elif worker.failures > self._policy.restarts:
@@ -257,11 +260,11 @@ class Supervisor:
 
     @property
     def _lost(self) -> list[Worker]:
-        """Those that are not started again."""
+        """Processes that are not restarted."""
         return [w for w in self._workers if w.done and w.process and w.process.poll()]
 
     def _tell(self) -> None:
-        """State the condition of the system when it has changed."""
+        """Report the condition of the system if it has changed."""
         lost = self._lost
         down = [
             w.name for w in self._workers if not w.runs and (not w.done or w in lost)
@@ -275,11 +278,11 @@ class Supervisor:
             self._console.say(f"condition: {condition}")
 
     def _end_all(self) -> None:
-        """End the processes in order; kill one that does not end."""
+        """Shut the processes down; kill one that does not end."""
         for worker in self._workers:
             if worker.process is not None and worker.runs:
                 worker.process.send_signal(signal.SIGTERM)
-        deadline = time.monotonic() + _TO_END
+        deadline = time.monotonic() + _SHUTDOWN_TIMEOUT
         for worker in self._workers:
             if worker.process is None:
                 continue
@@ -310,10 +313,10 @@ def supervise(
     nameserver: str | None,
     checkpoints: str | None,
 ) -> int:
-    """Run a system; `workers` gives its processes for further options.
+    """Run a system; `workers` returns its processes, given further options.
 
-    Without `nameserver` CORBA's naming service is one of our own, and without `checkpoints` they
-    are kept as long as the run. Raises ToolError.
+    Without `nameserver`, a naming service for CORBA is started; without `checkpoints`, they are
+    kept until the run ends. Raises ToolError.
     """
     with ExitStack() as closing:
         words: list[str] = []

@@ -26,13 +26,13 @@ if TYPE_CHECKING:
     from rtgen.runtime.corba.transport import CorbaTransport
     from rtgen.runtime.services.transports import ProcessTransport
 
-_SILENCE = 1.0
-"""Seconds after which a wait for other processes is announced."""
+_REPORT_AFTER = 1.0
+"""Seconds of waiting for other processes after which it is reported."""
 _BUILT_IN = ("corba", *engines.TAKES)
 
 
 class _Transport(click.Choice[str]):
-    """The built-in transports, which help texts name, and those of plug-ins."""
+    """Names of the built-in transports, shown in help texts, and of plug-ins."""
 
     def __init__(self) -> None:
         super().__init__(["direct", *_BUILT_IN])
@@ -91,7 +91,7 @@ TAKES: dict[str, frozenset[str]] = {
     "corba": _COMMON | {"foreign", "nameserver", "endpoint", "call_timeout"},
     **{engine: _COMMON | names for engine, names in engines.TAKES.items()},
 }
-"""The options that a built-in transport takes."""
+"""The options of each built-in transport."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,7 +111,7 @@ class TransportOptions(EngineOptions):
 
     @property
     def carries_data(self) -> bool:
-        """Whether samples can go to other processes."""
+        """Whether samples can be sent to other processes."""
         return self.transport in engines.TAKES
 
     @property
@@ -154,10 +154,10 @@ def opened(
     *,
     simulated: bool,
 ) -> Iterator[ProcessTransport | None]:
-    """The transport; None for direct calls. Raises ToolError.
+    """Open the transport; None for direct calls. Raises ToolError.
 
-    Simulated time has no naming service, since no other process can call. `options` are those of
-    plug-ins by their names; `profile` is the part of this process.
+    Simulated time uses no naming service, since no other process can call. `options` are those of
+    plug-ins by name; `profile` is the part of this process.
     """
     if carrying.transport == "direct":
         yield None
@@ -212,16 +212,16 @@ def _corba(carrying: TransportOptions, *, simulated: bool) -> CorbaTransport:
 
 
 def await_others(transport: ProcessTransport, seconds: float, console: Console) -> None:
-    """Wait until other processes provide what is called here. Raises ToolError, InputError.
+    """Wait until other processes provide the called services. Raises ToolError, InputError.
 
-    Says after a while which components it waits for. Ctrl-C and SIGTERM raise KeyboardInterrupt.
+    After a while the missing components are reported. Ctrl-C and SIGTERM raise KeyboardInterrupt.
     """
 
     def tell() -> None:
         if isinstance(transport, AwaitingTransport) and (missing := transport.missing):
             console.say(f"waiting for other processes: {', '.join(missing)}")
 
-    patience = threading.Timer(_SILENCE, tell)
+    patience = threading.Timer(_REPORT_AFTER, tell)
     patience.daemon = True
     patience.start()
     try:

@@ -47,7 +47,7 @@ _SUFFIXES = (".xml", ".yaml", ".yml")
 
 
 class CommandProject:
-    """The project around the systems of the command line; see `rtgen.ui.project.Project`."""
+    """The project of the systems on the command line; see `rtgen.ui.project.Project`."""
 
     def __init__(
         self,
@@ -65,7 +65,7 @@ class CommandProject:
 
     @property
     def systems(self) -> Sequence[str]:
-        """The systems that were named."""
+        """The systems on the command line."""
         return self._files
 
     def read(self, file: str) -> System:
@@ -85,7 +85,7 @@ class CommandProject:
         return profile
 
     def write(self, file: str, text: str) -> None:
-        """Write a system, below the working folder or beside a system that was named.
+        """Write a system, below the working folder or beside a system of the command line.
 
         Only a file that describes a system is overwritten.
         """
@@ -142,17 +142,17 @@ class CommandProject:
         add_component(system, component, self._factories, Path.cwd(), report)
 
     def describer(self, bus: str) -> BusDescriber:
-        """Return the description of a bus: the file for its channel, else the one for all."""
+        """Return the description of a bus: the file for its channel, else the default one."""
         return _describer(self._buses, bus)
 
     def palette(self) -> Sequence[ComponentProfile]:
-        """Return the types whose factories are classes that can be imported."""
+        """Return the types whose factories are importable classes."""
         found = []
         for name in sorted(self._factories.types):
             try:
                 profile = getattr(self._factories[name], "profile", None)
             except (FactoryImportError, ToolError):
-                continue  # `rtgen run` reports it when a system needs the type.
+                continue  # `rtgen run` reports it if a system needs the type.
             if isinstance(profile, ComponentProfile):
                 found.append(replace(profile, type_name=name))
         return found
@@ -182,7 +182,10 @@ def _session(
 
 
 def _opened(name_server: str, closing: ExitStack) -> CorbaTransport:
-    """Return the transport of a system whose components a naming service gets. Raises ToolError."""
+    """Open the transport of a system whose components are found by a naming service.
+
+    Raises ToolError.
+    """
     from rtgen.runtime.corba.transport import CorbaTransport
 
     try:
@@ -273,7 +276,7 @@ def ui(
         channel, _, file = each.rpartition("=")
         described[channel] = Path(file)
     for channel in described:
-        _describer(described, channel)  # Raises InputError before anything runs.
+        _describer(described, channel)  # raises InputError before anything runs
     if name_servers and find_spec("omniORB") is None:
         raise ToolError(
             "--nameserver needs omniORBpy, which is not installed",

@@ -22,7 +22,7 @@ class BusDescriber:
     """See `rtgen.ui.buses.Describer`; without a file the nodes have no objects."""
 
     def __init__(self, file: Path | None) -> None:
-        """Raises InputError."""
+        """Read the file. Raises InputError."""
         empty = NodeIndex(nodes={})
         self._known = empty if file is None else read_node_index(file, ())
         self._decoder = Decoder(self._known)
@@ -44,7 +44,7 @@ class BusDescriber:
         return ui.Bus(name=name, bit_rate=rate, computed_load=computed, nodes=nodes)
 
     def frame(self, frame: Frame) -> ui.Frame:
-        """Return a frame in words, with its values."""
+        """Return a decoded frame, with its values."""
         decoded = self._decoder.decode(frame)
         return ui.Frame(
             can_id=frame.can_id,
@@ -87,7 +87,7 @@ class BusDescriber:
             raise CommandError(BAD_VALUE, message) from error
 
     def text(self, node_id: int, number: tuple[int, int], octets: bytes) -> str:
-        """Return the value of an object, octets where it is not described."""
+        """Return the value of an object; octets if it is not described."""
         node = self._known.nodes.get(node_id)
         thing = None if node is None else node.objects.get(number)
         if node is None or thing is None:

@@ -1,7 +1,7 @@
 """Implements `rtgen generate --watch`: a run after every change of an input.
 
 File system events and a one-second timer trigger a check; a run starts if an input has changed
-since the last run began to read. A change during a run is therefore not lost.
+since the previous run started reading. So a change during a run is not lost.
 """
 
 from __future__ import annotations

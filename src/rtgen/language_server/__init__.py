@@ -1,6 +1,6 @@
-"""The language server: what `rtgen lsp` tells editors about definitions, on pygls.
+"""Language server for `rtgen lsp`, based on pygls.
 
-`text` and `documents` hold what editors have open, `indexing` makes tables of names and places of
-what the front ends have read, `analysis` runs the compiler on a project with unsaved texts,
-`workspace` decides when, `features` has one module for each request, `server` speaks the protocol.
+`text` and `documents` contain the open documents, `indexing` makes tables of names and places from
+the results of front ends, `analysis` runs the compiler on a project with unsaved texts, `workspace`
+decides when, `features` has one module for each request, `server` implements the protocol.
 """

@@ -1,4 +1,4 @@
-"""Runs the compiler on a project whose files may have unsaved texts: findings, model, index."""
+"""Runs the compiler on a project with unsaved texts: diagnostics, model, index."""
 
 from __future__ import annotations
 
@@ -41,17 +41,16 @@ _MAX_HEADER_BYTES = 1024 * 1024
 
 
 class SupersededError(Exception):
-    """A newer text makes the analysis pointless."""
+    """Raised when a newer text makes the analysis pointless."""
 
 
 @dataclass(frozen=True, eq=False)
 class Analysis:
-    """What is known of a project: `texts` by displayed path are those that it is known of.
+    """Result of analysing a project; `texts`, by displayed path, are its inputs.
 
-    `findings` are those of `rtgen lint`, `reading` those of front ends and of systems, with the
-    silenced ones; `emitting` are those of lowerings, back ends and behaviours, as `rtgen check`
-    has them beside these. As long as back ends have not run, `complete` are the definitions that
-    they take.
+    `findings` are those of `rtgen lint`, `reading` those of front ends and of systems, including
+    suppressed ones; `emitting` are those of lowerings, back ends and behaviours, which `rtgen
+    check` reports in addition. Until back ends have run, `complete` are the definitions for them.
     """
 
     project: Project
@@ -66,7 +65,7 @@ class Analysis:
 
 @dataclass(frozen=True, slots=True)
 class _Stages:
-    """Ends an analysis that is superseded at the next stage, or the next file of one."""
+    """Aborts a superseded analysis at its next stage or file."""
 
     is_superseded: Callable[[], bool]
 
@@ -112,9 +111,9 @@ def analyse(
 ) -> Analysis:
     """Analyse a project with the documents of a snapshot in place of files on the disk.
 
-    `memo` has what analyses before have read. `whole`: the files are all of the project. Files
-    that cannot be read now keep their names of `before`. Raises SupersededError when
-    `is_superseded`.
+    `memo` caches the results of earlier analyses. `whole`: the files are all of the project. Files
+    that cannot be read keep their names from `before`. Raises SupersededError if `is_superseded`
+    returns true.
     """
     collector = Collector()
     with overlaid(snapshot.contents), stages.observed(_Stages(is_superseded)):
@@ -155,9 +154,9 @@ def emitted(
     *,
     is_superseded: Callable[[], bool] = lambda: False,
 ) -> Analysis:
-    """Return the analysis with the findings of the back ends.
+    """Return the analysis with the diagnostics of the back ends.
 
-    Raises SupersededError when `is_superseded`.
+    Raises SupersededError if `is_superseded` returns true.
     """
     project, complete = analysis.project, analysis.complete
     if complete is None:
@@ -181,7 +180,7 @@ def _with_systems(
     findings: list[Diagnostic],
     memo: Memo,
 ) -> FrontendResult:
-    """Return the result with the project's systems, whose findings are added."""
+    """Return the result with the project's systems, whose diagnostics are added."""
     if not project.systems:
         return result
     read = [_system(project, path, memo) for path in project.systems]
@@ -210,9 +209,7 @@ def _texts(
     before: Analysis | None,
     snapshot: Snapshot,
 ) -> dict[str, Text]:
-    """Return the texts that were read: those of open documents, or of before if they are
-    unchanged.
-    """
+    """Return the texts that were read: of open documents, or of `before` if unchanged."""
     sources = dict(result.sources)
     if project.file is not None:
         data = read_start(project.file, _MAX_SETTINGS_BYTES)
@@ -228,7 +225,7 @@ def _texts(
 
 
 def _add_unread(collector: Collector, texts: dict[str, Text]) -> None:
-    """Add the texts of C headers, which are not sources of findings."""
+    """Add the texts of C headers, which are not sources of diagnostics."""
     for file in collector.files:
         if file not in texts:
             try:
@@ -241,7 +238,7 @@ def _add_unread(collector: Collector, texts: dict[str, Text]) -> None:
 def _add_others(
     collector: Collector, project: Project, model: Model, texts: Mapping[str, Text]
 ) -> None:
-    """Add the names of languages whose models have the places."""
+    """Add the names of languages whose models have places."""
     for device in model.devices:
         add_device(collector, device)
     described = {absolute_path(device.file) for device in model.devices}
@@ -264,14 +261,14 @@ def _add_others(
 
 
 def problems_of(error: InputError | ToolError) -> tuple[Diagnostic, ...]:
-    """Return the findings of a project that cannot be loaded."""
+    """Return the diagnostics of a project that cannot be loaded."""
     if isinstance(error, InputError):
         return error.diagnostics
     return (Diagnostic("", Severity.ERROR, error.message, hint=error.hint),)
 
 
 def files_of(analysis: Analysis) -> set[str]:
-    """Return the absolute paths of the files that an analysis speaks of."""
+    """Return the absolute paths of the files in an analysis."""
     return {absolute_path(file) for file in analysis.texts} | set(analysis.index.files)
 
 

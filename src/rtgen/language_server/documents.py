@@ -1,4 +1,4 @@
-"""The documents that the editor has open: their texts, which may not be saved, and languages."""
+"""Documents open in the editor, with their possibly unsaved texts and their languages."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ from rtgen.language_server.text import UTF_16, Shift, Shifts, Text
 from rtgen.project import FILE_NAME
 
 MAX_CHARACTERS = 8 * 1024 * 1024
-"""The text of a larger document is not kept; what is on the disk counts."""
+"""Maximum length of a document; of a larger one, the text on the disk is used."""
 
 
 class Language(StrEnum):
-    """The languages of the server, by the ids that editors give them."""
+    """Languages of the server, by the ids that editors use."""
 
     IDL = "idl"
     CDL = "cdl"
@@ -58,7 +58,7 @@ def language_of(path: str) -> Language | None:
 
 
 def path_of(uri: str) -> str | None:
-    """Return the absolute path of a document; None for one that is in no file."""
+    """Return the absolute path of a document; None if it is not a file."""
     if not uri.startswith("file:"):
         return None
     path = to_fs_path(uri)
@@ -66,19 +66,19 @@ def path_of(uri: str) -> str | None:
 
 
 def uri_of(path: str) -> str:
-    """Return the address of a file."""
+    """Return the URI of a file."""
     uri: str | None = from_fs_path(path)
     assert uri is not None, "an absolute path has an address"
     return uri
 
 
 MAX_EDITS = 64
-"""How many edits are kept one by one; those before count as one."""
+"""Maximum number of edits that are kept separately; earlier ones are merged."""
 
 
 @dataclass(frozen=True, slots=True)
 class Document:
-    """An open document as of a version; `edits` led to it, each with the text before it."""
+    """An open document at a version; `edits` are the last ones, each with the text before it."""
 
     uri: str
     path: str
@@ -88,7 +88,7 @@ class Document:
     edits: tuple[tuple[Text, Shift], ...] = ()
 
     def shift_from(self, text: Text) -> Shift | Shifts:
-        """Return the edits since the text was the document's, or what they come to."""
+        """Return the edits since the document had the text, or their sum."""
         if text is self.text:
             return Shifts(())
         for number, (before, _) in enumerate(self.edits):
@@ -98,7 +98,7 @@ class Document:
 
     @property
     def data(self) -> bytes:
-        """The text as the bytes that front ends read."""
+        """The text in the encoding of the front end."""
         source = self.text.source
         if self.language is Language.PROFILE:
             declared = _DECLARED.match(source)
@@ -106,13 +106,13 @@ class Document:
                 try:
                     return source.encode(declared[1])
                 except (LookupError, UnicodeError):
-                    pass  # the front end reports what does not fit
+                    pass  # the front end reports characters that cannot be encoded
         return source.encode("utf-8", "replace")
 
 
 @dataclass(frozen=True, slots=True)
 class Snapshot:
-    """Open documents by absolute path: what stands for the files on the disk, and its texts."""
+    """Open documents by absolute path, as contents for `files.overlaid`, and their texts."""
 
     contents: Mapping[str, bytes]
     texts: Mapping[str, Text]
@@ -126,7 +126,7 @@ class Documents:
         self._open: dict[str, Document] = {}
 
     def open(self, uri: str, version: int, source: str) -> Document | None:
-        """Keep a document; None for one of no known language, or too large a one."""
+        """Add a document; None for an unknown language, or a text that is too large."""
         path = path_of(uri)
         language = None if path is None else language_of(path)
         if path is None or language is None or len(source) > MAX_CHARACTERS:
@@ -165,17 +165,17 @@ class Documents:
         return changed
 
     def close(self, uri: str) -> Document | None:
-        """Forget a document, and return it."""
+        """Remove a document, and return it."""
         path = path_of(uri)
         return None if path is None else self._open.pop(path, None)
 
     def of(self, uri: str) -> Document | None:
-        """Return the document of an address, if it is open."""
+        """Return the open document of a URI."""
         path = path_of(uri)
         return None if path is None else self._open.get(path)
 
     def at(self, path: str) -> Document | None:
-        """Return the document of a file, if it is open."""
+        """Return the open document of a file."""
         return self._open.get(path)
 
     @property
@@ -184,7 +184,7 @@ class Documents:
         return tuple(self._open.values())
 
     def snapshot(self) -> Snapshot:
-        """Return the open documents as of now."""
+        """Return a snapshot of the open documents."""
         documents = self.all
         return Snapshot(
             {document.path: document.data for document in documents},

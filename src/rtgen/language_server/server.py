@@ -1,4 +1,4 @@
-"""The server: requests of the protocol to features, analyses in a thread behind the edits."""
+"""The server: routes requests to features, and runs analyses in a thread after edits."""
 
 from __future__ import annotations
 
@@ -35,8 +35,8 @@ from rtgen.language_server.features.symbols import document_symbols, workspace_s
 from rtgen.language_server.workspace import Findings, ProjectKey, View, Workspace
 
 DEBOUNCE = 0.15
-"""Seconds without an edit before a project is analysed, or as long as its last analysis took."""
-LONGEST_DEBOUNCE = 1.0
+"""Minimum seconds without an edit before a project is analysed; more if analyses take longer."""
+MAX_DEBOUNCE = 1.0
 IDLE = 0.5
 """Seconds without an edit after an analysis before the back ends run."""
 
@@ -48,7 +48,7 @@ _log = logging.getLogger(__name__)
 
 
 class _Protocol(LanguageServerProtocol):
-    """The protocol without pygls's own copies of texts, which end lines at other characters.
+    """The protocol without pygls's own copies of texts, which use other line ends.
 
     Messages are encoded by msgspec, in a tenth of the time.
     """
@@ -57,11 +57,11 @@ class _Protocol(LanguageServerProtocol):
         if data and self.writer is not None:
             message = self._serialize_message(data)
             body = msgspec.json.encode(message, enc_hook=self._serialize_message)
-            # The writer of a server on pipes has finished when it returns.
+            # On pipes, the writer has finished when it returns.
             self.writer.write(b"Content-Length: %d\r\n\r\n" % len(body) + body)
 
     def structure_message(self, data: dict[str, Any]) -> Any:
-        """Return the message of parsed JSON; a malformed request is answered with an error."""
+        """Convert a parsed message; a malformed request is answered with an error."""
         try:
             return super().structure_message(data)
         except JsonRpcException as error:
@@ -107,9 +107,9 @@ class Server(LanguageServer):
         self._published: dict[ProjectKey, set[str]] = {}
 
     def report_server_error(self, error: Exception, source: Any) -> None:
-        """Log an error; the client gets it as the answer to its request.
+        """Log an error, which is also the response to the request.
 
-        One that a feature raises to refuse a request is no fault of the server.
+        A feature that rejects a request by an exception is not an error of the server.
         """
         refused = isinstance(error, JsonRpcException) and not isinstance(
             error, JsonRpcInternalError
@@ -120,13 +120,13 @@ class Server(LanguageServer):
     # Analyses
 
     def schedule(self, key: ProjectKey, delay: float | None = None) -> None:
-        """Analyse a project when no edit has come for a while; an analysis under way is dropped."""
+        """Analyse a project after a pause without edits; a running analysis is aborted."""
         self._wanted[key] = self._wanted.get(key, 0) + 1
         timer = self._timers.pop(key, None)
         if timer is not None:
             timer.cancel()
         if delay is None:
-            took = min(self._took.get(key, 0.0), LONGEST_DEBOUNCE)
+            took = min(self._took.get(key, 0.0), MAX_DEBOUNCE)
             delay = max(self._debounce, took)
         loop = asyncio.get_running_loop()
         self._timers[key] = loop.call_later(delay, self._start, key)
@@ -162,7 +162,7 @@ class Server(LanguageServer):
         work: Callable[[ProjectKey, Callable[[], bool]], Findings | None],
         done: Callable[[Findings | None], None],
     ) -> None:
-        """Work on a project in the thread; `done` follows unless an edit has come meanwhile."""
+        """Work on a project in the thread; call `done` unless there was an edit meanwhile."""
         number = self._wanted[key]
         loop = asyncio.get_running_loop()
 
@@ -178,7 +178,7 @@ class Server(LanguageServer):
                 _log.error("analysis: %s: %s", type(error).__name__, error)
 
         def hand_over(future: Future[Findings | None]) -> None:
-            with suppress(RuntimeError):  # the server has ended meanwhile
+            with suppress(RuntimeError):  # the server was shut down meanwhile
                 loop.call_soon_threadsafe(finished, future)
 
         self._thread.submit(work, key, is_superseded).add_done_callback(hand_over)
@@ -189,7 +189,7 @@ class Server(LanguageServer):
         findings: Findings,
         versions: dict[str, int],
     ) -> None:
-        """Publish the findings of a project; files that have none any more are cleared."""
+        """Publish the diagnostics of a project; files without any are cleared."""
         before = self._published.get(key, set())
         for path in sorted({*findings, *before}):
             document = self.files.documents.at(path)
@@ -208,7 +208,7 @@ class Server(LanguageServer):
             refresh(None)
 
     def _refreshes(self) -> list[Callable[[None], Any]]:
-        """Requests that make the client ask for tokens and hints again, where it can."""
+        """Return the requests that make the client refresh tokens and hints, if supported."""
         workspace = self.client_capabilities.workspace
         found: list[Callable[[None], Any]] = []
         if workspace is None:
@@ -221,7 +221,7 @@ class Server(LanguageServer):
         return found
 
     def changed(self, document: Document | None) -> None:
-        """A document was opened or edited."""
+        """Handle a document that was opened or edited."""
         if document is None:
             return
         if document.path.endswith("rtgen.toml"):
@@ -229,14 +229,14 @@ class Server(LanguageServer):
         self.schedule(self.files.key_of(document.path))
 
     def view(self, document: types.TextDocumentIdentifier) -> View | None:
-        """What is known of a document that a request names."""
+        """Return a document and its analysis."""
         return self.files.view(document.uri)
 
 
 def _collect() -> None:
-    """Free what older analyses have left, and keep the rest out of automatic collections.
+    """Collect garbage of older analyses, and exclude the rest from automatic collections.
 
-    These would go through all trees, and hold up a request for a tenth of a second.
+    Automatic collections would traverse all trees, and delay a request by a tenth of a second.
     """
     gc.unfreeze()
     gc.collect()
@@ -253,11 +253,11 @@ def make_server(debounce: float = DEBOUNCE) -> Server:
 
 
 def _add_documents(server: Server) -> None:
-    """Notifications about documents and files."""
+    """Register the notifications about documents and files."""
 
     @server.feature(types.INITIALIZE)
     def initialize(_: types.InitializeParams) -> None:
-        # As pygls does, which has chosen the encoding by what the client prefers.
+        # As pygls does, which has negotiated the encoding.
         encoding = types.PositionEncodingKind(server.workspace.position_encoding)
         server.files.documents.encoding = encoding
 
@@ -305,7 +305,7 @@ def _add_documents(server: Server) -> None:
         if document is None:
             return
         key = server.files.key_of(document.path)
-        if key.file:  # nobody else speaks of it
+        if key.file:  # no other project reports them
             server.text_document_publish_diagnostics(
                 types.PublishDiagnosticsParams(document.uri, [])
             )
@@ -320,11 +320,11 @@ def _add_documents(server: Server) -> None:
 
     @server.feature(types.WORKSPACE_DID_CHANGE_CONFIGURATION)
     def configured(_: types.DidChangeConfigurationParams) -> None:
-        """There are no settings: rtgen.toml has them."""
+        """Ignore settings of the client: rtgen.toml contains them."""
 
 
 def _add_names(server: Server) -> None:
-    """Requests about the name at a position."""
+    """Register the requests about the name at a position."""
 
     @server.feature(types.TEXT_DOCUMENT_HOVER)
     def hovered(params: types.HoverParams) -> types.Hover | None:
@@ -381,7 +381,7 @@ def _add_names(server: Server) -> None:
 
 
 def _add_outlines(server: Server) -> None:
-    """Requests about a whole document, or about the projects."""
+    """Register the requests about a whole document, or about projects."""
 
     @server.feature(types.TEXT_DOCUMENT_DOCUMENT_SYMBOL)
     def outlined(params: types.DocumentSymbolParams) -> list[types.DocumentSymbol]:

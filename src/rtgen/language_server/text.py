@@ -1,8 +1,4 @@
-"""A text of an editor: offsets, rtgen's lines and columns, and the protocol's positions.
-
-rtgen counts characters, and only line feeds end its lines. The protocol (LSP 3.17, "Position")
-counts code units of UTF-8, UTF-16 or UTF-32 as negotiated, and a lone carriage return ends a line.
-"""
+"""Text of a document: offsets, rtgen's lines and columns, and the protocol's positions."""
 
 from __future__ import annotations
 
@@ -28,7 +24,7 @@ _UNITS: dict[PositionEncodingKind, Callable[[str], int]] = {
     UTF_16: lambda text: len(text.encode("utf-16-le", "surrogatepass")) // 2,
     UTF_32: len,
 }
-"""The number of code units of a text."""
+"""Functions that count the code units of a text."""
 
 
 class Text:
@@ -43,7 +39,7 @@ class Text:
 
     @cached_property
     def _rows(self) -> list[int]:
-        """The starts of lines as front ends count them: by line feeds, behind a byte-order mark."""
+        """The starts of lines as front ends count them: by line feeds, after a byte-order mark."""
         first = int(self.source.startswith("\ufeff"))
         if "\r" not in self.source and not first:
             return self._starts
@@ -55,13 +51,11 @@ class Text:
 
     @property
     def lines(self) -> int:
-        """The number of lines, a last one without an end included."""
+        """The number of lines, including a last one without a line end."""
         return len(self._starts)
 
     def offset(self, position: Position, encoding: PositionEncodingKind) -> int:
-        """Return the offset of a position; one beyond the end of a line or of the text is that
-        end.
-        """
+        """Return the offset of a position; positions beyond a line or the text are clipped."""
         line = max(position.line, 0)
         if line >= len(self._starts):
             return len(self.source)
@@ -93,11 +87,11 @@ class Text:
 
     @cached_property
     def whole_lines(self) -> tuple[int, ...]:
-        """The offsets at which lines begin."""
+        """The offsets of the starts of lines."""
         return tuple(self._starts)
 
     def offsets(self, span: Span) -> tuple[int, int]:
-        """Return the start and the end of a span of rtgen, within the text."""
+        """Return the start and the end of one of rtgen's spans, clipped to the text."""
         start = self._place(span.line, span.column)
         return start, max(start, self._place(span.end_line, span.end_column))
 
@@ -112,14 +106,14 @@ class Text:
     def replaced(
         self, range_: Range, new: str, encoding: PositionEncodingKind
     ) -> tuple[Text, Shift]:
-        """Return the text with a range replaced; a range that ends before it starts is empty."""
+        """Return the text with a range replaced; an inverted range is empty."""
         start = self.offset(range_.start, encoding)
         end = max(start, self.offset(range_.end, encoding))
         text = Text(self.source[:start] + new + self.source[end:])
         return text, Shift(start, end, start + len(new))
 
     def _line(self, line: int) -> tuple[int, int]:
-        """Return a line without its end."""
+        """Return a line without its line end."""
         start = self._starts[line]
         last = line + 1 == len(self._starts)
         end = len(self.source) if last else self._starts[line + 1]
@@ -136,9 +130,10 @@ class Text:
 
 @dataclass(frozen=True, slots=True)
 class Shift:
-    """What became of the places of a text when it was edited: `[start, old)` is now `[start, new)`.
+    """An edit as a map of offsets: `[start, old)` became `[start, new)`.
 
-    All edits between two versions count as one, from the first changed character to the last.
+    All edits between two versions are merged into one, from the first to the last changed
+    character.
     """
 
     start: int
@@ -147,7 +142,7 @@ class Shift:
 
     @staticmethod
     def between(old: str, new: str) -> Shift:
-        """Return the change that makes `new` of `old`."""
+        """Return the edit that turns `old` into `new`."""
         if old == new:
             return Shift(len(old), len(old), len(new))
         start = _common(old, new, min(len(old), len(new)), forwards=True)
@@ -156,7 +151,7 @@ class Shift:
         return Shift(start, len(old) - end, len(new) - end)
 
     def forward(self, start: int, end: int) -> tuple[int, int] | None:
-        """Return the place of [start, end) after the edit; None if the edit has touched it."""
+        """Return the place of [start, end) after the edit; None if the edit changed it."""
         if end <= self.start:
             return start, end
         if start >= self.old:
@@ -165,14 +160,14 @@ class Shift:
         return None
 
     def around(self, start: int, end: int) -> tuple[int, int]:
-        """Return the place of a larger stretch, which the edit may lie in."""
+        """Return the place of a range that may contain the edit."""
         by = self.new - self.old
         first = start if start <= self.start else max(start + by, self.start)
         last = end if end < self.old and end <= self.start else max(end + by, first)
         return first, last
 
     def back(self, offset: int) -> int:
-        """Return the offset before the edit; within the edit, where it began."""
+        """Return the offset before the edit; inside the edit, its start."""
         if offset <= self.start:
             return offset
         if offset >= self.new:
@@ -181,13 +176,13 @@ class Shift:
 
 
 class Shifts:
-    """What became of the places of a text by several edits, one after the other."""
+    """Several edits, one after the other, as a map of offsets."""
 
     def __init__(self, shifts: Sequence[Shift]) -> None:
         self._shifts = shifts
 
     def forward(self, start: int, end: int) -> tuple[int, int] | None:
-        """See Shift."""
+        """As `Shift.forward`."""
         place: tuple[int, int] | None = (start, end)
         for shift in self._shifts:
             if place is None:
@@ -196,13 +191,13 @@ class Shifts:
         return place
 
     def around(self, start: int, end: int) -> tuple[int, int]:
-        """See Shift."""
+        """As `Shift.around`."""
         for shift in self._shifts:
             start, end = shift.around(start, end)
         return start, end
 
     def back(self, offset: int) -> int:
-        """See Shift."""
+        """As `Shift.back`."""
         for shift in reversed(self._shifts):
             offset = shift.back(offset)
         return offset
@@ -212,7 +207,7 @@ _CHUNK = 4096
 
 
 def _common(old: str, new: str, most: int, *, forwards: bool) -> int:
-    """Return the number of characters at the start, or else at the end, that two texts share."""
+    """Return the number of common characters at the start, or else at the end."""
 
     def same(low: int, high: int) -> bool:
         if forwards:

@@ -1,4 +1,4 @@
-"""The state behind the server: open documents, their projects, and the last analysis of each."""
+"""State of the server: open documents, their projects, and each project's last analysis."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ from rtgen.project.kinds import is_definition
 
 @dataclass(frozen=True, slots=True)
 class ProjectKey:
-    """A project by its folder; `file` is a document that its rtgen.toml does not name."""
+    """A project by its folder; `file` is a document that its rtgen.toml does not contain."""
 
     root: str
     file: str = ""
@@ -45,7 +45,7 @@ class ProjectKey:
 
 @dataclass(slots=True)
 class _State:
-    """The last analysis of a project, of which texts, and what is wrong with its settings."""
+    """The last analysis of a project, its texts, and the errors in its settings."""
 
     analysis: Analysis | None = None
     problems: tuple[Diagnostic, ...] = ()
@@ -55,7 +55,7 @@ class _State:
 
 
 Findings: TypeAlias = dict[str, list[Diagnostic]]
-"""The findings of a project by absolute path."""
+"""The diagnostics of a project by absolute path."""
 
 
 class Workspace:
@@ -94,7 +94,7 @@ class Workspace:
         return key
 
     def _around(self, folder: Path) -> ProjectKey | None:
-        """Return the project around a folder whose settings have been right before."""
+        """Return the project around a folder whose settings were valid before."""
         with self._lock:
             for parent in (folder, *folder.parents):
                 key = ProjectKey(str(parent))
@@ -103,13 +103,13 @@ class Workspace:
         return None
 
     def _is_foreign(self, path: str) -> bool:
-        """Return whether a file of a common suffix, as .toml, is of another tool."""
+        """Return whether a file with a common suffix, such as .toml, is another tool's."""
         document = self.documents.at(path)
         with overlaid({} if document is None else {path: document.data}):
             return Path(path).name != FILE_NAME and not is_definition(Path(path))
 
     def forget_projects(self) -> None:
-        """Look for the project of each file again: files or settings have changed."""
+        """Determine the project of each file again: files or settings have changed."""
         with self._lock:
             self._keys.clear()
 
@@ -122,10 +122,10 @@ class Workspace:
     def analyse(
         self, key: ProjectKey, is_superseded: Callable[[], bool] = lambda: False
     ) -> Findings:
-        """Analyse a project with the texts of now; its findings by absolute path.
+        """Analyse the current texts of a project; return its diagnostics by absolute path.
 
-        Those of back ends are the last ones, at their places of now, until `emit` renews them.
-        Raises SupersededError when `is_superseded`.
+        Those of back ends are the previous ones, moved to their current places, until `emit` renews
+        them. Raises SupersededError if `is_superseded` returns true.
         """
         if key.file and self._is_foreign(key.file):
             with self._lock:
@@ -164,9 +164,9 @@ class Workspace:
     def emit(
         self, key: ProjectKey, is_superseded: Callable[[], bool] = lambda: False
     ) -> Findings | None:
-        """Run the back ends on the last analysis: all findings, None if they are the same.
+        """Run the back ends on the last analysis; return all diagnostics, None if unchanged.
 
-        Raises SupersededError when `is_superseded`.
+        Raises SupersededError if `is_superseded` returns true.
         """
         with self._lock:
             state = self._states.get(key)
@@ -183,7 +183,7 @@ class Workspace:
         return self._by_file(key, (*state.problems, *made.findings, *made.emitting))
 
     def _moved(self, finding: Diagnostic, analysis: Analysis) -> Diagnostic | None:
-        """Return a finding of an analysis at its place of now; None if the place was edited."""
+        """Return a diagnostic at its current place; None if the place was edited."""
         span = finding.span
         if span is None:
             return finding
@@ -223,7 +223,7 @@ class Workspace:
         return [state.analysis for state in states if state.analysis is not None]
 
     def text_of(self, path: str) -> Text | None:
-        """Return the present text of a file: that of the editor, else that of the last analysis."""
+        """Return the current text of a file: the editor's, else that of the last analysis."""
         document = self.documents.at(path)
         if document is not None:
             return document.text
@@ -234,9 +234,7 @@ class Workspace:
         return None
 
     def view(self, uri: str) -> View | None:
-        """Return a document with what is known of it; None if it is not open, or of another
-        tool.
-        """
+        """Return a document with its analysis; None if it is not open, or another tool's."""
         document = self.documents.of(uri)
         if document is None:
             return None
@@ -247,7 +245,7 @@ class Workspace:
     # Places
 
     def range_of(self, place: Place) -> Range | None:
-        """Return the place of a name as of now; None if it is being edited."""
+        """Return the current place of a name; None if it is being edited."""
         file = place.file
         document = self.documents.at(file.path)
         if document is None:
@@ -268,7 +266,7 @@ class Workspace:
 
 
 class View:
-    """A document, and the index of its last analysis, whose places move with the edits since."""
+    """A document with the index of its last analysis, whose places are moved by later edits."""
 
     def __init__(
         self, workspace: Workspace, document: Document, analysis: Analysis | None
@@ -281,7 +279,7 @@ class View:
 
     @property
     def text(self) -> Text:
-        """The text of now."""
+        """The current text."""
         return self.document.text
 
     @property
@@ -297,15 +295,15 @@ class View:
         return self.document.shift_from(self.file.text)
 
     def offset(self, position: Position) -> int:
-        """Return the offset of a position in the text of now."""
+        """Return the offset of a position in the current text."""
         return self.text.offset(position, self.workspace.documents.encoding)
 
     def range(self, start: int, end: int) -> Range:
-        """Return the range of [start, end) of the text of now."""
+        """Return the range of [start, end) of the current text."""
         return self.text.range(start, end, self.workspace.documents.encoding)
 
     def occurrence(self, position: Position) -> tuple[Occurrence, Range] | None:
-        """Return the name at a position, and its range as of now."""
+        """Return the name at a position, and its current range."""
         if self.file is None:
             return None
         shift = self.shift
@@ -318,7 +316,7 @@ class View:
         return found, self.range(*moved)
 
     def occurrences(self) -> Iterator[tuple[int, int, Occurrence]]:
-        """Yield the names of the document that the edits have not touched, as of now."""
+        """Yield the current places of the names that edits have not changed."""
         shift = self.shift
         for each in () if self.file is None else self.file.occurrences:
             moved = shift.forward(each.start, each.end)
@@ -326,7 +324,7 @@ class View:
                 yield *moved, each
 
     def definitions(self) -> Iterator[tuple[int, int, int, int, Definition]]:
-        """Yield the definitions in the document as of now: name and all of it."""
+        """Yield the current places of definitions: of the name and the whole."""
         shift = self.shift
         for each in () if self.file is None else self.file.definitions:
             moved = shift.forward(each.start, each.end)
@@ -336,7 +334,7 @@ class View:
 
 
 def _loaded(key: ProjectKey) -> Project:
-    """Return the project of a key. Raises InputError, ToolError."""
+    """Load the project of a key. Raises InputError, ToolError."""
     project = load(Path(key.root))
     if not key.file:
         return project

@@ -1,4 +1,4 @@
-"""Recordings of runs as MCAP files: written, read, replayed (docs/recording.md).
+"""Recordings of runs as MCAP files: writing, reading, replaying (docs/recording.md).
 
-`mcap` is imported when a file is opened, not with this package.
+`mcap` is imported lazily, when a file is opened.
 """

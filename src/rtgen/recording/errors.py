@@ -4,7 +4,7 @@ from __future__ import annotations
 
 
 class RecordingError(Exception):
-    """A recording cannot be written, read or replayed; `hint` says what helps, if known."""
+    """A recording cannot be written, read or replayed; `hint` suggests a solution, if known."""
 
     def __init__(self, message: str, hint: str | None = None) -> None:
         super().__init__(message)
@@ -12,4 +12,4 @@ class RecordingError(Exception):
 
 
 class SchemaError(RecordingError):
-    """A schema that is not IDL, or not of the type that it is to have."""
+    """A schema that is not IDL, or not that of the expected type."""

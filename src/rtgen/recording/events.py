@@ -1,7 +1,7 @@
-"""The events of a recording or of a log, in the form that the lines of a log have.
+"""Events of a recording or of a log, in the form of a log's lines.
 
 `rtgen run --log` writes JSON lines, `--record` MCAP. Both are read as dictionaries: `t` [ns since
-the start], `event`, and what belongs to that event; samples have `instance`, `port`, `value`.
+the start], `event`, and further keys of the event; samples have `instance`, `port`, `value`.
 """
 
 from __future__ import annotations
@@ -23,18 +23,18 @@ from rtgen.runtime.xcdr import deserialize
 
 Event: TypeAlias = dict[str, Any]
 
-_LONGEST_LINE = 1 << 26
+_MAX_LINE = 1 << 26
 
 
 @dataclass(slots=True)
 class Decoders:
-    """Decoders of the messages of channels, one for each schema."""
+    """Decoders of messages, one for each schema."""
 
     _types: dict[Schema, Any] = field(default_factory=dict)
     _known: dict[Channel, Callable[[bytes], Any]] = field(default_factory=dict)
 
     def value(self, message: Message) -> Any:
-        """What a message holds, as JSON has it. Raises RecordingError."""
+        """Return the content of a message as JSON. Raises RecordingError."""
         channel = message.channel
         decode = self._known.get(channel)
         if decode is None:
@@ -64,10 +64,10 @@ class Decoders:
 
 
 class Log:
-    """A file that `rtgen run` has recorded, in either form."""
+    """A file recorded by `rtgen run`, in either form."""
 
     def __init__(self, path: str | Path) -> None:
-        """Raises RecordingError if it cannot be read, or is neither."""
+        """Open a file. Raises RecordingError if it is unreadable or in neither form."""
         self.path = Path(path)
         try:
             with self.path.open("rb") as stream:
@@ -81,7 +81,7 @@ class Log:
             )
         self.mcap = McapFile(path) if head == MAGIC else None
         self.units: dict[tuple[str, str], str] = {}
-        """The units of ports, by instance and port, as far as samples of them were read."""
+        """Units of ports by instance and port, for samples read so far."""
         if self.mcap is None and head[:1] not in (b"{", b""):
             raise RecordingError(
                 f"{path} is not a recording: neither MCAP nor JSON lines",
@@ -90,7 +90,7 @@ class Log:
 
     @property
     def start(self) -> int:
-        """What the clock showed at the start [ns]: 0 in simulated time."""
+        """The clock's time at the start [ns]: 0 in simulated time."""
         described = {} if self.mcap is None else self.mcap.metadata.get(METADATA, {})
         text = described.get("start", "0")
         return int(text) if text.isascii() and text.isdecimal() else 0
@@ -98,13 +98,13 @@ class Log:
     def events(
         self, wanted: Callable[[Mapping[str, str]], bool] = lambda entry: True
     ) -> Iterator[Event]:
-        """Return all events in order; `wanted` is given `event`, `instance` and `port`."""
+        """Yield all events in order; `wanted` is called with `event`, `instance` and `port`."""
         if self.mcap is None:
             return (event for event in self._lines() if wanted(event))
         return self._decoded(self.mcap, wanted)
 
     def heads(self) -> Iterator[Event]:
-        """Yield each event without what it holds; samples of MCAP with the name of their `type`."""
+        """Yield each event without its content; samples of MCAP with the name of their `type`."""
         if self.mcap is None:
             yield from self._lines()
             return
@@ -142,13 +142,13 @@ class Log:
     def _lines(self) -> Iterator[Event]:
         with self.path.open(encoding="utf-8", errors="replace") as stream:
             for number, line in enumerate(
-                iter(lambda: stream.readline(_LONGEST_LINE), ""), 1
+                iter(lambda: stream.readline(_MAX_LINE), ""), 1
             ):
                 try:
                     event = json.loads(line)
                 except ValueError as error:
                     if not line.endswith("\n"):
-                        return  # The writer was killed.
+                        return  # the writer was killed
                     message = f"{self.path}:{number}: no JSON: {error}"
                     raise RecordingError(message) from error
                 except RecursionError:
@@ -164,7 +164,10 @@ class Log:
 
 
 def _head(channel: Channel) -> Event:
-    """What an event has of its channel; other writers' channels are samples of a topic."""
+    """Return the part of an event that its channel determines.
+
+    Channels of other writers are samples of a topic.
+    """
     kind = channel.get("kind")
     if not kind:
         return {"event": "sample", "instance": "", "port": channel.topic}
@@ -177,12 +180,12 @@ def _head(channel: Channel) -> Event:
 
 
 def _is_shared(head: Event) -> bool:
-    """Return whether the events of a channel have their instances inside."""
+    """Return whether the events of a channel contain their instances."""
     return "instance" not in head and "bus" not in head
 
 
 def _written(inside: Event) -> Event:
-    """Return an event as a log has it: with a reason only where there is one."""
+    """Return an event as in a log: with a reason only if it is not empty."""
     if inside.get("reason") == "":
         return {key: value for key, value in inside.items() if key != "reason"}
     return inside

@@ -1,4 +1,4 @@
-"""Values of IDL types from JSON, in the form in which logs have them, and JSON Schemas of it.
+"""Values of IDL types from JSON, in the form of logs, and their JSON Schemas.
 
 For types of numbers, texts, enums, sequences, arrays and structs.
 """
@@ -22,17 +22,17 @@ from rtgen.runtime.marshalling.descriptors import (
 )
 
 Convert: TypeAlias = Callable[[Any], Any]
-"""Converts a value of JSON. Raises ValueError with the reason."""
+"""Function that converts a JSON value. Raises ValueError with the reason."""
 
 _OCTETS: Final = ("octet", "uint8")
 
 
 class NoJsonError(TypeError):
-    """A type that is not converted."""
+    """A type without a JSON form."""
 
 
 def json_form(descriptor: Descriptor) -> tuple[dict[str, Any], Convert]:
-    """Return the JSON Schema of a type, and what converts values of it. Raises NoJsonError."""
+    """Return the JSON Schema of a type, and the converter of values. Raises NoJsonError."""
     if isinstance(descriptor, LinkDescriptor):
         raise NoJsonError("a recursive type")
     match plain(descriptor):

@@ -1,6 +1,6 @@
-"""The channels of a run over Foxglove's WebSocket protocol, in place of a file.
+"""Channels of a run over Foxglove's WebSocket protocol, in place of a file.
 
-Messages go into a bounded queue for each client, whose oldest are dropped if the client is slow.
+Each client has a bounded queue of messages, which drops the oldest if the client is slow.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 class LiveChannels:
-    """What `Recorder` writes to, for the clients of a server. May be used from any thread."""
+    """Writer of `Recorder` for the clients of a server. Can be used from any thread."""
 
     def __init__(self, context: Context) -> None:
         self.lock = threading.RLock()
@@ -24,10 +24,10 @@ class LiveChannels:
         self._numbers: dict[tuple[str, str, int], int] = {}
 
     def metadata(self, name: str, entries: Mapping[str, str]) -> None:
-        """Nothing: the protocol has metadata of channels alone."""
+        """Do nothing: the protocol only has metadata of channels."""
 
     def schema(self, name: str, encoding: str, text: str) -> int:
-        """Announce a schema; returns its id."""
+        """Announce a schema; return its id."""
         from foxglove import Schema
 
         with self.lock:
@@ -38,9 +38,9 @@ class LiveChannels:
     def channel(
         self, topic: str, encoding: str, schema: int, entries: Mapping[str, str]
     ) -> int:
-        """Announce a channel of messages in an encoding; returns its id.
+        """Announce a channel of messages in an encoding; return its id.
 
-        A topic has one channel, whatever component's tick its samples are written in.
+        A topic has one channel, independently of the component in whose tick samples are written.
         """
         from foxglove import Channel
 
@@ -60,9 +60,9 @@ class LiveChannels:
             return self._numbers[key]
 
     def message(self, channel: int, time: int, data: bytes) -> None:
-        """Send a message of a time [ns] to the clients that have subscribed to its channel."""
+        """Send a message with a time [ns] to the subscribers of its channel."""
         self.put(channel, time, data)
 
     def put(self, channel: int, time: int, data: bytes) -> None:
-        """As `message`."""
+        """Send a message, as `message` does."""
         self._channels[channel - 1].log(data, log_time=time)

@@ -1,7 +1,4 @@
-"""The services of a live view: requests to components, and operations of their service ports.
-
-Requests and replies are JSON objects.
-"""
+"""Services of a live view: requests to components, and operations of their service ports."""
 
 from __future__ import annotations
 
@@ -19,8 +16,8 @@ from rtgen.runtime.services.servants import ServiceError
 from rtgen.runtime.system.json_printers import plain
 from rtgen.runtime.system.system import System
 
-_LONGEST: Final = 1 << 20
-"""Octets of a request."""
+_MAX_LENGTH: Final = 1 << 20
+"""Maximum length of a request in octets."""
 _NOTHING: Final[dict[str, Any]] = {
     "type": "object",
     "properties": {},
@@ -34,14 +31,14 @@ _RESULT: Final[dict[str, Any]] = {
 
 
 class RefusedError(Exception):
-    """A request that cannot be carried out; the message says why."""
+    """A request that cannot be executed; the message says why."""
 
 
 @dataclass(frozen=True, slots=True)
 class LiveService:
-    """A service: name, JSON Schemas of request and reply, and what carries it out.
+    """A service: name, JSON Schemas of request and reply, and its implementation.
 
-    `prepare` makes of a request an action that gives the reply. Both raise RefusedError.
+    `prepare` turns a request into an action that returns the reply. Both raise RefusedError.
     """
 
     name: str
@@ -54,8 +51,8 @@ class LiveService:
 def services_of(system: System) -> Iterator[LiveService]:
     """Yield the services of all components.
 
-    `/INSTANCE/activate` and so on, and `/INSTANCE/PORT/INTERFACE/OPERATION`, the interface by the
-    name of its instance in the port.
+    Their names are `/INSTANCE/activate` and so on, and `/INSTANCE/PORT/INTERFACE/OPERATION` with
+    the interface's instance name in the port.
     """
     for instance in system.instances:
         for request in ("activate", "deactivate", "reset"):
@@ -75,7 +72,7 @@ def _life_cycle(
 
 
 def _operations(instance: str, provider: Provider[Any]) -> Iterator[LiveService]:
-    """Yield the operations whose arguments and results have a form in JSON."""
+    """Yield the operations whose arguments and results have a JSON form."""
     try:
         calls = calls_of(provider.interface)
     except ServiceError:
@@ -118,7 +115,7 @@ def _call(
         request = convert(_object(payload))
         arguments: tuple[object, ...] = ()
         if call.request is not None:
-            request.to_cdr(True)  # Raises CdrError for values out of range.
+            request.to_cdr(True)  # raises CdrError for values out of range
             arguments = _values(request)
     except (CdrError, ValueError) as error:
         raise RefusedError(f"{operation}: {error}") from None
@@ -148,8 +145,8 @@ def _member_names(type_: Any) -> list[str]:
 
 
 def _object(payload: bytes) -> dict[str, Any]:
-    """Return the JSON object of a request. Raises RefusedError."""
-    if len(payload) > _LONGEST:
+    """Parse a request. Raises RefusedError unless it is a JSON object."""
+    if len(payload) > _MAX_LENGTH:
         raise RefusedError(f"a request of {len(payload)} octets")
     try:
         value = json.loads(payload or b"{}")

@@ -1,7 +1,7 @@
-"""A live view of a run: a server of Foxglove's WebSocket protocol (`foxglove-sdk`).
+"""Live view of a run: a server of Foxglove's WebSocket protocol (`foxglove-sdk`).
 
-Clients see the channels that a recording has, set parameters and call services. What they ask for
-is carried out in the thread of the run, at one of its instants; nothing waits for a client.
+Clients see the channels of a recording, set parameters and call services. Their requests are
+executed in the thread of the run, between its steps; the run never waits for a client.
 """
 
 from __future__ import annotations
@@ -35,19 +35,19 @@ if TYPE_CHECKING:
 
 LOOPBACK: Final = "127.0.0.1"
 PORT: Final = 8765
-"""The port that Foxglove offers for its WebSocket protocol."""
+"""Default port of Foxglove's WebSocket protocol."""
 
 _PERIOD: Final = SECOND // 50
-"""How often requests are carried out, in the system's time [ns]."""
+"""Period of executing requests, in the system's time [ns]."""
 _MAX_WAITING: Final = 100
 _BACKLOG: Final = 1024
-"""Messages that wait for a client before the oldest are dropped."""
-_PATIENCE: Final = 5.0
-"""How long a call waits for the run [s]."""
+"""Maximum number of messages waiting for a client before the oldest are dropped."""
+_CALL_TIMEOUT: Final = 5.0
+"""Seconds after which a call that the run has not executed fails."""
 
 
 def _is_own(host: str) -> bool:
-    """Return whether a server can listen at that address of this machine, at some port."""
+    """Return whether the address is one of this machine, on which a server can listen."""
     try:
         family, kind, _, _, address = socket.getaddrinfo(
             host, 0, type=socket.SOCK_STREAM
@@ -60,10 +60,10 @@ def _is_own(host: str) -> bool:
 
 
 class LiveView:
-    """Shows a system to clients from then on until it is closed.
+    """Shows a system to clients until it is closed.
 
-    To be made before the first `run`. Raises RecordingError if the server cannot be started, or
-    without the package `foxglove-sdk`.
+    Must be created before the first `run`. Raises RecordingError if the server cannot be started,
+    or without the package `foxglove-sdk`.
     """
 
     def __init__(
@@ -113,7 +113,7 @@ class LiveView:
         self._end = system.every(_PERIOD, self._carry_out)
 
     def close(self) -> None:
-        """Stop the server. Requests that wait are refused."""
+        """Stop the server. Waiting requests are rejected."""
         if self._closed:
             return
         self._closed = True
@@ -122,11 +122,11 @@ class LiveView:
             request.reply.cancel()
         self._server.stop()
 
-    # In the thread of the run.
+    # Called in the thread of the run
 
     def _carry_out(self) -> None:
         self._server.broadcast_time(self.recorder.now)
-        # No more at a time: clients that go on asking must not hold the run up.
+        # Bounded, so that busy clients cannot delay the run.
         for _ in range(_MAX_WAITING):
             request = self._next()
             if request is None:
@@ -144,10 +144,10 @@ class LiveView:
             found = self._parameter(event.instance, event.parameter)
             self._server.publish_parameter_values([found])
 
-    # Parameters; in threads of the server.
+    # Parameters; called in threads of the server
 
     def parameters(self, names: Sequence[str]) -> list[Parameter]:
-        """Return the parameters of these names, all without names; unknown ones are left out."""
+        """Return the parameters of these names (all without names), except unknown ones."""
         wanted = frozenset(names)
         return [
             self._parameter(instance, name)
@@ -157,7 +157,7 @@ class LiveView:
         ]
 
     def set_parameters(self, parameters: Sequence[Parameter]) -> list[Parameter]:
-        """Set parameters that are valid; returns those of these names as they are then."""
+        """Set the valid ones of the parameters; return their values afterwards."""
         found: list[Parameter] = []
         for parameter in parameters:
             instance, _, name = parameter.name.partition(".")
@@ -170,12 +170,12 @@ class LiveView:
         return found
 
     def _set(self, instance: str, name: str, text: str) -> Parameter:
-        """Have a parameter set; returns it with its new value."""
+        """Set a parameter in the thread of the run; return it with its new value."""
         from foxglove import Parameter
 
         sets = self._sets(instance)
         if name == ACTIVE_SET:
-            sets.texts(text)  # Raises UnknownConfigurationSetError.
+            sets.texts(text)  # raises UnknownConfigurationSetError
             value: Any = text
             action = partial(self._system.activate_set, instance, text)
         else:
@@ -203,7 +203,7 @@ class LiveView:
         level: StatusLevel = StatusLevel.Warning
         self._server.publish_status(message, level)
 
-    # Services; in threads of the server.
+    # Services; called in threads of the server
 
     def _service(self, service: LiveService) -> Any:
         from foxglove import MessageSchema, Schema, Service, ServiceSchema
@@ -230,17 +230,19 @@ class LiveView:
         """Return the reply of a service. Raises RefusedError."""
         reply = self._submit(service.prepare(payload))
         try:
-            found: bytes = reply.result(_PATIENCE)
+            found: bytes = reply.result(_CALL_TIMEOUT)
             return found
         except CancelledError:
             raise RefusedError("the run is over") from None
         except FutureTimeoutError:
             reply.cancel()
-            message = f"{service.name}: the run did not answer within {_PATIENCE:g} s"
+            message = (
+                f"{service.name}: the run did not answer within {_CALL_TIMEOUT:g} s"
+            )
             raise RefusedError(message) from None
 
     def _submit(self, action: Callable[[], Any]) -> Future[Any]:
-        """Have an action carried out in the thread of the run. Raises RefusedError."""
+        """Submit an action to the thread of the run. Raises RefusedError."""
         if self._closed:
             raise RefusedError("the run is over")
         request = _Request(action, Future())
@@ -252,13 +254,13 @@ class LiveView:
 
 
 class _Request(NamedTuple):
-    """An action for the thread of the run, with what becomes of it."""
+    """An action for the thread of the run, with its result."""
 
     action: Callable[[], Any]
     reply: Future[Any]
 
     def carry_out(self) -> None:
-        """Carry the action out, unless its client has given up."""
+        """Execute the action, unless its client has given up."""
         if not self.reply.set_running_or_notify_cancel():
             return
         try:
@@ -271,7 +273,7 @@ class _Request(NamedTuple):
 
 
 class _Listener:
-    """What the server calls."""
+    """Callbacks of the server."""
 
     def __init__(self, view: LiveView) -> None:
         self._view = view
@@ -288,12 +290,12 @@ class _Listener:
         parameters: list[Parameter],
         request_id: str | None = None,
     ) -> list[Parameter]:
-        """Those that were to be set, with the values that they have."""
+        """Set parameters; return them with their current values."""
         return self._view.set_parameters(parameters)
 
 
 def _native(value: Any) -> Any:
-    """Return a value of a parameter as JSON has it."""
+    """Return the value of a parameter in JSON."""
     match value:
         case Enum():
             return value.name

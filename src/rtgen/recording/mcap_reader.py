@@ -1,7 +1,7 @@
-"""Reads MCAP files in the order in which they were written, as far as they are whole.
+"""Reads MCAP files in file order, including truncated ones.
 
-A file whose writer was killed ends anywhere: its whole chunks are read, the rest is left out.
-Lengths that a file claims are checked against its size before anything is allocated.
+A file whose writer was killed can end anywhere: its complete chunks are read, the rest is ignored.
+Lengths in the file are checked against its size before memory is allocated.
 """
 
 from __future__ import annotations
@@ -25,15 +25,15 @@ if TYPE_CHECKING:
 
 
 _DAMAGE = (ValueError, OverflowError, struct.error)
-"""What readers of records raise for invalid octets, beside `McapError`."""
+"""Exceptions for invalid octets, in addition to `McapError`."""
 _FRAMING = struct.Struct("<BQ")
-_LARGEST = 1 << 28
-"""Octets of the largest chunk or record that is read, without compression."""
+_MAX_SIZE = 1 << 28
+"""Maximum uncompressed size of a chunk or record in octets."""
 
 
 @dataclass(frozen=True, slots=True)
 class Channel:
-    """A channel: what its messages are about, and how they are encoded."""
+    """A channel: topic, schema and encoding of its messages."""
 
     id: int
     topic: str
@@ -42,13 +42,13 @@ class Channel:
     metadata: tuple[tuple[str, str], ...]
 
     def get(self, key: str) -> str:
-        """Return an entry of the metadata; empty if there is none."""
+        """Return a metadata entry; empty if it is missing."""
         return dict(self.metadata).get(key, "")
 
 
 @dataclass(frozen=True, slots=True)
 class Message:
-    """A message; `time` as the writer's clock had it [ns]."""
+    """A message; `time` is that of the writer's clock [ns]."""
 
     channel: Channel
     time: int
@@ -56,10 +56,10 @@ class Message:
 
 
 class McapFile:
-    """An MCAP file that is read from the beginning, any number of times."""
+    """An MCAP file that can be read several times from the start."""
 
     def __init__(self, path: str | Path) -> None:
-        """Raises RecordingError if there is no such file, or if it is not an MCAP file."""
+        """Open a file. Raises RecordingError if it is missing or not an MCAP file."""
         if find_spec("mcap") is None:
             raise RecordingError(
                 "recordings need mcap, which is not installed",
@@ -67,7 +67,7 @@ class McapFile:
             )
         self.path = Path(path)
         self.damaged = 0
-        """How many chunks were left out by the last call of `messages`."""
+        """Number of chunks skipped by the last call of `messages`."""
         with self._opened():
             pass
 
@@ -87,13 +87,13 @@ class McapFile:
 
     @cached_property
     def is_whole(self) -> bool:
-        """Whether the writer has finished the file."""
+        """Whether the writer has completed the file."""
         with self._opened() as stream:
             stream.seek(-len(MAGIC), 2)
             return stream.tell() > 0 and stream.read() == MAGIC
 
     def messages(self) -> Iterator[Message]:
-        """Yield all messages of whole chunks, in the order of the file."""
+        """Yield all messages of complete chunks, in file order."""
         from mcap.records import Channel as ChannelRecord
         from mcap.records import Message as MessageRecord
         from mcap.records import Schema as SchemaRecord
@@ -120,7 +120,7 @@ class McapFile:
                         yield Message(channel, record.log_time, record.data)
 
     def _unpacked(self, stream: BinaryIO) -> Iterator[McapRecord]:
-        """Yield the records with those of whole chunks in place of the chunks."""
+        """Yield the records; complete chunks are replaced by their records."""
         from mcap.records import Chunk
 
         for record in _records(stream):
@@ -132,7 +132,7 @@ class McapFile:
             except ValueError:
                 self.damaged += 1
                 continue
-            # One after the other: a small chunk may hold very many records.
+            # One at a time: a small chunk may contain very many records.
             yield from _records(BytesIO(content))
 
     def _opened(self) -> BinaryIO:
@@ -164,7 +164,7 @@ def _channel(record: Any, schema: Any) -> Channel:
 
 
 def _records(stream: BinaryIO) -> Iterator[McapRecord]:
-    """Yield the whole records that follow, up to the end of the data."""
+    """Yield the following complete records, up to the end of the data."""
     from mcap import records
     from mcap.data_stream import ReadDataStream
     from mcap.exceptions import McapError
@@ -185,7 +185,7 @@ def _records(stream: BinaryIO) -> Iterator[McapRecord]:
         here += _FRAMING.size + length
         if here > end:
             return
-        if (opcode not in known and opcode != Opcode.MESSAGE) or length > _LARGEST:
+        if (opcode not in known and opcode != Opcode.MESSAGE) or length > _MAX_SIZE:
             stream.seek(here)
             continue
         data = ReadDataStream(BytesIO(stream.read(length)))
@@ -201,9 +201,9 @@ def _records(stream: BinaryIO) -> Iterator[McapRecord]:
 
 
 def _content(chunk: Chunk) -> bytes:
-    """What a chunk holds. Raises ValueError if it is damaged, or too large."""
+    """Return the content of a chunk. Raises ValueError if it is damaged, or too large."""
     size = chunk.uncompressed_size
-    if size > _LARGEST:
+    if size > _MAX_SIZE:
         raise ValueError(f"a chunk of {size} octets")
     data = _decompressed(chunk.compression, chunk.data, size + 1)
     if len(data) != size or chunk.uncompressed_crc not in (0, zlib.crc32(data)):
@@ -212,7 +212,7 @@ def _content(chunk: Chunk) -> bytes:
 
 
 def _decompressed(compression: str, data: bytes, most: int) -> bytes:
-    """Return the first octets, at most `most`. Raises ValueError."""
+    """Decompress up to `most` octets. Raises ValueError."""
     if compression == "zstd":
         import zstandard
 

@@ -1,7 +1,7 @@
-"""Writes MCAP files: in chunks, compressed, the same bytes for the same calls.
+"""Writes MCAP files in compressed chunks; the output is deterministic.
 
-The records are those of the package `mcap`. Its own `Writer` takes three times as long for a
-message, so chunks and their indexes are put together here (https://mcap.dev/spec).
+The records are those of the package `mcap`. Chunks and their indexes are assembled here, because
+its `Writer` takes three times as long per message (https://mcap.dev/spec).
 """
 
 from __future__ import annotations
@@ -21,24 +21,24 @@ from rtgen.recording.errors import RecordingError
 
 COMPRESSIONS: Final = ("zstd", "lz4", "none")
 CHUNK: Final = 1 << 18
-"""Octets of a chunk before it is compressed, at least; what a kill can lose at most."""
+"""Minimum octets of a chunk before compression; a killed process loses at most one chunk."""
 MAGIC: Final = b"\x89MCAP0\r\n"
 
 _LIBRARY = "rtgen"
 _packed = struct.Struct("<BQHIQQ").pack
 _MESSAGE_OPCODE, _INDEX_OPCODE = 0x05, 0x07
 _MESSAGE_HEAD = 22
-"""Octets of a message in front of its data."""
+"""Size of a message without its data, in octets."""
 _NEVER = 1 << 64
 _WORD = (1 << 32) - 1
 _INDEX = struct.Struct("<BQHI")
 
 
 class McapWriter:
-    """An MCAP file that is being written. Its methods may be called from any thread.
+    """An MCAP file being written. Its methods can be called from any thread.
 
-    A chunk reaches the file as a whole, when it is full or `longest` ns of messages are in it. So
-    a file whose writer was killed can be read up to its last whole chunk. Memory holds a chunk and
+    A chunk is written as a whole, when it is full or contains `longest` ns of messages. So a file
+    whose writer was killed can be read up to its last complete chunk. Memory contains a chunk and
     its index, and a few hundred octets for each chunk before it, which the summary needs.
     """
 
@@ -66,7 +66,7 @@ class McapWriter:
         self._index: dict[int, array[int]] = {}
         """Time and offset of each message in the chunk, by channel."""
         self._due = _NEVER if longest is None else 0
-        """When the chunk is to end at the latest."""
+        """Latest end of the chunk."""
         self._counts: dict[int, int] = {}
         self._span: list[int] = []
         self._schemas: list[Any] = []
@@ -99,7 +99,7 @@ class McapWriter:
             self._write(octets)
 
     def schema(self, name: str, encoding: str, text: str) -> int:
-        """Announce a schema; returns its id."""
+        """Announce a schema; return its id."""
         with self.lock:
             schema = self._records.Schema(
                 id=len(self._schemas) + 1,
@@ -114,7 +114,7 @@ class McapWriter:
     def channel(
         self, topic: str, encoding: str, schema: int, entries: Mapping[str, str]
     ) -> int:
-        """Announce a channel of messages in an encoding; returns its id."""
+        """Announce a channel of messages in an encoding; return its id."""
         with self.lock:
             number = len(self._channels) + 1
             channel = self._records.Channel(
@@ -131,12 +131,12 @@ class McapWriter:
             return number
 
     def message(self, channel: int, time: int, data: bytes) -> None:
-        """Write a message at a time [ns]. Raises RecordingError if the file cannot be written."""
+        """Write a message with a time [ns]. Raises RecordingError if the file cannot be written."""
         with self.lock:
             self.put(channel, time, data)
 
     def put(self, channel: int, time: int, data: bytes) -> None:
-        """As `message`, for a caller that holds the lock."""
+        """Write a message, for a caller that holds the lock."""
         chunk = self._chunk
         count = self._counts[channel]
         self._counts[channel] = count + 1
@@ -153,7 +153,7 @@ class McapWriter:
                 self._due = time + self._longest
 
     def close(self) -> None:
-        """Write the last chunk and the summary; messages that come later are ignored."""
+        """Write the last chunk and the summary; later messages are ignored."""
         with self.lock:
             if not self._open:
                 return
@@ -167,7 +167,7 @@ class McapWriter:
                 self._file.close()
 
     def _end_chunk(self) -> None:
-        """Write the chunk with its index, unless there are no messages in it."""
+        """Write the chunk with its index, unless it is empty."""
         found = {channel: index for channel, index in self._index.items() if index}
         if not found or not self._open:
             return
@@ -212,7 +212,7 @@ class McapWriter:
         self._write(b"".join(parts))
 
     def _summary(self) -> bytes:
-        """What follows the data: schemas, channels, statistics and indexes again, the footer."""
+        """Return the summary: schemas, channels, statistics, indexes, and the footer."""
         records, begin = self._records, self._file.at
         first, last = self._span or (0, 0)
         statistics = records.Statistics(
@@ -276,7 +276,7 @@ def _compressor(compression: str) -> Callable[[bytes], bytes]:
 
 
 def _octets(record: Any) -> bytes:
-    """Return a record as it stands in the file."""
+    """Return a record in the encoding of the file."""
     from mcap.data_stream import RecordBuilder
 
     builder: Any = RecordBuilder()
@@ -286,18 +286,18 @@ def _octets(record: Any) -> bytes:
 
 
 def _index_record(channel: int, index: array[int]) -> tuple[bytes, bytes]:
-    """Return the times and offsets of a channel's messages in a chunk, as a record."""
+    """Return the record with the times and offsets of a channel's messages in a chunk."""
     pairs = struct.pack(f"<{len(index)}Q", *index)
     return _INDEX.pack(_INDEX_OPCODE, 6 + len(pairs), channel, len(pairs)), pairs
 
 
 class _File:
-    """A file without a buffer of its own, so that each chunk is at the system once written."""
+    """An unbuffered file, so that each chunk is written to the system at once."""
 
     def __init__(self, path: str | Path) -> None:
         self._descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o666)
         self.at = 0
-        """How many octets were written."""
+        """Number of octets written."""
 
     def write(self, data: bytes) -> None:
         """Write all octets. Raises OSError."""

@@ -1,4 +1,4 @@
-"""Types of the channels of a recording that belong to no port, in IDL's module `rtgen`."""
+"""Types of recorded channels other than ports, in the IDL module `rtgen`."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from rtgen.runtime.cdr import Aggregated, field
 
 
 class Component(Aggregated):
-    """A component of the run, in the order in which they tick; `rate` in Hz."""
+    """A component of the run; the order is that of ticking; `rate` in Hz."""
 
     _descriptor_: ClassVar = idl.struct(
         "rtgen::Component", instance=idl.STRING, type=idl.STRING, rate=idl.DOUBLE
@@ -40,7 +40,7 @@ class State(Aggregated):
 
 
 class Parameter(Aggregated):
-    """A parameter has taken effect with a value."""
+    """A parameter that has taken effect with a value."""
 
     _descriptor_: ClassVar = idl.struct(
         "rtgen::Parameter",
@@ -66,7 +66,7 @@ class Property(Aggregated):
 
 
 class Connection(Aggregated):
-    """Two ports, `INSTANCE.PORT`, were connected, or are no longer."""
+    """Two ports, `INSTANCE.PORT`, that were connected or disconnected."""
 
     _descriptor_: ClassVar = idl.struct(
         "rtgen::Connection",
@@ -102,7 +102,7 @@ class CanFrame(Aggregated):
 
 
 class BoardCall(Aggregated):
-    """A call by OpaqueRPC: the octets of request and reply, and why it failed, if it did."""
+    """An OpaqueRPC call: the octets of request and reply, and the error, if any."""
 
     _descriptor_: ClassVar = idl.struct(
         "rtgen::BoardCall",
@@ -117,7 +117,7 @@ class BoardCall(Aggregated):
 
 
 class Run(Aggregated):
-    """What happens to the run itself: `end`, with what was due at that instant done or not."""
+    """An event of the run itself: `end`, before or after the actions due at that time."""
 
     _descriptor_: ClassVar = idl.struct(
         "rtgen::Run", what=idl.STRING, through=idl.BOOLEAN
@@ -128,7 +128,7 @@ class Run(Aggregated):
 
 
 class Topic:
-    """The topics of the channels above."""
+    """Topics of these channels."""
 
     RUN = "/rtgen/run"
     COMPONENTS = "/rtgen/components"

@@ -32,9 +32,9 @@ from rtgen.runtime.timing.traffic import (
 from rtgen.runtime.xcdr import Representation, representation_of
 
 METADATA: Final = "rtgen"
-"""The name of the metadata record at the head of a recording."""
+"""Name of the metadata record at the start of a recording."""
 LAYOUT: Final = "1"
-"""The version of the layout of channels and metadata."""
+"""Version of the layout of channels and metadata."""
 
 _SCOPED = re.compile(r"[A-Za-z_]\w*(::[A-Za-z_]\w*)*", re.ASCII)
 
@@ -42,35 +42,35 @@ Encoder = Callable[[Any], bytes]
 
 
 class Writer(Protocol):
-    """What a run is recorded to: an MCAP file, or the clients of a live view."""
+    """Destination of a recording: an MCAP file, or the clients of a live view."""
 
     @property
     def lock(self) -> AbstractContextManager[Any]:
         """Held while a message is put."""
 
     def metadata(self, name: str, entries: Mapping[str, str]) -> None:
-        """Write what is known of the whole recording."""
+        """Write metadata of the whole recording."""
 
     def schema(self, name: str, encoding: str, text: str) -> int:
-        """Announce a schema; returns its id."""
+        """Announce a schema; return its id."""
 
     def channel(
         self, topic: str, encoding: str, schema: int, entries: Mapping[str, str]
     ) -> int:
-        """Announce a channel of messages in an encoding; returns its id."""
+        """Announce a channel of messages in an encoding; return its id."""
 
     def message(self, channel: int, time: int, data: bytes) -> None:
-        """Write a message of a time [ns]."""
+        """Write a message with a time [ns]."""
 
     def put(self, channel: int, time: int, data: bytes) -> None:
-        """As `message`, for a caller that holds the lock."""
+        """Write a message, for a caller that holds the lock."""
 
 
 class Recorder:
-    """A listener that writes all that happens in a system, to an MCAP file or for a live view.
+    """A listener that records all events of a system, to an MCAP file or for a live view.
 
     Times are those of the clock: simulated from 0, real as UTC since 1970, in ns. Attach it before
-    the first `run`. `skipped` counts by port the samples that violate their type.
+    the first `run`. `skipped` counts samples that violate their type, by port.
     """
 
     def __init__(self, system: System, writer: Writer) -> None:
@@ -93,20 +93,20 @@ class Recorder:
 
     @property
     def now(self) -> int:
-        """The time of what is recorded now [ns]."""
+        """The current time of the recording [ns]."""
         return self._start + self._system.time
 
     def end(self, *, through: bool) -> None:
-        """Note that the run is over; what follows belongs to the shutdown.
+        """Record the end of the run; later events belong to the shutdown.
 
-        `through`: what was due at the present instant has been done.
+        `through`: the actions due at the current time were executed.
         """
         self._put(Topic.RUN, "run", messages.Run("end", through))
 
     # Listener
 
     def __call__(self, record: Record) -> None:
-        """A change of state."""
+        """Record a change of state."""
         if isinstance(record, StateRecord):
             before, after = record.before.name, record.after.name
             state = messages.State(
@@ -162,7 +162,7 @@ class Recorder:
     # The rest
 
     def _describe(self) -> None:
-        """The components, their parameters and connections at the start."""
+        """Record the components, their parameters and connections at the start."""
         system = self._system
         for instance in system.instances:
             component, context = system.component(instance), system.context(instance)
@@ -225,7 +225,7 @@ class Recorder:
             self._writer.message(channel, self.now, encode(value))
 
     def _encoding(self, type_: Any) -> tuple[int, str, Encoder]:
-        """Schema, message encoding and encoder of a type."""
+        """Return schema, message encoding and encoder of a type."""
         found = self._encodings.get(type_)
         if found is None:
             encode = cdr_encoder(type_)
@@ -255,9 +255,9 @@ def topic_of(instance: str, port: str) -> str:
 
 
 def cdr_encoder(type_: Any) -> Encoder | None:
-    """Encode values of a type as payloads with an encapsulation header; None if XCDR has none.
+    """Return an encoder of payloads with encapsulation header; None if XCDR cannot encode the type.
 
-    Version 1 of XCDR, version 2 if the type asks for it (DDS-XTypes 1.3, 7.6.3.1).
+    Version 1 of XCDR, or version 2 if the type requires it (DDS-XTypes 1.3, 7.6.3.1).
     """
     descriptor: Descriptor = type_._descriptor_
     if not _SCOPED.fullmatch(str(getattr(descriptor, "name", ""))):

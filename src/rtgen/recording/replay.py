@@ -1,8 +1,8 @@
-"""Plays a recording into a system: the components that are not in it are replaced by players.
+"""Replays a recording into a system: players replace the components that are not in it.
 
-In simulated time a sample is written where its component wrote it: at the same instant, in the turn
-of the component that ticked. So what the others do is what they did, bit for bit, as long as they
-depend on nothing but their InPorts, their parameters and the time.
+In simulated time a sample is written at the same time as in the recording, during the tick of the
+component that wrote it. So the other components behave exactly as recorded, provided they depend on
+nothing but their InPorts, their parameters and the time.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ Address = tuple[str, str]
 
 @dataclass(slots=True)
 class Course:
-    """What a replay has to know of a recording before it begins; times in ns since the start."""
+    """Facts of a recording that a replay needs in advance; times in ns since the start."""
 
     file: McapFile
     start: int = 0
@@ -44,9 +44,7 @@ class Course:
     through: bool = True
 
     def beginning(self, present: Collection[str]) -> list[messages.Connection]:
-        """Return the connections at the start that a component has that is present, in their
-        order.
-        """
+        """Return the connections at the start of components that are `present`, in order."""
         return [
             connection
             for time, connection in self.connections
@@ -58,7 +56,7 @@ class Course:
     def changes(
         self, present: Collection[str]
     ) -> Iterator[tuple[int, messages.Connection]]:
-        """Yield all changes of data connections between components that are present and others."""
+        """Yield the changes of data connections between components that are present and others."""
         for time, connection in self.connections:
             if self._is_between(connection, present):
                 yield time, connection
@@ -103,17 +101,17 @@ def course_of(file: McapFile) -> Course:
 
 
 class Player(Component):
-    """Takes the place of a recorded component: writes what that wrote, reads nothing."""
+    """Stands for a recorded component: writes its samples and reads nothing."""
 
     profile: ClassVar[ComponentProfile] = ComponentProfile("Player")
 
 
 class Replay:
-    """Plays a recording into a system in simulated time.
+    """Replays a recording into a system in simulated time.
 
-    First its components and players for the others are added, in the recorded order; then
-    `prepare` gives players their ports; then ports are connected, as `Course.beginning` says; then
-    it can `run`.
+    First add the system's components and players for the others, in the recorded order; then
+    `prepare` gives players their ports; then connect ports according to `Course.beginning`; then
+    call `run`.
     """
 
     def __init__(self, course: Course, present: Collection[str]) -> None:
@@ -123,7 +121,7 @@ class Replay:
         self._samples = self._of_ports()
 
     def prepare(self, system: System) -> None:
-        """Give players their ports. Raises RecordingError if a port has another type now."""
+        """Give players their ports. Raises RecordingError if the type of a port has changed."""
         self._system = system
         self._players = {
             name
@@ -141,15 +139,13 @@ class Replay:
                 system.at(time, self._changing(connection))
 
     def properties(self, connection: messages.Connection) -> dict[str, str]:
-        """Return the properties of a connection with a player; one that reads takes every
-        sample.
-        """
+        """Return the properties of a connection with a player, which reads every sample."""
         if _ends(connection)[0][0] in self._present:
             return {"dataport.allow_dup_connection": "YES"}
         return {each.name: each.value for each in connection.properties}
 
     def run(self, until: int | None = None) -> None:
-        """Run to the end of the recording, or until an instant [ns] before it."""
+        """Run to the end of the recording, or until an earlier time [ns]."""
         self._schedule(next(self._samples, None))
         end = self._course.end
         if until is not None and until < end:
@@ -161,7 +157,7 @@ class Replay:
             self._system.run(until=lambda system: system.time >= end)
 
     def _add_source(self, source: Address, target: Address) -> None:
-        """The player's OutPort, of the type of the port that it is connected to."""
+        """Add an OutPort to the player, of the type of the port that it is connected to."""
         where = ".".join(target)
         component = self._system.component(target[0])
         if target[1] not in component.in_ports:
@@ -178,7 +174,7 @@ class Replay:
             self._ports[source] = player.add_out_port(source[1], in_port.type)
 
     def _add_sink(self, source: Address, target: Address) -> None:
-        """The player's InPort, so that the writer has a reader."""
+        """Add an InPort to the player, so that the writer has a reader."""
         out_ports = self._system.component(source[0]).out_ports
         player = self._system.component(target[0])
         if source[1] not in out_ports:
@@ -199,7 +195,7 @@ class Replay:
     # Samples
 
     def _of_ports(self) -> Iterator[_Sample]:
-        """Yield the samples of the players' ports in the order of the recording."""
+        """Yield the samples of the players' ports in recorded order."""
         for message in self._course.file.messages():
             channel = message.channel
             if channel.get("kind") == "sample":
@@ -211,7 +207,7 @@ class Replay:
                     yield _Sample(time, during, port, message.data)
 
     def _schedule(self, sample: _Sample | None) -> None:
-        """Write a sample, and those behind it, when it is due."""
+        """Schedule a sample, and the following ones at the same time."""
         if sample is None:
             return
 
@@ -236,7 +232,7 @@ class Replay:
 
 @dataclass(frozen=True, slots=True)
 class _Sample:
-    """A sample of a port, written at a time [ns] while a component ticked, if one did."""
+    """A sample of a port at a time [ns], with the component that was ticking, if any."""
 
     time: int
     during: str
@@ -245,11 +241,11 @@ class _Sample:
 
     @property
     def place(self) -> tuple[int, str]:
-        """When it is due."""
+        """The sort key of the time when it is due."""
         return self.time, self.during
 
     def write(self) -> None:
-        """Write it to the port. Raises RecordingError."""
+        """Write the sample to the port. Raises RecordingError."""
         try:
             value = deserialize(self.port.type, self.data)
         except CdrError as error:
@@ -271,7 +267,7 @@ def _inside(connection: messages.Connection, present: Collection[str]) -> bool:
 
 
 def _check(recorded: Schema, port: InPort[Any]) -> None:
-    """Raises RecordingError unless a port still has the recorded type."""
+    """Raise RecordingError unless a port has the recorded type."""
     now = schema_of(port.type._descriptor_)
     if now != recorded:
         raise RecordingError(

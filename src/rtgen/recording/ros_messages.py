@@ -1,6 +1,6 @@
-"""Schemas of messages of ROS 2: the text of the .msg, and of all messages that it contains.
+"""Schemas of ROS 2 messages: the text of the .msg, and of all messages in it.
 
-MCAP's registry calls such a schema `ros2msg`: the message first, then each other one behind a line
+MCAP's registry calls such a schema `ros2msg`: the message first, then each other one after a line
 of 80 `=` and a line `MSG: package/Name`.
 """
 
@@ -37,13 +37,13 @@ from rtgen.runtime.marshalling.descriptors import (
 ENCODING: Final = "ros2msg"
 """The name of the schema encoding in MCAP's registry."""
 
-_DEEPEST: Final = 64
+_MAX_DEPTH: Final = 64
 _SEPARATOR: Final = "=" * 80
 _HEAD: Final = re.compile(r"MSG: *(\S+) *")
 _NAMES: Final[dict[str, str]] = {
     kind: name for name, kind in reversed(PRIMITIVES.items()) if name != "char"
 }
-_NOWHERE: Final = Span("", 1, 1, 1, 1)
+_NO_SPAN: Final = Span("", 1, 1, 1, 1)
 
 
 class _NoMessageError(Exception):
@@ -51,12 +51,11 @@ class _NoMessageError(Exception):
 
 
 def message_text(descriptor: StructDescriptor) -> str | None:
-    """Return the text of a message and of those that it contains; None if it is not a message of
-    ROS 2.
+    """Return the text of a message and of those in it; None if it is no ROS 2 message.
 
-    Messages are structs that are named as rosidl names them (`std_msgs::msg::Header`) and have
-    members that interface files can declare. Strings of 16-bit characters are left out, for which
-    the implementations of ROS 2 have different forms.
+    Messages are structs with rosidl's naming (`std_msgs::msg::Header`) whose members interface
+    files can declare. Strings of 16-bit characters are excluded, since implementations of ROS 2
+    encode them differently.
     """
     found: dict[str, str] = {}
     try:
@@ -69,12 +68,12 @@ def message_text(descriptor: StructDescriptor) -> str | None:
 
 
 def message_name(scoped_name: str) -> str:
-    """`std_msgs::msg::Header` as ROS 2 writes it, `std_msgs/msg/Header`."""
+    """Return `std_msgs::msg::Header` in ROS 2's notation, `std_msgs/msg/Header`."""
     return scoped_name.replace("::", "/")
 
 
 def _add(descriptor: Descriptor, found: dict[str, str]) -> str:
-    """Add a message behind those that were found before; return its name as a type."""
+    """Append a message to those found before; return its name as a type."""
     if (
         not isinstance(descriptor, StructDescriptor)
         or descriptor.extensibility != "final"
@@ -140,7 +139,7 @@ def message_model(name: str, text: str) -> Model:
         parts = parts_of(found, name, findings)
         if len(parts) != 1:
             raise SchemaError(f"{section_name}: the schema is not of one message")
-        messages.append(Message(scoped_name, parts[0], _NOWHERE))
+        messages.append(Message(scoped_name, parts[0], _NO_SPAN))
     if findings.errors:
         first = in_order(findings.diagnostics)[0]
         line = 0 if first.span is None else first.span.line
@@ -149,9 +148,7 @@ def message_model(name: str, text: str) -> Model:
 
 
 def _scoped(text: str, package: str = "") -> ScopedName | None:
-    """Return the scoped name of `Name`, `package/Name` or `package/msg/Name`; None if it is not a
-    name.
-    """
+    """Return the scoped name of `Name`, `package/Name` or `package/msg/Name`; else None."""
     words = text.split("/")
     if len(words) == 1:
         words.insert(0, package)
@@ -169,10 +166,10 @@ def _declarations(messages: list[Message]) -> Iterator[Declaration]:
     levels: dict[ScopedName, int] = {}
 
     def level(name: ScopedName, inside: int) -> int:
-        """How many levels of messages a message has."""
-        if inside > _DEEPEST:
+        """Return the nesting depth of a message."""
+        if inside > _MAX_DEPTH:
             raise SchemaError(
-                f"{'/'.join(name)} contains itself, or over {_DEEPEST} levels of messages"
+                f"{'/'.join(name)} contains itself, or over {_MAX_DEPTH} levels of messages"
             )
         if name not in levels:
             if name not in known:
@@ -189,6 +186,6 @@ def _declarations(messages: list[Message]) -> Iterator[Declaration]:
         return levels[name]
 
     for message in known.values():
-        if level(message.name, 1) > _DEEPEST:
-            raise SchemaError(f"over {_DEEPEST} levels of messages")
+        if level(message.name, 1) > _MAX_DEPTH:
+            raise SchemaError(f"over {_MAX_DEPTH} levels of messages")
         yield from declarations(message, "")

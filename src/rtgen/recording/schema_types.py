@@ -1,4 +1,4 @@
-"""Types made of the text of a schema, so that messages can be read without generated code."""
+"""Creates types from the text of a schema, to read messages without generated code."""
 
 from __future__ import annotations
 
@@ -63,17 +63,19 @@ from rtgen.runtime.marshalling.descriptors import (
 )
 
 _FILE = "schema.idl"
-_LONGEST = 1 << 20
-"""Characters of the longest schema that is read."""
+_MAX_LENGTH = 1 << 20
+"""Maximum length of a schema in characters."""
 
 
 def type_of(schema: Schema) -> type[DataType]:
-    """Return the type that a schema names, with classes of its own. Raises SchemaError.
+    """Return the type that a schema names, with new classes. Raises SchemaError.
 
-    No repository id is registered, so that types of generated code stay as they are.
+    No repository id is registered, so types of generated code are not affected.
     """
-    if len(schema.text) > _LONGEST:
-        raise SchemaError(f"{schema.name}: the schema has over {_LONGEST} characters")
+    if len(schema.text) > _MAX_LENGTH:
+        raise SchemaError(
+            f"{schema.name}: the schema has over {_MAX_LENGTH} characters"
+        )
     if schema.encoding == ros_messages.ENCODING:
         model = ros_messages.message_model(schema.name, schema.text)
         name = tuple(schema.name.split("/"))
@@ -90,7 +92,7 @@ def type_of(schema: Schema) -> type[DataType]:
 
 
 def message_classes(model: Model) -> dict[str, type[DataType]]:
-    """Classes of messages that ship with rtgen, by name (`std_msgs/msg/Float32`)."""
+    """Return classes of the messages that ship with rtgen, by name (`std_msgs/msg/Float32`)."""
     types = Types(model, own_names=True)
     found = {}
     for declaration in model.declarations:
@@ -113,10 +115,10 @@ def _idl_model(schema: Schema) -> Model:
 
 
 class Types:
-    """Descriptors and classes of the declarations of a schema.
+    """Descriptors and classes of a schema's declarations.
 
-    Names of attributes and classes are numbers: those of the file never become code. With
-    `own_names`, for files of rtgen's own, attributes of structs have the names of the members.
+    Names of attributes and classes are numbers, so that names in the file never become code. With
+    `own_names`, for rtgen's own files, attributes have the names of the members.
     """
 
     def __init__(self, model: Model, *, own_names: bool = False) -> None:
@@ -203,7 +205,7 @@ class Types:
         raise SchemaError(f"{name} is not a type of data")
 
     def _members(self, struct: Struct) -> tuple[MemberDescriptor, ...]:
-        """Return the members, those of the bases first."""
+        """Return the members, inherited ones first."""
         found: list[Member] = []
         at: Struct | None = struct
         while at is not None:
@@ -289,7 +291,7 @@ def _numbered(
 
 
 def _label(switch: Descriptor, label: Any) -> int | str | bool:
-    """Return a label as Python has it: an enumerator by its member."""
+    """Return a label in Python; an enumerator is the member of its enum."""
     while isinstance(switch, AliasDescriptor):
         switch = switch.target
     if isinstance(label, EnumeratorName) and isinstance(switch, EnumDescriptor):

@@ -1,7 +1,7 @@
-"""Texts that declare a type with everything that it depends on, from its descriptor.
+"""Text of a type's schema, with all that it depends on, from its descriptor.
 
-IDL, which MCAP's registry calls `omgidl`: self-contained, no preprocessor lines, the type by its
-scoped name. For messages of ROS 2 their own form (`ros_messages`).
+IDL, called `omgidl` in MCAP's registry: self-contained, without preprocessor lines, the type by its
+scoped name. For ROS 2 messages their own form (`ros_messages`).
 """
 
 from __future__ import annotations
@@ -63,16 +63,16 @@ from rtgen.runtime.marshalling.descriptors import (
 )
 
 ENCODING: Final = "omgidl"
-"""The name of IDL as a schema encoding in MCAP's registry."""
+"""Name of IDL as a schema encoding in MCAP's registry."""
 ENCODINGS: Final = (ENCODING, ros_messages.ENCODING)
 
-_NOWHERE = Span("", 1, 1, 1, 1)
-_USUAL_BITS = 32
+_NO_SPAN = Span("", 1, 1, 1, 1)
+_DEFAULT_BITS = 32
 
 
 @dataclass(frozen=True, slots=True)
 class Schema:
-    """The name of a type, and a text that declares it; `encoding` says in which language."""
+    """The name of a type, and a text that declares it; `encoding` is the text's language."""
 
     name: str
     text: str
@@ -80,9 +80,7 @@ class Schema:
 
 
 def schema_of(descriptor: Descriptor) -> Schema:
-    """Return the schema of a struct or union. Raises TypeError for a type without IDL of its
-    own.
-    """
+    """Return the schema of a struct or union. Raises TypeError for a type without IDL."""
     described: Any = plain(descriptor)
     if isinstance(described, StructDescriptor):
         message = ros_messages.message_text(described)
@@ -96,17 +94,17 @@ def schema_of(descriptor: Descriptor) -> Schema:
 
 
 class _Declarations:
-    """The declarations of a type, each after those that it depends on."""
+    """Declarations of a type, each after those that it depends on."""
 
     def __init__(self) -> None:
         self.found: dict[ScopedName, Declaration] = {}
         self._begun: set[ScopedName] = set()
 
     def add(self, descriptor: Named) -> NamedType:
-        """Declare a named type; a link refers to one that is declared further out."""
+        """Declare a named type; a link refers to an enclosing declaration."""
         name = _scoped(descriptor)
         is_new = name not in self._begun
-        # The typedef inside a recursive type has to precede it.
+        # The typedef inside a recursive type must precede it.
         if is_new or (
             isinstance(descriptor, AliasDescriptor) and name not in self.found
         ):
@@ -137,7 +135,7 @@ class _Declarations:
 
     def _declaration(self, descriptor: Named, name: ScopedName) -> Declaration:
         common: dict[str, Any] = {
-            "span": _NOWHERE,
+            "span": _NO_SPAN,
             "name": name,
             "repository_id": "",
             "file": "",
@@ -185,7 +183,7 @@ class _Declarations:
         following = 0
         for member in members:
             yield Member(
-                span=_NOWHERE,
+                span=_NO_SPAN,
                 name=member.name,
                 type=self.type(member.type),
                 optional=member.optional,
@@ -201,7 +199,7 @@ class _Declarations:
         following = 1
         for branch in union.branches:
             yield Case(
-                span=_NOWHERE,
+                span=_NO_SPAN,
                 labels=tuple(_label(union, label) for label in branch.labels),
                 default=branch.default,
                 name=branch.name,
@@ -239,7 +237,7 @@ def _of_member(
 
 
 def _bit_bound(bound: int) -> tuple[Annotation, ...]:
-    return () if bound == _USUAL_BITS else (_one("bit_bound", bound),)
+    return () if bound == _DEFAULT_BITS else (_one("bit_bound", bound),)
 
 
 def _enumerators(
@@ -249,7 +247,7 @@ def _enumerators(
     for name, number in entries:
         annotations = () if number == following else (_one(annotation, number),)
         yield Enumerator(
-            span=_NOWHERE, name=name, value=number, annotations=annotations
+            span=_NO_SPAN, name=name, value=number, annotations=annotations
         )
         following = number + 1
 
@@ -258,16 +256,16 @@ def _bitfields(descriptor: BitsetDescriptor) -> Iterator[Bitfield]:
     position = 0
     for entry in descriptor.fields:
         if gap := entry.position - position:
-            yield Bitfield(span=_NOWHERE, name=None, bits=gap, type=None)
+            yield Bitfield(span=_NO_SPAN, name=None, bits=gap, type=None)
         type_ = None
         if entry.boolean:
             type_ = PrimitiveType(Primitive.BOOLEAN)
         elif entry.signed:
             type_ = PrimitiveType(_signed(entry.bits))
-        yield Bitfield(span=_NOWHERE, name=entry.name, bits=entry.bits, type=type_)
+        yield Bitfield(span=_NO_SPAN, name=entry.name, bits=entry.bits, type=type_)
         position = entry.position + entry.bits
     if gap := descriptor.bound - position:
-        yield Bitfield(span=_NOWHERE, name=None, bits=gap, type=None)
+        yield Bitfield(span=_NO_SPAN, name=None, bits=gap, type=None)
 
 
 def _signed(bits: int) -> Primitive:
@@ -280,6 +278,6 @@ def _label(union: UnionDescriptor, label: int | str | bool) -> ConstantValue:
     if isinstance(switch, EnumDescriptor):
         name = next(name for name, number in switch.members if number == int(label))
         scope = _scoped(switch)[:-1]
-        # In one scope by its name alone, since Foxglove's parser knows no other.
+        # By its unscoped name in its own scope: Foxglove's parser does not resolve other forms.
         return EnumeratorName((*(() if scope == _scoped(union)[:-1] else scope), name))
     return label

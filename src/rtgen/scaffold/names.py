@@ -13,9 +13,9 @@ from rtgen.scaffold.rules import UNUSABLE_NAME
 from rtgen.typemap.idl_keywords import escaped
 from rtgen.typemap.python_names import module_name
 
-LONGEST = 64
+MAX_LENGTH = 64
 _FORM = re.compile(r"[A-Za-z][A-Za-z0-9]*([_-][A-Za-z0-9]+)*")
-_TAKEN = frozenset({"canopen", "components", "generated", "rtc", "rtgen", "tecs"})
+_RESERVED = frozenset({"canopen", "components", "generated", "rtc", "rtgen", "tecs"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,8 +43,8 @@ def _forms(given: str) -> Names:
 
 
 def _fault(given: str) -> str | None:
-    if len(given) > LONGEST:
-        return f"is longer than {LONGEST} characters"
+    if len(given) > MAX_LENGTH:
+        return f"is longer than {MAX_LENGTH} characters"
     if not _FORM.fullmatch(given):
         return "is not a name that files, IDL and Python can have"
     made = _forms(given)
@@ -54,6 +54,6 @@ def _fault(given: str) -> str | None:
         return "is a word of IDL"
     if made.module in sys.stdlib_module_names:
         return "is a module of Python, which it would hide"
-    if made.module in _TAKEN:
+    if made.module in _RESERVED:
         return "is a package that rtgen has or makes"
     return None

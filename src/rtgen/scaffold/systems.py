@@ -21,7 +21,7 @@ from rtgen.model import (
 )
 from rtgen.scaffold.rules import NO_COMPONENT
 
-_NOWHERE = Span("", 1, 1, 1, 1)
+_NO_SPAN = Span("", 1, 1, 1, 1)
 _Placed = tuple[str, Component]
 
 
@@ -62,7 +62,7 @@ def system_of(name: str, model: Model, wanted: Sequence[str]) -> System:
                 type=component.name[-1],
                 id=component.profile_id,
                 path_uri=f"localhost/{instance}.rtc",
-                span=_NOWHERE,
+                span=_NO_SPAN,
                 rate=component.rate,
             )
             for instance, component in placed
@@ -125,6 +125,6 @@ def _connection(
         source=ends[0],
         target=ends[1],
         service=not data_type,
-        span=_NOWHERE,
+        span=_NO_SPAN,
         properties=(("dataport.data_type", data_type),) if data_type else (),
     )

@@ -1,8 +1,8 @@
-"""The small runtime: components, ports and codecs for boards.
+"""The small runtime: components, ports and codecs for boards, compatible with MicroPython.
 
-The same behaviours run here as on the embedded runtime, since names, callbacks and the life cycle
-are the same. All buffers have a fixed size and are made when a system is put together; there are no
-threads. Only modules that MicroPython has are imported.
+Behaviours run unchanged on the embedded runtime, since names, callbacks and the life cycle are the
+same. All buffers have a fixed size and are allocated when a system is set up; there are no threads.
+Only modules that MicroPython has are imported.
 """
 
 from .codes import (

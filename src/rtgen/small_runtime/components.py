@@ -19,9 +19,9 @@ from .ports import InPort, OutPort
 
 
 class Component:
-    """The base of every component; what callbacks return and do is as on the embedded runtime."""
+    """Base class of components; callbacks have the same meaning as on the embedded runtime."""
 
-    # What ports may be called is not taken: the rest of the runtime's own begins with `_`.
+    # Names that ports can have are kept free: the runtime's own names start with `_`.
     _type_name = "Component"
     _rate = 1000.0
     _buffer = 8
@@ -109,11 +109,11 @@ class Component:
         return self._now
 
     def stamp(self, sample) -> None:
-        """Fill `sample.tm` from `now`."""
+        """Set `sample.tm` to `now`."""
         sample.tm.sec, sample.tm.nsec = divmod(self._now, SECOND)
 
     def fail(self, reason: str) -> int:
-        """Note why a callback fails; returns RTC_ERROR, to be returned by the callback."""
+        """Set the reason of a failure; return RTC_ERROR, for the callback to return."""
         self._failing = reason
         return RTC_ERROR
 
@@ -129,7 +129,7 @@ class Component:
         else:
             setattr(config, name, type(before)(text))
 
-    # One tick, as the embedded runtime has it.
+    # Ticks, executed as on the embedded runtime
 
     def _cycle(self, now: int) -> None:
         self._now = now
@@ -183,7 +183,7 @@ class Component:
                 callback, callback + ": " + (kind + ": " + message if message else kind)
             )
             return False
-        # Neither None nor False is RTC_OK: a callback without a return value has failed.
+        # None and False are not RTC_OK: a callback without a return value has failed.
         if type(code) is int and code == RTC_OK:
             return True
         known = type(code) is int and 0 <= code < len(CODE_NAMES)

@@ -1,13 +1,13 @@
 # mypy: allow-untyped-defs, allow-incomplete-defs, allow-untyped-calls
-"""Data ports: samples are copied into a ring that is set aside once."""
+"""Data ports: samples are copied into a ring buffer that is allocated once."""
 
 from .codes import PORT_OK, PortStatus
 
 
 class InPort:
-    """The receiving end: a ring of samples that are filled in place; the oldest is overwritten.
+    """The receiving end: a ring buffer of samples; when full, the oldest is overwritten.
 
-    What `read` returns is the port's own object: the next `read` fills it anew.
+    The port reuses the object that `read` returns: the next `read` overwrites it.
     """
 
     def __init__(self, name: str, type_: type, owner: str, room: int) -> None:
@@ -26,7 +26,7 @@ class InPort:
         return self._unread > 0
 
     def read(self):
-        """The oldest unread sample, else the last one again; None if there was none."""
+        """Return the oldest unread sample, else the last one again; None if there was none."""
         if self._unread:
             self._last._copy_(self._ring[self._first])
             self._first = (self._first + 1) % len(self._ring)
@@ -35,7 +35,7 @@ class InPort:
         return self._last if self._any else None
 
     def read_newest(self):
-        """The newest unread sample, None if there is none; older ones count as read."""
+        """Return the newest unread sample, None without one; older ones count as read."""
         if not self._unread:
             return None
         newest = (self._first + self._unread - 1) % len(self._ring)
@@ -45,7 +45,7 @@ class InPort:
         return self._last
 
     def take_in(self, sample: object) -> None:
-        """Note a sample, by value."""
+        """Store a copy of a sample."""
         room = len(self._ring)
         if self._unread == room:
             self._first = (self._first + 1) % room
@@ -66,7 +66,7 @@ class OutPort:
         self._targets: list[InPort] = []
 
     def write(self, sample: object) -> int:
-        """Send a sample, by value. Raises SizeError for one that has no room."""
+        """Send a copy of a sample. Raises SizeError for one that is too large."""
         if not self._targets:
             self.unsent += 1
             return PortStatus.PRECONDITION_NOT_MET
@@ -75,7 +75,7 @@ class OutPort:
         return PORT_OK
 
     def connect(self, target: InPort) -> None:
-        """Join an InPort. Raises TypeError for one of another type, ValueError if it is joined."""
+        """Connect an InPort. Raises TypeError for another type, ValueError if it is connected."""
         if target.type is not self.type:
             raise TypeError(
                 f"{self.owner}.{self.name} sends {self.type.__name__},"

@@ -1,17 +1,17 @@
 # mypy: allow-untyped-defs, allow-incomplete-defs, allow-untyped-calls
-"""Sequences in memory that is set aside once, and what is too large for it."""
+"""Sequences in memory that is allocated once, and the error for values that exceed it."""
 
 from array import array
 
 
 class SizeError(ValueError):
-    """A value that is larger than the room that was set aside for it."""
+    """A value that is too large for the memory allocated for it."""
 
 
 class Numbers:
-    """A sequence of numbers of one `array` type code, in an array that never grows.
+    """A sequence of numbers of one `array` type code, in an array of fixed capacity.
 
-    `first` is what the items are at first.
+    `first` is the initial value of the items.
     """
 
     __slots__ = ("_items", "_length")
@@ -30,7 +30,7 @@ class Numbers:
         self._items[_place(index, self._length)] = value
 
     def clear(self) -> None:
-        """Make it empty."""
+        """Remove all items."""
         self._length = 0
 
     def append(self, value: float) -> None:
@@ -42,10 +42,10 @@ class Numbers:
 
 
 class Values:
-    """A sequence of texts or structs in a list that never grows.
+    """A sequence of texts or structs in a list of fixed capacity.
 
-    With `make` its items are structs that are filled in place; else texts of at most `most` octets
-    of UTF-8, and `None` marks what is free.
+    With `make`, its items are structs that are reused; else texts of at most `most` octets of
+    UTF-8, with `None` for free places.
     """
 
     __slots__ = ("_items", "_length", "_make", "_most")
@@ -68,18 +68,18 @@ class Values:
         self._put(_place(index, self._length), value)
 
     def clear(self) -> None:
-        """Make it empty."""
+        """Remove all items."""
         self._length = 0
 
     def append(self, value: object) -> None:
-        """Add an item, structs by value. Raises SizeError when it is full."""
+        """Append an item; structs are copied. Raises SizeError when it is full."""
         if self._length >= len(self._items):
             raise SizeError(f"no room for more than {len(self._items)} items")
         self._put(self._length, value)
         self._length += 1
 
     def next_free(self) -> object:
-        """Return the struct behind the last, which from now on belongs to it. Raises SizeError."""
+        """Return the next free struct, which becomes the last item. Raises SizeError."""
         if self._length >= len(self._items):
             raise SizeError(f"no room for more than {len(self._items)} items")
         self._length += 1
@@ -101,7 +101,7 @@ def _place(index: int, length: int) -> int:
 
 
 def copy_items(target, source) -> None:
-    """Replace the items of a sequence by those of another one or of a list. Raises SizeError."""
+    """Replace the items of a sequence by those of another sequence or list. Raises SizeError."""
     if target is source:
         return
     target.clear()
@@ -110,7 +110,7 @@ def copy_items(target, source) -> None:
 
 
 def copy_array(target, source) -> None:
-    """Replace the items of an array, whose length is fixed. Raises SizeError."""
+    """Replace the items of an array of fixed length. Raises SizeError."""
     if len(source) != len(target):
         raise SizeError(f"{len(source)} items for an array of {len(target)}")
     for i in range(len(target)):
@@ -118,7 +118,7 @@ def copy_array(target, source) -> None:
 
 
 def bounded(value, most: int):
-    """Octets, or a text in UTF-8, that are at most so long. Raises SizeError."""
+    """Return octets, or a text in UTF-8, of at most `most` octets. Raises SizeError."""
     length = len(value.encode()) if isinstance(value, str) else len(value)
     if length > most:
         raise SizeError(f"{length} octets, room for {most}")
@@ -126,7 +126,7 @@ def bounded(value, most: int):
 
 
 def exactly(value, length: int):
-    """Octets of an array, which are exactly so many. Raises SizeError."""
+    """Return the octets of an array of exactly `length`. Raises SizeError."""
     if len(value) != length:
         raise SizeError(f"{len(value)} octets for an array of {length}")
     return value

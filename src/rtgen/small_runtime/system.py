@@ -14,9 +14,9 @@ from .components import Component
 
 
 class System:
-    """Components on one clock. At equal instants the order in which they were added decides.
+    """Components on one clock; at equal times they run in the order in which they were added.
 
-    `wait` is called with the nanoseconds until the next tick; without it time is simulated.
+    `wait` is called with the nanoseconds until the next tick; without it, time is simulated.
     """
 
     def __init__(self, wait=None) -> None:
@@ -27,7 +27,7 @@ class System:
         self._due: list[int] = []
 
     def add(self, component: Component, rate: "float | None" = None) -> None:
-        """Add a component at a rate [Hz], its own unless given. Raises ValueError."""
+        """Add a component at a rate [Hz], by default its own. Raises ValueError."""
         hertz = component._rate if rate is None else rate
         if not 0.0 < hertz <= SECOND:
             raise ValueError("the rate must be a number of Hz above 0")
@@ -41,7 +41,7 @@ class System:
         self._due.append(self.time)
 
     def configure(self, component: Component, name: str, text: str) -> None:
-        """Set a parameter by its name in Python. Raises ValueError."""
+        """Set a parameter by its Python name. Raises ValueError."""
         component._configure(name, text)
 
     def state(self, component: Component) -> int:
@@ -49,23 +49,23 @@ class System:
         return component._state
 
     def ticks(self, component: Component) -> int:
-        """How often `on_execute` was called."""
+        """Return how often `on_execute` was called."""
         return component._ticks
 
     def activate(self, component: Component) -> int:
-        """Requests ACTIVE."""
+        """Request ACTIVE."""
         return component._request(ACTIVATE)
 
     def deactivate(self, component: Component) -> int:
-        """Requests INACTIVE."""
+        """Request INACTIVE."""
         return component._request(DEACTIVATE)
 
     def reset(self, component: Component) -> int:
-        """Requests INACTIVE after an error."""
+        """Request INACTIVE after an error."""
         return component._request(RESET)
 
     def run(self, until: int) -> None:
-        """Run until an instant [ns since the start], which does not belong to the run."""
+        """Run until a time [ns since the start], exclusive."""
         due = self._due
         while due and min(due) < until:
             instant = min(due)
@@ -79,7 +79,7 @@ class System:
         self.time = until
 
     def close(self) -> None:
-        """End the life of all components, the one added last first, deactivated if need be."""
+        """Finalize all components, the one added last first, deactivating them if necessary."""
         while self._components:
             component = self._components.pop()
             self._periods.pop()

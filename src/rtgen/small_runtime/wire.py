@@ -1,18 +1,18 @@
 # mypy: allow-untyped-defs, allow-incomplete-defs, allow-untyped-calls
-"""CDR, little-endian, in a buffer that was made once."""
+"""CDR, little-endian, in a preallocated buffer."""
 
 import struct
 
 _NOT_PACKED = (getattr(struct, "error", ValueError), ValueError, OverflowError)
-"""Exceptions of `struct`; MicroPython's has no error of its own."""
+"""Exceptions of `struct`; MicroPython's module does not define `error`."""
 
 
 class CodecError(ValueError):
-    """Octets that are not value of the type, or a buffer that is too short."""
+    """Octets that are not a value of the type, or a buffer that is too short."""
 
 
 class Wire:
-    """CDR, little-endian, in a buffer that was made once. `at` is the next place."""
+    """CDR, little-endian, in a preallocated buffer. `at` is the next offset."""
 
     __slots__ = ("at", "buffer", "end")
 
@@ -22,7 +22,7 @@ class Wire:
         self.end = len(buffer) if end < 0 else end
 
     def put(self, form: str, size: int, value: float) -> None:
-        """A number of that form and size. Raises CodecError."""
+        """Append a number of that format and size. Raises CodecError."""
         self._align(size)
         if self.at + size > self.end:
             raise CodecError("the buffer is too short")
@@ -33,7 +33,7 @@ class Wire:
         self.at += size
 
     def take(self, form: str, size: int):
-        """The next number. Raises CodecError."""
+        """Return the next number. Raises CodecError."""
         self._align(size)
         if self.at + size > self.end:
             raise CodecError("the octets end too early")
@@ -55,7 +55,7 @@ class Wire:
         return bool(value)
 
     def put_octets(self, value: bytes) -> None:
-        """Octets as they are. Raises CodecError."""
+        """Append octets without a length. Raises CodecError."""
         end = self.at + len(value)
         if end > self.end:
             raise CodecError("the buffer is too short")
@@ -63,7 +63,7 @@ class Wire:
         self.at = end
 
     def take_octets(self, length: int) -> bytes:
-        """So many octets. Raises CodecError."""
+        """Return the next `length` octets. Raises CodecError."""
         end = self.at + length
         if end > self.end:
             raise CodecError("the octets end too early")
@@ -72,7 +72,7 @@ class Wire:
         return value
 
     def put_string(self, value: str) -> None:
-        """A string. Raises CodecError."""
+        """Append a string. Raises CodecError."""
         octets = value.encode()
         if b"\x00" in octets:
             raise CodecError("a string cannot hold NUL")
@@ -81,7 +81,7 @@ class Wire:
         self.put("<B", 1, 0)
 
     def take_string(self, most: int) -> str:
-        """Return the next string, of at most so many octets of UTF-8. Raises CodecError."""
+        """Return the next string, of at most `most` octets of UTF-8. Raises CodecError."""
         length = self.take_count(most + 1)
         octets = self.take_octets(length)
         if not octets or octets[-1]:
@@ -95,7 +95,7 @@ class Wire:
         return text
 
     def take_count(self, most: int) -> int:
-        """Return the count in front of a sequence. Raises CodecError."""
+        """Return the count before a sequence. Raises CodecError."""
         count = self.take("<I", 4)
         if count > most:
             raise CodecError(f"{count} items, room for {most}")
@@ -103,14 +103,14 @@ class Wire:
 
 
 def to_cdr(sample, buffer: bytearray) -> int:
-    """Write a sample as CDR, little-endian; returns how many octets. Raises CodecError."""
+    """Encode a sample as CDR, little-endian; return the number of octets. Raises CodecError."""
     wire = Wire(buffer)
     sample._put_(wire)
     return wire.at
 
 
 def from_cdr(sample, buffer: bytearray, length: int) -> None:
-    """Fill a sample from CDR, little-endian, of exactly that length. Raises CodecError."""
+    """Decode a sample from CDR, little-endian, of exactly that length. Raises CodecError."""
     wire = Wire(buffer, length)
     sample._take_(wire)
     if wire.at != length:

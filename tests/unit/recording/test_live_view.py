@@ -356,7 +356,7 @@ def test_a_run_is_recorded_and_seen_at_once(tmp_path: Path) -> None:
 
 
 def test_a_call_is_refused_when_nothing_runs(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(live_view, "_PATIENCE", 0.05)
+    monkeypatch.setattr(live_view, "_CALL_TIMEOUT", 0.05)
     monkeypatch.setattr(live_view, "_MAX_WAITING", 5)
     with System(SimulatedClock()) as system:
         system.add(Node("Node0"), 100.0)
@@ -445,7 +445,7 @@ def test_requests_that_wait_are_refused_at_the_end(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """At once, not after the time that a call may take."""
-    monkeypatch.setattr(live_view, "_PATIENCE", 10_000.0)
+    monkeypatch.setattr(live_view, "_CALL_TIMEOUT", 10_000.0)
     with System(SimulatedClock()) as system:
         system.add(Node("Node0"), 100.0)
         view = LiveView(system, "test", port=0)

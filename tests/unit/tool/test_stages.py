@@ -103,7 +103,7 @@ def test_nothing_is_observed_outside() -> None:
 def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder with a struct, and a cache of its own."""
     monkeypatch.setenv("RTGEN_CACHE_DIR", str(tmp_path / "cache"))
-    monkeypatch.setattr("rtgen.cli.stage_times._LEAST_NS", 0)
+    monkeypatch.setattr("rtgen.cli.stage_times._MIN_NS", 0)
     work = tmp_path / "work"
     work.mkdir()
     monkeypatch.chdir(work)

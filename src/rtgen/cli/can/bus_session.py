@@ -16,7 +16,7 @@ from rtgen.runtime.canopen.wire.frames import SECOND, Frame
 from rtgen.runtime.canopen.wire.sdo import SdoAbort
 from rtgen.runtime.canopen.wire.sdo_client import SdoClient
 
-_LONGEST = 0.1
+_POLL_INTERVAL = 0.1
 """Longest wait for a frame in seconds, so that Ctrl-C is noticed."""
 BLOCK_FROM = 64
 """Length in octets from which a value is written by block transfer, if the node supports it."""
@@ -76,7 +76,7 @@ class BusSession:
             self._once((), left)
 
     def _once(self, machines: Sequence[Machine], left: float) -> None:
-        frame = self._receive(min(max(left, 0.0), _LONGEST))
+        frame = self._receive(min(max(left, 0.0), _POLL_INTERVAL))
         for machine in machines:
             if frame is not None:
                 self.send(machine.receive(frame, time.monotonic_ns()))

@@ -287,7 +287,7 @@ class Decoder:
         return self._about("sdo", node_id, " ".join(words), fields, step.abort)
 
     def _learn(self, node: DescribedNode | None, step: SdoStep) -> None:
-        """Update a communication parameter of the node with a value that a transfer showed."""
+        """Record a communication parameter whose value a transfer has shown."""
         if node is None or step.number is None or not step.holds:
             return
         if not 0x1000 <= step.number[0] < 0x2000 or step.number not in node.objects:

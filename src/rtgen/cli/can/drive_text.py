@@ -32,7 +32,7 @@ _COMMANDS: Final = (
 
 
 def drive_words(index: int) -> Callable[[int], str] | None:
-    """Return the function that puts values of this object into words; None for any other object."""
+    """Return the function that describes values of this object; None for another object."""
     if not 0x6000 <= index < 0xA000:
         return None
     place = 0x6000 + (index - 0x6000) % _AXIS
@@ -40,9 +40,7 @@ def drive_words(index: int) -> Callable[[int], str] | None:
 
 
 def state_words(statusword: int) -> str:
-    """Return the state of the drive's state machine, with the bits "warning" and "target
-    reached".
-    """
+    """Return the state of the drive's state machine, and the bits "warning", "target reached"."""
     words = [_named(_STATES, statusword)]
     words += ["warning"] * bool(statusword & 1 << 7)
     words += ["target reached"] * bool(statusword & 1 << 10)

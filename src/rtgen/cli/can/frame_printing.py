@@ -26,7 +26,7 @@ Write: TypeAlias = Callable[[str], object]
 
 
 class MessageDecoder:
-    """Decodes python-can messages, which may be error frames or CAN FD frames too."""
+    """Decodes python-can messages, including error frames and CAN FD."""
 
     def __init__(self, known: NodeIndex) -> None:
         self._decoder = Decoder(known)

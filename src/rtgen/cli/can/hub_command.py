@@ -104,7 +104,7 @@ def hub_(
 
 
 def _event_loop_factory(bit_rate: int) -> Callable[[], asyncio.AbstractEventLoop]:
-    """Return the fastest event loop that is precise enough: timers of uvloop have milliseconds."""
+    """Return the fastest event loop with precise timers: uvloop's have milliseconds."""
     if not bit_rate:
         try:
             import uvloop
@@ -112,7 +112,7 @@ def _event_loop_factory(bit_rate: int) -> Callable[[], asyncio.AbstractEventLoop
             pass
         else:
             return uvloop.new_event_loop
-    # select() has a finer time-out than epoll: frames take microseconds.
+    # select() has a finer time-out than epoll; frames take microseconds.
     return lambda: asyncio.SelectorEventLoop(selectors.SelectSelector())
 
 

@@ -25,14 +25,14 @@ if TYPE_CHECKING:
 TICK: Final = 0.2
 """Seconds after which the iteration yields None if no frame comes."""
 
-_NOTIFIER: Final = 0.05
+_NOTIFIER_TIMEOUT: Final = 0.05
 """Seconds that the notifier waits for a frame; stopping it takes as long."""
 _MAX_WAITING: Final = 1 << 18
 """Capacity of the queue between the notifier and the command, in frames."""
 _LINGER: Final = 0.05
 """Seconds that the last frame sent has to leave the interface."""
 _ATTEMPTS: Final = 100
-_PAUSE: Final = 0.01
+_RETRY_INTERVAL: Final = 0.01
 """Seconds between two attempts to send while the interface's queue is full."""
 
 
@@ -90,7 +90,7 @@ class FrameIterator:
         """Queue an error of the bus (called by the notifier)."""
         if not self._waiting.full():
             self._waiting.put_nowait(error)
-        time.sleep(_NOTIFIER)
+        time.sleep(_NOTIFIER_TIMEOUT)
 
     def __iter__(self) -> Iterator[Message | None]:
         return self
@@ -122,7 +122,7 @@ def frames(
     with _noted_signals() as ended:
         received = FrameIterator(seconds, count, ended)
         receiving = cast("BusABC", _Receiving(bus))
-        notifier = Notifier(receiving, [received], timeout=_NOTIFIER)
+        notifier = Notifier(receiving, [received], timeout=_NOTIFIER_TIMEOUT)
         try:
             yield received
         finally:
@@ -137,7 +137,9 @@ def drained(bus: OpenBus) -> Iterator[None]:
     """
     from can import Notifier
 
-    notifier = Notifier(cast("BusABC", _Receiving(bus)), [_Drain()], timeout=_NOTIFIER)
+    notifier = Notifier(
+        cast("BusABC", _Receiving(bus)), [_Drain()], timeout=_NOTIFIER_TIMEOUT
+    )
     try:
         yield
         time.sleep(_LINGER)
@@ -153,7 +155,7 @@ class _Drain:
 
     def on_error(self, error: Exception) -> None:
         """Ignore an error of the bus, which the sender notices itself."""
-        time.sleep(_NOTIFIER)
+        time.sleep(_NOTIFIER_TIMEOUT)
 
 
 @contextmanager
@@ -178,9 +180,7 @@ def until_interrupted() -> Iterator[None]:
 
 
 def can_carry(bus: OpenBus, frame: Frame) -> bool:
-    """Return whether the interface can send the frame: socketcand's protocol has no remote
-    frames.
-    """
+    """Return whether the interface can send the frame; socketcand has no remote frames."""
     return not frame.remote or bus.carries_remote_frames
 
 
@@ -194,5 +194,5 @@ def send(bus: OpenBus, frame: Frame) -> None:
                 return
         except LinkError as error:
             raise ToolError(f"the bus is gone: {error}") from error
-        time.sleep(_PAUSE)
+        time.sleep(_RETRY_INTERVAL)
     raise ToolError("cannot send: the interface has no room", "is the bus connected?")

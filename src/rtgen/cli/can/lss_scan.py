@@ -18,7 +18,7 @@ from rtgen.runtime.canopen.wire.lss_master import (
 
 _MAX_NODES = 127
 _TRIES = 3
-"""Attempts for each search: on a busy machine a late answer spoils one."""
+"""Attempts per search: on a busy machine, a late response spoils one."""
 
 
 def unconfigured(session: BusSession) -> list[LssAddress]:

@@ -283,7 +283,7 @@ def _described(
 
 
 def _named(devices: Iterable[Device]) -> Iterable[tuple[int, str, Device]]:
-    """Devices with ids and names; the id is appended to a name that is not unique."""
+    """Yield devices with ids and names; the id is appended to a name that is not unique."""
     described = []
     for device in devices:
         assert device.node_id is not None

@@ -13,7 +13,7 @@ from rtgen.runtime.canopen.values import ObjectValueError, decode, size
 from rtgen.runtime.canopen.wire.frames import SECOND
 
 _SHOWN = 24
-"""Octets of a value that are shown in text."""
+"""Maximum number of octets of a value shown in text."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,10 +82,9 @@ def field_of(
 
 
 def sdo_value(thing: DescribedObject, octets: bytes) -> ObjectValue:
-    """Decode the octets of an SDO transfer; octets that do not fit the kind are returned
-    unchanged.
+    """Decode the octets of an SDO transfer; octets of a wrong length are returned unchanged.
 
-    An expedited message without a size indication carries 4 octets, which may be too many.
+    An expedited message without size indication has 4 octets, which may be too many.
     """
     wanted = size(thing.kind)
     if wanted is not None and wanted < len(octets) == 4:
@@ -108,7 +107,7 @@ def _text(kind: Kind, value: ObjectValue) -> str:
 
 
 def json_value(kind: Kind, value: ObjectValue) -> Json:
-    """Return the value as JSON: octets in hex, times of day as ISO 8601, differences in seconds."""
+    """Return the value in JSON: octets in hex, times of day as ISO 8601, differences in seconds."""
     if isinstance(value, bytes):
         return value.hex()
     if isinstance(value, int) and kind == "time_of_day":

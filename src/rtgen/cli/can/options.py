@@ -23,7 +23,7 @@ CHANNEL = "can0"
 
 @dataclass(frozen=True, slots=True)
 class BusAccess:
-    """A python-can bus as the options name it; `bitrate` in bit/s. None: python-can's default."""
+    """A python-can bus according to the options; `bitrate` in bit/s. None: python-can's default."""
 
     interface: str | None = None
     channel: str | None = None
@@ -31,9 +31,7 @@ class BusAccess:
     further: dict[str, Option] = field(default_factory=dict)
 
     def address(self) -> BusAddress:
-        """Return the address of the bus; falls back to python-can's configuration. Raises
-        Refusal.
-        """
+        """Return the bus's address, falling back to python-can's configuration. Raises Refusal."""
         arguments = dict(self.further)
         interface, channel, bitrate = self.interface, self.channel, self.bitrate
         if interface is None:

@@ -1,4 +1,4 @@
-"""PDOs by the mapping that is currently active in a node, and the values in their data."""
+"""PDOs by the mapping currently active in a node, and the values in their data."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class Route:
         return MAX_DATA if self.multiplexed else (self.bits + 7) // 8
 
     def fields(self, data: bytes) -> tuple[Field, ...]:
-        """Decode the objects that the data are long enough for."""
+        """Decode the objects for which the data are long enough."""
         if self.multiplexed:
             return self._multiplexed(data)
         whole = int.from_bytes(data, "little")
@@ -95,8 +95,9 @@ def object_of(node: DescribedNode | None, number: Number) -> DescribedObject:
 def routes(
     node: DescribedNode, parameters: Mapping[Number, int]
 ) -> Iterator[tuple[tuple[int, bool], Route]]:
-    """Yield the valid PDOs by CAN identifier and whether it has 29 bits, from the node's
-    parameters.
+    """Yield the valid PDOs by CAN identifier and whether it has 29 bits.
+
+    They are determined by the node's parameters.
     """
     for direction, base, mapping in (
         (PdoDirection.TPDO, TPDO_COMMUNICATION, TPDO_MAPPING),

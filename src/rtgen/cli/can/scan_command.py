@@ -102,7 +102,7 @@ def _line(known: NodeIndex, found: Found | None, node_id: int) -> _Row:
 
 
 def _verdict(known: NodeIndex, found: Found, node_id: int) -> str:
-    """How the node differs from its description; empty if there is nothing to compare with."""
+    """Return how the node differs from its description; empty if there is none to compare."""
     node = known.nodes.get(node_id)
     if node is None:
         if not known.nodes or node_id == known.manager:
@@ -113,7 +113,7 @@ def _verdict(known: NodeIndex, found: Found, node_id: int) -> str:
     parts = ("device type", "vendor", "product", "revision")
     for part, wanted, actual in zip(parts, node.identity, found.identity, strict=False):
         if part == "revision" and wanted is not None and actual is not None:
-            # Devices of the same major revision behave the same (CiA 301, 7.5.2.21).
+            # Devices of the same major revision behave identically (CiA 301, 7.5.2.21).
             wanted, actual = wanted >> 16, actual >> 16
         if wanted is not None and actual is not None and wanted != actual:
             return f"{part} 0x{actual:X}, described is 0x{wanted:X}"

@@ -22,7 +22,7 @@ _DEVICE_TYPE = (0x1000, 0)
 _IDENTITY = tuple((0x1018, part) for part in (1, 2, 3, 4))
 _NAME = (0x1008, 0)
 _AT_ONCE = 8
-"""Number of parallel requests: a burst of 127 would overflow many a queue."""
+"""Number of parallel requests: a burst of 127 would overflow many queues."""
 _PROFILES = {401: "I/O device", 402: "drive", 404: "measuring device", 406: "encoder"}
 
 

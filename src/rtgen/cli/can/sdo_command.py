@@ -33,9 +33,9 @@ from rtgen.runtime.canopen.values import ObjectValueError, encode
 from rtgen.runtime.canopen.wire.frames import ERROR_CONTROL, SDO_REQUEST, SECOND, Frame
 from rtgen.runtime.canopen.wire.sdo import SdoAbort
 
-_WATCH = 0.3
+_DEFAULT_WATCH = 0.3
 """Seconds to watch for a manager if no bus file gives its heartbeat period."""
-_LONGEST_WATCH = 2.0
+_MAX_WATCH = 2.0
 _MINUS = "\N{MINUS SIGN}"
 _NEGATIVE = re.compile(r"-\.?\d")
 _BLOCKS: tuple[Kind, ...] = ("octets", "string", "wstring")
@@ -225,7 +225,7 @@ class _OtherClientWatch:
         self._manager = ERROR_CONTROL + known.manager
         self._requests = SDO_REQUEST + node_id
         period = known.bus.heartbeat if known.bus else 0.0
-        self.seconds = min(2.5 * period, _LONGEST_WATCH) or _WATCH
+        self.seconds = min(2.5 * period, _MAX_WATCH) or _DEFAULT_WATCH
         self._name = known.name(node_id)
         self._by = f"the manager (node {known.manager})"
         self.found = ""

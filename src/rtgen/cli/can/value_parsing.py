@@ -63,7 +63,7 @@ def _integer(text: str) -> int:
 
 
 def _called(kind: Kind) -> str:
-    """Return the name of a kind of values in a message."""
+    """Return the name of a kind of values for messages."""
     if limits(kind) is not None:
         return f"an integer ({kind})"
     return {

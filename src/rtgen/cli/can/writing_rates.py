@@ -15,7 +15,7 @@ _RATE = 1000.0
 
 
 def writings(bus: Bus, system: System) -> dict[tuple[str, int], Writing]:
-    """Write rates of the RPDOs that components of the system feed, by node and PDO number.
+    """Return the write rates of the RPDOs that a system's components write, by node and number.
 
     A writer counts as one sample for each tick of its context, or of its connector if that is
     periodic. Samples wait for the next tick of the proxy.

@@ -1,4 +1,4 @@
-"""The command `rtgen conformance`: tests what is there against its definition."""
+"""The command `rtgen conformance`: tests a device, board or component against its definition."""
 
 from __future__ import annotations
 

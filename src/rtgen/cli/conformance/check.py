@@ -1,4 +1,4 @@
-"""A check of a conformance test, whatever is tested."""
+"""A check of a conformance test, of any kind of subject."""
 
 from __future__ import annotations
 
@@ -9,30 +9,30 @@ from typing import ClassVar, Generic, Protocol, TypeAlias, TypeVar
 from rtgen.cli.conformance.report import Outcome, Verdict
 
 Problems: TypeAlias = Iterator[str | None]
-"""A problem for each thing that was checked, None where it is as it should be."""
+"""A problem for each thing checked, None if it passed."""
 
 
 class Subject(Protocol):
-    """What is tested; `faults` are the exceptions by which it shows that a check has failed."""
+    """The tested subject; `faults` are the exceptions that mean that a check failed."""
 
     faults: ClassVar[tuple[type[Exception], ...]]
 
     def explained(self, fault: Exception) -> str:
-        """Return a fault as the problem of a check."""
+        """Return a fault as a problem of the check."""
 
 
 S = TypeVar("S", bound=Subject)
 
 
 class SkipError(Exception):
-    """The check does not apply, or must not be made; the text says why."""
+    """The check is not applicable, or not permitted; the text says why."""
 
 
 @dataclass(frozen=True, slots=True)
 class Check(Generic[S]):
-    """A check: its name in reports, what it asserts, by which clause, and what makes it so.
+    """A check: its name in reports, its assertion, the clause of the standard, its function.
 
-    One that `actuates` may move what the subject drives; it runs only if that is permitted.
+    One that `actuates` may move what the subject drives; it only runs if that is permitted.
     """
 
     name: str
@@ -61,7 +61,7 @@ class Check(Generic[S]):
         return self._outcome(verdict, tried, problems)
 
     def skipped(self, reason: str) -> Outcome:
-        """Return the outcome of a check that was not made."""
+        """Return the outcome of a skipped check."""
         return self._outcome(Verdict.SKIPPED, 0, [reason])
 
     def _outcome(self, verdict: Verdict, tried: int, problems: list[str]) -> Outcome:

@@ -1,4 +1,4 @@
-"""The report of a conformance test: as text, JSON, JUnit XML and HTML."""
+"""Report of a conformance test: as text, JSON, JUnit XML and HTML."""
 
 from __future__ import annotations
 
@@ -23,10 +23,7 @@ class Verdict(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """What a check says: `problems` of a failed one, the reason of a skipped one.
-
-    `tried` is the number of things that were checked; `clause` names the specification.
-    """
+    """Result of a check: `problems` if it failed, the reason if it was skipped."""
 
     check: str
     title: str
@@ -68,12 +65,12 @@ def as_text(report: Report) -> str:
 
 
 def as_json_text(report: Report) -> str:
-    """Return the report by the schema conformance.schema.json."""
+    """Return the report as JSON, by the schema conformance.schema.json."""
     return f"{json.dumps({'passed': report.passed, **asdict(report)}, indent=2)}\n"
 
 
 def as_junit(report: Report) -> str:
-    """JUnit's XML: a test case for each check."""
+    """Return the report as JUnit XML: a test case for each check."""
     counts = Counter(o.verdict for o in report.outcomes)
     suite = ElementTree.Element(
         "testsuite",
@@ -95,7 +92,7 @@ def as_junit(report: Report) -> str:
 
 
 def as_html(report: Report) -> str:
-    """Return a page of its own, without scripts and without anything from outside."""
+    """Return a self-contained page without scripts."""
     rows = "".join(
         f'<tr class="{o.verdict.value}"><td>{o.verdict.value}</td>'
         f"<td><code>{html.escape(o.check)}</code></td><td>{html.escape(o.title)}"

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from rtgen.runtime.distribution.control import Asker, State
     from rtgen.runtime.distribution.descriptions import Description, Interface
 
-_LOOK = 0.1
+_POLL_INTERVAL = 0.1
 _HEADER = ("instance", "state", "ticks", "overruns")
 
 _json = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
@@ -252,7 +252,7 @@ def watch_(
                     else:
                         name = change.instance
                         write_out(f"{at:.3f} s: {name} {_shown(change.state)}\n")
-                peers.wait(_LOOK)
+                peers.wait(_POLL_INTERVAL)
         except KeyboardInterrupt:
             console.say("")
     return OK
@@ -265,7 +265,7 @@ def _steer(
     request: Callable[[Asker], str],
     wanted: str,
 ) -> int:
-    """Request a state of components one after the other, and wait until they have it."""
+    """Request a state of components one after the other, waiting until each has it."""
     with joined(console, options) as peers:
         for instance in instances:
             asked = asker(peers, instance, options)
@@ -279,7 +279,7 @@ def _steer(
                 failed = state == "ERROR" and now.state != before
                 if failed or time.monotonic() > deadline:
                     raise Refused(f"{instance} is {_shown(now)}, not {wanted}")
-                peers.wait(_LOOK)
+                peers.wait(_POLL_INTERVAL)
             console.say(f"{instance} {wanted}")
     return OK
 

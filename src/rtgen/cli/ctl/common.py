@@ -1,4 +1,4 @@
-"""Shared by the commands of `rtgen ctl`: which system, and how its components are reached."""
+"""Options and helpers of `rtgen ctl`: the system, and access to its components."""
 
 from __future__ import annotations
 
@@ -26,18 +26,18 @@ if TYPE_CHECKING:
 
 _SETTLED = 0.3
 """Seconds without a further component after which the list counts as complete."""
-_LOOK_AGAIN = 0.05
+_POLL_INTERVAL = 0.05
 
 
 class Refused(click.ClickException):
-    """A component refuses a request."""
+    """A component rejected a request."""
 
     exit_code = NO
 
 
 @dataclass(frozen=True, slots=True)
 class CtlOptions(EngineOptions):
-    """Which system, and how long to look for its components."""
+    """The system, and the time-out of looking for its components."""
 
     system: str | None
     wait: float
@@ -86,9 +86,9 @@ def with_system(command: Callable[..., int]) -> Callable[..., int]:
 def joined(
     console: Console, options: CtlOptions, profile: System | None = None
 ) -> Iterator[Peers]:
-    """The components of the system. Raises ToolError, Refused, ReportedError.
+    """Join the system, to access its components. Raises ToolError, Refused, ReportedError.
 
-    `profile` is what `profile_of` gives, if that was called. Ctrl-C and SIGTERM raise
+    `profile` is the result of `profile_of`, if that was called. Ctrl-C and SIGTERM raise
     KeyboardInterrupt.
     """
     from rtgen.runtime.distribution.control import ControlError, RefusedError
@@ -115,10 +115,7 @@ def joined(
 
 
 def profile_of(console: Console, options: CtlOptions) -> System | None:
-    """Return the system of `--system`, whose name is the partition that its processes use.
-
-    Raises ReportedError.
-    """
+    """Return the system of `--system`; its name is the partition of its processes."""
     if options.system is None:
         return None
     from rtgen.systems.reading import read_file
@@ -141,7 +138,7 @@ def asker(peers: Peers, instance: str, options: CtlOptions) -> Asker:
                 f"no process has {instance}; known: {known}",
                 hint="the processes need the same --transport, and the same --partition or system",
             )
-        peers.wait(_LOOK_AGAIN)
+        peers.wait(_POLL_INTERVAL)
     return peers.asker(instance)
 
 
@@ -150,7 +147,7 @@ def settled(peers: Peers, options: CtlOptions) -> Sequence[str]:
     begun = changed = time.monotonic()
     known = peers.instances
     while True:
-        peers.wait(_LOOK_AGAIN)
+        peers.wait(_POLL_INTERVAL)
         now = time.monotonic()
         if peers.instances != known:
             known, changed = peers.instances, now

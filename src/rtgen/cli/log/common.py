@@ -1,4 +1,4 @@
-"""Helpers shared by the commands of `rtgen log`: names of what is wanted, errors."""
+"""Options and helpers of `rtgen log`: selection of events, errors."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ KINDS = (
 
 @contextmanager
 def reported() -> Iterator[None]:
-    """Turn errors of recordings into those of the command line. Raises ToolError."""
+    """Convert errors of recordings to ToolError within the block."""
     try:
         yield
     except RecordingError as error:
@@ -34,7 +34,7 @@ def reported() -> Iterator[None]:
 
 
 def with_choice(command: Callable[..., int]) -> Callable[..., int]:
-    """Add the arguments that choose events."""
+    """Add the arguments that select events."""
     options = (
         click.argument("names", nargs=-1, metavar="[INSTANCE[.PORT]]..."),
         click.option(
@@ -53,7 +53,7 @@ def with_choice(command: Callable[..., int]) -> Callable[..., int]:
 def choice(
     names: Sequence[str], kinds: Sequence[str]
 ) -> Callable[[Mapping[str, Any]], bool]:
-    """Return whether an event is wanted, by its kind, and by its instance, port or bus."""
+    """Return a predicate of events, by kind, and by instance, port or bus."""
 
     def wanted(event: Mapping[str, Any]) -> bool:
         if kinds and event["event"] not in kinds:
@@ -64,7 +64,7 @@ def choice(
 
 
 def source(event: Mapping[str, Any]) -> str:
-    """What an event is about: `INSTANCE.PORT`, an instance, or a bus; empty for the run."""
+    """Return the source of an event: `INSTANCE.PORT`, an instance, a bus; empty for the run."""
     names = [*_names(event)]
     return names[-1] if names else ""
 

@@ -53,7 +53,7 @@ def diff_(
 
 @dataclass(slots=True)
 class Comparison:
-    """The events of one source in both files: those that wait for their other, the difference."""
+    """Comparison of one source's events: unmatched events of either file, and the difference."""
 
     waiting: tuple[deque[Event], deque[Event]] = field(
         default_factory=lambda: (deque(), deque())
@@ -63,7 +63,7 @@ class Comparison:
     first: str = ""
 
     def take(self, side: int, event: Event) -> None:
-        """Compare an event with that of the other file, or let it wait."""
+        """Compare an event with that of the other file, or store it until that is read."""
         self.counts[side] += 1
         if self.first:
             return
@@ -90,7 +90,7 @@ class Comparison:
 def compare(
     one: Log, other: Log, wanted: Callable[[Mapping[str, Any]], bool]
 ) -> dict[tuple[str, str], Comparison]:
-    """Return the sources of events of two files, each compared in order. Raises RecordingError."""
+    """Compare two files in order, by source of events. Raises RecordingError."""
     found: dict[tuple[str, str], Comparison] = {}
     for pair in zip_longest(one.events(wanted), other.events(wanted)):
         for side, event in enumerate(pair):

@@ -1,4 +1,4 @@
-"""Values of ports in a recording, as `--plot` and `--csv` of a run name them."""
+"""Selection of values in a recording, as in `--plot` and `--csv` of a run."""
 
 from __future__ import annotations
 
@@ -29,9 +29,7 @@ def with_values(command: Callable[..., int]) -> Callable[..., int]:
 
 
 def curves_of(file: Path, selectors: Sequence[str]) -> list[Curve]:
-    """Return the curves of the selectors. Raises ToolError, InputError for a port without
-    samples.
-    """
+    """Return the curves of selectors. Raises ToolError, InputError for ports without samples."""
     chosen = [Selection(text) for text in dict.fromkeys(selectors)]
     ports: set[str] = set()
     with reported():

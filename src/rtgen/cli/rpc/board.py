@@ -159,9 +159,7 @@ def _answer(service: Service, line: Json) -> _Answer:
 def _echo(
     service: Service, function: Function, arguments: tuple[object, ...]
 ) -> tuple[object, tuple[object, ...]]:
-    """Return the echo: returns zero, inouts unchanged, outs zero with arrays of the requested
-    length.
-    """
+    """Return the echo: a zero result, unchanged inouts, and zero outs of the requested length."""
     layout = function.layout
     given = dict(zip((i.name for i in layout.arguments), arguments, strict=True))
     returned, zeros = function.zeros()

@@ -1,4 +1,4 @@
-"""Generates codecs of signatures in memory, and describes their functions by layout."""
+"""Generates codecs of signatures in memory, and describes their functions."""
 
 from __future__ import annotations
 
@@ -180,10 +180,7 @@ class Function:
         return tuple(values[item.name] for item in self.layout.kept)
 
     def evaluated(self, expression: Expression, known: Mapping[str, object]) -> int:
-        """Return the value of a size, with those of the parameters that it refers to.
-
-        Raises ArgumentError, and KeyError for parameters that are not known.
-        """
+        """Return the value of a size, given the parameters that it refers to."""
         items = {item.name: item for item in self.layout.items}
         text = expression_text(
             expression, lambda name: (f"known[{name!r}]", items[name])
@@ -192,7 +189,7 @@ class Function:
         return int(eval(text, names))
 
     def zeros(self) -> tuple[object, tuple[object, ...]]:
-        """Return a return value and outs of zeros."""
+        """Return a zero result and zero outs."""
         outs = tuple(self._zero(item) for item in self.layout.outs)
         return self._zero(self.layout.returned), outs
 
@@ -200,15 +197,15 @@ class Function:
         return eval(zero(item.node), dict(self._types.__dict__))
 
     def arguments_from_json(self, value: Json) -> tuple[object, ...]:
-        """Arguments from a JSON object. Raises JsonError."""
+        """Convert a JSON object to arguments. Raises JsonError."""
         return arguments_from_json(self.layout.arguments, value, self._types)
 
     def arguments_to_json(self, arguments: Sequence[object]) -> Json:
-        """Arguments as a JSON object."""
+        """Convert arguments to a JSON object."""
         return arguments_to_json(self.layout.arguments, arguments)
 
     def result_from_json(self, value: Json) -> tuple[object, tuple[object, ...]]:
-        """Return value and outs from JSON; outs that are null become zeros. Raises JsonError."""
+        """Convert JSON to result and outs; outs that are null become zeros. Raises JsonError."""
         if not isinstance(value, dict) or not {"return", "outs"}.issuperset(value):
             raise JsonError('a reply is {"return": ..., "outs": {...}}')
         returned: object = None
@@ -226,7 +223,7 @@ class Function:
     def result_to_json(
         self, returned: object, outs: Sequence[object] | None
     ) -> dict[str, Json]:
-        """Return a reply as a JSON object."""
+        """Convert a reply to a JSON object."""
         values: Json = None
         if outs is not None:
             pairs = zip(self.layout.outs, outs, strict=True)
@@ -235,7 +232,7 @@ class Function:
         return {"return": result, "outs": values}
 
     def guesses(self, largest: int) -> Iterator[tuple[object, ...]]:
-        """Candidate values for the kept arguments of an unknown request; large sizes first."""
+        """Yield candidates for the kept arguments of an unknown request; large sizes first."""
         sizes: list[object] = [(1 << 31) - 1, *range(largest, -1, -1)]
         choices: list[list[object]] = []
         for item in self.layout.kept:

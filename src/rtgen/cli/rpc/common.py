@@ -26,7 +26,7 @@ R = TypeVar("R")
 
 
 class Wire(NamedTuple):
-    """How the other end represents values and orders replies."""
+    """Data representation and order of replies of the other end."""
 
     tdr: Tdr
     reply: ReplyOrder

@@ -74,7 +74,7 @@ class _Replay:
         self._services: dict[tuple[str, str], Service] = {}
 
     def differences(self, case: Mapping[str, Any]) -> Iterator[str]:
-        """Yield the differences from the record."""
+        """Yield the differences to the record."""
         try:
             service = self._service(case["signature"], case["tdr"])
         except click.ClickException as error:
@@ -132,9 +132,7 @@ class _Replay:
 
 
 def _unwrapped(case: Mapping[str, Any], service: Service) -> tuple[bytes, str]:
-    """Return the request without the framing of a shared channel, and octets that follow the
-    reply.
-    """
+    """Return the request without the framing of a shared channel, and octets after the reply."""
     request = bytes.fromhex(case["request"])
     if not case.get("shared"):
         return request, ""
@@ -200,7 +198,7 @@ def _single(value: float) -> float:
 
 
 def _is_equal(node: Node, expected: Json, found: Json) -> bool:
-    """Return whether values are equal; of an array with `count_is` only counted elements count."""
+    """Return whether values are equal; of arrays with `count_is`, counted elements are compared."""
     match node:
         case Nothing():
             return True

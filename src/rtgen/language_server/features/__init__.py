@@ -1,1 +1,1 @@
-"""The features: one module for each request, from a view of a document to the answer."""
+"""Features: one module for each request, from a view of a document to the response."""

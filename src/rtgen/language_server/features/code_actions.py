@@ -1,4 +1,4 @@
-"""Code actions: safe fixes of findings, as `rtgen lint --fix`, and what their hints propose."""
+"""Code actions: the safe fixes of `rtgen lint --fix`, and the suggestions in hints."""
 
 from __future__ import annotations
 
@@ -30,12 +30,12 @@ _INCLUDED = re.compile(r"^[ \t]*#[ \t]*include\b[^\n]*\n", re.MULTILINE)
 def code_actions(
     view: View, range_: Range, diagnostics: Sequence[Diagnostic]
 ) -> list[CodeAction]:
-    """Return the changes for a range, and for the findings of rtgen that the editor has there."""
+    """Return the actions for a range, and for rtgen's diagnostics there."""
     return [*_fixes(view, range_), *_hinted(view, diagnostics)]
 
 
 def _fixes(view: View, range_: Range) -> Iterator[CodeAction]:
-    """Yield the fixes of findings in the document that begin or end in a range; and all of them."""
+    """Yield the fixes of diagnostics that start or end in a range, and one for all fixes."""
     if view.analysis is None or view.file is None:
         return
     low, high = view.offset(range_.start), view.offset(range_.end)
@@ -108,7 +108,7 @@ def _written(view: View, place: Range) -> str:
 
 
 def _behind_includes(source: str) -> int:
-    """Where a further include goes: behind the last one, else at the start."""
+    """Return the offset for a new include: after the last one, else the start."""
     last = 0
     for match in _INCLUDED.finditer(source):
         last = match.end()

@@ -1,4 +1,4 @@
-"""Completion: names that can stand at a place, keywords, annotations, files, keys."""
+"""Completion: names that are valid at a position, keywords, annotations, files, keys."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from rtgen.resources import IDL_FILES
 from rtgen.typemap.idl_keywords import CORBA_3, RESERVED
 
 MAX_ITEMS = 500
-"""The largest number of items in an answer; with more, the editor asks again as letters follow."""
+"""Maximum number of items in a response; beyond it, the editor asks again after each letter."""
 
 _ITEMS = {
     Kind.FILE: CompletionItemKind.File,
@@ -73,7 +73,7 @@ _VALUE = re.compile(r"[\w:]*type(?:Name)?\s*[:=]\s*[\"']?[\w:]*$", re.IGNORECASE
 
 
 def completion(view: View, position: Position) -> CompletionList:
-    """What can stand at a position."""
+    """Return the completions at a position."""
     offset = view.offset(position)
     source = view.text.source
     line = source[source.rfind("\n", 0, offset) + 1 : offset]
@@ -177,7 +177,7 @@ def _idl(view: View, line: str, offset: int) -> Iterator[CompletionItem]:
 def _resolved(
     view: View, parts: list[str], offset: int, absolute: bool
 ) -> Iterator[str]:
-    """Yield the keys that a scoped name may stand for, seen from an offset."""
+    """Yield the keys that a scoped name may refer to at an offset."""
     for scope in [""] if absolute else _scope(view, offset):
         outer = scope.removeprefix("idl ").split("::") if scope else []
         key = "idl " + "::".join([*outer, *parts])
@@ -187,7 +187,7 @@ def _resolved(
 
 
 def _types(index: Index) -> Iterator[CompletionItem]:
-    """Yield all types and interfaces of IDL by their scoped names."""
+    """Yield all IDL types and interfaces by scoped name."""
     for _, d in index.all():
         if d.key.startswith("idl ") and d.kind in _TYPES - {Kind.MODULE}:
             yield _item(d, d.key.removeprefix("idl "))
@@ -261,7 +261,7 @@ def _bus(view: View, line: str, offset: int) -> Iterator[CompletionItem]:
 
 
 def _objects(view: View, name: str) -> Iterator[CompletionItem]:
-    """Yield the objects of a kind of device, or of that of a node."""
+    """Yield the objects of a kind of device, or of a node's kind."""
     for bus in view.analysis.model.buses if view.analysis else ():
         kinds = [
             *(kind for kind in bus.kinds if kind.name == name),

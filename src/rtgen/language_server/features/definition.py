@@ -1,4 +1,4 @@
-"""Where a name is defined, in whatever language that is."""
+"""Go to definition, across languages."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _START = Range(Position(0, 0), Position(0, 0))
 
 
 def definition(view: View, position: Position) -> list[Location]:
-    """Return the definitions of the name at a position; a file is defined at its beginning."""
+    """Return the definitions of the name at a position; that of a file is its start."""
     found = view.occurrence(position)
     if found is None:
         return []

@@ -1,4 +1,4 @@
-"""What is known of a definition, as Markdown: type, wire layout, unit, limits, documentation."""
+"""Describes definitions in Markdown: type, wire layout, unit, limits, documentation."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ _MAX_ROWS = 40
 
 
 def described(analysis: Analysis, key: str) -> str | None:
-    """Return the description of what a key stands for; None if the model has it not."""
+    """Return the description of a key's definition; None if it is not in the model."""
     language, _, name = key.partition(" ")
     match language:
         case "idl":
@@ -67,7 +67,7 @@ def described(analysis: Analysis, key: str) -> str | None:
 
 
 def representations_of(analysis: Analysis) -> Representations:
-    """How the project's types travel."""
+    """Return the data representations of the project's types."""
     project = analysis.project
     return Representations(
         analysis.model, project.representation == "xcdr2", project.extensibility
@@ -83,7 +83,7 @@ def find(model: Model, name: ScopedName) -> Declaration | None:
 
 
 def idl(analysis: Analysis, name: ScopedName) -> str | None:
-    """Return the description of a declaration of IDL, or of a part of one."""
+    """Return the description of an IDL declaration, or of a part of one."""
     model = analysis.model
     declaration = find(model, name)
     if declaration is not None:
@@ -242,7 +242,7 @@ def _member_note(analysis: Analysis, holder: Declaration, member: Member) -> str
 
 
 def place_text(place: offsets.MemberPlace) -> str:
-    """Where a member lies: `offset 8, 4 octets`."""
+    """Return the place of a member: `offset 8, 4 octets`."""
     size = "variable" if place.size is None else _octets(place.size)
     return size if place.offset is None else f"offset {place.offset}, {size}"
 
@@ -316,7 +316,7 @@ def _tecs(unit: TecsUnit, d: TecsDeclaration, way: ScopedName) -> str:
 
 
 def _message(unit: TecsUnit, signature: Signature, name: str) -> str:
-    """Return the layout of a request of OpaqueRPC: its values and their octets."""
+    """Return the layout of an OpaqueRPC request: its values and their octets."""
     try:
         made = layout_of(unit, signature)
     except TransferError as error:
@@ -391,7 +391,7 @@ def _type(variable: Variable) -> str:
 
 
 def _mappings(device: Device, index: int, subindex: int | None) -> str:
-    """Return the PDOs that carry an object, with the offset of its bits."""
+    """Return the PDOs that map an object, with its bit offset."""
     rows = []
     for pdo in device.pdos:
         offset = 0

@@ -1,4 +1,4 @@
-"""Findings as the protocol's diagnostics."""
+"""Converts rtgen's diagnostics to the protocol's."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ SOURCE = "rtgen"
 def published(
     workspace: Workspace, path: str, findings: Iterable[diagnostics.Diagnostic]
 ) -> list[types.Diagnostic]:
-    """Return the findings in a file, with places of its present text."""
+    """Return the diagnostics of a file, with places in its current text."""
     text = workspace.text_of(path) or Text("")
     return [_published(workspace, text, finding) for finding in findings]
 

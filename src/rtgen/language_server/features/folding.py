@@ -1,4 +1,4 @@
-"""Folding: bodies, comments, runs of includes, sections and tables."""
+"""Folding ranges: bodies, comments, runs of includes, sections and tables."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _TAG = re.compile(r"<!--.*?(?:-->|\Z)|<(/?)([\w:.-]+)[^<>]*?(/?)>", re.DOTALL)
 
 
 def folding(view: View) -> list[FoldingRange]:
-    """What can be folded in the text of now."""
+    """Return the folding ranges of the current text."""
     text = view.text
     match view.language:
         case Language.IDL | Language.CDL:
@@ -81,7 +81,7 @@ def _runs(
 
 
 def _sections(text: Text) -> Iterator[FoldingRange]:
-    """From each header in brackets to the last line before the next one that is not empty."""
+    """Yield the range from each header in brackets to the last nonempty line before the next."""
     lines = [_line(text, match.end()) for match in _HEADER.finditer(text.source)]
     starts = text.whole_lines
     if not lines:

@@ -1,4 +1,4 @@
-"""Formatting: the form of `rtgen fmt`, for a document or the statements in a range."""
+"""Formatting as `rtgen fmt` does, of a document or of the statements in a range."""
 
 from __future__ import annotations
 
@@ -16,9 +16,7 @@ _TOML = (Language.BUS, Language.PROJECT)
 
 
 def formatting(view: View, range_: Range | None = None) -> list[TextEdit]:
-    """Return the edits that give a document its form; none where it has none, or tombi is
-    missing.
-    """
+    """Return the edits that format a document; none if it cannot be formatted."""
     form = _FORMS.get(view.language)
     if form is None and not (view.language in _TOML and toml.is_available()):
         return []

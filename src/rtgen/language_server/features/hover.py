@@ -1,4 +1,4 @@
-"""Hover: what the name under the pointer stands for."""
+"""Hover: description of the name under the pointer."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def hover(view: View, position: Position) -> Hover | None:
 
 
 def _rule(view: View, position: Position) -> Hover | None:
-    """Return the explanation of a code of a finding, such as those in `[lint] ignore`."""
+    """Return the explanation of a diagnostic code, such as one in `[lint] ignore`."""
     offset = view.offset(position)
     line = view.text.source.rfind("\n", 0, offset) + 1
     for match in _CODE.finditer(view.text.source, line):

@@ -1,4 +1,4 @@
-"""Inlay hints: the offset of each member of a struct on the wire, of each object in its PDO."""
+"""Inlay hints: wire offsets of struct members, and of objects in PDOs."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def _of_structs(view: View, low: int, high: int) -> Iterator[tuple[int, str]]:
 
 
 def _of_pdos(view: View) -> Iterator[tuple[int, str]]:
-    """Behind each entry of a PDO mapping: the object's name, its first bit and its length."""
+    """Yield a hint after each entry of a PDO mapping: the object, its first bit and length."""
     if view.analysis is None or view.file is None or view.language is not Language.EDS:
         return
     shift = view.shift

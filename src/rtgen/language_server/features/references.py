@@ -1,4 +1,4 @@
-"""All uses of a name in the project, and those in the document to highlight."""
+"""References to a name in the project, and highlights in a document."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from rtgen.language_server.workspace import View
 
 
 def references(view: View, position: Position, *, declaration: bool) -> list[Location]:
-    """Return the places of the name at a position, with those that define it if asked for."""
+    """Return the places of the name at a position, including its `declaration` if requested."""
     found = view.occurrence(position)
     if found is None:
         return []

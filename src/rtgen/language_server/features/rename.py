@@ -1,4 +1,4 @@
-"""Renames a name with all its uses in the project."""
+"""Renames a name and all its uses in the project."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _INSTANCE = re.compile(r"[\w.-]+")
 
 
 class RenameError(Exception):
-    """The name cannot be changed, or not to that one; the message says why."""
+    """The name cannot be renamed, or not to the new one; the message says why."""
 
 
 def prepared(view: View, position: Position) -> PrepareRenamePlaceholder | None:
@@ -42,7 +42,7 @@ def prepared(view: View, position: Position) -> PrepareRenamePlaceholder | None:
 
 
 def renamed(view: View, position: Position, name: str) -> WorkspaceEdit:
-    """Return the edits that give the name at a position another one. Raises RenameError."""
+    """Return the edits that rename the name at a position. Raises RenameError."""
     found = view.occurrence(position)
     if found is None:
         raise RenameError("there is no name here")
@@ -74,7 +74,7 @@ def _check_name(definition: Definition, language: str, name: str) -> None:
 
 
 def _same(definition: Definition, name: str, language: str) -> bool:
-    if language == "idl":  # names of IDL clash if they differ in case only
+    if language == "idl":  # names of IDL that differ in case only clash
         return definition.name.lower() == name.lower()
     return definition.name == name
 
@@ -99,7 +99,7 @@ def _edit(
 
 
 def _sorted(edits: Mapping[str, list[TextEdit]]) -> dict[str, list[TextEdit]]:
-    """Return the edits by file, each once, in order."""
+    """Return the edits by file, sorted and unique."""
     return {
         uri: sorted(
             {(e.range.start.line, e.range.start.character): e for e in each}.values(),

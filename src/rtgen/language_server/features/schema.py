@@ -1,4 +1,4 @@
-"""The keys of bus files and of rtgen.toml, and which table of them a place is in."""
+"""Keys of bus files and of rtgen.toml, and the table at an offset."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _PART = re.compile(r"[\w-]+|\"[^\"]*\"|'[^']*'")
 
 @dataclass(frozen=True, slots=True)
 class Key:
-    """A key of a table: its place, and what the schema says of it."""
+    """A key of a table: its place, and its schema."""
 
     name: str
     start: int
@@ -27,7 +27,7 @@ class Key:
 
 
 def table_at(source: str, offset: int) -> tuple[str, ...]:
-    """Return the names of the table that an offset is in."""
+    """Return the names of the table at an offset."""
     found: tuple[str, ...] = ()
     for match in _HEADER.finditer(source, 0, offset):
         found = tuple(part.strip("\"'") for part in _PART.findall(match[2]))
@@ -72,7 +72,7 @@ def project_keys(path: tuple[str, ...]) -> Iterator[tuple[str, str]]:
 
 
 def key_at(text: Text, offset: int) -> Key | None:
-    """Return the key of a bus file that is written at an offset."""
+    """Return the key of a bus file at an offset."""
     source = text.source
     line = source.rfind("\n", 0, offset) + 1
     match = _KEY.match(source, line)

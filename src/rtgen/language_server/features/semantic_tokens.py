@@ -1,4 +1,4 @@
-"""Semantic tokens: what each name stands for, which no grammar of an editor can know."""
+"""Semantic tokens: the kind of each name, which an editor's grammar cannot determine."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ LEGEND = SemanticTokensLegend(
 
 
 def semantic_tokens(view: View, range_: Range | None = None) -> SemanticTokens:
-    """Return the names of a document, or of a range, that stand for something known."""
+    """Return the resolved names of a document, or of a range."""
     text = view.text
     encoding = view.workspace.documents.encoding
     low = 0 if range_ is None else view.offset(range_.start)
@@ -73,7 +73,7 @@ def semantic_tokens(view: View, range_: Range | None = None) -> SemanticTokens:
         while line + 1 < len(starts) and starts[line + 1] <= start:
             line += 1
         if line + 1 < len(starts) and end > starts[line + 1]:
-            continue  # a token has one line
+            continue  # a token cannot span lines
         if plain:
             character, length = start - starts[line], end - start
         else:

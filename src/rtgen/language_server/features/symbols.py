@@ -1,4 +1,4 @@
-"""Symbols: the outline of a document, and names of all projects by a part of them."""
+"""Symbols: the outline of a document, and a search for names in all projects."""
 
 from __future__ import annotations
 
@@ -44,11 +44,11 @@ SYMBOLS = {
 }
 _LEFT_OUT = (Kind.PARAMETER,)
 MAX_SYMBOLS = 1000
-"""The largest number of symbols of projects in an answer."""
+"""Maximum number of symbols in the response of a search."""
 
 
 def document_symbols(view: View) -> list[DocumentSymbol]:
-    """Return the outline of a document: definitions inside those that hold them."""
+    """Return the outline of a document: definitions nested as in the text."""
     outermost: list[DocumentSymbol] = []
     holders: dict[str, DocumentSymbol] = {}
     entries = [e for e in view.definitions() if e[4].kind not in _LEFT_OUT]
@@ -69,13 +69,13 @@ def document_symbols(view: View) -> list[DocumentSymbol]:
             holder.children.append(symbol)
             _widen(holder, symbol)
         holders[d.key] = (
-            symbol  # a module may be opened again: what follows is in that one
+            symbol  # a module can be reopened: what follows is in the last opening
         )
     return outermost
 
 
 def _widen(holder: DocumentSymbol, inner: DocumentSymbol) -> None:
-    """Make the range of a symbol hold that of one inside it."""
+    """Extend the range of a symbol to contain that of a nested one."""
     if _after(inner.range.end, holder.range.end):
         holder.range = Range(holder.range.start, inner.range.end)
 
@@ -85,7 +85,7 @@ def _after(one: Position, two: Position) -> bool:
 
 
 def workspace_symbols(workspace: Workspace, query: str) -> list[WorkspaceSymbol]:
-    """Return the names that have the letters of a query in their order, whole parts first."""
+    """Return the names that contain the letters of a query in order, best matches first."""
     wanted = query.lower()
     found: dict[tuple[str, str, int], tuple[tuple[int, str], WorkspaceSymbol]] = {}
     for analysis in workspace.analyses():
@@ -111,7 +111,7 @@ def workspace_symbols(workspace: Workspace, query: str) -> list[WorkspaceSymbol]
 
 
 def _rank(query: str, name: str) -> int | None:
-    """How well a name fits: 0 it is the query, 1 begins so, 2 holds it, 3 has its letters."""
+    """Rank a match: 0 equal, 1 starts with the query, 2 contains it, 3 contains its letters."""
     if name == query:
         return 0
     if name.startswith(query):

@@ -1,1 +1,1 @@
-"""Names and places of definitions in all languages: what every feature looks things up in."""
+"""Index of names and places in all languages, used by all features."""

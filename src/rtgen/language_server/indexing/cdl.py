@@ -1,4 +1,4 @@
-"""Names of CDL, from the trees of a unit and its symbols."""
+"""Names of CDL, from the syntax trees and symbols of a unit."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ _KINDS = {
 
 
 def key_of(entity: Entity) -> str:
-    """Return the key of an entity: its file and its name; tags have a name space of their own."""
+    """Return the key of an entity: its file and name; tags have a separate name space."""
     tag = entity.kind in (scopes.Kind.STRUCT, scopes.Kind.ENUM)
     name = "::".join(entity.name)
     return f"cdl {path_of(entity.place.file)}#{'struct ' if tag else ''}{name}"
 
 
 class CdlNames:
-    """Adds the names of units; a file that several units import is added once."""
+    """Adds the names of units; a file imported by several units is added once."""
 
     def __init__(self, collector: Collector) -> None:
         self._collector = collector
@@ -60,7 +60,7 @@ class CdlNames:
 
 
 class _Walk:
-    """A walk over the statements of a file."""
+    """Traversal of the statements of a file."""
 
     def __init__(self, collector: Collector, table: Table, unit: Unit) -> None:
         self._collector = collector
@@ -141,7 +141,7 @@ class _Walk:
         scope: Scope,
         container: str,
     ) -> Entity | None:
-        """Define a name of the scope, unless it is another one's."""
+        """Define a name of the scope, unless another entity has it."""
         entity = scope.entities.get(name.text) if name is not None else None
         if entity is None or name is None or entity.place != self._span(name):
             return None
@@ -149,7 +149,7 @@ class _Walk:
         return entity
 
     def _refer(self, name: tree.ScopedName, scope: Scope) -> Entity | None:
-        """Note a use of a name with its parts, and return what it stands for."""
+        """Record a use of a name with its parts, and return its entity."""
         found = scope.find(name)
         part_of: Scope | None = None
         for part in name.parts[:-1]:
@@ -381,7 +381,7 @@ class _Walk:
         scope: Scope,
         inside: CompositeFacts | None,
     ) -> None:
-        """A cell (or a celltype) and one of its ports."""
+        """Record a cell or celltype, and one of its ports."""
         if inside is not None and len(owner.parts) == 1:
             inner = inside.inner.get(owner.parts[0].text)
             if inner is not None:
@@ -408,7 +408,7 @@ class _Walk:
         scope: Scope,
         inside: CompositeFacts | None = None,
     ) -> None:
-        """The names in a value: constants, or a cell and its port."""
+        """Record the names in a value: constants, or a cell and its port."""
         match node:
             case tree.Postfix(operand, suffixes):
                 names = [s for s in suffixes if isinstance(s, tree.Name)]
@@ -440,6 +440,6 @@ class _Walk:
 
 
 def file_and_name(key: str) -> tuple[str, tuple[str, ...]]:
-    """Return the file and the scoped name of a key; the name of a tag without the word for it."""
+    """Return the file and the scoped name of a key; without the keyword of a tag."""
     file, _, name = key.removeprefix("cdl ").partition("#")
     return file, tuple(name.removeprefix("struct ").split("::"))

@@ -22,13 +22,13 @@ _FIRST_OF_PDOS = {"tpdo": TPDO_COMMUNICATION, "rpdo": RPDO_COMMUNICATION}
 
 
 def object_key(file: str, index: int, subindex: int | None = None) -> str:
-    """Return the key of an object of a device description, or of one of its sub-objects."""
+    """Return the key of an object or sub-object of a device description."""
     sub = "" if subindex is None else f":{subindex:X}"
     return f"eds {path_of(file)}#{index:04X}{sub}"
 
 
 def add_device(collector: Collector, device: Device) -> None:
-    """Add the objects of a device description, and the objects that its PDOs map."""
+    """Add the objects of a device description, and those mapped by its PDOs."""
     device_key = f"file {path_of(device.file)}"
     for entry in device.objects:
         key = object_key(device.file, entry.index)
@@ -49,7 +49,7 @@ def add_device(collector: Collector, device: Device) -> None:
 
 
 def _mapped(variable: Variable) -> tuple[int, int] | None:
-    """Return the object that an entry of a PDO mapping maps."""
+    """Return the object of an entry of a PDO mapping."""
     value = variable.current
     if (
         not variable.subindex
@@ -61,7 +61,7 @@ def _mapped(variable: Variable) -> tuple[int, int] | None:
 
 
 def _known(device: Device, index: int, subindex: int | None) -> str | None:
-    """Return the key of an object of the device; that of the whole object for a plain variable."""
+    """Return the key of the device's object; for a plain variable, without sub-index."""
     for entry in device.objects:
         if entry.index == index:
             alone = subindex is None or len(entry.variables) == 1
@@ -79,7 +79,7 @@ class BusNames:
         self._file = path_of(bus.file)
 
     def add(self) -> None:
-        """Add definitions of nodes and kinds, and uses of these, of objects and of files."""
+        """Add definitions of nodes and kinds, and uses of nodes, kinds, objects and files."""
         try:
             self._toml = Toml(self._text.source, self._bus.file)
         except TomlError:
@@ -183,13 +183,13 @@ def _tables(content: Mapping[str, Any], name: str) -> Iterator[tuple[str, Any]]:
 
 
 def _next_key(text: str, offset: int) -> int:
-    """Where the next header of a table begins, or the text ends."""
+    """Return the start of the next table header, or the end of the text."""
     found = re.compile(r"^\s*\[", re.MULTILINE).search(text, offset)
     return len(text) if found is None else found.start()
 
 
 def object_of(key: str) -> tuple[str, int, int | None]:
-    """Return the file, index and sub-index of a key of an object."""
+    """Return the file, index and sub-index in an object's key."""
     file, _, number = key.removeprefix("eds ").rpartition("#")
     index, _, sub = number.partition(":")
     return file, int(index, 16), int(sub, 16) if sub else None

@@ -38,7 +38,7 @@ _KINDS = {
     scopes.Kind.PORT: Kind.PORT,
     scopes.Kind.UNUSED: Kind.MODULE,
 }
-_LONGEST_DETAIL = 80
+_MAX_DETAIL = 80
 
 
 def key_of(name: ScopedName) -> str:
@@ -47,7 +47,7 @@ def key_of(name: ScopedName) -> str:
 
 
 class IdlNames:
-    """Adds the names of translation units; what several units include is added once."""
+    """Adds the names of translation units; a file included by several units is added once."""
 
     def __init__(self, collector: Collector) -> None:
         self._collector = collector
@@ -109,7 +109,7 @@ class IdlNames:
 
 
 def _parts(name: tree.ScopedName, found: Entity) -> Iterator[tuple[tree.Name, Entity]]:
-    """Yield the parts of a scoped name with what each stands for, the last one first."""
+    """Yield the parts of a scoped name with their entities, the last one first."""
     entity: Entity | None = found
     for part in reversed(name.parts):
         if entity is None or entity.name != part.text:
@@ -119,7 +119,7 @@ def _parts(name: tree.ScopedName, found: Entity) -> Iterator[tuple[tree.Name, En
 
 
 def _extent(entity: Entity, unit: Unit) -> Span | None:
-    """Return all of a definition."""
+    """Return the span of a whole definition."""
     node = entity.item
     if node is not None:
         return unit.span(node.start, node.end)
@@ -137,4 +137,4 @@ def _detail(entity: Entity, unit: Unit) -> str:
         return ""
     start, end = getattr(node, "start", 0), getattr(node, "end", 0)
     text = " ".join(unit.text[start:end].split())
-    return text if len(text) <= _LONGEST_DETAIL else text[:_LONGEST_DETAIL] + "..."
+    return text if len(text) <= _MAX_DETAIL else text[:_MAX_DETAIL] + "..."

@@ -1,8 +1,8 @@
-"""The index: definitions and uses of names by file and by key.
+"""Index of definitions and uses of names, by file and by key.
 
-A key identifies what is defined, across files and languages: the language, then the name from the
-outermost scope down (`idl RTC::Time::sec`), behind the defining file where names are known there
-alone (`cdl /p/board.cdl#sMotor::set`). `file /p/a.idl` is a file itself.
+A key identifies a definition across files and languages: the language, then the name from the
+outermost scope (`idl RTC::Time::sec`), preceded by the defining file if names are local to files
+(`cdl /p/board.cdl#sMotor::set`). `file /p/a.idl` is a file itself.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from rtgen.resources import IDL_FILES, idl_file
 
 
 class Kind(StrEnum):
-    """What a name stands for; the value is the word that hovers show."""
+    """Kind of a definition; the value is its name in hovers."""
 
     FILE = "file"
     MODULE = "module"
@@ -51,7 +51,7 @@ class Kind(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Definition:
-    """A defined name: its place is [start, end), that of all of the definition [first, last)."""
+    """A definition: its name is at [start, end), the whole definition at [first, last)."""
 
     key: str
     name: str
@@ -66,7 +66,7 @@ class Definition:
 
 @dataclass(frozen=True, slots=True, order=True)
 class Occurrence:
-    """A name at [start, end); `defines` if this is its definition."""
+    """A name at [start, end); `defines`: it is the definition."""
 
     start: int
     end: int
@@ -88,7 +88,7 @@ class FileIndex:
         self._starts.extend(each.start for each in self.occurrences)
 
     def at(self, offset: int) -> Occurrence | None:
-        """Return the innermost name at an offset, or that ends there."""
+        """Return the innermost name that contains an offset or ends there."""
         found = None
         index = bisect_right(self._starts, offset)
         for each in reversed(self.occurrences[max(index - 8, 0) : index]):
@@ -99,7 +99,7 @@ class FileIndex:
         return found
 
     def between(self, start: int, end: int) -> Iterator[Occurrence]:
-        """Yield the names that begin in [start, end)."""
+        """Yield the names that start in [start, end)."""
         index = bisect_right(self._starts, start - 1)
         for each in self.occurrences[index:]:
             if each.start >= end:
@@ -107,7 +107,7 @@ class FileIndex:
             yield each
 
     def around(self, offset: int) -> list[Definition]:
-        """Return the definitions that an offset is inside of, outermost first."""
+        """Return the definitions that contain an offset, outermost first."""
         return [d for d in self.definitions if d.first <= offset < d.last]
 
 
@@ -151,7 +151,7 @@ class Index:
         return self._places.get(key, [])
 
     def inside(self, key: str) -> list[Definition]:
-        """What is defined directly inside; the empty key stands for all that is outermost."""
+        """Return the definitions directly inside; the empty key stands for the outermost scope."""
         return [definition for _, definition in self._children.get(key, [])]
 
     def all(self) -> Iterator[tuple[FileIndex, Definition]]:
@@ -162,7 +162,7 @@ class Index:
 
 @dataclass(slots=True)
 class _Names:
-    """The names of a file while they are collected."""
+    """Names of a file during collection."""
 
     definitions: dict[tuple[Span, str], tuple[str, Kind, Span, str, str]] = field(
         default_factory=dict
@@ -171,7 +171,7 @@ class _Names:
 
 
 class Collector:
-    """Collects names with rtgen's spans, and makes the index of the files."""
+    """Collects names by rtgen's spans, and makes the index of each file."""
 
     def __init__(self) -> None:
         self._files: dict[str, _Names] = {}
@@ -187,7 +187,7 @@ class Collector:
         container: str = "",
         detail: str = "",
     ) -> None:
-        """Add a definition; `extent` is all of it, by default its name."""
+        """Add a definition; `extent` is its whole span, by default that of its name."""
         names = self._files.setdefault(span.file, _Names())
         if extent is None or extent.file != span.file:
             extent = span
@@ -203,7 +203,7 @@ class Collector:
 
     @property
     def files(self) -> list[str]:
-        """The displayed paths of the files with names."""
+        """The displayed paths of files with names."""
         return list(self._files)
 
     def indexes(self, texts: Mapping[str, Text]) -> Iterator[FileIndex]:
@@ -213,7 +213,7 @@ class Collector:
             text = texts.get(file)
             if text is not None and is_file(
                 Path(path)
-            ):  # others are printed for includes
+            ):  # others exist only for includes
                 yield _file_index(path, text, names)
 
 
@@ -238,7 +238,7 @@ def _file_index(path: str, text: Text, names: _Names) -> FileIndex:
 
 
 def path_of(file: str) -> str:
-    """Return the absolute path of a file by its displayed path."""
+    """Return the absolute path of a displayed path."""
     path = absolute_path(file)
     if file in IDL_FILES and not Path(path).is_file():
         return str(idl_file(file))

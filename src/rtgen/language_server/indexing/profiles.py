@@ -21,7 +21,7 @@ def component_key(name: str) -> str:
 
 
 def named_type(text: str) -> tuple[str, ...]:
-    """Return the scoped name of a type as profiles write it: `A::B`, or `IDL:A/B:1.0`."""
+    """Return the scoped name of a type in a profile: `A::B`, or `IDL:A/B:1.0`."""
     match = _TYPE_ID.fullmatch(text.strip())
     parts = match[1].split("/") if match else text.strip().split("::")
     return tuple(part for part in parts if part)
@@ -56,7 +56,7 @@ class ProfileNames:
                 self._ports.setdefault((name, port.port), key)
 
     def add_component(self, profile: RtcProfile) -> None:
-        """Add the ports of a component, and the types that it names."""
+        """Add the ports of a component, and the types in it."""
         file = f"file {path_of(profile.file)}"
         key = component_key(profile.name)
         self._collector.define(
@@ -128,9 +128,7 @@ class ProfileNames:
             self._collector.refer(key_of(name), place or span)
 
     def _inside(self, span: Span, word: str, *, last: bool = False) -> Span | None:
-        """Return the place of a word on the line of a value, within the value or the tag around
-        it.
-        """
+        """Return the place of a word on the line of a value, in the value or its tag."""
         text = self._texts.get(span.file)
         if text is None or not word:
             return None

@@ -1,4 +1,4 @@
-"""Names in rtgen.toml: the types and members of adapters, files and folders of sources."""
+"""Names in rtgen.toml: types and members of adapters, files and folders of sources."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _ASSIGNED = re.compile(r"=[^\n]*")
 
 
 def add_project_file(collector: Collector, file: str, text: Text) -> None:
-    """Add the uses of types and files of the settings displayed as `file`."""
+    """Add the uses of types and files in the settings, displayed as `file`."""
     try:
         toml = Toml(text.source, file)
     except TomlError:
@@ -50,7 +50,7 @@ def add_project_file(collector: Collector, file: str, text: Text) -> None:
 def _value(
     text: Text, toml: Toml, path: tuple[str, ...], written: str
 ) -> tuple[int, int] | None:
-    """Return the place of a quoted text behind a key."""
+    """Return the place of a quoted text after a key."""
     start, _ = text.offsets(toml.span(path))
     for quote in "\"'":
         found = text.source.find(quote + written + quote, start)

@@ -1,4 +1,4 @@
-"""Arguments of functions at the limits of their types, as JSON of `rtgen rpc`."""
+"""Test arguments of functions at the limits of their types, as JSON of `rtgen rpc`."""
 
 from __future__ import annotations
 
@@ -25,27 +25,27 @@ from rtgen.runtime.opaque_rpc import Tdr
 
 Pick: TypeAlias = Callable[[Scalar], Json]
 
-_LARGEST: Final = {
+_LARGEST_FLOAT: Final = {
     Scalar.FLOAT32: 3.4028234663852886e38,
     Scalar.DOUBLE64: 1.7976931348623157e308,
 }
-_UNBOUNDED: Final = 16
-"""Elements of the largest array, and units of the longest text, that nothing bounds."""
-_MOST: Final = 4096
-"""The largest length that is tried, in elements or units."""
+_UNBOUNDED_LENGTH: Final = 16
+"""Test length of unbounded arrays and texts, in elements or units."""
+_MAX_LENGTH: Final = 4096
+"""Maximum length tested, in elements or units."""
 
 
 def zero(scalar: Scalar) -> Json:
-    """Nothing: 0 or false."""
+    """Return the zero value: 0 or false."""
     return scalar is not Scalar.BOOL and 0
 
 
 def ends(scalar: Scalar, tdr: Tdr) -> tuple[Json, Json]:
-    """Return the least and the greatest value of a type in a data representation."""
+    """Return the minimum and maximum of a type in a data representation."""
     if scalar is Scalar.BOOL:
         return False, True
-    if scalar in _LARGEST:
-        return -_LARGEST[scalar], _LARGEST[scalar]
+    if scalar in _LARGEST_FLOAT:
+        return -_LARGEST_FLOAT[scalar], _LARGEST_FLOAT[scalar]
     letter = LETTERS[scalar]
     width = WIDTH_NAMES.get(letter.lower())
     bits = BITS[letter.lower()] if width is None else int(getattr(tdr, width))
@@ -56,7 +56,7 @@ def ends(scalar: Scalar, tdr: Tdr) -> tuple[Json, Json]:
 
 @dataclass(frozen=True, slots=True)
 class Values:
-    """How values are made: numbers, lengths that others depend on, texts, and NULL."""
+    """Test values: numbers, lengths that others depend on, texts, and NULL."""
 
     number: Pick = zero
     length: int = 0
@@ -77,13 +77,11 @@ def lengths(function: Function) -> frozenset[str]:
 def arguments(
     function: Function, values: Values, fixed: Mapping[str, Json] | None = None
 ) -> dict[str, Json]:
-    """Return the arguments of a call; `fixed` by name. Raises ArgumentError for impossible
-    sizes.
-    """
+    """Return the arguments of a call; `fixed` by name. Raises ArgumentError for bad sizes."""
     known: dict[str, Json] = {}
     sized = lengths(function)
     given = fixed or {}
-    # Sizes refer to numbers, so that these come first.
+    # Numbers come first, since sizes refer to them.
     listed = sorted(function.layout.arguments, key=lambda item: item.name not in sized)
     for item in listed:
         if item.name in given:
@@ -122,10 +120,10 @@ def _value(
 
 
 def _units(function: Function, node: String, known: Mapping[str, object]) -> int:
-    """Return the longest text without its terminator."""
+    """Return the length of the longest text without its terminator."""
     if node.length is None:
-        return _UNBOUNDED
-    return min(_MOST, max(0, function.evaluated(node.length, known) - 1))
+        return _UNBOUNDED_LENGTH
+    return min(_MAX_LENGTH, max(0, function.evaluated(node.length, known) - 1))
 
 
 def _members(
@@ -143,7 +141,7 @@ def _members(
 
 
 def scalars(function: Function) -> Iterator[tuple[str, Scalar]]:
-    """Yield the numbers among the arguments that no size depends on."""
+    """Yield the numeric arguments on which no size depends."""
     sized = lengths(function)
     for item in function.layout.arguments:
         if item.name not in sized and not item.asked and isinstance(item.node, Basic):
@@ -151,21 +149,21 @@ def scalars(function: Function) -> Iterator[tuple[str, Scalar]]:
 
 
 def longest(function: Function) -> int | None:
-    """Return the greatest length for which all arrays are within their bounds; None without
-    arrays.
-    """
+    """Return the greatest length within the bounds of all arrays; None without arrays."""
     arrays = [i.node for i in function.layout.items if isinstance(i.node, Counted)]
     if not arrays or not lengths(function):
         return None
-    most = max((a.most for a in arrays if a.most is not None), default=_UNBOUNDED)
-    for length in range(min(most, _MOST), -1, -1):
+    most = max(
+        (a.most for a in arrays if a.most is not None), default=_UNBOUNDED_LENGTH
+    )
+    for length in range(min(most, _MAX_LENGTH), -1, -1):
         if not exceeds(function, length):
             return length
     return None
 
 
 def exceeds(function: Function, length: int) -> bool:
-    """Return whether an array is longer than its bound, or than the type of its length can say."""
+    """Return whether the length exceeds an array's bound, or the type of its length."""
     known = dict.fromkeys(lengths(function), length)
     for item in function.layout.items:
         node = item.node

@@ -1,4 +1,4 @@
-"""The board under test: calls of its functions, and octets that are no call."""
+"""The board under test: calls of its functions, and raw octets."""
 
 from __future__ import annotations
 
@@ -26,16 +26,16 @@ from rtgen.runtime.sockets import TIME_OVER
 
 _PIECE = 4096
 _PAUSE = 0.02
-"""Seconds between the segments of a request, so that they arrive one by one."""
+"""Seconds between the segments of a request, so that they are received separately."""
 
 
 class ConnectError(Exception):
-    """The board has not accepted a connection."""
+    """The board did not accept a connection."""
 
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """What came back for some octets; `closed`: the board has closed the connection."""
+    """The response to some octets; `closed`: the board closed the connection."""
 
     data: bytes
     closed: bool
@@ -49,9 +49,9 @@ class Answer:
 class BoardUnderTest:
     """A board that serves a signature.
 
-    `address` is that of a TCP port, None where `serial` is a device. `answer` is the time in
-    seconds that the board has, `quiet` that after which it has nothing to add. Methods raise
-    RpcError if the board does not answer as it must.
+    `address` is that of a TCP port, None for a `serial` device. `answer` is the time-out of a
+    response in seconds, `quiet` the time after which no more octets are expected. Methods raise
+    RpcError if the board does not respond as required.
     """
 
     faults: ClassVar[tuple[type[Exception], ...]] = (RpcError, ConnectError)
@@ -69,14 +69,14 @@ class BoardUnderTest:
         return str(fault)
 
     def channel(self) -> TcpChannel | SerialChannel:
-        """Return a channel of its own, which the caller closes."""
+        """Return a new channel, which the caller closes."""
         if self.address is None:
             assert self.serial is not None
             return SerialChannel(self.serial, self.baud, self.answer)
         return TcpChannel(*self.address, timeout=self.answer)
 
     def problem(self, function: Function, arguments: Json, what: str) -> str | None:
-        """Return the problem of a call, None if it was answered as the signature has it."""
+        """Call a function; return the problem, or None after a valid reply."""
         try:
             values = function.arguments_from_json(arguments)
         except (ArgumentError, ValueError) as error:
@@ -93,18 +93,18 @@ class BoardUnderTest:
         return None
 
     def serves(self, channel: TcpChannel | SerialChannel) -> None:
-        """Look whether the board still reads requests after a oneway call, by a function of it."""
+        """Check by a call whether the board still reads requests after a oneway call."""
         for function in self.functions.values():
             if not function.oneway and not function.layout.arguments:
                 function.call(channel, ())
                 return
 
     def raw(self, segments: Sequence[bytes], wanted: int = 0) -> Answer:
-        """What the board answers to octets, up to `wanted` ones, or until it closes.
+        """Return the response to octets, up to `wanted` ones, or until the board closes.
 
-        Without `wanted`, what it answers until it is quiet.
+        Without `wanted`, until the board is quiet.
 
-        Raises SkipError for a serial line, which has no connection that could be closed.
+        Raises SkipError for a serial line, which has no connection to close.
         """
         if self.address is None:
             raise SkipError("a serial line has no connection that could be closed")
@@ -134,7 +134,7 @@ class BoardUnderTest:
         return Answer(found, closed=False)
 
     def silent(self, octets: bytes) -> Answer:
-        """What the board answers to octets while it should be quiet."""
+        """Return the response to octets during the time in which the board should be quiet."""
         if self.address is None:
             raise SkipError("a serial line has no connection that could be closed")
         with self._connected(self.address) as line:
@@ -149,7 +149,7 @@ class BoardUnderTest:
             return Answer(found, closed=not found)
 
     def leave(self, octets: bytes) -> None:
-        """Send octets and close the connection. Raises ConnectError, and SkipError as `raw`."""
+        """Send octets and close the connection. Raises ConnectError, SkipError."""
         if self.address is None:
             raise SkipError("a serial line has no connection that could be closed")
         with self._connected(self.address) as line, suppress(OSError):
@@ -165,7 +165,7 @@ class BoardUnderTest:
         return line
 
     def is_there(self) -> bool:
-        """Return whether the board can be reached."""
+        """Return whether the board is reachable."""
         if self.address is None:
             try:
                 assert self.serial is not None

@@ -1,4 +1,4 @@
-"""The checks of a TECS board: a function each, in the order in which they run."""
+"""Checks of a TECS board: a function each, in the order of execution."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from rtgen.runtime.opaque_rpc import ArgumentError, ChannelError, peer_digest
 from rtgen.runtime.opaque_rpc.digest import DIGEST
 from rtgen.runtime.opaque_rpc.tdr import SOP_REPLY, SOP_REQUEST, Tdr
 
-_HIGHEST: Final = 0x7FFF
+_MAX_ID: Final = 0x7FFF
 _CALLS: Final = 100
 _CONNECTIONS: Final = 5
 _WIRE: Final = "OpaqueRPC as tecsgen 1.7.0 has it"
@@ -43,27 +43,25 @@ def _simplest(board: BoardUnderTest) -> Function:
 
 
 def _refused(board: BoardUnderTest, octets: bytes, what: str) -> str | None:
-    """Return the problem of a request that should have been refused: no answer, connection
-    closed.
-    """
+    """Return the problem unless a request is rejected: no reply, connection closed."""
     answer = board.raw([octets], wanted=1)
     return None if answer.closed and not answer.data else f"{what}: {answer}"
 
 
 def _unknown(board: BoardUnderTest) -> bytes:
-    """Return a request of a function that the signature has not."""
+    """Return a request of a function that is not in the signature."""
     codec = board.service.codec
-    return codec.request_head(_HIGHEST - 1) + codec.awaiting_reply
+    return codec.request_head(_MAX_ID - 1) + codec.awaiting_reply
 
 
 def connections(board: BoardUnderTest) -> Problems:
-    """Connections are served, one after another."""
+    """Check that connections are served, one after the other."""
     for number in range(1, _CONNECTIONS + 1):
         yield _refused(board, _unknown(board), f"connection {number}")
 
 
 def digest(board: BoardUnderTest) -> Problems:
-    """Yield the board was made from this signature."""
+    """Check that the board has the digest of this signature."""
     channel, codec = board.channel(), board.service.codec
     try:
         found = peer_digest(channel, codec)
@@ -76,9 +74,9 @@ def digest(board: BoardUnderTest) -> Problems:
 
 
 def wrong_starts(board: BoardUnderTest) -> Problems:
-    """Yield a request that does not begin as one is refused."""
+    """Check that a request with an invalid start is rejected."""
     tdr = board.service.codec.tdr
-    start, identifier = tdr.int16(SOP_REQUEST), tdr.int16(_HIGHEST - 1)
+    start, identifier = tdr.int16(SOP_REQUEST), tdr.int16(_MAX_ID - 1)
     for wrong in (
         b"\0\0",
         bytes((start[0] ^ 1, start[1])),
@@ -89,10 +87,10 @@ def wrong_starts(board: BoardUnderTest) -> Problems:
 
 
 def unknown_functions(board: BoardUnderTest) -> Problems:
-    """Yield a function that the signature has not is refused."""
+    """Check that a function outside of the signature is rejected."""
     codec = board.service.codec
     known = [f.layout.function.id for f in board.service.functions.values()]
-    for number in (0, max(known, default=0) + 1, _HIGHEST - 1, 0xFFFF):
+    for number in (0, max(known, default=0) + 1, _MAX_ID - 1, 0xFFFF):
         if number in known or number == DIGEST:
             continue
         request = codec.request_head(number) + codec.awaiting_reply
@@ -100,10 +98,10 @@ def unknown_functions(board: BoardUnderTest) -> Problems:
 
 
 def cut_requests(board: BoardUnderTest) -> Problems:
-    """Yield a client that leaves within a request does not keep others from being served."""
+    """Check that other clients are served after one disconnects within a request."""
     for function in board.functions.values():
         request = _request(function, arguments(function, Values()))
-        # Without its last octet nothing is called.
+        # Without its last octet, a request calls nothing.
         for size in sorted({1, 2, 3, 4, len(request) // 2, len(request) - 1}):
             board.leave(request[:size])
             yield _refused(
@@ -112,7 +110,7 @@ def cut_requests(board: BoardUnderTest) -> Problems:
 
 
 def answers(board: BoardUnderTest) -> Problems:
-    """Yield each function answers with a reply of its form, and with no octet more."""
+    """Check that each function replies in its form, without further octets."""
     for function in board.functions.values():
         given = arguments(function, Values())
         problem = board.problem(function, given, "zeros")
@@ -132,7 +130,7 @@ def _surplus(board: BoardUnderTest, function: Function, given: Json) -> str | No
 
 
 def limits(board: BoardUnderTest) -> Problems:
-    """Yield each number is taken at both ends of its type."""
+    """Check that numbers are accepted at both limits of their types."""
     for function in board.functions.values():
         for name, scalar in scalars(function):
             for end in ends(scalar, board.service.codec.tdr):
@@ -148,7 +146,7 @@ def _with_arrays(board: BoardUnderTest) -> Iterator[tuple[Function, int]]:
 
 
 def arrays(board: BoardUnderTest) -> Problems:
-    """Arrays are taken with no element, with one, and with as many as may be."""
+    """Check that arrays are accepted with no element, with one, and with the maximum number."""
     for function, most in _with_arrays(board):
         for length in sorted({0, min(1, most), most}):
             try:
@@ -159,7 +157,7 @@ def arrays(board: BoardUnderTest) -> Problems:
 
 
 def long_arrays(board: BoardUnderTest) -> Problems:
-    """Yield an array beyond the bound of the signature is refused."""
+    """Check that an array beyond the bound of the signature is rejected."""
     for function, most in _with_arrays(board):
         if exceeds(function, most + 1):
             request = _too_long(function, board.service.codec.tdr, most)
@@ -169,9 +167,9 @@ def long_arrays(board: BoardUnderTest) -> Problems:
 
 
 def _too_long(function: Function, tdr: Tdr, most: int) -> bytes | None:
-    """Return a request whose arrays are one element longer than its octets; None if it has none.
+    """Return a request with arrays one element too long; None if the function has no arrays.
 
-    Lengths stand before all else (spec of the wire, "referenced" parameters), and are written over.
+    Lengths come first (spec of the wire, "referenced" parameters), and are overwritten.
     """
     request = bytearray(_request(function, arguments(function, Values(length=most))))
     run = function.layout.request[0]
@@ -190,7 +188,7 @@ def _too_long(function: Function, tdr: Tdr, most: int) -> bytes | None:
 
 
 def texts(board: BoardUnderTest) -> Problems:
-    """Texts are taken empty, and as long as their buffers are."""
+    """Check that texts are accepted if empty, and if as long as their buffers."""
     for function in board.functions.values():
         if not any(
             i.inward and isinstance(i.node, String) for i in function.layout.items
@@ -205,7 +203,7 @@ def texts(board: BoardUnderTest) -> Problems:
 
 
 def nulls(board: BoardUnderTest) -> Problems:
-    """Nullable parameters are taken as NULL."""
+    """Check that nullable parameters are accepted as NULL."""
     for function in board.functions.values():
         if any(item.nullable for item in function.layout.arguments):
             given = arguments(function, Values(null=True))
@@ -213,7 +211,7 @@ def nulls(board: BoardUnderTest) -> Problems:
 
 
 def wrong_ends(board: BoardUnderTest) -> Problems:
-    """Yield a request that does not end as its function has it is refused."""
+    """Check that a request with an invalid end is rejected."""
     codec = board.service.codec
     for function in board.functions.values():
         request = _request(function, arguments(function, Values()))
@@ -224,7 +222,7 @@ def wrong_ends(board: BoardUnderTest) -> Problems:
 
 
 def segments(board: BoardUnderTest) -> Problems:
-    """Yield a request in pieces is taken, and so are two requests in one piece."""
+    """Check that a request in pieces is accepted, and two requests in one piece."""
     function = _simplest(board)
     request = _request(function, arguments(function, Values()))
     whole = board.raw([request])
@@ -239,7 +237,7 @@ def segments(board: BoardUnderTest) -> Problems:
 
 
 def oneway(board: BoardUnderTest) -> Problems:
-    """Yield a oneway call has no answer, and the next call has its own."""
+    """Check that a oneway call has no reply, and the next call has its own."""
     for function in board.functions.values():
         if function.oneway:
             given = arguments(function, Values())
@@ -252,7 +250,7 @@ def oneway(board: BoardUnderTest) -> Problems:
 
 
 def repeated(board: BoardUnderTest) -> Problems:
-    """Calls over one connection are answered one after another, each in time."""
+    """Check that calls over one connection are answered in order, each in time."""
     function = _simplest(board)
     values = function.arguments_from_json(arguments(function, Values()))
     channel = board.channel()

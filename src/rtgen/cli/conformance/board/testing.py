@@ -24,9 +24,9 @@ def tested(
     baud: int,
     actuate: bool,
 ) -> Report:
-    """The report of all checks. Raises InputError, Refusal and ToolError.
+    """Return the report of all checks. Raises InputError, Refusal and ToolError.
 
-    `functions`: those that may be called, all if there are none.
+    `functions` are those that may be called, all if there are none.
     """
     unit = read_unit(file)
     if signature is None:

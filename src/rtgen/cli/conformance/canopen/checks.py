@@ -1,4 +1,4 @@
-"""The checks of a CANopen node: a function each, in the order in which they run."""
+"""Checks of a CANopen node: a function each, in the order of execution."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ _PERIOD: Final = 100
 """Heartbeat period of the checks, in ms."""
 _BEATS: Final = 5
 _MAX_SILENT: Final = 5
-"""Objects without an answer after which no further ones are read."""
+"""Number of objects without a response after which reading stops."""
 _READ_ONLY: Final = (sdo.READ_ONLY, sdo.ACCESS_UNSUPPORTED)
 _WRITE_ONLY: Final = (sdo.WRITE_ONLY, sdo.ACCESS_UNSUPPORTED)
 _LENGTH: Final = (sdo.LENGTH_MISMATCH, sdo.LENGTH_TOO_HIGH, sdo.LENGTH_TOO_LOW)
@@ -48,7 +48,7 @@ def _objects(node: NodeUnderTest) -> Iterator[DescribedObject]:
 
 
 def _refused(what: object, code: int | None, *wanted: int) -> str | None:
-    """Return the problem of an access that should have been refused with one of some codes."""
+    """Return the problem unless an access was rejected with one of these codes."""
     if code in wanted:
         return None
     text = f"{wanted[0]:08X}h, {ABORT_TEXTS[wanted[0]]}"
@@ -57,7 +57,7 @@ def _refused(what: object, code: int | None, *wanted: int) -> str | None:
 
 
 def readable(node: NodeUnderTest) -> Problems:
-    """Yield every object that the description calls readable is read."""
+    """Check that every object described as readable can be read."""
     silent = 0
     for thing in _objects(node):
         if thing.access.readable:
@@ -76,7 +76,7 @@ def readable(node: NodeUnderTest) -> Problems:
 
 
 def types(node: NodeUnderTest) -> Problems:
-    """Yield the values have the length of their types."""
+    """Check that values have the length of their types."""
     for number, octets in node.values.items():
         thing = node.described.objects[number]
         wanted = size(thing.kind)
@@ -89,7 +89,7 @@ def types(node: NodeUnderTest) -> Problems:
 
 
 def limits(node: NodeUnderTest) -> Problems:
-    """Yield the values are within LowLimit and HighLimit."""
+    """Check that values are within LowLimit and HighLimit."""
     for number, octets in node.values.items():
         thing = node.described.objects[number]
         if thing.low is None and thing.high is None:
@@ -107,7 +107,7 @@ def limits(node: NodeUnderTest) -> Problems:
 
 
 def constants(node: NodeUnderTest) -> Problems:
-    """Constants, the device type and the identity are those of the description."""
+    """Check that constants, the device type and the identity match the description."""
     described = {(0x1000, 0), *((0x1018, sub) for sub in (1, 2, 3))}
     for number, octets in node.values.items():
         thing = node.described.objects[number]
@@ -128,7 +128,7 @@ def constants(node: NodeUnderTest) -> Problems:
 
 
 def read_only(node: NodeUnderTest) -> Problems:
-    """Objects that may only be read refuse to be written."""
+    """Check that writes to read-only objects are rejected."""
     for thing in _objects(node):
         octets = node.values.get(thing.number)
         if not thing.access.writable and octets:
@@ -136,14 +136,14 @@ def read_only(node: NodeUnderTest) -> Problems:
 
 
 def write_only(node: NodeUnderTest) -> Problems:
-    """Objects that may only be written refuse to be read."""
+    """Check that reads of write-only objects are rejected."""
     for thing in _objects(node):
         if not thing.access.readable:
             yield _refused(thing, node.read_code(thing.number), *_WRITE_ONLY)
 
 
 def unknown_objects(node: NodeUnderTest) -> Problems:
-    """Objects and sub-indices that the description does not have are refused."""
+    """Check that accesses to undescribed objects and sub-indices are rejected."""
     known = {index for index, _ in node.described.objects}
     for index in (0x0000, 0x1FFF, 0x5FFF, 0xFFFF):
         if index not in known:
@@ -159,7 +159,7 @@ def unknown_objects(node: NodeUnderTest) -> Problems:
 
 
 def lengths(node: NodeUnderTest) -> Problems:
-    """Yield a value of a wrong length is refused."""
+    """Check that values of a wrong length are rejected."""
     _writable_heartbeat(node)
     for octets in (bytes(1), bytes(3), bytes(4)):
         code = node.write_code(HEARTBEAT, octets)
@@ -167,7 +167,7 @@ def lengths(node: NodeUnderTest) -> Problems:
 
 
 def commands(node: NodeUnderTest) -> Problems:
-    """Unknown commands, and segments without a transfer, are refused."""
+    """Check that unknown commands, and segments without a transfer, are rejected."""
     for first in (0xE0, 0x00, 0x60):
         answer = node.ask(bytes((first,)).ljust(8, b"\0"))
         code = int.from_bytes(answer[4:8], "little") if answer[0] == sdo.ABORT else None
@@ -175,7 +175,7 @@ def commands(node: NodeUnderTest) -> Problems:
 
 
 def toggling(node: NodeUnderTest) -> Problems:
-    """Yield a segment whose toggle bit does not alternate ends the transfer."""
+    """Check that a segment with a wrong toggle bit ends the transfer."""
     _long(node)
     node.ask(Target(*_NAME).message(sdo.UPLOAD))
     answer = node.ask(bytes((sdo.UPLOAD_SEGMENT | sdo.TOGGLE,)).ljust(8, b"\0"))
@@ -186,7 +186,7 @@ def toggling(node: NodeUnderTest) -> Problems:
 
 
 def segments(node: NodeUnderTest) -> Problems:
-    """Yield a transfer that the client has aborted leaves the server ready, with its value."""
+    """Check that after an aborted transfer the server is ready, with an unchanged value."""
     _long(node)
     node.ask(Target(*_NAME).message(sdo.UPLOAD))
     node.abandon(_NAME)
@@ -195,7 +195,7 @@ def segments(node: NodeUnderTest) -> Problems:
 
 
 def blocks(node: NodeUnderTest) -> Problems:
-    """Yield a block upload gives what segments give, or is refused as unknown."""
+    """Check that block upload reads the same as segmented upload, or is rejected as unknown."""
     for number, octets in node.values.items():
         if len(octets) <= sdo.SEGMENT:
             continue
@@ -210,7 +210,7 @@ def blocks(node: NodeUnderTest) -> Problems:
 
 
 def errors(node: NodeUnderTest) -> Problems:
-    """Yield the error history counts its errors, and takes nothing but 0."""
+    """Check that the error history counts its errors, and only accepts 0."""
     if not node.has(*_HISTORY):
         raise SkipError("1003h is not described")
     count = int.from_bytes(node.upload(_HISTORY), "little")
@@ -223,7 +223,7 @@ def errors(node: NodeUnderTest) -> Problems:
 
 
 def boot_up(node: NodeUnderTest) -> Problems:
-    """Reset communication leads to the boot-up message, and to PRE-OPERATIONAL."""
+    """Check that reset communication leads to the boot-up message, and PRE-OPERATIONAL."""
     node.command(NmtCommand.RESET_COMMUNICATION)
     initialising = NmtState.INITIALISING
     if node.await_state([initialising], node.bounds.boot) != initialising:
@@ -233,7 +233,7 @@ def boot_up(node: NodeUnderTest) -> Problems:
 
 
 def heartbeat(node: NodeUnderTest) -> Problems:
-    """1017h starts the heartbeat with its period, and 0 ends it."""
+    """Check that 1017h starts the heartbeat with its period, and 0 stops it."""
     before = _writable_heartbeat(node)
     try:
         node.download(HEARTBEAT, _PERIOD.to_bytes(2, "little"))
@@ -262,7 +262,7 @@ def heartbeat(node: NodeUnderTest) -> Problems:
 
 
 def guarding(node: NodeUnderTest) -> Problems:
-    """Yield the node answers remote frames with its state and a bit that alternates."""
+    """Check that remote frames are answered with the state and an alternating bit."""
     if not node.has(*_GUARD_TIME):
         raise SkipError("100Ch is not described")
     if not node.line.remote_frames:
@@ -287,7 +287,7 @@ def guarding(node: NodeUnderTest) -> Problems:
 
 
 def stopped(node: NodeUnderTest) -> Problems:
-    """Yield a stopped node serves no SDO, and does so again in PRE-OPERATIONAL."""
+    """Check that SDO is not served while stopped, and is again in PRE-OPERATIONAL."""
     node.command(NmtCommand.STOP)
     try:
         node.upload((0x1000, 0))
@@ -300,7 +300,7 @@ def stopped(node: NodeUnderTest) -> Problems:
 
 
 def states(node: NodeUnderTest) -> Problems:
-    """Yield each NMT command leads to its state, as the heartbeat shows it."""
+    """Check that each NMT command leads to its state, as shown by the heartbeat."""
     before = _writable_heartbeat(node)
     node.download(HEARTBEAT, _PERIOD.to_bytes(2, "little"))
     try:
@@ -321,7 +321,7 @@ def states(node: NodeUnderTest) -> Problems:
 
 
 def range_of_writes(node: NodeUnderTest) -> Problems:
-    """Values beyond the limits are refused, and what is there stays."""
+    """Check that values beyond the limits are rejected, and the value is unchanged."""
     for thing in _objects(node):
         before = node.values.get(thing.number)
         if not thing.access.writable or before is None:
@@ -345,7 +345,7 @@ def range_of_writes(node: NodeUnderTest) -> Problems:
 
 
 def same_value(node: NodeUnderTest) -> Problems:
-    """Yield an object of the application takes the value that it has."""
+    """Check that an object of the application accepts its current value."""
     for thing in _objects(node):
         before = node.values.get(thing.number)
         if thing.number[0] >= 0x2000 and thing.access.writable and before:
@@ -358,7 +358,7 @@ def same_value(node: NodeUnderTest) -> Problems:
 
 
 def _writable_heartbeat(node: NodeUnderTest) -> bytes:
-    """Return the octets of 1017h. Raises SkipError if the node does not have it writable."""
+    """Return the octets of 1017h. Raises SkipError if it is not writable."""
     thing = node.described.objects.get(HEARTBEAT)
     if thing is None or not thing.access.writable:
         raise SkipError("1017h is not described as writable")
@@ -366,7 +366,7 @@ def _writable_heartbeat(node: NodeUnderTest) -> bytes:
 
 
 def _long(node: NodeUnderTest) -> ObjectNumber:
-    """1008h, if its value needs segments. Raises SkipError."""
+    """Return 1008h, if its value needs segments. Raises SkipError."""
     if len(node.values.get(_NAME, b"")) <= sdo.EXPEDITED:
         raise SkipError("1008h has no value of more than 4 octets")
     return _NAME
@@ -455,4 +455,4 @@ CHECKS: Final = (
         "lss.address", "selected by its LSS address alone", "CiA 305, 3.7", lss_address
     ),
 )
-"""All checks, in the order of a test: the first one reads what others compare with."""
+"""All checks, in the order of a test: the first one reads values that others compare with."""

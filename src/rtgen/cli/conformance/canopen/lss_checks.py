@@ -14,7 +14,7 @@ _IDENTITY: Final = 0x1018
 
 
 def lss_address(node: NodeUnderTest) -> Problems:
-    """Yield a node with LSS is selected by its identity, and by no other, and tells its node-id."""
+    """Check that LSS selects the node by its identity only, and reports its node-id."""
     if not node.described.device.info.lss:
         raise SkipError("the description has no LSS")
     numbers = [node.values.get((_IDENTITY, sub)) for sub in range(1, 5)]

@@ -35,16 +35,16 @@ class Line(Protocol):
         """Send a frame."""
 
     def receive(self, until: int, /) -> Frame | None:
-        """Return the next frame, or None at that time."""
+        """Return the next frame, None if there is none by that time."""
 
 
 class SilenceError(Exception):
-    """The node has not answered within the bound."""
+    """The node did not respond in time."""
 
 
 @dataclass(frozen=True, slots=True)
 class Bounds:
-    """What a node is allowed to need: an answer, a boot-up, the part of a period; in ns."""
+    """Time-outs of a node in ns: response, boot-up; and the tolerated part of a period."""
 
     answer: int = 1000 * MILLISECOND
     boot: int = 5000 * MILLISECOND
@@ -53,7 +53,7 @@ class Bounds:
 
 @dataclass(slots=True)
 class NodeUnderTest:
-    """A node with its description. Methods raise SilenceError if it does not answer in time."""
+    """A node with its description. Methods raise SilenceError if it does not respond in time."""
 
     faults: ClassVar[tuple[type[Exception], ...]] = (SilenceError, SdoAbort)
 
@@ -61,7 +61,7 @@ class NodeUnderTest:
     line: Line
     bounds: Bounds = Bounds()
     values: dict[ObjectNumber, bytes] = field(default_factory=dict)
-    """What was read, by the first check."""
+    """The values read by the first check."""
 
     def explained(self, fault: Exception) -> str:
         """See `Subject`."""
@@ -87,11 +87,11 @@ class NodeUnderTest:
         self._transfer(client, client.download(*number, value, self.line.now()))
 
     def read_code(self, number: ObjectNumber) -> int | None:
-        """Return the abort code of reading an object, None if it was read."""
+        """Read an object; return the abort code, or None after success."""
         return _code(lambda: self.upload(number))
 
     def write_code(self, number: ObjectNumber, value: bytes) -> int | None:
-        """Return the abort code of writing an object, None if it was written."""
+        """Write an object; return the abort code, or None after success."""
         return _code(lambda: self.download(number, value))
 
     def ask(self, data: bytes) -> bytes:
@@ -103,7 +103,7 @@ class NodeUnderTest:
         return found.data
 
     def abandon(self, number: ObjectNumber) -> None:
-        """Abort the transfer of an object; a server does not answer that."""
+        """Abort the transfer of an object, which has no response."""
         data = Target(*number).abort(sdo.GENERAL_ERROR)
         self.line.send(Frame(SDO_REQUEST + self.id, data))
 
@@ -112,7 +112,7 @@ class NodeUnderTest:
         self.line.send(command_frame(command, self.id))
 
     def await_frame(self, can_id: int, within: int) -> Frame | None:
-        """Return the next frame of an identifier, None if it does not come within that time."""
+        """Return the next frame of an identifier; None if there is none within that time."""
         end = self.line.now() + within
         while (frame := self.line.receive(end)) is not None:
             if frame.can_id == can_id and not frame.remote and not frame.extended:
@@ -120,9 +120,7 @@ class NodeUnderTest:
         return None
 
     def await_state(self, wanted: Iterable[NmtState], within: int) -> int | None:
-        """Return the last state that error control showed; returns as soon as it is one of
-        `wanted`.
-        """
+        """Return the last state shown by error control, at once if it is one of `wanted`."""
         end, states, last = self.line.now() + within, set(wanted), None
         while (left := end - self.line.now()) > 0:
             frame = self.await_frame(ERROR_CONTROL + self.id, left)

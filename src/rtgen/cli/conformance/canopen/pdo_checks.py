@@ -1,4 +1,4 @@
-"""The checks of PDOs (CiA 301, 7.2.2)."""
+"""Checks of PDOs (CiA 301, 7.2.2)."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _EVENT_DRIVEN: Final = 254
 
 
 def parameters(node: NodeUnderTest) -> Problems:
-    """Identifiers, transmission types and mappings of PDOs are those of the description."""
+    """Check that identifiers, transmission types and mappings match the description."""
     for pdo in node.described.device.pdos:
         for index in (pdo.communication, pdo.mapping):
             for (at, sub), octets in node.values.items():
@@ -43,7 +43,7 @@ def parameters(node: NodeUnderTest) -> Problems:
 
 
 def synchronous(node: NodeUnderTest) -> Problems:
-    """Yield a TPDO of transmission type n is sent after every n-th SYNC, with its length."""
+    """Check that a TPDO of transmission type n is sent every n-th SYNC, with its length."""
     found = []
     for pdo in node.described.device.pdos:
         kind = int.from_bytes(node.values.get((pdo.communication, 2), b"\0"), "little")
@@ -78,9 +78,7 @@ def synchronous(node: NodeUnderTest) -> Problems:
 def _receptions(
     node: NodeUnderTest,
 ) -> Iterator[tuple[Pdo, int, list[DescribedObject]]]:
-    """Yield the RPDOs that act at once, with identifiers and mapped objects, all of whole
-    octets.
-    """
+    """Yield the asynchronous RPDOs of whole octets, with identifiers and mapped objects."""
     for pdo in node.described.device.pdos:
         kind = int.from_bytes(node.values.get((pdo.communication, 2), b"\0"), "little")
         cob_id = CobId(
@@ -106,13 +104,13 @@ def _receptions(
 
 
 def reception(node: NodeUnderTest) -> Problems:
-    """What an RPDO carries is in its objects then."""
+    """Check that the data of an RPDO are in its objects afterwards."""
     receptions = list(_receptions(node))
     node.command(NmtCommand.START)
     try:
         for pdo, can_id, mapped in receptions:
             before = [node.upload(thing.number) for thing in mapped]
-            # The lowest bit of each value changes, and changes back.
+            # The lowest bit of each value is inverted, and restored.
             other = [bytes((value[0] ^ 1,)) + value[1:] for value in before]
             for values in (other, before):
                 node.line.send(Frame(can_id, b"".join(values)))
@@ -129,7 +127,7 @@ def reception(node: NodeUnderTest) -> Problems:
 
 
 def short_reception(node: NodeUnderTest) -> Problems:
-    """Yield an RPDO that is too short changes nothing, and is reported by an emergency."""
+    """Check that a short RPDO changes nothing, and is reported by an emergency."""
     receptions = list(_receptions(node))
     node.command(NmtCommand.START)
     try:

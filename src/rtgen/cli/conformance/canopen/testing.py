@@ -1,4 +1,4 @@
-"""Tests a node on a bus of python-can."""
+"""Tests a node on a python-can bus."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from rtgen.runtime.canopen.wire.frames import SECOND, Frame
 
 _DEVICE_TYPE = (0x1000, 0)
 """The object that every node has (CiA 301, 7.5.2.1)."""
-_LONGEST = 0.1
+_POLL_INTERVAL = 0.1
 """Longest wait for a frame in seconds, so that Ctrl-C is noticed."""
 
 
@@ -39,11 +39,11 @@ class BusLine:
         send(self._bus, frame)
 
     def receive(self, until: int) -> Frame | None:
-        """Return the next frame, or None at that time."""
+        """Return the next frame, None if there is none by that time."""
         while True:
             left = (until - self.now()) / SECOND
             try:
-                message = self._bus.receive(min(max(left, 0.0), _LONGEST))
+                message = self._bus.receive(min(max(left, 0.0), _POLL_INTERVAL))
             except LinkError as error:
                 raise ToolError(f"the bus is gone: {error}") from error
             frame = None if message is None else frame_of(message)
@@ -60,7 +60,7 @@ def tested(
     boot: float,
     actuate: bool,
 ) -> Report:
-    """The report of all checks. Raises InputError, Refusal and ToolError."""
+    """Return the report of all checks. Raises InputError, Refusal and ToolError."""
     known = read_node_index(None, [(node_id, file)])
     (described,) = known.nodes.values()
     bounds = Bounds(round(timeout * SECOND), round(boot * SECOND))

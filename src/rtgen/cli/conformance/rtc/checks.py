@@ -1,4 +1,4 @@
-"""The checks of a running component: a function each, in the order in which they run."""
+"""Checks of a running component: a function each, in the order of execution."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ _UNKNOWN: Final = "rtgen-conformance-unknown"
 """A name that no set, parameter or connector has."""
 
 _Row = tuple[str, ReturnCode_t]
-"""An operation of an execution context, and what it has to return."""
+"""An operation of an execution context, with the expected return code."""
 _FIRST: Final[tuple[_Row, ...]] = (
     ("deactivate_component", PRECONDITION_NOT_MET),
     ("reset_component", PRECONDITION_NOT_MET),
@@ -57,16 +57,14 @@ def _unequal(what: str, found: object, wanted: object) -> str | None:
 
 
 def profile(rtc: RtcUnderTest) -> Problems:
-    """Type name, category, vendor, version and description are those of the definition."""
+    """Check that type name, category, vendor, version and description match the definition."""
     for name, wanted in rtc.expected.texts.items():
         found = getattr(rtc.profile, name)
         yield _unequal(name.replace("_", " "), found, wanted)
 
 
 def properties(rtc: RtcUnderTest) -> Problems:
-    """Yield the properties of the profile are those of the definition, where the component has
-    them.
-    """
+    """Check that properties of the profile match the definition, if the component has them."""
     found = texts(rtc.profile.properties)
     for name, wanted in rtc.expected.properties.items():
         if name in found:
@@ -74,7 +72,7 @@ def properties(rtc: RtcUnderTest) -> Problems:
 
 
 def identity(rtc: RtcUnderTest) -> Problems:
-    """Yield the component is alive, and its SDO id is its instance name."""
+    """Check that the component is alive, and its SDO id is its instance name."""
     yield None if rtc.call("is_alive", None) else "is_alive says that it is not"
     wanted = rtc.profile.instance_name
     yield _unequal("the SDO id", rtc.call("get_sdo_id"), wanted)
@@ -84,12 +82,12 @@ def identity(rtc: RtcUnderTest) -> Problems:
 
 
 def _found(rtc: RtcUnderTest) -> dict[str, Any]:
-    """Return the profiles of ports by their names."""
+    """Return the profiles of ports by name."""
     return {known_name(port.name): port for port in rtc.profile.port_profiles}
 
 
 def _common(rtc: RtcUnderTest) -> Iterator[tuple[str, ExpectedPort, Any]]:
-    """Yield the ports that are both in the definition and there; `ports.names` reports others."""
+    """Yield the ports both defined and present; `ports.names` reports others."""
     found = _found(rtc)
     for name, expected in rtc.expected.ports.items():
         if name in found:
@@ -97,7 +95,7 @@ def _common(rtc: RtcUnderTest) -> Iterator[tuple[str, ExpectedPort, Any]]:
 
 
 def port_names(rtc: RtcUnderTest) -> Problems:
-    """Yield the ports are those of the definition."""
+    """Check that the ports are those of the definition."""
     found, wanted = _found(rtc), rtc.expected.ports
     for name in wanted:
         yield None if name in found else f"there is no port {name}"
@@ -107,14 +105,14 @@ def port_names(rtc: RtcUnderTest) -> Problems:
 
 
 def directions(rtc: RtcUnderTest) -> Problems:
-    """Ports are inputs, outputs and service ports as declared."""
+    """Check that ports are inputs, outputs and service ports as declared."""
     for name, expected, port in _common(rtc):
         type_ = texts(port.properties).get("port.port_type")
         yield _unequal(f"{name}: port.port_type", type_, expected.port_type)
 
 
 def data_types(rtc: RtcUnderTest) -> Problems:
-    """Data ports have the types that are declared."""
+    """Check that data ports have the declared types."""
     for name, expected, port in _common(rtc):
         if expected.data_types:
             type_ = texts(port.properties).get("dataport.data_type", "")
@@ -124,7 +122,7 @@ def data_types(rtc: RtcUnderTest) -> Problems:
 
 
 def interfaces(rtc: RtcUnderTest) -> Problems:
-    """Service ports have the interfaces that are declared: name, type and polarity."""
+    """Check that service ports have the declared interfaces: name, type and polarity."""
     for name, expected, port in _common(rtc):
         if expected.interfaces is None:
             continue
@@ -144,7 +142,7 @@ def interfaces(rtc: RtcUnderTest) -> Problems:
 
 
 def port_references(rtc: RtcUnderTest) -> Problems:
-    """`get_ports` has the ports of the profile, and each says the same of itself."""
+    """Check that `get_ports` returns the ports of the profile, with equal profiles."""
     references = rtc.call("get_ports")
     yield _unequal("the number of ports", len(references), len(_found(rtc)))
     for name, port in _found(rtc).items():
@@ -157,7 +155,7 @@ def port_references(rtc: RtcUnderTest) -> Problems:
 
 
 def unknown_connectors(rtc: RtcUnderTest) -> Problems:
-    """Ports refuse to end a connection that they do not have."""
+    """Check that ports refuse to end an unknown connection."""
     for name, port in _found(rtc).items():
         code = rtc.at_port(port, "disconnect", _UNKNOWN)
         wanted = f"{name}: disconnect of an unknown id returned {code.name}"
@@ -168,7 +166,7 @@ def unknown_connectors(rtc: RtcUnderTest) -> Problems:
 
 
 def parameter_names(rtc: RtcUnderTest) -> Problems:
-    """Yield the set `default` has the parameters of the definition."""
+    """Check that the set `default` has the parameters of the definition."""
     found, wanted = rtc.sets().get("default", {}), rtc.expected.parameters
     for name in wanted:
         yield None if name in found else f"there is no parameter {name}"
@@ -178,7 +176,7 @@ def parameter_names(rtc: RtcUnderTest) -> Problems:
 
 
 def parameter_values(rtc: RtcUnderTest) -> Problems:
-    """Values of all sets are of their types and within their limits."""
+    """Check that values of all sets have their types and are within their limits."""
     for set_id, values in rtc.sets().items():
         for name, text in values.items():
             if name in rtc.expected.parameters:
@@ -187,7 +185,7 @@ def parameter_values(rtc: RtcUnderTest) -> Problems:
 
 
 def active_set(rtc: RtcUnderTest) -> Problems:
-    """Yield the active set is one of the sets."""
+    """Check that the active set is one of the sets."""
     active = rtc.active_set()
     known = active in rtc.sets()
     yield None if known else f"the active set {active!r} is none of the sets"
@@ -202,14 +200,14 @@ def _refused(rtc: RtcUnderTest, what: str, operation: str, name: str) -> str | N
 
 
 def unknown_names(rtc: RtcUnderTest) -> Problems:
-    """Questions for unknown sets and parameters are refused."""
+    """Check that requests for unknown sets and parameters are rejected."""
     yield _refused(rtc, "an unknown set", "get_configuration_set", _UNKNOWN)
     operation = "get_configuration_parameter_value"
     yield _refused(rtc, "an unknown parameter", operation, _UNKNOWN)
 
 
 def _parameters(rtc: RtcUnderTest) -> Iterator[tuple[str, ExpectedParameter, str]]:
-    """Yield the parameters that are both in the definition and there, with their values."""
+    """Yield the parameters both defined and present, with their values."""
     values = rtc.sets().get("default", {})
     for name, parameter in rtc.expected.parameters.items():
         if name in values and parameter.problem(values[name]) is None:
@@ -217,7 +215,7 @@ def _parameters(rtc: RtcUnderTest) -> Iterator[tuple[str, ExpectedParameter, str
 
 
 def set_values(rtc: RtcUnderTest) -> Problems:
-    """Parameters take other values, and their former ones again."""
+    """Check that parameters accept other values, and their former ones again."""
     for name, parameter, text in _parameters(rtc):
         other = next(parameter.others(text), None)
         if other is None:
@@ -234,7 +232,7 @@ def set_values(rtc: RtcUnderTest) -> Problems:
 
 
 def _wrong_value(rtc: RtcUnderTest, name: str, text: str, before: str) -> str | None:
-    """Return the problem of a value that must be refused; one that was taken is set back."""
+    """Return the problem unless a value is rejected; one that was accepted is restored."""
     try:
         taken = rtc.set_value("default", name, text)
     except SdoError:
@@ -248,7 +246,7 @@ def _wrong_value(rtc: RtcUnderTest, name: str, text: str, before: str) -> str | 
 
 
 def values_beyond(rtc: RtcUnderTest) -> Problems:
-    """Values beyond limits and constraints are refused, and the former ones stay."""
+    """Check that values beyond limits and constraints are rejected, and the former ones kept."""
     for name, parameter, before in _parameters(rtc):
         text = parameter.beyond()
         if text is not None:
@@ -256,7 +254,7 @@ def values_beyond(rtc: RtcUnderTest) -> Problems:
 
 
 def values_of_no_type(rtc: RtcUnderTest) -> Problems:
-    """Texts that are no values of the type are refused, and the former values stay."""
+    """Check that texts that are not values of the type are rejected, and the former values kept."""
     for name, parameter, before in _parameters(rtc):
         text = parameter.of_no_type()
         if text is not None:
@@ -264,7 +262,7 @@ def values_of_no_type(rtc: RtcUnderTest) -> Problems:
 
 
 def activated_sets(rtc: RtcUnderTest) -> Problems:
-    """Yield each set becomes the active one; an unknown one is refused."""
+    """Check that each set can be activated, and an unknown one is rejected."""
     before = rtc.active_set()
     for set_id in (*rtc.sets(), before):
         if not rtc.configure("activate_configuration_set", set_id):
@@ -280,7 +278,7 @@ def activated_sets(rtc: RtcUnderTest) -> Problems:
 
 
 def context_kinds(rtc: RtcUnderTest) -> Problems:
-    """It owns a context, of the kind that is declared, whose profile says the same."""
+    """Check that the component owns a context of the declared kind, and its profile agrees."""
     if not rtc.contexts:
         yield "it owns no execution context"
     for number, context in enumerate(rtc.contexts):
@@ -293,7 +291,7 @@ def context_kinds(rtc: RtcUnderTest) -> Problems:
 
 
 def context_profiles(rtc: RtcUnderTest) -> Problems:
-    """Yield the profile of a context has its kind, its rate and its owner."""
+    """Check that the profile of a context has its kind, its rate and its owner."""
     for context in rtc.contexts:
         found = rtc.ask(context, "get_profile")
         yield _unequal("its kind", found.kind, rtc.ask(context, "get_kind"))
@@ -303,7 +301,7 @@ def context_profiles(rtc: RtcUnderTest) -> Problems:
 
 
 def context_handles(rtc: RtcUnderTest) -> Problems:
-    """Yield a context has a handle, by which the component finds it."""
+    """Check that a context has a handle, by which the component finds it."""
     for context in (*rtc.contexts, *rtc.call("get_participating_contexts")):
         handle = rtc.call("get_context_handle", context)
         found = rtc.call("get_context", handle)
@@ -314,14 +312,14 @@ def context_handles(rtc: RtcUnderTest) -> Problems:
 
 
 def states(rtc: RtcUnderTest) -> Problems:
-    """Yield the component has a state in each of its contexts."""
+    """Check that the component has a state in each of its contexts."""
     for context in (*rtc.contexts, *rtc.call("get_participating_contexts")):
         state = rtc.ask(context, "get_component_state", rtc.reference)
         yield "its state is CREATED" if state is CREATED_STATE else None
 
 
 def _rows(rtc: RtcUnderTest, rows: tuple[_Row, ...]) -> Problems:
-    """Calls with what they have to return; none of them may change the state."""
+    """Yield problems of calls with expected return codes, none of which changes the state."""
     context, before = rtc.context, rtc.state()
     for operation, wanted in rows:
         code = rtc.ask(context, operation, rtc.reference)
@@ -332,7 +330,7 @@ def _rows(rtc: RtcUnderTest, rows: tuple[_Row, ...]) -> Problems:
 
 
 def _change(rtc: RtcUnderTest, context: Any, operation: str, state: Any) -> str | None:
-    """Return the problem of a request that leads to a state."""
+    """Return the problem of a request that should lead to a state."""
     code = rtc.ask(context, operation, rtc.reference)
     if code is not RTC_OK:
         return f"{operation} returned {code.name}, not RTC_OK"
@@ -342,20 +340,20 @@ def _change(rtc: RtcUnderTest, context: Any, operation: str, state: Any) -> str 
 
 
 def activation(rtc: RtcUnderTest) -> Problems:
-    """Activation leads to ACTIVE, deactivation to INACTIVE."""
+    """Check that activation leads to ACTIVE, deactivation to INACTIVE."""
     context = rtc.inactive()
     yield _change(rtc, context, "activate_component", ACTIVE_STATE)
     yield _change(rtc, context, "deactivate_component", INACTIVE_STATE)
 
 
 def refused_inactive(rtc: RtcUnderTest) -> Problems:
-    """Yield an INACTIVE component is neither deactivated nor reset."""
+    """Check that an INACTIVE component is neither deactivated nor reset."""
     rtc.inactive()
     yield from _rows(rtc, _FIRST)
 
 
 def refused_active(rtc: RtcUnderTest) -> Problems:
-    """Yield an ACTIVE component is neither activated again nor reset."""
+    """Check that an ACTIVE component is neither activated again nor reset."""
     context = rtc.inactive()
     rtc.ask(context, "activate_component", rtc.reference)
     if not rtc.becomes(ACTIVE_STATE):
@@ -365,14 +363,14 @@ def refused_active(rtc: RtcUnderTest) -> Problems:
 
 
 def refused_in_error(rtc: RtcUnderTest) -> Problems:
-    """Yield a component in ERROR is neither activated nor deactivated."""
+    """Check that a component in ERROR is neither activated nor deactivated."""
     if rtc.state() is not ERROR_STATE:
         raise SkipError("it is not in ERROR, to which nobody outside can bring it")
     yield from _rows(rtc, _IN_ERROR)
 
 
 def initialization(rtc: RtcUnderTest) -> Problems:
-    """It is neither initialized again, nor finalized while it participates in a context."""
+    """Check that the component is not initialized again, nor finalized while in a context."""
     rtc.inactive()
     for operation in ("initialize", "finalize"):
         code = rtc.call(operation)
@@ -381,11 +379,11 @@ def initialization(rtc: RtcUnderTest) -> Problems:
 
 
 class _Stranger:
-    """A component that participates in none of the contexts: it has no operation."""
+    """A component without operations that participates in no context."""
 
 
 def strangers(rtc: RtcUnderTest) -> Problems:
-    """Yield a context refuses requests for a component that does not participate in it."""
+    """Check that a context rejects requests for a component that does not participate in it."""
     stranger = rtc.exported.serve(DATA_FLOW_COMPONENT, _Stranger())
     try:
         for operation in (
@@ -399,7 +397,7 @@ def strangers(rtc: RtcUnderTest) -> Problems:
 
 
 def running(rtc: RtcUnderTest) -> Problems:
-    """Yield a context stops and starts, each only once."""
+    """Check that a context stops and starts, each only once."""
     context = rtc.inactive()
     for operation, wanted, runs in (
         ("start", PRECONDITION_NOT_MET, True),
@@ -413,7 +411,7 @@ def running(rtc: RtcUnderTest) -> Problems:
 
 
 def rates(rtc: RtcUnderTest) -> Problems:
-    """Yield a periodic context takes another rate, and refuses one that is not above 0."""
+    """Check that a periodic context accepts another rate, and rejects one that is not above 0."""
     context = rtc.inactive()
     if rtc.ask(context, "get_kind") is not ExecutionKind.PERIODIC:
         raise SkipError("its execution context is not of PERIODIC kind")
@@ -430,7 +428,7 @@ def rates(rtc: RtcUnderTest) -> Problems:
 
 
 def left(rtc: RtcUnderTest) -> Problems:
-    """Values, active set, rate and state are those that were found."""
+    """Check that values, active set, rate and state are as before the test."""
     yield from rtc.restore()
 
 

@@ -23,14 +23,14 @@ from rtgen.runtime.return_codes import (
     LifeCycleState,
 )
 
-_LOOK_AGAIN = 0.01
+_POLL_INTERVAL = 0.01
 CONNECTOR = "rtgen-conformance-"
-"""How the ids of connectors begin that checks make."""
+"""Prefix of the ids of connectors that checks create."""
 
 
 @dataclass(frozen=True, slots=True)
 class Condition:
-    """What checks may change: state, whether the context runs, its rate, active set, sets."""
+    """State that checks may change: life cycle, whether the context runs, its rate, sets."""
 
     state: LifeCycleState
     running: bool
@@ -42,7 +42,7 @@ class Condition:
 class RtcUnderTest(RemoteRtc):
     """A running component. Methods raise omniORB's exceptions and NilError.
 
-    `timeout` is the time in seconds within which it has to reach a state.
+    `timeout` is the time-out for reaching a state, in seconds.
     """
 
     faults: ClassVar[tuple[type[Exception], ...]] = (
@@ -57,7 +57,7 @@ class RtcUnderTest(RemoteRtc):
         self._timeout = timeout
         self.profile = self.call("get_component_profile")
         self.before: Condition | None = None
-        """The condition to which `restore` goes back, once `keep` has looked."""
+        """The condition that `restore` restores, set by `keep`."""
 
     def explained(self, fault: Exception) -> str:
         """See `Subject`."""
@@ -69,7 +69,7 @@ class RtcUnderTest(RemoteRtc):
 
     @property
     def context(self) -> Any:
-        """Its own first context. Raises SkipError."""
+        """The first context that the component owns. Raises SkipError."""
         try:
             return super().context
         except NilError as error:
@@ -78,7 +78,7 @@ class RtcUnderTest(RemoteRtc):
     # States
 
     def becomes(self, state: LifeCycleState) -> bool:
-        """Return whether it reaches a state in time."""
+        """Return whether the component reaches a state in time."""
         return self._until(lambda: self.state() is state)
 
     def _until(self, condition: Callable[[], bool]) -> bool:
@@ -86,11 +86,11 @@ class RtcUnderTest(RemoteRtc):
         while not condition():
             if monotonic() > end:
                 return False
-            sleep(_LOOK_AGAIN)
+            sleep(_POLL_INTERVAL)
         return True
 
     def inactive(self) -> Any:
-        """Return the context in which the component is INACTIVE now. Raises SkipError."""
+        """Return the context after making the component INACTIVE. Raises SkipError."""
         context = self.context
         if not self.ask(context, "is_running"):
             raise SkipError("its execution context does not run")
@@ -103,10 +103,10 @@ class RtcUnderTest(RemoteRtc):
                 raise SkipError("it does not become INACTIVE")
         return context
 
-    # As it was found
+    # Restoring
 
     def keep(self) -> None:
-        """Look at what checks may change."""
+        """Record the state that checks may change."""
         self.before = self._condition()
 
     def _condition(self) -> Condition:
@@ -120,7 +120,7 @@ class RtcUnderTest(RemoteRtc):
         )
 
     def restore(self) -> Iterator[str | None]:
-        """Undo what checks have changed: the problem of each part, None if there is none."""
+        """Undo the changes of checks; yield the problem of each part, or None."""
         if self.before is None:
             return
         for part in (
@@ -137,7 +137,7 @@ class RtcUnderTest(RemoteRtc):
                 yield self.explained(fault)
 
     def _restore_connectors(self, before: Condition) -> str | None:
-        """End connections that checks have made, and that stand yet."""
+        """End the remaining connections that checks have made."""
         stands = []
         for port in self.profile.port_profiles:
             for name in self._made(port):

@@ -33,7 +33,7 @@ _NO_INTERFACE: Final = {"dataport.interface_type": "rtgen-conformance-none"}
 
 
 class _Sink:
-    """Takes the samples of an OutPort."""
+    """Receives the samples of an OutPort."""
 
     def put(self, data: object) -> PortStatus:
         """See `OpenRTM::InPortCdr`."""
@@ -41,17 +41,17 @@ class _Sink:
 
 
 class _Partner:
-    """The port of this process: the last one of a connector, which takes whatever comes."""
+    """The port of this process: the last one of a connector, which accepts everything."""
 
     def __init__(self, exported: Exported) -> None:
         self.ended: list[str] = []
-        """The ids of connections that the component has ended here."""
+        """The ids of connections that the component has ended at this port."""
         self._exported = exported
         self._sink = exported.serve(IN_PORT_CDR, _Sink())
         self.reference = exported.serve(PORT_SERVICE, self)
 
     def close(self) -> None:
-        """Serve no more."""
+        """Deactivate the objects."""
         self._exported.withdraw(self.reference)
         self._exported.withdraw(self._sink)
 
@@ -64,14 +64,14 @@ class _Partner:
         return []
 
     def notify_connect(self, profile: ConnectorProfile) -> tuple[ReturnCode_t, Any]:
-        """Offer a place for pushed samples, unless the component does so."""
+        """Offer an InPort for pushed samples, unless the component offers one."""
         added = []
         if _IN_IOR not in texts(profile.properties):
             added = values({_IN_IOR: self._exported.text(self._sink)})
         return RTC_OK, replace(profile, properties=[*profile.properties, *added])
 
     def notify_disconnect(self, connector_id: str) -> ReturnCode_t:
-        """Note the end of a connection."""
+        """Record the end of a connection."""
         self.ended.append(connector_id)
         return RTC_OK
 
@@ -99,7 +99,7 @@ def _profile(
 
 
 def connected(rtc: RtcUnderTest) -> Problems:
-    """Yield each port is connected, shows the connector, and is disconnected again."""
+    """Check that each port can be connected, lists the connector, and can be disconnected."""
     rtc.inactive()
     with _partner(rtc) as partner:
         for port in rtc.profile.port_profiles:
@@ -137,7 +137,7 @@ def _connected(rtc: RtcUnderTest, port: Any, partner: _Partner) -> Problems:
 
 
 def _refused(rtc: RtcUnderTest, properties: Mapping[str, str]) -> Problems:
-    """Data ports refuse a connection with wrong properties, and keep none."""
+    """Check that data ports reject a connection with wrong properties, and keep none."""
     rtc.inactive()
     with _partner(rtc) as partner:
         for port in rtc.profile.port_profiles:
@@ -153,10 +153,10 @@ def _refused(rtc: RtcUnderTest, properties: Mapping[str, str]) -> Problems:
 
 
 def other_types(rtc: RtcUnderTest) -> Problems:
-    """Data ports refuse samples of another type."""
+    """Check that data ports reject samples of another type."""
     yield from _refused(rtc, _NO_TYPE)
 
 
 def other_interfaces(rtc: RtcUnderTest) -> Problems:
-    """Data ports refuse an interface type that nobody has."""
+    """Check that data ports reject an unknown interface type."""
     yield from _refused(rtc, _NO_INTERFACE)

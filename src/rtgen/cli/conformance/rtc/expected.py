@@ -1,4 +1,4 @@
-"""What a running component has to have, by its definition."""
+"""Properties that a running component must have, according to its definition."""
 
 from __future__ import annotations
 
@@ -30,9 +30,9 @@ _TYPES = {IN: "DataInPort", OUT: "DataOutPort", SERVICE: "CorbaPort"}
 
 @dataclass(frozen=True, slots=True)
 class ExpectedPort:
-    """A port: its type as OpenRTM's `port.port_type`, and the names that its data type may have.
+    """A port: OpenRTM's `port.port_type`, and the accepted names of its data type.
 
-    `interfaces` has the names that a type may have, by instance name and whether it is provided.
+    `interfaces` has the accepted names of types, by instance name and whether it is provided.
     """
 
     port_type: str
@@ -41,7 +41,7 @@ class ExpectedPort:
 
 
 class ExpectedParameter:
-    """A parameter, with texts that it takes, and that it must refuse."""
+    """A parameter, with texts that it must accept or reject."""
 
     def __init__(
         self, parameter: ConfigurationParameter, parameters: Parameters
@@ -59,7 +59,7 @@ class ExpectedParameter:
         names = parameters.enumerators(parameters.item_type(parameter.type))
         example: Any = None
         if names:
-            # Built like that since mypy reads calls of the functional form.
+            # Written as a call, since mypy knows the functional form only so.
             make: Any = IntEnum
             example = next(iter(make("Values", names, start=0)))
             if parameters.is_sequence(parameter.type):
@@ -73,17 +73,17 @@ class ExpectedParameter:
         self._texts = [*map(str, steps), *_TEXTS, *names]
 
     def problem(self, text: str) -> str | None:
-        """Why the parameter cannot have a text; None if it can."""
+        """Return why the parameter cannot have a text; None if it can."""
         return _refusal(self.value, text)
 
     def others(self, text: str) -> Iterator[str]:
-        """Texts of other values that it can have."""
+        """Yield texts of other valid values."""
         for other in self._texts:
             if self.problem(other) is None and self.value(other) != self.value(text):
                 yield other
 
     def beyond(self) -> str | None:
-        """Return a text of its type beyond its limits; None if it has none."""
+        """Return a text of its type beyond its limits; None without limits."""
         return next(
             (
                 text
@@ -94,7 +94,7 @@ class ExpectedParameter:
         )
 
     def of_no_type(self) -> str | None:
-        """Return a text that is no value of its type; None if each is one."""
+        """Return a text that is not a value of its type; None if every text is one."""
         wrong = (text for text in _WRONG if _refusal(self._free, text))
         return next(wrong, None)
 
@@ -119,7 +119,7 @@ def _bound(value: object) -> float | int | None:
 
 
 class Expected:
-    """A component's definition as another process can see it."""
+    """A component's definition as visible to another process."""
 
     def __init__(self, model: Model, component: Component) -> None:
         parameters = Parameters(model)
@@ -144,7 +144,7 @@ class Expected:
 
 
 def _ports(model: Model, component: Component) -> dict[str, ExpectedPort]:
-    """Return the ports by the names by which OpenRTM knows them."""
+    """Return the ports by OpenRTM's names."""
 
     def key(port: Port) -> tuple[str, str]:
         way = _WAYS.get(port.kind, SERVICE)
@@ -168,8 +168,9 @@ def _ports(model: Model, component: Component) -> dict[str, ExpectedPort]:
 
 
 def _names(model: Model, port: Port) -> tuple[str, ...]:
-    """Return the names that a port's type may have: chosen, repository id, with and without
-    scope.
+    """Return the accepted names of a port's type.
+
+    These are the chosen one, the repository id, and the names with and without scope.
     """
     type_ = model.unalias(port.type)
     assert isinstance(type_, NamedType), "the front end has checked it"

@@ -1,4 +1,4 @@
-"""Tests a running component that CORBA reaches."""
+"""Tests a running component over CORBA."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def tested(
     timeout: float,
     actuate: bool,
 ) -> Report:
-    """The report of all checks. Raises InputError, Refusal and ToolError."""
+    """Return the report of all checks. Raises InputError, Refusal and ToolError."""
     if not is_place(connect):
         raise Refusal(
             f"{connect!r} is not a place of a component: HOST[:PORT]/NAME.rtc, corbaname:, "
@@ -90,7 +90,7 @@ def _answering(
 def checked(
     rtc: RtcUnderTest, subject: str, definition: str, *, actuate: bool
 ) -> Report:
-    """Return the report of all checks. The component is left as it was found, after Ctrl-C too."""
+    """Return the report of all checks. The component is left unchanged, also after Ctrl-C."""
     try:
         if actuate and rtc.contexts:
             rtc.keep()
