@@ -1,4 +1,4 @@
-"""The embedded runtime (OMG RTC 1.0), imported by generated code and behaviours; compiler-free."""
+"""The embedded runtime (OMG RTC 1.0), for generated code and behaviours; needs no compiler."""
 
 from rtgen.facts.connector_properties import EmptyPolicy, FullPolicy
 from rtgen.runtime.errors import (

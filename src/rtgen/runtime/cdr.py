@@ -1,11 +1,10 @@
-"""The bases of generated types, and `CdrError`.
+"""Base classes of generated types, and `CdrError`.
 
 CORBA 3.3 part 2, 9.3 (CDR), with strings in UTF-8 and `char` in ISO 8859-1; `wchar` and `wstring`
-in UTF-16 as omniORB 4.3 sends them under GIOP 1.2. Padding is zero when
-written, and ignored when read.
+in UTF-16 as omniORB 4.3 sends them under GIOP 1.2. Padding is written as zeros, and ignored when
+read.
 
-Codecs and copies are compiled from the descriptor of a type when they are first used
-(`rtgen.runtime.marshalling`).
+Codecs and copiers are compiled from a type's descriptor at first use (`rtgen.runtime.marshalling`).
 """
 
 from __future__ import annotations
@@ -39,7 +38,7 @@ _WORD = (1 << 32) - 1
 
 
 class _Compiled:
-    """A method that is compiled for its class at first lookup.
+    """Descriptor of a method that is compiled for its class at first lookup.
 
     `Time.from_cdr` returns the compiled function itself, so a caller that keeps it has no overhead.
     """
@@ -77,7 +76,7 @@ _COMPILED = {
 
 
 def _register(cls: type[Any]) -> None:
-    """Register the class as that of the values of its own descriptor."""
+    """Register the class for values of its descriptor."""
     if "_descriptor_" not in cls.__dict__:
         return
     register(cls, cls._descriptor_)
@@ -89,7 +88,7 @@ def _register(cls: type[Any]) -> None:
 
 
 class _Xcdr:
-    """The methods of values in both versions of XCDR."""
+    """Methods for both versions of XCDR."""
 
     __slots__ = ()
 
@@ -162,7 +161,7 @@ class _Number(_Xcdr):
 
 
 class Enumeration(_Number, IntEnum):
-    """The base of generated enums."""
+    """Base class of generated enums."""
 
     _descriptor_: ClassVar[EnumDescriptor]
 
@@ -171,41 +170,39 @@ class Enumeration(_Number, IntEnum):
         return 4
 
     def to_number(self) -> int:
-        """Return the number of the member, a negative one in two's complement of 32 bits."""
+        """Return the number of the member; negative numbers in two's complement of 32 bits."""
         return int(self) & _WORD
 
     @classmethod
     def from_number(cls, number: int) -> Self:
-        """Return the member of that number, a negative one in two's complement; raises
-        ValueError.
-        """
+        """Return the member of a number, negative ones as in `to_number`. Raises ValueError."""
         if number >> 31 and cls._descriptor_.code == "i":
             number -= _WORD + 1
         return cls(number)
 
 
 class Flags(_Number, IntFlag):
-    """The base of generated bitmasks."""
+    """Base class of generated bitmasks."""
 
     _descriptor_: ClassVar[FlagsDescriptor]
 
     def to_number(self) -> int:
-        """Return the flags, each at its position; raises ValueError."""
+        """Return the flags as a number. Raises ValueError."""
         return flags_number(self, self._descriptor_.bound)
 
     @classmethod
     def from_number(cls, number: int) -> Self:
-        """Return the flags of a number; raises ValueError."""
+        """Return the flags of a number. Raises ValueError."""
         return cls(flags_number(number, cls._descriptor_.bound))
 
 
 class Bitset(_Number, msgspec.Struct, frozen=True, gc=False):
-    """The base of generated bitsets: immutable, the fields as attributes (OMG IDL 4.2, 7.4.13)."""
+    """Base class of generated bitsets: immutable, fields as attributes (OMG IDL 4.2, 7.4.13)."""
 
     _descriptor_: ClassVar[BitsetDescriptor]
 
     def to_number(self) -> int:
-        """Return the fields side by side, the first one lowest; raises ValueError."""
+        """Return the fields as a number, the first one lowest. Raises ValueError."""
         number = 0
         for bits in self._descriptor_.fields:
             number |= bits.packed(getattr(self, bits.attribute)) << bits.position
@@ -213,13 +210,13 @@ class Bitset(_Number, msgspec.Struct, frozen=True, gc=False):
 
     @classmethod
     def from_number(cls, number: int) -> Self:
-        """Return the fields of a number; raises ValueError."""
+        """Return the bitset of a number. Raises ValueError."""
         flags_number(number, cls._descriptor_.bound)
         return cls(*(f.unpacked(number) for f in cls._descriptor_.fields))
 
 
 class Aggregated(_Xcdr, msgspec.Struct, gc=False):
-    """The base of generated structs and unions."""
+    """Base class of generated structs and unions."""
 
     _descriptor_: ClassVar[Any]
 
@@ -247,18 +244,14 @@ class Aggregated(_Xcdr, msgspec.Struct, gc=False):
         _write_ = _COMPILED["_write_"]
 
     def key_hash(self) -> bytes:
-        """Return the 16 octets that identify a DDS instance; raises CdrError if the type has no
-        key.
-
-        DDSI-RTPS 2.5, 9.6.4.8, of the key in XCDR2 (DDS-XTypes 1.3, 7.6.8).
-        """
+        """Return the 16 octets that identify a DDS instance. Raises CdrError without a key."""
         from rtgen.runtime.marshalling.keys import key_hash
 
         return key_hash(type(self), self)
 
 
 class Union(Aggregated):
-    """The base of generated unions."""
+    """Base class of generated unions."""
 
     _descriptor_: ClassVar[UnionDescriptor]
     if TYPE_CHECKING:
@@ -274,7 +267,7 @@ class Union(Aggregated):
 
 
 class UserException(Exception):
-    """The base of generated exceptions: equal if of one class with equal members."""
+    """Base class of generated exceptions, equal if class and members are equal."""
 
     _descriptor_: ClassVar[ExceptionDescriptor]
 
@@ -316,7 +309,7 @@ class UserException(Exception):
 
 
 class AliasCodec(Generic[_T]):
-    """The base of the codecs of typedefs, whose values have no class of their own."""
+    """Base class of the codecs of typedefs, whose values have no class of their own."""
 
     _descriptor_: ClassVar[AliasDescriptor]
 
@@ -341,7 +334,9 @@ class AliasCodec(Generic[_T]):
     else:
 
         def __class_getitem__(cls, item):
-            """The class: only type checkers need the values, and `typing` makes imports slow."""
+            """Return the class: subscripts are for type checkers, and `typing` makes imports
+            slow.
+            """
             return cls
 
         to_cdr = _COMPILED["to_cdr"]

@@ -16,7 +16,7 @@ class InitializationError(RtcError):
 
 
 class CallbackError(RtcError, TypeError):
-    """A callback has another signature than the life cycle's; `code` is the callback's code."""
+    """A callback has a wrong signature or result; `code` is the callback's code."""
 
     def __init__(self, what: str, code: CodeType | None = None) -> None:
         self.code = code
@@ -49,11 +49,11 @@ class BlockedError(RtcError):
 
 
 class CheckpointError(RtcError):
-    """The state of a component cannot be kept."""
+    """The state of a component cannot be stored."""
 
 
 class DuplicateInstanceError(RtcError):
-    """A system has a component of that instance name already."""
+    """A component of that instance name already exists in the system."""
 
 
 class UnknownComponentError(RtcError):
@@ -77,7 +77,7 @@ class PortTypeError(ConnectError):
 
 
 class DuplicateConnectionError(ConnectError):
-    """The two ports are connected already, or a connection of that name exists."""
+    """The two ports are already connected, or a connection of that name exists."""
 
 
 class ConnectionLimitError(ConnectError):
@@ -93,11 +93,11 @@ class UnknownConnectionError(RtcError):
 
 
 class UnknownObservableError(RtcError):
-    """The component shows no observable of that name."""
+    """The component has no observable of that name."""
 
 
 class ObservableError(RtcError):
-    """A component's function for an observable raised (see the cause), or returned no numbers."""
+    """A function for an observable raised (see the cause), or did not return numbers."""
 
 
 class ConfigurationError(RtcError):
@@ -113,11 +113,11 @@ class UnknownConfigurationSetError(ConfigurationError):
 
 
 class ParameterValueError(ConfigurationError):
-    """A text does not convert to the parameter's type, or breaks its range or constraint."""
+    """A text is not of the parameter's type, or violates its range or constraint."""
 
 
 class ConfFileError(ConfigurationError):
-    """A `.conf` file cannot be read: the message gives file, line and reason."""
+    """A `.conf` file cannot be read: the message has file, line and reason."""
 
 
 class SampleTypeError(RtcError, TypeError):
@@ -125,7 +125,7 @@ class SampleTypeError(RtcError, TypeError):
 
 
 class DuplicatePortError(RtcError):
-    """A component has a port of that name and kind already."""
+    """A component already has a port of that name and kind."""
 
 
 class RateError(RtcError, ValueError):

@@ -1,7 +1,4 @@
-"""Failures of components' own code, and how they are reported.
-
-The rules for users are in `docs/runtime.md`, section Failures.
-"""
+"""Failures of components' own code, and how they are reported."""
 
 from __future__ import annotations
 
@@ -17,7 +14,7 @@ from rtgen.runtime.timing.clocks import SECOND
 log = logging.getLogger("rtgen.runtime")
 
 NOTE = (logging.INFO + logging.WARNING) // 2
-"""Level of what users are to see, and need not mind."""
+"""Log level of messages that users should see, but need not act on."""
 logging.addLevelName(NOTE, "NOTE")
 
 ON_ERROR = "on_error"
@@ -45,9 +42,9 @@ class Failure:
 
 
 def log_failure(failure: Failure) -> None:
-    """Report a failure to the logger `rtgen.runtime`: the traceback once, not for each tick."""
+    """Log a failure to `rtgen.runtime`; the traceback is only logged once, not for each tick."""
     if failure.error is not None and ends_run(failure.error):
-        log.info("%s", failure)  # The run raises it.
+        log.info("%s", failure)  # `run` raises it.
         return
     is_transition = failure.callback.startswith("on_") and failure.callback != ON_ERROR
     if failure.repeated and not is_transition:
@@ -64,7 +61,7 @@ def log_failure(failure: Failure) -> None:
 def ends_run(error: BaseException) -> bool:
     """Return whether an exception ends the run.
 
-    KeyboardInterrupt, the debugger's `quit`, and a print to a pipe whose reader has left.
+    These are KeyboardInterrupt, the debugger's `quit`, and a print to a pipe whose reader has gone.
     """
     if isinstance(error, BrokenPipeError):
         return any(map(has_lost_its_reader, (sys.stdout, sys.stderr)))
@@ -82,12 +79,12 @@ def has_lost_its_reader(stream: TextIO | None) -> bool:
     try:
         poll.register(stream.fileno(), 0)
     except (OSError, ValueError):
-        return False  # It is closed, or no file.
+        return False  # It is closed, or not a file.
     return any(event & select.POLLERR for _, event in poll.poll(0))
 
 
 def described(error: BaseException) -> str:
-    """`Kind: message`, or the kind alone."""
+    """Return `Kind: message`, or the kind alone."""
     kind = type(error).__name__
     try:
         text = str(error)

@@ -1,7 +1,7 @@
-"""The words in which generated types describe themselves, once: `idl.struct("RTC::Time", ...)`.
+"""Functions that make descriptors of generated types: `idl.struct("RTC::Time", ...)`.
 
-A member is given by its attribute in Python: a descriptor, a generated class, or `member` where
-there is more to say than its type.
+A member is given under its Python attribute: a descriptor, a generated class, or `member` with
+further properties.
 """
 
 from __future__ import annotations
@@ -62,13 +62,13 @@ STRING: Final = StringDescriptor()
 WSTRING: Final = StringDescriptor(True)
 
 Described: TypeAlias = Any
-"""A descriptor, or a class that has one."""
+"""A descriptor, or a class with one."""
 
 
 class Traits(NamedTuple):
-    """What few types have, and what differs from the usual.
+    """Properties that differ from the defaults.
 
-    `representation` is the version of XCDR that `to_cdr` gives, 0 for classic CDR.
+    `representation` is the version of XCDR that `to_cdr` writes, 0 for classic CDR.
     """
 
     repository_id: str | None = None
@@ -80,52 +80,47 @@ class Traits(NamedTuple):
 
 
 traits = Traits
-_USUAL = Traits()
+_DEFAULTS = Traits()
 
 
 def string(bound: int) -> StringDescriptor:
-    """`string<bound>`."""
+    """Return the descriptor of `string<bound>`."""
     return StringDescriptor(False, bound)
 
 
 def wstring(bound: int) -> StringDescriptor:
-    """`wstring<bound>`."""
+    """Return the descriptor of `wstring<bound>`."""
     return StringDescriptor(True, bound)
 
 
 def fixed(digits: int, scale: int) -> FixedDescriptor:
-    """`fixed<digits,scale>`."""
+    """Return the descriptor of `fixed<digits,scale>`."""
     return FixedDescriptor(digits, scale)
 
 
 def sequence(
     element: Described, bound: int | None = None, *, numeric: Numeric = "list"
 ) -> SequenceDescriptor:
-    """`sequence<element>` or `sequence<element,bound>`, with its form in Python."""
+    """Return the descriptor of `sequence<element>` or `sequence<element,bound>`."""
     return SequenceDescriptor(_descriptor(element), bound, numeric)
 
 
 def array(
     element: Described, *dimensions: int, numeric: Numeric = "list"
 ) -> ArrayDescriptor:
-    """Return an array, with its form in Python; dimensions outermost first."""
+    """Return the descriptor of an array; dimensions outermost first."""
     return ArrayDescriptor(_descriptor(element), dimensions, numeric)
 
 
 def dtype(class_: Any) -> Any:
-    """Return the numpy dtype of a generated struct of numbers, padding of its layout included.
-
-    Raises TypeError for a struct with other members, ImportError without numpy.
-    """
+    """Return the numpy dtype of a generated struct of numbers, with the padding of its layout."""
     from rtgen.runtime.marshalling.structured import dtype_of
 
     return dtype_of(class_)
 
 
 def zeros(type_: Any, *shape: int) -> Any:
-    """Return the numpy array of zeros of a scalar type of numpy, or of a generated struct of
-    numbers.
-    """
+    """Return a numpy array of zeros, of a numpy scalar or a generated struct of numbers."""
     import numpy
 
     described = hasattr(type_, "_descriptor_")
@@ -133,14 +128,14 @@ def zeros(type_: Any, *shape: int) -> Any:
 
 
 def map_(key: Described, value: Described, bound: int | None = None) -> MapDescriptor:
-    """`map<key,value>` or `map<key,value,bound>`."""
+    """Return the descriptor of `map<key,value>` or `map<key,value,bound>`."""
     return MapDescriptor(_descriptor(key), _descriptor(value), bound)
 
 
 def link(
     name: str, target: Callable[[], Described], repository_id: str | None = None
 ) -> LinkDescriptor:
-    """Return a type inside its own definition, or ahead of it."""
+    """Return a reference to a type inside its own definition, or before it."""
     return LinkDescriptor(_id(name, repository_id), name, lambda: _descriptor(target()))
 
 
@@ -155,9 +150,7 @@ def member(
     external: bool = False,
     private: bool = False,
 ) -> MemberDescriptor:
-    """Return a member with `name` in the definition, if that is not its attribute, or with
-    traits.
-    """
+    """Return a member with properties; `name` is that in the definition, if not the attribute."""
     return MemberDescriptor(
         name,
         _descriptor(type_),
@@ -172,9 +165,9 @@ def member(
 
 
 def struct(
-    name: str, traits: Traits = _USUAL, /, **members: Described
+    name: str, traits: Traits = _DEFAULTS, /, **members: Described
 ) -> StructDescriptor:
-    """Return a struct: its members by their attributes, in order, behind those of its base."""
+    """Return the descriptor of a struct: members by attribute, after those of its base."""
     inherited = () if traits.base is None else traits.base._descriptor_.members
     return StructDescriptor(
         _id(name, traits.repository_id),
@@ -188,9 +181,9 @@ def struct(
 
 
 def exception(
-    name: str, traits: Traits = _USUAL, /, **members: Described
+    name: str, traits: Traits = _DEFAULTS, /, **members: Described
 ) -> ExceptionDescriptor:
-    """Return a user exception."""
+    """Return the descriptor of a user exception."""
     return ExceptionDescriptor(
         _id(name, traits.repository_id),
         name,
@@ -207,9 +200,7 @@ def value(
     /,
     **state: Described,
 ) -> ValueDescriptor:
-    """Return a valuetype: its own state, its bases, and what it is: custom, abstract,
-    truncatable.
-    """
+    """Return the descriptor of a valuetype, with its own state, its bases, and its modifier."""
     described = tuple(base._descriptor_ for base in bases)
     return ValueDescriptor(
         _id(name, repository_id), name, _members(state), described, modifier
@@ -217,7 +208,7 @@ def value(
 
 
 def box(name: str, type_: Described, repository_id: str | None = None) -> BoxDescriptor:
-    """Return a boxed value."""
+    """Return the descriptor of a boxed value."""
     return BoxDescriptor(_id(name, repository_id), name, _descriptor(type_))
 
 
@@ -227,7 +218,7 @@ def alias(
     repository_id: str | None = None,
     representation: int = 0,
 ) -> AliasDescriptor:
-    """Return a typedef."""
+    """Return the descriptor of a typedef."""
     return AliasDescriptor(
         _id(name, repository_id),
         name,
@@ -251,9 +242,13 @@ def case(
 
 
 def union(
-    name: str, switch: Described, traits: Traits = _USUAL, /, **cases: BranchDescriptor
+    name: str,
+    switch: Described,
+    traits: Traits = _DEFAULTS,
+    /,
+    **cases: BranchDescriptor,
 ) -> UnionDescriptor:
-    """Return a union: its discriminator and its branches by their attributes, in order."""
+    """Return the descriptor of a union: the discriminator, and branches by attribute, in order."""
     return UnionDescriptor(
         _id(name, traits.repository_id),
         name,
@@ -284,7 +279,7 @@ def bitset(
     /,
     **fields: BitfieldDescriptor,
 ) -> BitsetDescriptor:
-    """Return a bitset of so many bits, with its fields by their attributes."""
+    """Return the descriptor of a bitset of `bound` bits, with fields by attribute."""
     named = tuple(_named(field, attribute) for attribute, field in fields.items())
     return BitsetDescriptor(_id(name, repository_id), name, named, bound)
 
@@ -296,7 +291,7 @@ def enum(
     bound: int = 32,
     repository_id: str | None = None,
 ) -> None:
-    """Describe an enum, whose class body cannot; `names` are those that Python lacks."""
+    """Set the descriptor of an enum, whose class body cannot; `names` differ from Python's."""
     members = tuple(
         ((names or {}).get(attribute, attribute), int(number))
         for attribute, number in class_.__members__.items()
@@ -311,7 +306,7 @@ def flags(
     bound: int = 32,
     repository_id: str | None = None,
 ) -> None:
-    """Describe a bitmask of so many bits."""
+    """Set the descriptor of a bitmask of `bound` bits."""
     members = tuple(
         ((names or {}).get(attribute, attribute), int(flag).bit_length() - 1)
         for attribute, flag in class_.__members__.items()
@@ -350,9 +345,7 @@ def _members(members: Mapping[str, Described]) -> tuple[MemberDescriptor, ...]:
 def _numbered(
     members: Mapping[str, Described], inherited: tuple[MemberDescriptor, ...] = ()
 ) -> tuple[MemberDescriptor, ...]:
-    """Return the inherited members and these with their ids: none has to be made twice at
-    import.
-    """
+    """Return the inherited members and these with their ids, reusing existing descriptors."""
     entries = [*inherited]
     following = inherited[-1].id + 1 if inherited else 0
     for attribute, described in members.items():
@@ -372,7 +365,7 @@ _E = TypeVar("_E", MemberDescriptor, BranchDescriptor, BitfieldDescriptor)
 
 
 def _named(entry: _E, attribute: str) -> _E:
-    """Return the entry with its attribute, which is its name where nothing else is said."""
+    """Return the entry with its attribute, which is also its name by default."""
     force_setattr(entry, "attribute", attribute)
     if not entry.name:
         force_setattr(entry, "name", attribute)

@@ -1,4 +1,4 @@
-"""Time limits of sockets, without the poll() that `settimeout` puts before each call."""
+"""Time limits of sockets without the poll() that `settimeout` adds to each call."""
 
 from __future__ import annotations
 
@@ -12,24 +12,24 @@ TIME_OVER: Final = (BlockingIOError, TimeoutError)
 
 _NATIVE_TIMES: Final = sys.platform in ("linux", "darwin")
 """Whether SO_RCVTIMEO takes a timeval."""
-_LEAST: Final = 1e-6
+_MIN_SECONDS: Final = 1e-6
 """Seconds; a limit of 0 means none."""
 
 
 def limit_times(connection: socket.socket, seconds: float) -> None:
-    """Let each send and receive take no longer than that; then they raise `TIME_OVER`."""
+    """Limit the time of each send and receive; TIME_OVER is raised on time-out."""
     limit_receives(connection, seconds)
     if _NATIVE_TIMES:
         connection.setsockopt(socket.SOL_SOCKET, socket.SO_SNDTIMEO, _interval(seconds))
 
 
 def limit_receives(connection: socket.socket, seconds: float) -> None:
-    """Like `limit_times`, for receives; where the system limits both together, for both."""
+    """Limit the time of receives; on some systems also that of sends."""
     if _NATIVE_TIMES:
         connection.settimeout(None)
         connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVTIMEO, _interval(seconds))
     else:
-        connection.settimeout(max(seconds, _LEAST))
+        connection.settimeout(max(seconds, _MIN_SECONDS))
 
 
 def _interval(seconds: float) -> bytes:

@@ -1,4 +1,4 @@
-"""Values whose type is known only at run time, and the bases of generated valuetypes."""
+"""Values whose type is known only at run time, and base classes of generated valuetypes."""
 
 from __future__ import annotations
 
@@ -24,21 +24,21 @@ _T = TypeVar("_T")
 
 
 def encoded(descriptor: Any, value: object, little_endian: bool) -> bytes:
-    """Return the body of a value, written by its descriptor; raises CdrError."""
+    """Encode a value by its descriptor. Raises CdrError."""
     from rtgen.runtime.marshalling import dynamic
 
     return dynamic.encoded(descriptor, value, little_endian)
 
 
 def decoded(descriptor: Any, data: Buffer, little_endian: bool) -> Any:
-    """Return the value of a body, read by its descriptor; raises CdrError."""
+    """Decode a value by its descriptor. Raises CdrError."""
     from rtgen.runtime.marshalling import dynamic
 
     return dynamic.decoded(descriptor, data, little_endian)
 
 
 class Dynamic:
-    """The codec of what is marshalled along its descriptor."""
+    """Codec of types that are marshalled by interpreting their descriptors."""
 
     __slots__ = ()
 
@@ -64,10 +64,7 @@ class Dynamic:
 
 @dataclass(frozen=True, slots=True)
 class AnyValue(Dynamic):
-    """What an `any` holds: a value, and the type that it is marshalled as.
-
-    The type is given as a descriptor, or as a generated class or codec that has one.
-    """
+    """Content of an `any`: a value with its type."""
 
     _descriptor_: ClassVar[Descriptor] = ANY
 
@@ -87,7 +84,7 @@ class AnyValue(Dynamic):
 
 @dataclass(slots=True)
 class DynamicValue(Dynamic):
-    """A struct or an exception of no generated type: `members` by their names."""
+    """A struct or exception without a generated type: `members` by name."""
 
     type: StructDescriptor | ExceptionDescriptor
     members: dict[str, Any]
@@ -108,7 +105,7 @@ class DynamicValue(Dynamic):
 
 @dataclass(slots=True)
 class DynamicUnion(Dynamic):
-    """A union of no generated type."""
+    """A union without a generated type."""
 
     type: UnionDescriptor
     discriminator: Any
@@ -120,7 +117,7 @@ class DynamicUnion(Dynamic):
 
 
 class Value(Dynamic):
-    """The base of generated valuetypes. Values are compared by identity, as they are shared."""
+    """Base class of generated valuetypes, which are compared by identity, since they are shared."""
 
     __slots__ = ()
 
@@ -132,7 +129,7 @@ class Value(Dynamic):
 
 
 class Box(Dynamic):
-    """The base of generated boxed values: one value under an identity, so that it is shared."""
+    """Base class of generated boxed values: a value with an identity, so that it can be shared."""
 
     __slots__ = ()
 
@@ -145,16 +142,14 @@ class Box(Dynamic):
 
 
 def implementation(cls: type[_T]) -> type[_T]:
-    """Return a class decorator: values of the valuetype that `cls` derives from are made as
-    `cls`.
-    """
+    """Return a class decorator: `cls` becomes the class of received values of its valuetype."""
     descriptor = cls._descriptor_  # type: ignore[attr-defined]
     register(cls, descriptor)
     return cls
 
 
 class DynamicState(Value):
-    """A value of no generated type: its state is in `members`, by name."""
+    """A valuetype without a generated type: its state is in `members`, by name."""
 
     __slots__ = ("members", "type")
 
@@ -176,7 +171,7 @@ class DynamicState(Value):
 
 
 class DynamicBox(Box):
-    """A boxed value of no generated type."""
+    """A boxed value without a generated type."""
 
     __slots__ = ("type", "value")
 

@@ -1,8 +1,8 @@
-"""XCDR, the representations of DDS: bodies, and payloads with their encapsulation header.
+"""XCDR, the data representations of DDS: bodies, and payloads with encapsulation header.
 
-DDS-XTypes 1.3, 7.4 and 7.6.3.1. Codecs are compiled from the descriptor of a type, once for each
-version and byte order. Version 1 is PLAIN_CDR, with PL_CDR for mutable types; version 2 is
-PLAIN_CDR2, DELIMITED_CDR and PL_CDR2, as the extensibility of each type says.
+DDS-XTypes 1.3, 7.4 and 7.6.3.1. Codecs are compiled from a type's descriptor, once for each version
+and byte order. Version 1 is PLAIN_CDR, with PL_CDR for mutable types; version 2 is PLAIN_CDR2,
+DELIMITED_CDR and PL_CDR2, depending on the extensibility of each type.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ class Representation(IntEnum):
 def representation_of(
     type_: type[DataType], version: int = 2, little_endian: bool = True
 ) -> Representation:
-    """Return the representation of values of the type in a version of XCDR and a byte order."""
+    """Return the representation of a type's values in a version of XCDR and a byte order."""
     return Representation(identifier(type_._descriptor_, version, little_endian))
 
 

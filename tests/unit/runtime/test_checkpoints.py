@@ -18,7 +18,7 @@ from rtgen.runtime import (
     System,
 )
 from rtgen.runtime.cdr import CdrError
-from rtgen.runtime.rtc.checkpoints import LONGEST
+from rtgen.runtime.rtc.checkpoints import MAX_LENGTH
 
 State = checkpoints.Goals
 
@@ -118,7 +118,7 @@ def test_a_state_of_another_definition_is_not_used(
     assert "K0: its checkpoint is not used: it is of another definition" in caplog.text
 
 
-@pytest.mark.parametrize("octets", [b"", b"x" * 7, b"\xff" * 3 * LONGEST])
+@pytest.mark.parametrize("octets", [b"", b"x" * 7, b"\xff" * 3 * MAX_LENGTH])
 def test_a_file_that_is_none_begins_anew(tmp_path: Path, octets: bytes) -> None:
     (tmp_path / "K0.checkpoint").write_bytes(octets)
     kept = opened(tmp_path)

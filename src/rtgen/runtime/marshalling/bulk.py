@@ -1,4 +1,4 @@
-"""Numbers in one piece: what compiled codecs call for them, in each byte order."""
+"""Numeric sequences and arrays in one piece: functions that compiled codecs call."""
 
 from __future__ import annotations
 
@@ -24,15 +24,15 @@ _Put: TypeAlias = Callable[[Any], tuple[int, Any]]
 _Take: TypeAlias = Callable[[Buffer, int, int], tuple[Any, int]]
 
 _SLICED = 1024
-"""Up to so many octets, a slice of `bytes` is a faster source than a view."""
+"""Up to this number of octets, slicing `bytes` is faster than a view."""
 
 
 class Sequences:
-    """The functions of a numeric sequence.
+    """Functions of a numeric sequence.
 
-    `put_*` gives the key by which a table of shapes packs the items (a number of octets as the
-    negative number of items), and what is packed. `take_*` gives the value of so many items
-    behind an offset, and the offset behind them. Both raise ValueError.
+    `put_*` returns the key by which a table of shapes packs the items (a number of octets as the
+    negative number of items), and the data to pack. `take_*` returns the value of a number of items
+    at an offset, and the next offset. Both raise ValueError.
     """
 
     __slots__ = ("put_big", "put_little", "take_big", "take_little")
@@ -45,7 +45,7 @@ class Sequences:
 
 
 class Arrays:
-    """The functions of a numeric array: to octets of a settled number, and back."""
+    """Functions of a numeric array: to a fixed number of octets, and back."""
 
     __slots__ = ("made_big", "made_little", "octets_big", "octets_little")
 
@@ -59,7 +59,7 @@ class Arrays:
 
 
 class Structured:
-    """The functions of a sequence of records that is a structured array of numpy."""
+    """Functions of a sequence of records that is a structured numpy array."""
 
     __slots__ = ("octets_big", "octets_little", "take_big", "take_little")
 

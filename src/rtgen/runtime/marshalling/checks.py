@@ -1,4 +1,4 @@
-"""Sizes, codes and bounds of classic CDR, for the codecs that walk along descriptors."""
+"""Sizes, codes and bounds of classic CDR, for codecs that interpret descriptors."""
 
 from __future__ import annotations
 
@@ -35,14 +35,14 @@ CODES = {
     "float": "f",
     "double": "d",
 }
-"""The `struct` codes of the basic types that have one."""
+"""The `struct` codes of basic types."""
 
 TEXTS = {"octet": (bytes, bytearray), "uint8": (bytes, bytearray), "char": (str,)}
 """The Python types of sequences of these types."""
 
 
 def size_of(name: str) -> int:
-    """Return the size of a basic type, which is its alignment too."""
+    """Return the size of a basic type, which is also its alignment."""
     return struct.calcsize(f"<{CODES[name]}")
 
 
@@ -52,7 +52,7 @@ def bits_code(bound: int) -> str:
 
 
 def packed(code: str, name: str, value: Any, order: str) -> bytes:
-    """Return the octets of a number; raises Fault."""
+    """Return the octets of a number. Raises Fault."""
     try:
         return struct.pack(order + code, value)
     except struct.error as failure:
@@ -64,7 +64,7 @@ def packed(code: str, name: str, value: Any, order: str) -> bytes:
 
 
 def check_string(text: str, wide: bool, bound: int | None) -> None:
-    """Raises Fault for a string beyond its bound."""
+    """Raise Fault for a string beyond its bound."""
     if wide:
         check_bound(len(text.encode("utf-16-le")) // 2, bound, "UTF-16 units")
     else:
@@ -72,7 +72,7 @@ def check_string(text: str, wide: bool, bound: int | None) -> None:
 
 
 def check_bound(length: int, bound: int | None, unit: str) -> None:
-    """Raises Fault for a length beyond the bound."""
+    """Raise Fault for a length beyond the bound."""
     if bound is not None and length > bound:
         raise Fault(f"{length} {unit}, and {bound} are the most")
 

@@ -1,4 +1,4 @@
-"""Whether two types are the same, and where they differ."""
+"""Compares types by repository id and structure, and describes differences."""
 
 from __future__ import annotations
 
@@ -29,17 +29,16 @@ from rtgen.runtime.marshalling.descriptors import (
 
 
 def known(descriptor: Descriptor) -> Descriptor:
-    """Return the generated type with the same repository id and structure, or the descriptor
-    itself.
+    """Return the equal generated type, or the descriptor itself.
+
+    Types are equal if repository id and structure are.
     """
     found = registered(getattr(descriptor, "repository_id", ""))
     return found if found is not None and _same(descriptor, found) else descriptor
 
 
 def _same(a: Descriptor, b: Descriptor) -> bool:
-    """Return whether a type code describes a generated type; names that it leaves out are
-    ignored.
-    """
+    """Return whether a type code describes a generated type, ignoring names that it omits."""
     if isinstance(a, LinkDescriptor) or isinstance(b, LinkDescriptor):
         return getattr(a, "repository_id", None) == getattr(b, "repository_id", "")
     if type(a) is not type(b):
@@ -80,10 +79,9 @@ def _same_parts(
 
 
 def difference(a: Descriptor, b: Descriptor) -> str | None:
-    """None if repository id and structure agree, else both types, one beside the other.
+    """Return None if repository id and structure agree, else both types, side by side.
 
-    Lines that differ are marked with `!`. An opaque type, whose content is
-    unknown, agrees with none.
+    Differing lines are marked with `!`. An opaque type, whose content is unknown, agrees with none.
     """
     for one in (a, b):
         if isinstance(one, StructDescriptor | InterfaceDescriptor) and one.opaque:
@@ -94,12 +92,15 @@ def difference(a: Descriptor, b: Descriptor) -> str | None:
 
 
 def definition(descriptor: Descriptor) -> str:
-    """Name, repository id and structure of a type as text, in lines; equal for equal types."""
+    """Return name, repository id and structure of a type as lines of text.
+
+    Equal types have equal texts.
+    """
     return "\n".join(_lines(descriptor))
 
 
 def text_difference(a: str, b: str) -> str | None:
-    """None for equal definitions, else both, as `difference` gives them."""
+    """Return None for equal definitions, else both, in the form of `difference`."""
     left, right = a.split("\n"), b.split("\n")
     if left == right:
         return None
@@ -114,7 +115,7 @@ def text_difference(a: str, b: str) -> str | None:
 
 
 def _lines(descriptor: Descriptor) -> Iterator[str]:
-    """Yield the definition as text, with the structs inside of it taken apart."""
+    """Yield the definition as text, with nested structs expanded."""
     descriptor = plain(descriptor)
     if isinstance(descriptor, Named):
         yield f"{descriptor.name}  {descriptor.repository_id}"

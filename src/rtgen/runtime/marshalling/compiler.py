@@ -26,8 +26,8 @@ def compiled(
 ) -> Callable[..., Any]:
     """Return the compiled function of a kind (a key of `FUNCTIONS`) for a type in a format.
 
-    The codec of a type that XCDR does not have raises CdrError. Raises UnsupportedError for one
-    that CDR does not have.
+    For a type that XCDR cannot represent, it is a function that raises CdrError. Raises
+    UnsupportedError for one that CDR cannot represent.
     """
     key = (kind, format_)
     if key not in descriptor.codecs:
@@ -45,10 +45,9 @@ def compiled(
 def decoded_again(
     type_: Any, data: Buffer, format_: Format, little_endian: bool, failure: Exception
 ) -> Any:
-    """Return the value of a body that the codec of its type refused: of another version of the
-    type.
+    """Decode a body that the compiled codec rejected: another version of the type.
 
-    Raises CdrError with the place of the fault.
+    Raises CdrError with the place of the error.
     """
     from rtgen.runtime.marshalling.fault_search import fault_in_body
 
@@ -88,7 +87,7 @@ def _evolves(descriptor: Any, format_: Format) -> bool:
 
 
 def _refusing(descriptor: Any, format_: Format) -> Callable[..., Any]:
-    """Return the codec of a type that the format does not have."""
+    """Return the codec of a type that the format cannot represent, which raises CdrError."""
     name = str(descriptor.name).rpartition("::")[2]
     path, message = unsupported(descriptor, format_)
 

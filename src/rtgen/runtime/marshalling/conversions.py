@@ -32,7 +32,7 @@ from rtgen.runtime.marshalling.text import Namespace
 
 
 class Conversions:
-    """Writes the conversions of single values."""
+    """Generates the conversions of single values."""
 
     def __init__(self, namespace: Namespace) -> None:
         self._namespace = namespace
@@ -44,12 +44,12 @@ class Conversions:
         return self._namespace.bind("BOOLEAN", BOOLEAN)
 
     def made(self, descriptor: Any) -> str:
-        """Return the class that values of the type are instances of."""
+        """Return the class of the type's values."""
         class_ = descriptor.class_
         return self._namespace.bind(class_.__name__, class_)
 
     def _members(self, atom: Atom) -> str:
-        """Return the table of an enum's members by number, which rejects every other number."""
+        """Return the table of an enum's members by number, which rejects other numbers."""
         table = atom.type.codecs.get("members")
         if table is None:
             members = (atom.type.class_(number) for _, number in atom.type.members)
@@ -81,7 +81,7 @@ class Conversions:
         return value
 
     def unpacked(self, atom: Atom, raw: str) -> str:
-        """Return the expression for the value from the item that `struct` unpacked."""
+        """Return the expression for the value of an item that `struct` unpacked."""
         name = self._name
         match atom.form:
             case Form.BOOLEAN:
@@ -138,12 +138,12 @@ class Conversions:
 
     def unpacked_string(self, raw: str, last: str) -> str:
         """Return the expression for a string from its octets and the last one, which is NUL."""
-        # As `text_value`, which is called to raise, since calls are most of the time.
+        # Same as `text_value`, inlined because of the cost of calls; that is called to raise.
         refused = f"{self._name(text_value)}({raw} + bytes([{last}]))"
         return f"{raw}.decode() if not {last} and 0 not in {raw} else {refused}"
 
 
 def each(convert: Callable[[Atom, str], str], atom: Atom, items: str) -> str | None:
-    """Return a list of the converted items, or None if nothing has to be converted."""
+    """Return a list of the converted items; None if they need no conversion."""
     converted = convert(atom, "item")
     return None if converted == "item" else f"[{converted} for item in {items}]"

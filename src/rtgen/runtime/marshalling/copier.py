@@ -1,4 +1,4 @@
-"""The source text that copies a value."""
+"""Generates the source text of functions that copy a value."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ from rtgen.runtime.marshalling.text import Body, Locals
 
 
 class Copier:
-    """Writes the body of `_snapshot_`.
+    """Generates the body of `_snapshot_`.
 
-    `unset`: members of recursive types may be None, since `@external` ones are until they are set.
+    `unset`: members of recursive types may be None, since `@external` ones are until assigned.
     """
 
     def __init__(self, references: References, unset: bool = False) -> None:
@@ -75,7 +75,7 @@ class Copier:
         return value
 
     def _numbers(self, value: str, path: Path) -> str:
-        """Numbers in any form; those in a list without a call."""
+        """Return a copy of numbers in any form; those in a list are copied without a call."""
         variable = self._locals.name(path)
         self.body.add(f"{variable} = {value}")
         copy = f"{self._refer.function(copied)}({variable})"
@@ -87,7 +87,7 @@ class Copier:
 
 
 class _Inline(Copier):
-    """Copies without variables."""
+    """Generates copies without variables."""
 
     def copy(self, node: Node, value: str, path: Path = ()) -> str:
         if isinstance(node, Group):

@@ -1,4 +1,4 @@
-"""The source text that unmarshals a value, made from its layout."""
+"""Generates the source text of functions that unmarshal a value, from its layout."""
 
 from __future__ import annotations
 
@@ -47,14 +47,14 @@ from rtgen.runtime.marshalling.shapes import Layouts
 from rtgen.runtime.marshalling.text import Body, Locals
 
 EMPTY_ELEMENTS = 65536
-"""The largest number of elements without octets in a collection."""
+"""Maximum number of elements without octets in a collection."""
 
 _MAX_COMPARED = 8
-"""The number of ids that are compared one by one."""
+"""Maximum number of ids that are compared one by one."""
 
 
 class Decoder(Position):
-    """Writes the body of `from_cdr` or of a function that reads at an offset."""
+    """Generates the body of `from_cdr`, or of a function that reads at an offset."""
 
     def __init__(self, references: References) -> None:
         super().__init__(Body(references.namespace))
@@ -64,7 +64,7 @@ class Decoder(Position):
         self._locals = Locals(references.namespace)
         self._readers = 0
         self.cut = False
-        """Whether `data` stands for a part of the data somewhere."""
+        """Whether `data` is only a part of the data in some branch."""
 
     def fixed(self, run: Run, node: Node) -> list[str]:
         """Return the body for a value of fixed size, unpacked by one `struct` call."""
@@ -75,7 +75,7 @@ class Decoder(Position):
         return self._returning(self.value(node, (), True))
 
     def whole(self, steps: tuple[Step, ...], node: Node) -> list[str]:
-        """Return the body for a value that must use all of the data."""
+        """Return the body for a value that must use all data."""
         self._offset = 0
         self.steps(steps, ())
         end = self._offset if self._offset is not None else "offset"
@@ -85,7 +85,7 @@ class Decoder(Position):
         return self._returning(self.value(node, (), True))
 
     def repeated(self, lines: list[str], run: Step, title: str) -> list[str]:
-        """Return the body of `whole` for one run, with readers of the shapes that repeat."""
+        """Return the body of `whole` for one run, with specialised readers for repeated shapes."""
         assert isinstance(run, Run)
         value = lines[-1].removeprefix("return ")
         layout = self._layouts.of(run)
@@ -96,7 +96,7 @@ class Decoder(Position):
         return readers.lines(lines)
 
     def parts(self, steps: tuple[Step, ...], node: Node) -> list[str]:
-        """Return the body for a value within other data; its end offset is returned too."""
+        """Return the body for a value inside other data; its end offset is returned, too."""
         self.steps(steps, ())
         return self._returning(f"{self.value(node, ())}, offset")
 
@@ -104,7 +104,7 @@ class Decoder(Position):
         return [*self.body.lines, f"return {value}"]
 
     def steps(self, steps: tuple[Step, ...], prefix: Path) -> None:
-        """The steps of the value at path `prefix`."""
+        """Generate the steps of the value at path `prefix`."""
         for step in steps:
             match step:
                 case Run():
@@ -164,7 +164,9 @@ class Decoder(Position):
         body.end()
 
     def _parameter(self, node: Parameter, path: Path) -> None:
-        """An optional member in XCDR1 outside of a list; absent if its parameter is empty."""
+        """Generate an optional member in XCDR1 outside of a list; an empty parameter means
+        absent.
+        """
         body = self.body
         name, stop = self._locals.name(path), self._locals.name(path, "stop_")
         read = self._refer.function(next_parameter)
@@ -183,7 +185,7 @@ class Decoder(Position):
         path: Path,
         end: str | None = None,
     ) -> None:
-        """Members in any order, by attribute in a dict: up to `end`, or to the end of a list."""
+        """Generate members in any order, by attribute in a dict: up to `end`, or a list's end."""
         body = self.body
         found, stop = self.found(path), self._locals.name(path, "stop_")
         body.add(f"{found} = {{}}")
@@ -206,13 +208,13 @@ class Decoder(Position):
                 self.refuse(f"{attribute!r} not in {found}", "a key is missing")
 
     def found(self, path: Path) -> str:
-        """Return the variable for the members of a list that were found."""
+        """Return the variable for the members found in a list."""
         return self._locals.name(path, "found_")
 
     def _select(
         self, members: list[tuple[str, Member | Parameter]], path: Path, stop: str
     ) -> None:
-        """Read the member of the id in `member`; skip one that is not known."""
+        """Generate reading the member of the id in `member`; an unknown one is skipped."""
         body = self.body
         if len(members) > _MAX_COMPARED:
             half = len(members) // 2
@@ -242,7 +244,7 @@ class Decoder(Position):
     def _content(
         self, node: Member | Parameter, path: Path, stop: str, target: str
     ) -> None:
-        """The value of a member, which fills the octets up to `stop` but for padding."""
+        """Generate a member's value, which fills the octets up to `stop` except for padding."""
         body = self.body
         if isinstance(node, Member):
             self.steps(steps_of(node.node, ALIGNED), path)
@@ -268,7 +270,7 @@ class Decoder(Position):
         body.add(f"offset = {stop}")
 
     def evolving(self, group: Group, end: str) -> None:
-        """The members that are there up to `end`, in `values`; further octets are ignored."""
+        """Generate the members present up to `end`, in `values`; further octets are ignored."""
         body = self.body
         body.add("values = []")
         body.block("while True:")
@@ -286,7 +288,7 @@ class Decoder(Position):
         self.body.end()
 
     def value(self, node: Node, path: Path, outermost: bool = False) -> str:
-        """Return the expression for a value from its unpacked items."""
+        """Return the expression for a value, given its unpacked items."""
         convert = self._convert
         match node:
             case Group(type=type_, members=members):
@@ -322,7 +324,7 @@ class Decoder(Position):
         return raw
 
     def _made(self, node: AtomArray, path: Path) -> str:
-        """Return the function that makes an array of octets."""
+        """Return the function that makes an array from octets."""
         made = self._locals.name(path, "made_")
         self.body.choose(made, made, Arrays(node), "made")
         return made
@@ -345,7 +347,7 @@ class Decoder(Position):
                 self._section(section, next(remaining), prefix)
 
     def _take(self, field: Field, prefix: Path, end: str) -> None:
-        """The items of a sequence, read in one piece; the offset behind them in `end`."""
+        """Generate the items of a sequence, read in one piece; the next offset is in `end`."""
         node = field.node
         assert isinstance(node, AtomSequence | Records)
         path = (*prefix, *field.path)
@@ -425,13 +427,13 @@ class Decoder(Position):
         return self._locals.name(path, "n_" if entry.count else "")
 
     def _further(self, entry: Entry, prefix: Path = ()) -> list[str]:
-        """Return the variable for the last octet of a string, which `struct` reads by itself."""
+        """Return the variable for the last octet of a string, which `struct` reads separately."""
         if entry.count or getattr(entry.field.node, "text", None) is not Text.STRING:
             return []
         return [self._locals.name((*prefix, *entry.field.path), "nul_")]
 
     def _check(self, entry: Entry, prefix: Path) -> None:
-        """Check of the bound, directly after reading the count."""
+        """Generate the check of the bound, directly after reading the count."""
         node = entry.field.node
         bound = (
             node.most
@@ -480,7 +482,7 @@ class Decoder(Position):
 
 
 class _Record(Decoder):
-    """The values of one element of a sequence of records, within a comprehension."""
+    """Values of an element in a sequence of records, inside a comprehension."""
 
     def targets(self, fields: tuple[Field, ...]) -> str:
         """Return the variables of an element."""
@@ -489,5 +491,5 @@ class _Record(Decoder):
 
 
 def _is_star(node: Node) -> bool:
-    """Return whether `struct` unpacks several values of a field."""
+    """Return whether `struct` unpacks several values for a field."""
     return isinstance(node, AtomArray) and node.form == "list"

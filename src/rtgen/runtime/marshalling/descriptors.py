@@ -1,8 +1,7 @@
 """Descriptors of generated types: repository id and structure, as data.
 
-Descriptors serve the check when two ports are connected, and the search for the place of a value
-that could not be marshalled; the codecs of XCDR are compiled from them. Those of classic CDR do
-not look at them.
+They are used to check types when two ports are connected, to locate a value that cannot be
+marshalled, and to compile codecs.
 """
 
 from __future__ import annotations
@@ -18,11 +17,11 @@ from rtgen.runtime.marshalling.errors import Buffer
 from rtgen.runtime.marshalling.numeric import Numeric
 
 NEXT: Final = -1
-"""The member id that follows that of the member before."""
+"""Stands for the member id after that of the previous member."""
 
 
 class Description:
-    """The base of all descriptors; a copy of a value refers to the same ones."""
+    """Base class of descriptors; a copy of a value refers to the same descriptors."""
 
     __slots__ = ()
 
@@ -32,7 +31,7 @@ class Description:
 
 @dataclass(frozen=True, slots=True)
 class PrimitiveDescriptor(Description):
-    """A basic type, by its IDL name; `null` and `void` are types of nothing."""
+    """A basic type, by its IDL name; `null` and `void` are types without values."""
 
     name: str
 
@@ -103,9 +102,9 @@ class MapDescriptor(Description):
 
 @dataclass(frozen=True, slots=True)
 class Named(Description):
-    """`class_` is the Python class it describes, or None; `codecs` what was compiled from it.
+    """A named type: `class_` is its Python class or None; `codecs` are its compiled functions.
 
-    `representation` is the version of XCDR that `to_cdr` gives, 0 for classic CDR.
+    `representation` is the version of XCDR that `to_cdr` writes, 0 for classic CDR.
     """
 
     repository_id: str
@@ -122,7 +121,7 @@ class Named(Description):
 
 @dataclass(frozen=True, slots=True)
 class AliasDescriptor(Named):
-    """A typedef: what the types that it is used in are compared by is its target."""
+    """A typedef; types that use it are compared by its target."""
 
     target: Descriptor
 
@@ -132,20 +131,20 @@ class AliasDescriptor(Named):
 
 @dataclass(frozen=True, slots=True)
 class EnumDescriptor(Named):
-    """An enum: its members in order with their numbers, and the bits it has at most."""
+    """An enum: its members in order with their numbers, and its size in bits."""
 
     members: tuple[tuple[str, int], ...]
     bound: int = 32
 
     @property
     def code(self) -> str:
-        """The `struct` code of classic CDR: signed for an enum that has negative numbers."""
+        """The `struct` code of classic CDR: signed if a number is negative."""
         return "i" if any(number < 0 for _, number in self.members) else "I"
 
 
 @dataclass(frozen=True, slots=True)
 class FlagsDescriptor(Named):
-    """A bitmask: its flags with their positions, and how many bits it has."""
+    """A bitmask: its flags with their positions, and its size in bits."""
 
     members: tuple[tuple[str, int], ...]
     bound: int
@@ -154,7 +153,7 @@ class FlagsDescriptor(Named):
 class BitfieldDescriptor(msgspec.Struct, frozen=True):
     """A field of a bitset: its width and the bit it begins at, the least significant being 0.
 
-    `signed`: it is in two's complement; `boolean`: its one bit is a bool.
+    `signed`: it is in two's complement; `boolean`: its one bit is a boolean.
     """
 
     name: str
@@ -188,7 +187,7 @@ class BitfieldDescriptor(msgspec.Struct, frozen=True):
 
 @dataclass(frozen=True, slots=True)
 class BitsetDescriptor(Named):
-    """A bitset: its named fields, those of its base first, and how many bits it has."""
+    """A bitset: its named fields, those of its base first, and its size in bits."""
 
     fields: tuple[BitfieldDescriptor, ...]
     bound: int
@@ -197,10 +196,10 @@ class BitsetDescriptor(Named):
 class MemberDescriptor(msgspec.Struct, frozen=True):
     """A member of a struct: its name in the definition, its type, and its attribute in Python.
 
-    `private` is meant for the state of a value.
+    `private` applies to the state of a valuetype.
 
-    `id` is the member id of DDS-XTypes (1.3, 7.3.1.2.1); NEXT stands for the one after that of
-    the member before, and is replaced by that number in the descriptor of the struct.
+    `id` is the member id of DDS-XTypes (1.3, 7.3.1.2.1); NEXT stands for the one after that of the
+    previous member, and is replaced by the number in the descriptor of the struct.
     """
 
     name: str
@@ -219,10 +218,10 @@ class MemberDescriptor(msgspec.Struct, frozen=True):
 
 @dataclass(frozen=True, slots=True)
 class StructDescriptor(Named):
-    """A struct: its members in the order of the wire, those of its bases first.
+    """A struct: its members in wire order, those of its bases first.
 
-    `extensibility` is `final`, `appendable` or `mutable`; `nested`: it is not a topic by itself.
-    `opaque`: its name is all that was known when it was generated.
+    `extensibility` is `final`, `appendable` or `mutable`; `nested`: it is not a topic type.
+    `opaque`: only its name was known when it was generated.
     """
 
     members: tuple[MemberDescriptor, ...]
@@ -236,7 +235,7 @@ class StructDescriptor(Named):
 
 @dataclass(frozen=True, slots=True)
 class ExceptionDescriptor(Named):
-    """A user exception: as a struct."""
+    """A user exception, with the attributes of a struct."""
 
     members: tuple[MemberDescriptor, ...]
 
@@ -245,7 +244,7 @@ class ExceptionDescriptor(Named):
 
 
 class BranchDescriptor(msgspec.Struct, frozen=True):
-    """A branch of a union; `labels` are values of the discriminator in Python."""
+    """A branch of a union; `labels` are Python values of the discriminator."""
 
     labels: tuple[int | str | bool, ...]
     default: bool
@@ -272,7 +271,7 @@ class UnionDescriptor(Named):
         object.__setattr__(self, "branches", _numbered(self.branches, 1))
 
     def branch(self, discriminator: int | str | bool) -> BranchDescriptor | None:
-        """Return the branch that a value of the discriminator selects, or None."""
+        """Return the branch selected by a discriminator, or None."""
         for branch in self.branches:
             if discriminator in branch.labels:
                 return branch
@@ -281,9 +280,9 @@ class UnionDescriptor(Named):
 
 @dataclass(frozen=True, slots=True)
 class InterfaceDescriptor(Named):
-    """An interface: the signatures of its operations and attributes, those of its bases first.
+    """An interface: signatures of its operations and attributes, those of its bases first.
 
-    `opaque`: its name is all that was known when it was generated.
+    `opaque`: only its name was known when it was generated.
     """
 
     operations: tuple[str, ...] = ()
@@ -299,14 +298,14 @@ class InterfaceDescriptor(Named):
 
 @dataclass(frozen=True, slots=True)
 class ValueDescriptor(Named):
-    """A valuetype: its own state, its bases, and what it is: custom, abstract, truncatable."""
+    """A valuetype: its own state, its bases, and its modifier: custom, abstract, truncatable."""
 
     members: tuple[MemberDescriptor, ...]
     bases: tuple[ValueDescriptor, ...] = ()
     modifier: str = ""
 
     def concrete_base(self) -> ValueDescriptor | None:
-        """Return the base that has state; None if there is none."""
+        """Return the base with state; None if there is none."""
         return next((b for b in self.bases if b.modifier != "abstract"), None)
 
     def all_members(self) -> tuple[MemberDescriptor, ...]:
@@ -315,7 +314,7 @@ class ValueDescriptor(Named):
         return self.members if base is None else base.all_members() + self.members
 
     def truncates_to(self) -> tuple[str, ...]:
-        """Return the ids of the bases that a value can be truncated to, the nearest first."""
+        """Return the ids of the bases to which a value can be truncated, the nearest first."""
         base = self.concrete_base()
         if self.modifier != "truncatable" or base is None:
             return ()
@@ -330,7 +329,7 @@ _Derived = TypeVar("_Derived", InterfaceDescriptor, ValueDescriptor)
 
 
 def lineage(descriptor: _Derived) -> dict[str, _Derived]:
-    """Return the descriptor and all that it derives from, each once, by repository id."""
+    """Return the descriptor and all its bases by repository id."""
     found: dict[str, _Derived] = {}
     waiting = [descriptor]
     while waiting:
@@ -348,7 +347,7 @@ class BoxDescriptor(Named):
     target: Descriptor
 
     def truncates_to(self) -> tuple[str, ...]:
-        """Nothing."""
+        """Return no ids: boxes cannot be truncated."""
         return ()
 
     def is_a(self, repository_id: str) -> bool:
@@ -358,7 +357,7 @@ class BoxDescriptor(Named):
 
 @dataclass(frozen=True, slots=True)
 class LinkDescriptor(Named):
-    """A type inside its own definition; equal if the name and the repository id are."""
+    """A reference to a type inside its own definition; equal if name and repository id are."""
 
     target: Callable[[], Descriptor] = field(compare=False, repr=False)
 
@@ -374,7 +373,7 @@ _E = TypeVar("_E", MemberDescriptor, BranchDescriptor)
 
 
 def _numbered(entries: tuple[_E, ...], first: int) -> tuple[_E, ...]:
-    """Return the members with their ids settled."""
+    """Return the members with their ids resolved."""
     for entry in entries:
         if entry.id == NEXT:
             break
@@ -391,13 +390,13 @@ def _numbered(entries: tuple[_E, ...], first: int) -> tuple[_E, ...]:
 
 
 def bind(class_: Any, descriptor: EnumDescriptor | FlagsDescriptor) -> None:
-    """Give an enum or a bitmask its descriptor, which a class body of theirs cannot hold."""
+    """Set the descriptor of an enum or bitmask, whose class body cannot contain it."""
     class_._descriptor_ = descriptor
     register(class_, descriptor)
 
 
 def plain(descriptor: Descriptor) -> Descriptor:
-    """Return the type behind typedefs, and behind the link of a recursive one."""
+    """Resolve typedefs, and the link of a recursive type."""
     while isinstance(descriptor, AliasDescriptor | LinkDescriptor):
         if isinstance(descriptor, AliasDescriptor):
             descriptor = descriptor.target
@@ -427,21 +426,21 @@ Descriptor: TypeAlias = (
 )
 
 ANY: Final = PrimitiveDescriptor("any")
-"""The type that can hold every other."""
+"""The type `any`."""
 
 NULL: Final = PrimitiveDescriptor("null")
-"""The type of nothing."""
+"""The type without values."""
 
 UNKNOWN: Final[dict[type[Description], Any]] = {}
-"""The classes of values of no generated type, by that of the descriptor; `values` enters them."""
+"""Classes of values without a generated type, by class of descriptor; filled by `values`."""
 
 _REGISTERED: dict[str, Named] = {}
 
 
 def register(class_: type[Any], descriptor: Named) -> None:
-    """Make a class the one that values of the descriptor are made as.
+    """Register the class of values of the descriptor.
 
-    Of two types with one repository id the last is found by it.
+    Of two types with one repository id, the last one is registered.
     """
     object.__setattr__(descriptor, "class_", class_)
     if descriptor.repository_id:
@@ -449,18 +448,18 @@ def register(class_: type[Any], descriptor: Named) -> None:
 
 
 def registered(repository_id: str) -> Descriptor | None:
-    """Return the descriptor of the generated type with that id, or None."""
+    """Return the generated type's descriptor by repository id; None if there is none."""
     found: Any = _REGISTERED.get(repository_id)
     return found  # type: ignore[no-any-return]
 
 
 def class_of(descriptor: Descriptor) -> Any:
-    """Return the class that values of the descriptor are made as; None if there is none."""
+    """Return the class of the descriptor's values; None if there is none."""
     return getattr(descriptor, "class_", None)
 
 
 class DataType(Protocol):
-    """What every generated struct and union has: a port can carry it."""
+    """Interface of generated structs and unions, the types of data ports."""
 
     _descriptor_: ClassVar[Any]
 

@@ -1,4 +1,4 @@
-"""Which types inside of an `any` or a value are marshalled by their compiled codecs."""
+"""Selects the types inside an `any` or a valuetype that compiled codecs marshal."""
 
 from __future__ import annotations
 
@@ -15,11 +15,10 @@ from rtgen.runtime.marshalling.trees import has_headers, parts
 
 
 def compiled_class(descriptor: StructDescriptor | UnionDescriptor) -> Any:
-    """Return the class whose `_read_` and `_write_` marshal the type; None if it has to be walked
-    along.
+    """Return the class whose `_read_` and `_write_` marshal the type; None without one.
 
-    That is a type without a generated class, one that classic CDR does not have, and one with an
-    array of elements without octets, of which a few octets would make any number.
+    None for a type without a generated class, one that classic CDR cannot represent, and one with
+    an array of elements without octets, of which a few octets could claim any number.
     """
     codecs = descriptor.codecs
     if "class" not in codecs:

@@ -1,4 +1,4 @@
-"""Marshalling of whole values by their descriptors, and location of faults of compiled codecs."""
+"""Marshals whole values by their descriptors, and locates errors of compiled codecs."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _TOO_DEEP = "the value contains itself, or is nested too deeply"
 
 
 def encoded(descriptor: Any, value: object, little_endian: bool) -> bytes:
-    """Return the body of a value, written by its descriptor; raises CdrError."""
+    """Encode a value by its descriptor. Raises CdrError."""
     out = Output()
     try:
         Writer(out, little_endian).value(descriptor, value)
@@ -24,7 +24,7 @@ def encoded(descriptor: Any, value: object, little_endian: bool) -> bytes:
 
 
 def decoded(descriptor: Any, data: Buffer, little_endian: bool) -> Any:
-    """Return the value of a body, read by its descriptor; raises CdrError."""
+    """Decode a value by its descriptor. Raises CdrError."""
     try:
         reader = Reader(data, little_endian)
         value = reader.value(descriptor)
@@ -40,7 +40,7 @@ def decoded(descriptor: Any, data: Buffer, little_endian: bool) -> Any:
 def fault_in_value(
     descriptor: Any, root: str, value: object, failure: Exception
 ) -> CdrError:
-    """Return the first fault of a value that could not be encoded; `root` begins its path."""
+    """Return the first error of a value that could not be encoded; its path starts at `root`."""
     try:
         Writer(Output(), True, walking=True).value(descriptor, value)
     except FAILURES as found:
@@ -51,7 +51,7 @@ def fault_in_value(
 def fault_in_octets(
     descriptor: Any, root: str, data: Buffer, little_endian: bool, failure: Exception
 ) -> CdrError:
-    """Return the first fault of octets that could not be decoded; `root` begins its path."""
+    """Return the first error of octets that could not be decoded; its path starts at `root`."""
     try:
         octets = Input(data)
     except TypeError:

@@ -1,4 +1,4 @@
-"""The source text that marshals a value, made from its layout."""
+"""Generates the source text of functions that marshal a value, from its layout."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ from rtgen.runtime.marshalling.text import Body, Locals
 
 
 class Encoder:
-    """Writes the body of `to_cdr` or of a function that appends to a buffer."""
+    """Generates the body of `to_cdr`, or of a function that appends to a buffer."""
 
     def __init__(self, references: References) -> None:
         self._refer = references
@@ -63,7 +63,7 @@ class Encoder:
     def whole(self, run: Run, base: str, number: int | None = None) -> list[str]:
         """Return the body for a value packed by one `struct` call.
 
-        With the number of its representation (big-endian) it is the value's payload.
+        With `number`, that of its representation (big-endian), it returns the value's payload.
         """
         self._bound = {(): base}
         arguments, counts = self._arguments(run, ())
@@ -81,7 +81,7 @@ class Encoder:
         return self.body.lines
 
     def steps(self, steps: tuple[Step, ...], prefix: Path) -> None:
-        """The steps of the value at path `prefix`."""
+        """Generate the steps of the value at path `prefix`."""
         for step in steps:
             match step:
                 case Run():
@@ -131,7 +131,7 @@ class Encoder:
     def headed(
         self, node: Member | Parameter, steps: tuple[Step, ...], path: Path
     ) -> None:
-        """A member with a header of its own, left out if it is optional and None."""
+        """Generate a member with a header of its own, omitted if it is optional and None."""
         if not node.optional:
             self._headed(node, steps, path)
             return
@@ -150,7 +150,7 @@ class Encoder:
         body = self.body
         match node:
             case Member() if has_varying_length(node):
-                # Its content may have a length of its own at the same path: `start_`.
+                # The content may have a length of its own at the same path: `start_`.
                 start = self._locals.name(path, "begin_")
                 body.add("out += bytes((-len(out) & 3) + 8)")
                 body.add(f"{start} = len(out)")
@@ -182,7 +182,7 @@ class Encoder:
                 body.add(f"out += {content}")
 
     def _parameter(self, node: Parameter, size: str) -> None:
-        """The header of a parameter in the extended form."""
+        """Generate the header of a parameter in the extended form."""
         pid = PID_EXTENDED | SHORT_MUST_UNDERSTAND
         flags = node.must_understand * LONG_MUST_UNDERSTAND | node.id
         self.body.choose("pack_header", "pack_header", Parameters, "pack")
@@ -190,17 +190,17 @@ class Encoder:
         self.body.add(f"out += bytes(-len(out) & 3) + {header}")
 
     def end_list(self) -> None:
-        """The parameter that ends a list of XCDR1."""
+        """Generate the parameter that ends a list of XCDR1."""
         self.body.choose("list_end", "list_end", Parameters, "end")
         self.body.add("out += bytes(-len(out) & 3) + list_end")
 
     def begin_delimited(self, start: str) -> None:
-        """Reserve the DHEADER of a value that starts behind it, at the offset in a variable."""
+        """Generate a placeholder of the DHEADER; the value starts at the offset in a variable."""
         self.body.add('out += bytes(-len(out) & 3) + b"\\0\\0\\0\\0"')
         self.body.add(f"{start} = len(out)")
 
     def put_length(self, start: str) -> None:
-        """Write the DHEADER of a value that starts at the offset in a variable."""
+        """Generate the DHEADER of a value that starts at the offset in a variable."""
         self.body.choose("put", "put", Lengths, "put")
         self.body.add(f"put(out, {start} - 4, len(out) - {start})")
 
@@ -237,9 +237,7 @@ class Encoder:
         self.body.end()
 
     def _arguments(self, run: Run, prefix: Path) -> tuple[list[str], list[str]]:
-        """Return the arguments of `pack` for a run, and what selects its shape: the counts among
-        them.
-        """
+        """Return the arguments of `pack` for a run, and the key of its shape: the counts."""
         arguments: list[str] = []
         counts: list[str] = []
         for field in run.fields:
@@ -254,7 +252,7 @@ class Encoder:
         return arguments, counts
 
     def _field(self, node: Node, path: Path) -> tuple[str | None, str | None]:
-        """Return the expressions for the count of a field and for its value."""
+        """Return the expressions for a field's count and value."""
         convert = self.convert
         match node:
             case Atom():
@@ -297,12 +295,12 @@ class Encoder:
         raise TypeError(node)
 
     def _bulk(self, node: AtomSequence, path: Path, items: str, count: str) -> str:
-        """Return the items of a list, or their octets; `_keys` gets the key of the shape."""
+        """Return the items of a list, or their octets; the key of the shape is in `_keys`."""
         put = self._locals.name(path, "put_")
         self.body.choose(put, put, Sequences(node), "put")
         key = self._keys[path] = self._locals.name(path, "key_")
         packed = items
-        if not path:  # the value itself, which the report of a fault needs
+        if not path:  # the value itself, for the error report
             packed = self._locals.name(path, "packed_")
             self.body.add(f"{packed} = {items}")
         self.body.add(f"{key} = {count}")
@@ -312,7 +310,7 @@ class Encoder:
         return f"*{packed}"
 
     def _octets(self, node: AtomArray, path: Path) -> str:
-        """Return the function that gives the octets of an array."""
+        """Return the function that encodes an array."""
         octets = self._locals.name(path, "octets_")
         self.body.choose(octets, octets, Arrays(node), "octets")
         return octets

@@ -8,7 +8,7 @@ from functools import partial
 from typing import Any, Final
 
 HEADER: Final = 4
-"""Octets of the header."""
+"""Size of the header in octets."""
 _BIG_ENDIAN = {
     (1, "final"): 0x00,
     (1, "appendable"): 0x00,
@@ -20,7 +20,7 @@ _BIG_ENDIAN = {
 
 
 def identifier(descriptor: Any, version: int, little_endian: bool) -> int:
-    """Return the number of the representation of a type in a version of XCDR and a byte order."""
+    """Return the identifier of a type's representation, by XCDR version and byte order."""
     extensibility = getattr(descriptor, "extensibility", "final")
     return _BIG_ENDIAN[version, extensibility] | little_endian
 

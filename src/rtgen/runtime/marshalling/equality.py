@@ -21,9 +21,7 @@ _COLLECTIONS: Final = (AliasDescriptor, ArrayDescriptor, SequenceDescriptor)
 
 
 def holds_numpy(descriptor: Named | None) -> bool:
-    """Return whether a member of a struct or exception, or a branch of a union, is a numpy
-    array.
-    """
+    """Return whether a member of a struct or exception, or a union's branch, is a numpy array."""
     entries: Iterable[MemberDescriptor | BranchDescriptor] = ()
     if isinstance(descriptor, StructDescriptor | ExceptionDescriptor):
         entries = descriptor.members
@@ -42,7 +40,7 @@ def _is_numpy(type_: Any) -> bool:
 
 
 def same(one: Any, other: Any) -> bool:
-    """Return whether both are equal, with numpy arrays inside of lists, too."""
+    """Return whether two values are equal, also with numpy arrays inside lists."""
     if hasattr(one, "dtype") or hasattr(other, "dtype"):
         import numpy
 
@@ -53,7 +51,7 @@ def same(one: Any, other: Any) -> bool:
 
 
 def same_members(self: Any, other: Any) -> Any:
-    """`__eq__` of a struct or union: of one class, with equal members."""
+    """Implement `__eq__` of a struct or union: same class, equal members."""
     if type(other) is not type(self):
         return NotImplemented
     return all(

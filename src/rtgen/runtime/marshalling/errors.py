@@ -1,4 +1,4 @@
-"""Errors of codecs: `CdrError`; faults in nested values, whose path each level extends."""
+"""Errors of codecs: `CdrError`, and faults in nested values, whose path each level extends."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import struct
 from typing import TypeAlias
 
 Buffer: TypeAlias = bytes | bytearray | memoryview
-"""The types of input."""
+"""Types of input data."""
 
 FAILURES = (
     struct.error,
@@ -37,7 +37,7 @@ class CdrError(ValueError):
 
 
 class Fault(ValueError):
-    """The error and its place: the parts of the path, innermost first."""
+    """An error with its place: the parts of the path, innermost first."""
 
     def __init__(self, message: str) -> None:
         self.message = message
@@ -45,12 +45,12 @@ class Fault(ValueError):
         super().__init__(message)
 
     def error(self, root: str) -> CdrError:
-        """Return the exception to raise, with the path starting at `root`."""
+        """Return the exception to raise; the path starts at `root`."""
         return CdrError(root + "".join(reversed(self.parts)), self.message)
 
 
 LOCATED = tuple(f for f in FAILURES if f is not RecursionError)
-"""Exceptions that get a path. Infinite recursion has none."""
+"""Exceptions that get a path. Infinite recursion gets none."""
 
 
 def located(failure: Exception, part: str) -> Fault:

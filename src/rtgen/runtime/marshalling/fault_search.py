@@ -1,8 +1,8 @@
-"""The place of a fault in octets of XCDR that no codec could decode: a walk along the layout.
+"""Locates an error in octets of XCDR that could not be decoded, by reading along the layout.
 
-Values are read one by one as the compiled codecs do it, with the path that leads to each. Delimited
-content is cut out of the data, and read from 0: it starts at a multiple of 4, and nothing in it is
-aligned to more.
+Values are read one by one as compiled codecs do, with the path of each. Delimited content is cut
+out of the data and read from offset 0: it starts at a multiple of 4, and nothing in it has a larger
+alignment.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ _Members: TypeAlias = Iterable[tuple[str, Member | Parameter]]
 def fault_in_body(
     descriptor: Any, data: Octets, format_: Format, little_endian: bool
 ) -> Fault | None:
-    """Return the first fault of a body; None if there is none."""
+    """Return the first error of a body; None if there is none."""
     search = _Search(format_, little_endian)
     try:
         extensibility = getattr(descriptor, "extensibility", "")
@@ -106,9 +106,7 @@ class _Search:
     def members(
         self, descriptor: Any, data: Octets, offset: int, evolving: bool
     ) -> int:
-        """Return the members of a struct; `evolving`: it may end early, and what follows is
-        ignored.
-        """
+        """Read a struct's members; `evolving`: it can end early, and extra octets are ignored."""
         body = body_of(descriptor, self._format)
         names = {m.attribute: m.name for m in descriptor.members}
         if isinstance(body, MemberList):
@@ -132,7 +130,7 @@ class _Search:
             raise _extended(failure, part) from failure
 
     def read(self, node: Node, data: Octets, offset: int) -> tuple[Any, int]:
-        """Return the value of a node, if it is an atom or a text, and the offset behind it."""
+        """Return the value of a node that is an atom or text, and the next offset."""
         match node:
             case Atom():
                 return self._atom(node, data, offset)
@@ -189,7 +187,7 @@ class _Search:
         return value, offset + atom.size
 
     def _converted(self, expression: str, raw: Any) -> Any:
-        """Return the value of an expression of `Conversions` for `raw`."""
+        """Return the value of an expression from `Conversions` for `raw`."""
         if expression not in self._conversions:
             text = f"lambda raw, little_endian: {expression}"
             self._conversions[expression] = eval(text, self._namespace.values)
@@ -300,9 +298,7 @@ class _Search:
     def _list(
         self, members: _Members, names: dict[str, str], data: Octets, offset: int
     ) -> tuple[set[str], int]:
-        """Return the attributes of the members of a list that are there, and the offset behind
-        it.
-        """
+        """Return the attributes of the members in a list, and the next offset."""
         known = {member.id: (attribute, member) for attribute, member in members}
         found: set[str] = set()
         while self._format.version == 1 or offset < len(data):
@@ -333,7 +329,7 @@ class _Search:
         return found, offset
 
     def _filled(self, node: Node, content: Octets, padding: int) -> None:
-        """A value that fills the content, except for at most that much padding."""
+        """Read a value that fills the content, except for up to `padding` octets."""
         _, used = self.read(node, content, 0)
         if len(content) - used > padding:
             raise Fault(f"{len(content) - used} octets too many")
@@ -344,7 +340,7 @@ def _numbers(count: int) -> Iterable[str]:
 
 
 def _extended(failure: Exception, part: str) -> Fault:
-    """Return the failure as a fault, with one more part of its path."""
+    """Return the failure as a fault, with its path extended by one part."""
     if isinstance(failure, struct.error):
         failure = Fault("truncated")
     elif isinstance(failure, KeyError):

@@ -1,4 +1,4 @@
-"""The errors of compiled codecs of classic CDR, which locate a fault only after a failure."""
+"""Errors of compiled codecs of classic CDR, which are located only after a failure."""
 
 from __future__ import annotations
 

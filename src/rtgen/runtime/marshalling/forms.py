@@ -1,4 +1,4 @@
-"""Numbers that are marshalled one by one, along a descriptor: from each form, and to it."""
+"""Converts numbers between the forms of a sequence, for codecs that interpret descriptors."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from rtgen.runtime.marshalling.octets import nested
 
 
 def listed(descriptor: SequenceDescriptor | ArrayDescriptor, value: Any) -> Any:
-    """Return the items of a buffer as a list, and any other object as it is.
+    """Return the items of a buffer as a list; other objects unchanged.
 
     Raises ValueError for a buffer of another format, or with other dimensions.
     """
@@ -47,7 +47,7 @@ def listed(descriptor: SequenceDescriptor | ArrayDescriptor, value: Any) -> Any:
 
 
 def formed(descriptor: SequenceDescriptor | ArrayDescriptor, items: list[Any]) -> Any:
-    """Return the form of the items of a list."""
+    """Return a list of items in the form of the descriptor."""
     if descriptor.numeric == "list":
         return items
     element = plain(descriptor.element)

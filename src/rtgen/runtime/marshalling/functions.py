@@ -1,4 +1,4 @@
-"""The source text (head and body) of each function compiled for a type."""
+"""Source text (head and body) of each function compiled for a type."""
 
 from __future__ import annotations
 
@@ -41,11 +41,11 @@ from rtgen.runtime.marshalling.trees import (
 )
 
 Function: TypeAlias = tuple[str, list[str]]
-"""The head of a function and the lines of its body."""
+"""Head of a function, and the lines of its body."""
 
 
 def _encode(descriptor: Any, refer: References) -> Function:
-    """Return the whole body of a value."""
+    """Return the function that encodes a whole body."""
     members = StructDescriptor | ExceptionDescriptor | UnionDescriptor
     name = "self" if isinstance(descriptor, members) else "value"
     lines = _encoding(descriptor, refer, name)
@@ -54,7 +54,7 @@ def _encode(descriptor: Any, refer: References) -> Function:
 
 
 def _envelop(descriptor: Any, refer: References) -> Function:
-    """Return the payload of a value: its body behind the encapsulation header, padded."""
+    """Return the function that encodes a payload: encapsulation header, body, padding."""
     head = "def to_payload(value, little_endian=True):"
     number = identifier(descriptor, refer.format.version, False)
     run = _only_run(descriptor, refer)
@@ -69,7 +69,7 @@ def _envelop(descriptor: Any, refer: References) -> Function:
 
 
 def _only_run(descriptor: Any, refer: References) -> Run | None:
-    """Return the run that is all of a value, if it is one."""
+    """Return the run that is the whole value, if it is one."""
     if isinstance(descriptor, UnionDescriptor) or is_dynamic(descriptor):
         return None
     match steps_of(_node(descriptor, refer), ORIGIN):
@@ -81,7 +81,7 @@ def _only_run(descriptor: Any, refer: References) -> Run | None:
 def _raising(
     refer: References, descriptor: Any, lines: list[str], name: str
 ) -> list[str]:
-    """Return the lines, with CdrError for a value that cannot be packed."""
+    """Return the lines with CdrError raised for a value that cannot be packed."""
     failure = (
         f"{refer.function(encoding_error)}({refer.descriptor(descriptor)}, {name}, "
     )
@@ -89,7 +89,7 @@ def _raising(
 
 
 def _decode(descriptor: Any, refer: References) -> Function:
-    """Return the value of a whole body."""
+    """Return the function that decodes a whole body."""
     decoder = Decoder(refer)
     lines = _decoding(descriptor, decoder, refer)
     head = "def from_cdr(cls, data, little_endian=True):"
@@ -108,7 +108,7 @@ def _decode(descriptor: Any, refer: References) -> Function:
 
 
 def _decode_evolved(descriptor: Any, refer: References) -> Function:
-    """Return the value of a whole body, of any version of the appendable types in it."""
+    """Return the function that decodes a body of any version of the appendable types in it."""
     refer.evolving = True
     head = "def from_evolved(cls, data, little_endian):"
     extensibility = getattr(descriptor, "extensibility", "")
@@ -200,7 +200,7 @@ def _is_fixed(run: Run) -> bool:
 
 
 def _write(descriptor: Any, refer: References) -> Function:
-    """Append a value to a body."""
+    """Return the function that appends a value to a body."""
     encoder = Encoder(refer)
     if isinstance(descriptor, UnionDescriptor):
         lines = unions.encode(descriptor, encoder, refer)
@@ -211,7 +211,7 @@ def _write(descriptor: Any, refer: References) -> Function:
 
 
 def _read(descriptor: Any, refer: References) -> Function:
-    """Return the value at an offset, and the offset behind it."""
+    """Return the function that reads a value at an offset, and the next offset."""
     decoder = Decoder(refer)
     if isinstance(descriptor, UnionDescriptor):
         lines = unions.decode(descriptor, decoder, refer)
@@ -222,7 +222,7 @@ def _read(descriptor: Any, refer: References) -> Function:
 
 
 def _evolve(descriptor: Any, refer: References) -> Function:
-    """Return the value at an offset, of any version of the appendable types in it."""
+    """Return the function that reads a value of any version of the appendable types in it."""
     refer.evolving = True
     head = "def evolve(data, offset, little_endian):"
     if isinstance(descriptor, UnionDescriptor) or not (
@@ -241,7 +241,7 @@ def _evolve(descriptor: Any, refer: References) -> Function:
 
 
 def _snapshot(descriptor: Any, refer: References) -> Function:
-    """Return a deep copy; immutable values are shared."""
+    """Return the function that makes a deep copy; immutable values are shared."""
     head = "def _snapshot_(self):"
     if is_dynamic(descriptor):
         return head, [f"return {refer.function(deepcopy)}(self)"]

@@ -1,8 +1,4 @@
-"""Headers of members with one of their own: of mutable types, and optional ones in XCDR1.
-
-DDS-XTypes 1.3: 7.4.3.4.2 (EMHEADER), 7.4.1.2 (parameters of XCDR1). Parameters are written in the
-extended form, as Cyclone DDS 11 does; all forms are read.
-"""
+"""Member headers: of mutable types, and of optional members in XCDR1."""
 
 from __future__ import annotations
 
@@ -25,7 +21,7 @@ _LONG = (Struct(">II").unpack_from, Struct("<II").unpack_from)
 
 
 class Lengths:
-    """Writes and reads the length of a delimited value."""
+    """Encoder and decoder of the length of a delimited value."""
 
     put_little = Struct("<I").pack_into
     put_big = Struct(">I").pack_into
@@ -34,14 +30,14 @@ class Lengths:
 
 
 class MemberHeaders:
-    """Writes an EMHEADER and the length after it."""
+    """Encoder of an EMHEADER and the length after it."""
 
     put_little = Struct("<II").pack_into
     put_big = Struct(">II").pack_into
 
 
 class Parameters:
-    """Packs the header of a parameter (PID, 8, flags and id, length) and the end of a list."""
+    """Encoder of a parameter's header (PID, 8, flags and id, length) and of the end of a list."""
 
     pack_little = Struct("<HHII").pack
     pack_big = Struct(">HHII").pack
@@ -52,10 +48,10 @@ class Parameters:
 def next_member(
     data: Any, offset: int, end: int, little_endian: bool
 ) -> tuple[int, bool, int, int]:
-    """Return the id of the member at an offset before `end`, whether it must be understood, its
-    content.
+    """Return the id of the next member, whether it must be understood, and its content.
 
-    The content is given by its offsets. Raises ValueError or struct.error.
+    The member is at an offset before `end`; the content is given by its offsets. Raises ValueError
+    or struct.error.
     """
     offset += -offset & 3
     (header,) = _ULONG[little_endian](data, offset)
@@ -76,7 +72,7 @@ def next_member(
 def next_parameter(
     data: Any, offset: int, little_endian: bool
 ) -> tuple[int, bool, int, int]:
-    """Return the same of a parameter of XCDR1; the id of the end of a list is negative."""
+    """Return the same for a parameter of XCDR1; the id at the end of a list is negative."""
     offset += -offset & 3
     pid, size = _SHORT[little_endian](data, offset)
     offset += 4
@@ -100,7 +96,7 @@ def next_parameter(
 
 
 def left(end: int, offset: int, size: int) -> None:
-    """Raises ValueError when fewer octets remain than are read."""
+    """Raise ValueError if fewer octets remain than are read."""
     if size > end - offset:
         rest = max(end - offset, 0)
         raise ValueError(f"truncated: {size} octets are needed, {rest} are left")

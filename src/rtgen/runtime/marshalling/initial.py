@@ -1,4 +1,4 @@
-"""The default value of a type, for members that were not sent (DDS-XTypes 1.3, 7.2.2.4.4)."""
+"""Default value of a type, for members that were not sent (DDS-XTypes 1.3, 7.2.2.4.4)."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from rtgen.runtime.marshalling.octets import nested
 
 
 def initial_value(descriptor: Descriptor) -> Any:
-    """Zero, empty, the first enumerator; a new object each time."""
+    """Return zero, empty, or the first enumerator; a new object for each call."""
     descriptor = plain(descriptor)
     match descriptor:
         case PrimitiveDescriptor("boolean"):
@@ -60,7 +60,7 @@ def initial_value(descriptor: Descriptor) -> Any:
 
 
 def _text(element: Descriptor, length: int) -> Any:
-    """Return a number of zeros as octets or characters, or an empty list."""
+    """Return zeros as octets or characters, or an empty list."""
     match plain(element):
         case PrimitiveDescriptor("octet" | "uint8"):
             return bytes(length)

@@ -38,11 +38,11 @@ _FORMAT = Format(2, key=True)
 
 
 class _TooLongError(Exception):
-    """The key can be longer than a hash."""
+    """Raised if the key can be longer than a hash."""
 
 
 def key_hash(type_: Any, value: object) -> bytes:
-    """Return the hash of a value's key; raises CdrError, also if the type has none."""
+    """Return the hash of a value's key. Raises CdrError, also without a key."""
     descriptor = type_._descriptor_
     kept = descriptor.codecs.get(key_hash)
     if kept is None:
@@ -53,7 +53,7 @@ def key_hash(type_: Any, value: object) -> bytes:
 
 
 def _key_codec(descriptor: Any) -> tuple[Any, bool]:
-    """Return the encoder of the key, and whether the key never exceeds 16 octets."""
+    """Return the encoder of the key, and whether keys never exceed 16 octets."""
     if not any(member.key for member in getattr(descriptor, "members", ())):
         name = descriptor.name.rpartition("::")[2]
         raise CdrError(name, "the type has no key")
@@ -69,7 +69,7 @@ def _is_short(descriptor: Any) -> bool:
 
 
 def _end(node: Node, offset: int) -> int:
-    """Return the greatest offset at which a value that begins at `offset` can end."""
+    """Return the greatest possible end of a value that begins at `offset`."""
     match node:
         case Atom(size=size, align=align):
             return _behind(offset, size, align)

@@ -1,9 +1,9 @@
 """Layouts of CDR and XCDR as data: the position of each value, grouped by `struct` call.
 
-Alignment is that of each basic type, up to 8 (XCDR2: 4), from the start of the body (CORBA 3.3
-part 2, 9.3.1; DDS-XTypes 1.3, 7.4.3.2). A type becomes a tree of nodes (`trees`); `steps_of` lays
-the tree out in the order of the wire: runs of values whose place follows from the counts alone,
-loops over elements of varying size, and calls of the codecs of unions and recursive structs.
+Alignment is that of each basic type, up to 8 (XCDR2: 4), from the start of the body (CORBA 3.3 part
+2, 9.3.1; DDS-XTypes 1.3, 7.4.3.2). A type becomes a tree of nodes (`trees`); `steps_of` arranges
+the tree in wire order: runs of values whose positions depend on counts only, loops over elements of
+varying size, and calls of the codecs of unions and recursive structs.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ from rtgen.runtime.marshalling.nodes import (
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """The meaning of one item of `struct`: a field, or its count.
+    """Meaning of an item of `struct`: a field, or its count.
 
     `star`: as many values as the field has items.
     """
@@ -52,12 +52,12 @@ class Entry:
 
 @dataclass(frozen=True, slots=True)
 class Section:
-    """Values that one `struct` call reads, once the count before them is known.
+    """Values read by one `struct` call, once the count before them is known.
 
-    `text` is in the runtime's notation: `=` and a format with settled padding; or tokens such as
-    `I`, `3d`, `*i` (as many as the count says), `*48s/8` (48 octets each, aligned to 8), with
-    `@4` before them where the offset modulo 8 is known to be 4; `!` in front if no `struct` call
-    reads them (`bulk`). `size` is that of a settled one.
+    `text` is in the runtime's notation: `=` and a format with fixed padding; or tokens such as `I`,
+    `3d`, `*i` (the count's number of items), `*48s/8` (48 octets each, aligned to 8), preceded by
+    `@4` if the offset modulo 8 is known to be 4, and by `!` if no `struct` call reads them
+    (`bulk`). `size` is that of fixed sections.
     """
 
     text: str
@@ -83,7 +83,7 @@ class Run:
 
 @dataclass(frozen=True, slots=True)
 class Loop:
-    """One pass of the inner steps for each element of `path`; its count was in the run before."""
+    """Repetition of the inner steps for each element of `path`; the previous run has the count."""
 
     path: Path
     node: Repeat
@@ -103,7 +103,7 @@ class Jump:
 class Frame:
     """The steps of a value that is delimited, optional, or after a header of its own.
 
-    Those of a `MemberList` are in the order in which it is written.
+    Those of a `MemberList` are in wire order.
     """
 
     path: Path
@@ -135,7 +135,7 @@ class Position:
         return Position(self.modulus, (self.remainder + size) % self.modulus)
 
     def after_items(self, size: int, align: int) -> Position:
-        """After any number of items, including none (then without padding)."""
+        """Return the position after any number of items, including none (then without padding)."""
         start = self.aligned(align)
         modulus = gcd(
             self.modulus, start.modulus, size, start.remainder - self.remainder
@@ -160,9 +160,7 @@ def steps_of(node: Node, start: Position) -> tuple[Step, ...]:
 
 
 def settled_size(steps: tuple[Step, ...]) -> int | None:
-    """Return the size of a value that always has the same; None if it varies, or has several
-    runs.
-    """
+    """Return the size of a value of fixed size; None if it varies, or has several runs."""
     if not steps:
         return 0
     if len(steps) > 1 or not isinstance(steps[0], Run):
@@ -172,7 +170,7 @@ def settled_size(steps: tuple[Step, ...]) -> int | None:
 
 
 def fields_of(node: Node, path: Path = ()) -> list[Field | Loop | Jump | Frame]:
-    """Return the tree in wire order, structs flattened; a loop or jump follows its count."""
+    """Return the tree in wire order with structs flattened; loops and jumps follow their counts."""
     match node:
         case Group(members=members):
             return [
@@ -198,12 +196,12 @@ def fields_of(node: Node, path: Path = ()) -> list[Field | Loop | Jump | Frame]:
 
 
 def has_varying_length(member: Member) -> bool:
-    """Return whether the length after the EMHEADER has to be worked out for each value."""
+    """Return whether the length after the EMHEADER varies."""
     return _headers(member) is None
 
 
 def _headers(member: Member) -> list[Header] | None:
-    """What precedes each value; None if its length varies."""
+    """Return the headers before a member's value; None if its length varies."""
     if member.length_code != 4:
         return [Header(member.header)]
     size = settled_size(steps_of(member.node, ALIGNED))
@@ -229,7 +227,7 @@ def _framed(node: Framed) -> tuple[Step, ...]:
 
 
 def fixed_format(fields: tuple[Field, ...]) -> tuple[str, int, int, bool]:
-    """(format, size, alignment, without gaps when repeated) of atoms and arrays from offset 0."""
+    """Return (format, size, alignment, no gaps if repeated) of atoms and arrays from offset 0."""
     text, offset, most = "", 0, 1
     aligns = []
     for field in fields:
@@ -244,7 +242,7 @@ def fixed_format(fields: tuple[Field, ...]) -> tuple[str, int, int, bool]:
 
 
 def _token(node: Placed | Repeat) -> tuple[str, int, int]:
-    """(token, size, alignment) of a value without a count."""
+    """Return (token, size, alignment) of a value without a count."""
     match node:
         case Atom(size=size, align=align):
             return _aligned(node), size, align
@@ -270,7 +268,7 @@ def _aligned(atom: Atom) -> str:
 
 
 def _counted_token(node: Placed) -> tuple[str, int, int]:
-    """(token, size of an item, alignment) of the items after a count."""
+    """Return (token, size of an item, alignment) of the items after a count."""
     match node:
         case AtomSequence(atom=atom):
             return f"*{_aligned(atom)}", atom.size, atom.align
@@ -282,7 +280,7 @@ def _counted_token(node: Placed) -> tuple[str, int, int]:
 
 
 class _Arrangement:
-    """Lays a tree out while tracking the known part of the offset."""
+    """Arranges a tree while tracking the known part of the offset."""
 
     def __init__(self, start: Position) -> None:
         self._position = start
@@ -372,7 +370,7 @@ class _Section:
     def add(
         self, token: str, size: int, align: int, entry: Entry, before: Position
     ) -> Position:
-        """Append a value of known size; returns the position after it."""
+        """Append a value of known size; return the position after it."""
         padding = -before.remainder % align if before.modulus % align == 0 else 0
         self._format += pad(padding) + token.partition("/")[0]
         self._size += padding + size
@@ -398,12 +396,12 @@ class _Section:
 
 
 def pad(octets: int) -> str:
-    """Padding in a `struct` format."""
+    """Return padding in a `struct` format."""
     return "x" * octets if octets < 3 else f"{octets}x"
 
 
 def is_bulk(node: Node) -> bool:
-    """Return whether the items of a sequence are read in one piece, by a function of `bulk`."""
+    """Return whether the items of a sequence are read in one piece, by `bulk`."""
     return isinstance(node, AtomSequence | Records) and node.form == "numpy"
 
 

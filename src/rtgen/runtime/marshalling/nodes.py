@@ -1,4 +1,4 @@
-"""The tree of a type on the wire: what `trees` makes of a descriptor and `layout` lays out."""
+"""The tree of a type on the wire, made by `trees` from a descriptor and arranged by `layout`."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ COUNT = Atom("I", 4, 4)
 class AtomArray:
     """An array of atoms that `struct` can repeat; dimensions outermost first.
 
-    In another `form` than a list it is one value for `struct`, of octets.
+    In another `form` than a list, it is one value of octets for `struct`.
     """
 
     atom: Atom
@@ -97,7 +97,7 @@ class TextSequence:
 
     @property
     def most(self) -> int | None:
-        """The largest count: a string's NUL and a wide string's byte-order mark included."""
+        """Maximum count, including a string's NUL and a wide string's byte-order mark."""
         if self.bound is None:
             return None
         extra = {
@@ -110,7 +110,7 @@ class TextSequence:
 
 @dataclass(frozen=True, slots=True)
 class Records:
-    """A sequence (or an array, with its length) of elements of one size and no gap between them.
+    """A sequence, or array with a length, of elements of one size without gaps.
 
     `format` is the `struct` format of an element, `size` its size, a multiple of `align`.
     """
@@ -127,9 +127,9 @@ class Records:
 
 @dataclass(frozen=True, slots=True)
 class Repeat:
-    """A sequence (or an array, with its length) of elements of varying size.
+    """A sequence, or array with a length, of elements of varying size.
 
-    `minimum` is the least size of an element in octets; `key` is that of a map.
+    `minimum` is the minimum size of an element in octets; `key` is a map's key.
     """
 
     element: Node
@@ -141,7 +141,7 @@ class Repeat:
 
 @dataclass(frozen=True, slots=True)
 class Group:
-    """A struct whose members are laid out in place: (attribute, node) in order."""
+    """A struct whose members are arranged in place: (attribute, node) in order."""
 
     type: Any
     members: tuple[tuple[str, Node], ...]
@@ -177,14 +177,14 @@ class Delimited:
 
 @dataclass(frozen=True, slots=True)
 class Optional:
-    """A value, or None, after an octet that is its presence flag (DDS-XTypes 1.3, 7.4.3.4.1)."""
+    """A value or None, after a presence flag of one octet (DDS-XTypes 1.3, 7.4.3.4.1)."""
 
     node: Node
 
 
 @dataclass(frozen=True, slots=True)
 class Header:
-    """A number of 32 bits that is the same in every value: part of an EMHEADER."""
+    """A constant 32-bit number: part of an EMHEADER."""
 
     number: int
 
@@ -193,7 +193,7 @@ class Header:
 class Member:
     """A member of a mutable type in XCDR2, after an EMHEADER (DDS-XTypes 1.3, 7.4.3.4.2).
 
-    An `optional` one that is None is left out; a `key` cannot be missing.
+    An `optional` one is omitted if it is None; a `key` must be present.
     """
 
     node: Node
@@ -204,7 +204,7 @@ class Member:
 
     @property
     def length_code(self) -> int:
-        """The form of the length: in the code itself, after it, or as the count of the value."""
+        """Form of the length: in the code itself, after it, or as the count of the value."""
         match self.node:
             case Atom(size=size):
                 return {1: 0, 2: 1, 4: 2, 8: 3}.get(size, 4)
@@ -224,10 +224,10 @@ class Member:
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """A member of a mutable type in XCDR1, or an optional one of another (7.4.1.2).
+    """A member of a mutable type in XCDR1, or an optional one of another type (7.4.1.2).
 
-    The origin of alignment is the value. `in_list`: in a mutable type, where values are padded to 4
-    octets as Cyclone DDS 11 does, and an `optional` one that is None is left out.
+    Alignment is relative to the value. `in_list`: in a mutable type, where values are padded to 4
+    octets as in Cyclone DDS 11, and an `optional` one is omitted if it is None.
     """
 
     node: Node
@@ -268,7 +268,7 @@ Node: TypeAlias = (
 
 
 Path: TypeAlias = tuple[str, ...]
-"""Member names from the root value to a value inside it."""
+"""Member names from the root value to a nested value."""
 
 Placed: TypeAlias = (
     Atom | AtomArray | TextArray | AtomSequence | TextSequence | Records | Header
@@ -277,7 +277,7 @@ Placed: TypeAlias = (
 
 @dataclass(frozen=True, slots=True)
 class Field:
-    """A value in a run; of a `Repeat` only the count lies in the run."""
+    """A value in a run; of a `Repeat`, only the count is in the run."""
 
     path: Path
     node: Placed | Repeat

@@ -1,7 +1,7 @@
 """Numeric sequences and arrays in Python: lists, `NumericArray`s, numpy arrays.
 
-The form of each is settled when types are generated (`[python] numeric`, `@numeric`), and stands
-in its descriptor. When a value is encoded, each form is accepted, and any other object with a
+The form of each is determined when types are generated (`[python] numeric`, `@numeric`), and is
+part of its descriptor. When a value is encoded, every form is accepted, and any other object with a
 buffer of the right format.
 """
 
@@ -18,16 +18,16 @@ from rtgen.facts.numeric import Numeric as Numeric
 _N = TypeVar("_N", int, float)
 
 Order: TypeAlias = Literal["<", ">"]
-"""A byte order, as `struct` has it."""
+"""A byte order in the notation of `struct`."""
 
 _SWAPPED_BY_NUMPY = 2500
 
 _SWAPPED = {"<": sys.byteorder == "big", ">": sys.byteorder == "little"}
 _ORDERS = {**_SWAPPED, "!": sys.byteorder == "little"}
-"""Whether octets in a byte order are not those of the machine."""
+"""Whether a byte order differs from the machine's."""
 
 _WORDS = {array(code).itemsize: code for code in "BHIQ"}
-"""Codes of arrays by the size of an item."""
+"""Codes of `array` by the size of an item."""
 
 _KINDS = {
     **dict.fromkeys("bhilqn", "int"),
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 else:
 
     class _Array(array):
-        """Subscripted by type checkers only: Python 3.11's array is not a generic class."""
+        """Subscripted by type checkers only: array is not a generic class in Python 3.11."""
 
         __slots__ = ()
 
@@ -52,7 +52,7 @@ else:
 class NumericArray(_Array[_N]):
     """An `array.array` that equals lists and tuples of the same numbers.
 
-    A slice of one is an `array.array`.
+    Slicing it gives an `array.array`.
     """
 
     __slots__ = ()
@@ -79,25 +79,23 @@ class NumericArray(_Array[_N]):
 
 
 def is_swapped(order: Order) -> bool:
-    """Return whether the byte order (`<`, `>`) is not that of the machine."""
+    """Return whether a byte order (`<`, `>`) differs from the machine's."""
     return _SWAPPED[order]
 
 
 def _numpy_for(count: int) -> Any:
-    """numpy for so many numbers, if it has been imported already: it swaps faster."""
+    """Return numpy for that many numbers, if it is already imported: it swaps faster."""
     return sys.modules.get("numpy") if count >= _SWAPPED_BY_NUMPY else None
 
 
 def _swap(numpy: Any, made: Any, numbers: Any, size: int) -> None:
-    """Fill a buffer with the octets of numbers of this size, each in the other order."""
+    """Fill a buffer with the octets of numbers of this size, each swapped."""
     items = numpy.frombuffer(made, f"u{size}")
     items[...] = numpy.frombuffer(numbers, items.dtype.newbyteorder())
 
 
 def swapped_array(octets: Any, code: str) -> NumericArray[Any]:
-    """Return the array of numbers whose octets, `bytes` or a view of them, are in the other
-    order.
-    """
+    """Return the array of numbers in the other byte order; `octets` are bytes or a view."""
     made = NumericArray(code)
     count = len(octets) // made.itemsize
     numpy = _numpy_for(count)
@@ -106,13 +104,13 @@ def swapped_array(octets: Any, code: str) -> NumericArray[Any]:
         made.byteswap()
     else:
         made.append(0)
-        made *= count  # faster than a copy of the octets, which are swapped into it
+        made *= count  # faster than copying the octets: they are swapped into the array
         _swap(numpy, made, octets, made.itemsize)
     return made
 
 
 def swapped_octets(numbers: Any) -> bytes | bytearray:
-    """Return the octets of an array, or of a view of numbers, in the other order."""
+    """Return the swapped octets of an array, or of a view of numbers."""
     numpy = _numpy_for(len(numbers))
     size = numbers.itemsize
     if numpy is None:
@@ -125,8 +123,7 @@ def swapped_octets(numbers: Any) -> bytes | bytearray:
 
 
 def buffer_of(items: Any, code: str, size: int) -> memoryview | None:
-    """Return the buffer of numbers of a `struct` code, one behind the other; None for other
-    objects.
+    """Return the contiguous buffer of numbers of a `struct` code; None for other objects.
 
     Raises ValueError for a buffer of another format or number of dimensions.
     """
@@ -162,7 +159,7 @@ def array_of(octets: bytes, code: str, order: Order) -> NumericArray[Any]:
 def packed(items: Any, code: str, size: int, order: Order) -> bytes | bytearray:
     """Return the octets of numbers in any form.
 
-    Raises ValueError or a related error for what the type does not have.
+    Raises ValueError or a related error for invalid values.
     """
     view = buffer_of(items, code, size)
     if view is not None:

@@ -8,8 +8,8 @@ from typing import Any
 from rtgen.runtime.marshalling.errors import Buffer, Fault
 from rtgen.runtime.marshalling.writer import VALUE_TAG
 
-_WORK_FOR_AN_OCTET = 16
-_LEAST_WORK = 100_000
+_WORK_PER_OCTET = 16
+_MIN_WORK = 100_000
 
 
 class Input(bytes):
@@ -24,12 +24,12 @@ class Input(bytes):
     def __new__(cls, data: Buffer) -> Input:
         made = super().__new__(cls, memoryview(data))
         made.values = {}
-        made.work = _LEAST_WORK + _WORK_FOR_AN_OCTET * len(made)
+        made.work = _MIN_WORK + _WORK_PER_OCTET * len(made)
         return made
 
 
 class OctetReader:
-    """The octets of a body in order, from chunks inside a value. Raises Fault at their end."""
+    """Reads the octets of a body in order, and chunks inside a value. Raises Fault at their end."""
 
     def __init__(self, data: Buffer, little_endian: bool, offset: int = 0) -> None:
         self._data = data if isinstance(data, Input) else Input(data)
@@ -41,7 +41,7 @@ class OctetReader:
         self._closed = 0
 
     def end(self) -> None:
-        """Raises Fault for remaining octets."""
+        """Raise Fault for remaining octets."""
         rest = len(self._data) - self.offset
         if rest:
             raise Fault(f"{rest} octets too many")

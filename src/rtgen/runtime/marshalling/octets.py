@@ -17,12 +17,13 @@ from typing import Any, TypeVar
 _T = TypeVar("_T")
 
 BOOLEAN = {0: False, 1: True}
-"""The values of a boolean octet."""
+"""Values of a boolean octet."""
 
 
 def text_octets(text: str) -> bytes:
-    """Return the octets of a string, without the final NUL. Raises ValueError for NUL and
-    surrogates.
+    """Return the octets of a string without the final NUL. Raises ValueError.
+
+    NUL and surrogates are invalid.
     """
     if "\0" in text:
         raise ValueError("a string cannot hold NUL")
@@ -37,19 +38,14 @@ def text_value(octets: bytes) -> str:
 
 
 def wide_octets(text: str) -> bytes:
-    """Return a wstring: UTF-16, little-endian with a BOM in either byte order; empty if it is
-    empty.
-    """
+    """Return a wstring: UTF-16, little-endian with BOM in either byte order; may be empty."""
     if "\0" in text:
         raise ValueError("a wstring cannot hold NUL")
     return b"\xff\xfe" + text.encode("utf-16-le") if text else b""
 
 
 def wide_value(octets: bytes, bound: int | None = None) -> str:
-    """Return the wstring of octets with a byte-order mark, or without one big-endian (GIOP 1.2).
-
-    `bound` is in UTF-16 units. Raises ValueError.
-    """
+    """Return the wstring of octets with a BOM, or without one big-endian (GIOP 1.2)."""
     encoding = "utf-16-be"
     mark = octets[:2]
     if mark in (b"\xff\xfe", b"\xfe\xff"):
@@ -64,7 +60,7 @@ def wide_value(octets: bytes, bound: int | None = None) -> str:
 
 
 def unit_octets(text: str, little_endian: bool) -> bytes:
-    """Return a wstring in XCDR: UTF-16 in the byte order, without mark and NUL."""
+    """Return a wstring in XCDR: UTF-16 in the byte order, without BOM and NUL."""
     if "\0" in text:
         raise ValueError("a wstring cannot hold NUL")
     return text.encode("utf-16-le" if little_endian else "utf-16-be")
@@ -94,7 +90,7 @@ def unit_character(unit: int) -> str:
 
 
 def wide_character(character: str) -> bytes:
-    """Return a wchar: the number of octets, then one UTF-16 unit, most significant octet first."""
+    """Return a wchar: the number of octets, then one UTF-16 unit, big-endian."""
     octets = character.encode("utf-16-be")
     if len(octets) != 2:
         raise ValueError("a wchar is one character of the basic multilingual plane")
@@ -109,7 +105,7 @@ def wide_character_value(octets: bytes) -> str:
 
 
 def quad_octets(value: float, little_endian: bool) -> bytes:
-    """Return a long double (IEEE 754 binary128) of exactly the value of a float."""
+    """Return the long double (IEEE 754 binary128) equal to a float."""
     bits = int.from_bytes(struct.pack(">d", value))
     sign, exponent, fraction = bits >> 63, bits >> 52 & 0x7FF, bits & ((1 << 52) - 1)
     if exponent == 0x7FF:
@@ -147,9 +143,7 @@ def quad_value(octets: bytes, little_endian: bool) -> float:
 
 
 def fixed_octets(value: Decimal, digits: int, scale: int) -> bytes:
-    """Return a fixed: decimal digits in half octets, sign last. Raises ValueError if it does not
-    fit.
-    """
+    """Return a fixed: decimal digits in half octets, sign last. Raises ValueError."""
     if not isinstance(value, Decimal) or not value.is_finite():
         raise TypeError("a fixed is a finite Decimal")
     sign, figures, exponent = value.as_tuple()
@@ -182,14 +176,14 @@ def fixed_value(octets: bytes, digits: int, scale: int) -> Decimal:
 
 
 def exact(items: Sequence[_T], length: int) -> Sequence[_T]:
-    """Return the items; raises ValueError unless their number is `length`."""
+    """Return the items. Raises ValueError unless their number is `length`."""
     if len(items) != length:
         raise ValueError(f"{len(items)} items instead of {length}")
     return items
 
 
 def flat(items: Sequence[Any], dimensions: Sequence[int]) -> list[Any]:
-    """Return the items of an array of several dimensions, outermost first, in one list."""
+    """Flatten the items of a multidimensional array, outermost first."""
     for depth, length in enumerate(dimensions):
         if len(items) != length:
             raise ValueError(f"{len(items)} items instead of {length}")
@@ -200,7 +194,7 @@ def flat(items: Sequence[Any], dimensions: Sequence[int]) -> list[Any]:
 
 
 def nested(items: Sequence[Any], dimensions: Sequence[int]) -> list[Any]:
-    """Return the nested array of the items with those dimensions."""
+    """Nest the items to an array with those dimensions."""
     if len(dimensions) == 1:
         return list(items)
     step = len(items) // dimensions[0]
@@ -236,7 +230,7 @@ def write_reference(
 def read_reference(
     data: bytes | bytearray | memoryview, offset: int, little_endian: bool
 ) -> tuple[ObjectReference | None, int]:
-    """Return the reference at `offset` (None for nil) and the offset behind it."""
+    """Return the reference at `offset` (None for nil) and the next offset."""
     unpack = _ULONG[bool(little_endian)].unpack_from
 
     def octets() -> bytes:

@@ -1,4 +1,4 @@
-"""The offset in the data while the text of a decoder is written: a number, or a variable."""
+"""The offset in the data while a decoder is generated: a number, or a variable."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from rtgen.runtime.marshalling.text import Body
 
 
 class Position:
-    """The body of a function that reads data, and the offset that it has reached.
+    """A function under construction that reads data, with the current offset.
 
-    `_offset` is the offset as far as it is known when the text is written; None: it is in the
-    variable `offset` of the function.
+    `_offset` is the offset if it is known when the text is generated; None: it is in the function's
+    variable `offset`.
     """
 
     def __init__(self, body: Body) -> None:
@@ -18,7 +18,7 @@ class Position:
         self._offset: int | None = None
 
     def refuse(self, condition: str, message: str = "wrong length") -> None:
-        """A statement that raises ValueError on a condition."""
+        """Generate a statement that raises ValueError on a condition."""
         self.body.block(f"if {condition}:")
         self.body.add(f'raise ValueError("{message}")')
         self.body.end()
@@ -29,7 +29,7 @@ class Position:
         self.body.add(f"data = memoryview(data)[:{end}]")
 
     def take_length(self, end: str) -> None:
-        """The end of a delimited value, from its DHEADER."""
+        """Generate the end of a delimited value, from its DHEADER."""
         self._settle()
         body = self.body
         body.choose("get", "get", Lengths, "get")

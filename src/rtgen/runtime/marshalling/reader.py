@@ -1,7 +1,7 @@
 """Unmarshals classic CDR by descriptors: the inverse of `writer`.
 
-Lengths are checked against the remaining octets, and created values are counted, so that memory
-and time are bounded by the size of the input.
+Lengths are checked against the remaining octets, and created values are counted, so that memory and
+time are bounded by the size of the input.
 """
 
 from __future__ import annotations
@@ -73,9 +73,7 @@ _MAX_IDS = 100
 def read_dynamic(
     data: Buffer, offset: int, descriptor: Descriptor, little_endian: bool
 ) -> tuple[Any, int]:
-    """Return the value of the descriptor at `offset`, and the offset behind it; raises
-    ValueError.
-    """
+    """Return the value of the descriptor at `offset`, and the next offset. Raises ValueError."""
     reader = Reader(data, little_endian, offset)
     return reader.value(descriptor), reader.offset
 
@@ -83,7 +81,7 @@ def read_dynamic(
 class Reader(OctetReader):
     """Reads consecutive values. Raises Fault for invalid input.
 
-    `walking`: compiled codecs are not used, so that a fault has its path.
+    `walking`: compiled codecs are not used, so that a fault has a complete path.
     """
 
     def __init__(
@@ -324,7 +322,7 @@ class Reader(OctetReader):
         return self._state(actual, start, chunked, truncated)
 
     def _tag_between_chunks(self) -> tuple[int, int]:
-        """Return the tag of a header between chunks, and its place; (0, -1) if a chunk follows."""
+        """Return the tag of a header between chunks, and its offset; (0, -1) if a chunk follows."""
         before = self.offset
         tag = self._between("I")
         if tag == NULL_TAG or VALUE_TAG <= tag < 0x80000000:
@@ -333,7 +331,7 @@ class Reader(OctetReader):
         return 0, -1
 
     def _header(self, tag: int) -> list[str]:
-        """Return the repository ids behind a tag, the most derived first."""
+        """Return the repository ids after a tag, the most derived first."""
         level, self._level = self._level, 0
         if tag & CODEBASE:
             self._id()
@@ -358,9 +356,7 @@ class Reader(OctetReader):
         return self._redirected(self._text)
 
     def _redirected(self, read: Callable[[], _T]) -> _T:
-        """Return the result of `read` here, or at the earlier offset that an indirection points
-        to.
-        """
+        """Return the result of `read` here, or at the earlier offset of an indirection."""
         before = self.offset
         if self._integer("I") != INDIRECTION:
             self.offset = before
@@ -450,7 +446,7 @@ class Reader(OctetReader):
         return made
 
     def _end_value(self, truncated: bool) -> None:
-        """The end tag, which may close enclosing values, too."""
+        """Read the end tag, which may also close enclosing values."""
         if not self._closed:
             if self.offset < self._chunk_end and not truncated:
                 raise Fault(
@@ -481,7 +477,7 @@ class Reader(OctetReader):
 
 
 def _empty(descriptor: ValueDescriptor | BoxDescriptor) -> Any:
-    """Return a value without its state, which may refer to the value."""
+    """Return a value without state, to which its state may refer."""
     class_ = class_of(descriptor)
     if class_ is None:
         return UNKNOWN[type(descriptor)](descriptor)

@@ -14,8 +14,8 @@ class References:
     """Binds names in the globals of a function.
 
     `needed` are the compiled functions among them (name, kind, descriptor), of the same `format`.
-    `decoded_again` is what a decoder of XCDR calls with octets that it refuses. `evolving`: values
-    are read that may be of other versions of appendable types.
+    `decoded_again` is called by a decoder of XCDR with octets that it rejects. `evolving`: values
+    of other versions of appendable types are read.
     """
 
     def __init__(self, format_: Format, decoded_again: Callable[..., Any]) -> None:
@@ -30,7 +30,7 @@ class References:
         return self.namespace.bind(function.__name__, function)
 
     def made(self, descriptor: Any) -> str:
-        """Return the class that values of the type are instances of."""
+        """Return the class of the type's values."""
         class_ = descriptor.class_
         return self.namespace.bind(class_.__name__, class_)
 

@@ -1,8 +1,8 @@
-"""Readers of bodies whose counts are those of bodies before: one `struct` call for all of it.
+"""Specialised readers of bodies with recurring counts, by one `struct` call.
 
-What robots send repeats its shape: covariances of nine numbers, names of a frame. A function that
-has met a shape several times gets a reader of its own for it, chosen by the size of the body. The
-reader compares the counts; where they differ, the function reads section by section as before.
+Samples of robots often have the same shape: covariances of nine numbers, names of a frame. A
+function that has seen a shape several times gets a reader for it, selected by the size of the body.
+The reader compares the counts; if they differ, the function reads section by section.
 """
 
 from __future__ import annotations
@@ -18,25 +18,25 @@ from rtgen.runtime.marshalling.nodes import AtomArray, AtomSequence, TextSequenc
 from rtgen.runtime.marshalling.text import Namespace, entered
 
 SIGHTINGS: Final = 16
-"""So many bodies of one shape are met before it gets a reader."""
+"""Number of bodies of one shape before it gets a reader."""
 
 WATCHED: Final = 1000
-"""So many bodies without a reader are watched for their shape, then no more."""
+"""Maximum number of bodies without a reader that are counted by shape."""
 
 READERS_KEPT: Final = 16
-"""The largest number of readers of a type."""
+"""Maximum number of readers of a type."""
 
-LONGEST_BODY: Final = 4096
-"""The most octets of a body that gets a reader."""
+MAX_BODY: Final = 4096
+"""Maximum octets of a body that gets a reader."""
 
 Counts: TypeAlias = tuple[int, ...]
 _Reader: TypeAlias = Callable[[type[Any], Any], Any]
 
 
 def is_repeatable(steps: tuple[Step, ...]) -> bool:
-    """Return whether the shape of a value follows from the counts in one run, of numbers and texts.
+    """Return whether a value's shape depends on counts in one run, of numbers and texts.
 
-    Lengths of texts alone repeat too seldom: a search in vain costs more than a reader saves.
+    Lengths of texts alone rarely recur: unsuccessful lookups cost more than a reader saves.
     """
     if len(steps) != 1 or not isinstance(steps[0], Run):
         return False
@@ -57,10 +57,10 @@ def is_repeatable(steps: tuple[Step, ...]) -> bool:
 
 
 class Repeated:
-    """The readers of a function by size of the body, and what makes them.
+    """The readers of a function by size of the body, and the data for making them.
 
-    `layout` is the table of the run; `names` gives the variable of an entry, `further` those
-    that follow it; `value` is the expression of the value.
+    `layout` is the table of the run; `names` returns the variable of an entry, `further` those
+    after it; `value` is the expression of the value.
     """
 
     def __init__(
@@ -112,7 +112,7 @@ class Repeated:
             yield from section.entries
 
     def _watch(self, size: int, little_endian: bool, counts: Counts) -> None:
-        """Note a body that was read section by section."""
+        """Count a body that was read section by section."""
         readers = self.little if little_endian else self.big
         key = size, bool(little_endian), counts
         self._seen[key] = seen = self._seen.get(key, 0) + 1
@@ -130,10 +130,10 @@ class Repeated:
             for node, count in zip(counted, counts, strict=True)
             if isinstance(node, AtomSequence)
         ]
-        return size <= LONGEST_BODY and sum(items) <= LONGEST_LIST
+        return size <= MAX_BODY and sum(items) <= LONGEST_LIST
 
     def _reader(self, counts: Counts, little_endian: bool) -> _Reader:
-        """Return the compiled reader of a shape; it gives None for another one."""
+        """Return the compiled reader of a shape, which returns None for another one."""
         following = iter(counts)
         numbers = (f"_{number}" for number in range(1 << 30))
         targets: list[str] = []

@@ -1,11 +1,11 @@
 """Tables of `struct` calls for the runs of a layout.
 
-A run is given as sections of tokens. `I`, `3d`, `*i` stand for `struct` codes: one, three, as many
-as the next count says; `*48s/8` for 48 octets each, aligned to 8; `*z` for octets of which
-the last one, the NUL of a string, is read as a number of its own. `@4` in front says that the
-section begins at an offset of 4 modulo 8; `=` that padding is settled and the rest is a `struct`
-format; `!` that the section is not read by `struct`. A negative count stands for as many items that
-are packed as octets, or skipped when the section is read.
+A run is given as sections of tokens. `I`, `3d`, `*i` are `struct` codes: one, three, as many as the
+next count; `*48s/8` is 48 octets each, aligned to 8; `*z` is octets of which the last one, a
+string's NUL, is read separately. A leading `@4` says that the section starts at an offset of 4
+modulo 8; `=` that padding is fixed and the rest is a `struct` format; `!` that `struct` does not
+read the section. A negative count is a number of items that are packed as octets, or skipped when
+the section is read.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ _V = TypeVar("_V")
 _Reader: TypeAlias = tuple[Callable[..., tuple[Any, ...]], int]
 
 SHAPES_KEPT = 512
-"""The largest number of cached shapes; a full table is cleared."""
+"""Maximum number of cached shapes; a full table is cleared."""
 
 _TOKEN = re.compile(r"(\*?)(\d*)([a-zA-Z])(?:/(\d+))?(?: |$)")
 _SIZES = {
@@ -54,8 +54,8 @@ _NATIVE = "<" if sys.byteorder == "little" else ">"
 def _struct(order: str, format_: str) -> Struct:
     """Return the `Struct` of a format in a byte order.
 
-    Where the machine's own layout is the same, its mode packs and reads doubles in 0.8 of the time;
-    that of floats does not refuse those that are too large. It only ever adds padding.
+    If the machine's own layout is the same, native mode is used: it packs and reads doubles in 0.8
+    of the time, but does not reject floats that are too large. Native mode only ever adds padding.
     """
     if (
         order == _NATIVE
@@ -68,7 +68,7 @@ def _struct(order: str, format_: str) -> Struct:
 
 
 class Fixed:
-    """The layout of a value that always has the same size: one `Struct` for each byte order."""
+    """Layout of a value of fixed size: one `Struct` for each byte order."""
 
     __slots__ = (
         "pack_big",
@@ -94,7 +94,7 @@ class Fixed:
 
 
 class Settled:
-    """The layout of a run without counts that is read in several sections.
+    """Layout of a run without counts that is read in several sections.
 
     `read_*` has the `unpack_from` of each section.
     """
@@ -110,11 +110,11 @@ class Settled:
 
 
 class Layout:
-    """The layout of a run of values whose size follows from the counts in it.
+    """Layout of a run of values whose size depends on the counts in it.
 
-    `pack_*` is a table: counts (one alone, or a tuple) to the packer of that shape. `read_*` has
-    one reader for each section: of a settled one `unpack_from`, else a table of
-    (`unpack_from`, size) by count (0 if the section has none).
+    `pack_*` is a table from counts (a single one, or a tuple) to the packer of the shape. `read_*`
+    has one reader for each section: `unpack_from` for a fixed one, else a table of (`unpack_from`,
+    size) by count (0 without a count).
     """
 
     __slots__ = ("pack_big", "pack_little", "read_big", "read_little")
@@ -128,10 +128,10 @@ class Layout:
 
 
 class PhasedLayout:
-    """The layout of a run whose start offset is known only at run time.
+    """Layout of a run whose start offset is known only at run time.
 
     `pack_*` takes the offset modulo 8 before the counts. A table of `read_*` is by count if its
-    section says where it begins (`@`), else by `count << 3 | offset & 7`.
+    section's start is given (`@`), else by `count << 3 | offset & 7`.
     """
 
     __slots__ = ("pack_big", "pack_little", "read_big", "read_little")
@@ -146,7 +146,7 @@ class PhasedLayout:
 
 
 class Framed:
-    """The layout of a whole value with its encapsulation header; `pack_*` is that of `Layout`.
+    """Layout of a whole value with its encapsulation header; `pack_*` as in `Layout`.
 
     Without counts it is the packer itself. `number` is the identifier in big-endian order.
     """
@@ -192,10 +192,10 @@ class _Table(dict[Any, _V], ABC):
 
     @abstractmethod
     def _made(self, key: Any) -> _V:
-        """Return the value of a key that is not in the cache."""
+        """Compute the value of a key."""
 
     def shape(self, counts: Iterable[int]) -> Struct:
-        """Return the shape of those counts, from offset 0, for reading."""
+        """Return the shape of these counts, from offset 0, for reading."""
         return self._struct(0, counts, True)
 
     def _struct(self, phase: int, counts: Iterable[int], reads: bool) -> Struct:
@@ -240,9 +240,7 @@ class _PhasedReaders(_Table[_Reader]):
 def _arranged(
     sections: Iterable[str], phase: int, counts: Iterator[int], reads: bool
 ) -> str:
-    """Return the `struct` format of the sections from offset `phase`, for reading or for
-    writing.
-    """
+    """Return the `struct` format of the sections from offset `phase`."""
     texts: list[str] = []
     offset = phase
     for section in sections:
@@ -268,16 +266,14 @@ def _arranged(
 
 
 class Layouts:
-    """The tables of the runs of one function, each with a number."""
+    """The tables of a function's runs, numbered."""
 
     def __init__(self) -> None:
         self._numbers: dict[int, int] = {}
         self._kept: list[tuple[Run | Records, Any]] = []
 
     def of(self, part: Run | Records, whole: bool = False) -> Any:
-        """Return the table of a run (`whole`: it is all of a value), or of an element of
-        records.
-        """
+        """Return the table of a run (`whole`: of a whole value), or of a record's element."""
         return self._kept[self._number(part, whole) - 1][1]
 
     def variable(self, kind: str, part: Run | Records) -> str:

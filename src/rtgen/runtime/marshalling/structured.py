@@ -37,18 +37,16 @@ if TYPE_CHECKING:
 
 
 def dtype_of(class_: Any) -> numpy.dtype[Any]:
-    """Return the dtype of a generated struct of numbers: its layout in CDR, padding included.
+    """Return the dtype of a generated struct of numbers: its layout in CDR, with padding.
 
-    The fields have the names of the definition.
-
-    Raises TypeError for a struct with other members.
+    The fields have the names of the definition. Raises TypeError for a struct with other members.
     """
     descriptor: Descriptor = getattr(class_, "_descriptor_", class_)
     return _dtype(tree_of(descriptor, CLASSIC), 0, _NATIVE)[0]
 
 
 def _dtype(node: Node, start: int, order: Order) -> tuple[numpy.dtype[Any], int]:
-    """Return the dtype of a value that begins at or behind `start`, and its first offset."""
+    """Return the dtype of a value that begins at or after `start`, and its first offset."""
     match node:
         case Atom(code=code, align=align):
             return numpy.dtype(code).newbyteorder(order), start + -start % align
@@ -78,7 +76,7 @@ def _dtype(node: Node, start: int, order: Order) -> tuple[numpy.dtype[Any], int]
 
 
 def octets(node: Records, order: Order) -> Callable[[_Records], bytes]:
-    """Return the function that gives the octets of the records. It raises ValueError."""
+    """Return the function that encodes the records. It raises ValueError."""
     there = _dtype(node.element, 0, order)[0]
     value = _value_dtype(node)
 
@@ -96,9 +94,7 @@ def octets(node: Records, order: Order) -> Callable[[_Records], bytes]:
 def taker(
     node: Records, order: Order
 ) -> Callable[[Buffer, int, int], tuple[_Records, int]]:
-    """Return the function that gives so many records behind an offset, and the offset behind
-    them.
-    """
+    """Return the function that decodes a number of records, and the next offset."""
     there = _dtype(node.element, 0, order)[0]
     here = _value_dtype(node)
     padding = node.align - 1
@@ -119,27 +115,27 @@ def taker(
 
 
 def check(records: Any, wanted: numpy.dtype[Any]) -> None:
-    """Raises ValueError unless the records are one after the other, with these fields."""
+    """Raise ValueError unless the records are contiguous, with these fields."""
     dtype = getattr(records, "dtype", None)
     if dtype is None:
         raise ValueError(f"an array of records is needed, not {type(records).__name__}")
     if records.ndim != 1:
         raise ValueError(f"1 dimension is needed, not {records.ndim}")
-    if not _alike(dtype, wanted):
+    if not _has_same_fields(dtype, wanted):
         raise ValueError(f"records of {wanted} are needed, not of {dtype}")
 
 
-def _alike(one: numpy.dtype[Any], other: numpy.dtype[Any]) -> bool:
+def _has_same_fields(one: numpy.dtype[Any], other: numpy.dtype[Any]) -> bool:
     """Return whether both have the same fields, in any layout and byte order."""
     if one.names != other.names or one.shape != other.shape:
         return False
     if one.names is None or other.names is None:
         return one.base.kind == other.base.kind and one.itemsize == other.itemsize
-    return all(_alike(one[name], other[name]) for name in one.names)
+    return all(_has_same_fields(one[name], other[name]) for name in one.names)
 
 
 def _assign(made: Any, found: Any) -> None:
-    """Fill the fields alone, so that padding stays zero."""
+    """Copy the fields only, so that padding stays zero."""
     if made.dtype.names is None:
         made[...] = found
         return
@@ -148,14 +144,14 @@ def _assign(made: Any, found: Any) -> None:
 
 
 def _value_dtype(node: Records) -> numpy.dtype[Any]:
-    """Return the dtype in Python, which is the same for every format."""
+    """Return the dtype in Python, independent of the format."""
     element = node.element
     assert isinstance(element, Group)
     return dtype_of(element.type)
 
 
 def records_of(items: list[Any], struct: Descriptor) -> _Records:
-    """Return the structured array of a list of structs."""
+    """Convert a list of structs to a structured array."""
     return numpy.array([_row(item, struct) for item in items], dtype_of(struct))
 
 
@@ -167,7 +163,7 @@ def _row(value: Any, descriptor: Descriptor) -> Any:
 
 
 def values_of(records: _Records, struct: Descriptor) -> list[Any]:
-    """Return the structs of a structured array."""
+    """Convert a structured array to a list of structs."""
     return [_value(row, struct) for row in records.tolist()]
 
 

@@ -10,7 +10,7 @@ from rtgen.runtime.marshalling.nodes import (
     Path,
 )
 
-_LONGEST = 32
+_MAX_NAME = 32
 _FIXED = frozenset(
     {"cls", "data", "discriminator", "failure", "inner", "item", "little_endian"}
     | {"offset", "out", "same", "selected", "self", "size", "unpack", "value"}
@@ -38,7 +38,7 @@ _FIXED = frozenset(
 
 
 def entered(text: str, file: str) -> str:
-    """Enter source text in `linecache` as a file `<name>`; its name, with a number if taken."""
+    """Enter source text in `linecache` as a file `<name>`; return its name, made unique."""
     number = 1
     name = file
     while name in linecache.cache:
@@ -57,7 +57,7 @@ class Namespace:
         self._taken: set[str] = {*_FIXED}
 
     def bind(self, wanted: str, value: object) -> str:
-        """Bind an object; the name is `wanted` if that is free."""
+        """Bind an object; return its name, `wanted` if that is free."""
         known = self._names.get(id(value))
         if known is None:
             known = self._names[id(value)] = self.free(wanted)
@@ -74,20 +74,18 @@ class Namespace:
 
 
 class Locals:
-    """Hands out variable names: the path of what they hold, with `_` between its parts."""
+    """Allocates variable names: the path of the value, with `_` between its parts."""
 
     def __init__(self, namespace: Namespace) -> None:
         self._namespace = namespace
         self._names: dict[tuple[str, Path], str] = {}
 
     def name(self, path: Path, prefix: str = "") -> str:
-        """Return the variable for a value; with a prefix, for a property of it (`n_`: its
-        count).
-        """
+        """Return the variable for a value; with a prefix, for a property (`n_`: its count)."""
         key = (prefix, path)
         if key not in self._names:
             joined = "_".join(part for part in path if part.isidentifier()) or "value"
-            self._names[key] = self._namespace.free((prefix + joined)[:_LONGEST])
+            self._names[key] = self._namespace.free((prefix + joined)[:_MAX_NAME])
         return self._names[key]
 
 
@@ -115,7 +113,7 @@ class Body:
         self._indent -= 1
 
     def choose_here(self) -> None:
-        """Insert later selections by byte order here, not at the start of the function."""
+        """Select layouts by byte order here, not at the start of the function."""
         self._choices = (len(self.lines), self._indent)
         self._chosen.clear()
 

@@ -1,4 +1,4 @@
-"""From the descriptor of a type to the tree that its layout is computed from."""
+"""Makes the tree of a type from its descriptor, from which the layout is computed."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ ATOMS: dict[str, Atom] = {
     **{name: Atom(*s, _FORMS.get(name, Form.NUMBER)) for name, s in SCALARS.items()},
     Primitive.WCHAR: Atom("3s", 3, 1, Form.WIDE_CHARACTER),
 }
-"""The basic types; wchar as GIOP 1.2 has it (CORBA 3.3 part 2, 9.3.1.6)."""
+"""The basic types; wchar as in GIOP 1.2 (CORBA 3.3 part 2, 9.3.1.6)."""
 
 TEXTS: dict[str, Text] = {
     Primitive.OCTET: Text.OCTETS,
@@ -83,10 +83,10 @@ DISCRIMINATOR = "discriminator"
 _DYNAMIC = (Primitive.ANY, Primitive.TYPE_CODE, Primitive.VALUE_BASE)
 
 MAX_IN_PLACE = 128
-"""A struct of more values has a codec of its own, which enclosing codecs call."""
+"""Maximum values of a struct in place; a larger one has a codec that enclosing codecs call."""
 
 MAX_LOOPS_IN_PLACE = 6
-"""A struct with deeper loops has one, too: Python nests at most 20 blocks in a function."""
+"""Maximum nesting of loops of a struct in place: Python allows 20 nested blocks in a function."""
 
 
 def tree_of(descriptor: Descriptor, format_: Format) -> Node:
@@ -145,7 +145,7 @@ class _Trees:
         self._format = format_
         self._version = format_.version
         self._structs: dict[int, Group | Call] = {}
-        """By the descriptor's identity: a struct that many members share is one tree."""
+        """By the descriptor's identity: a struct that many members share has one tree."""
 
     def of(self, descriptor: Descriptor) -> Node:
         match descriptor:
@@ -200,7 +200,7 @@ class _Trees:
         return found
 
     def _of_corba(self, descriptor: Descriptor) -> Node | None:
-        """Return the node of a type that only CORBA marshals, None for any other."""
+        """Return the node of a type that only CORBA marshals; None for any other."""
         match descriptor:
             case ValueDescriptor() | BoxDescriptor():
                 return Dynamic(descriptor)
@@ -249,7 +249,7 @@ class _Trees:
         return Optional(self.of(member.type))
 
     def _delimited(self, node: Node, *parts: Descriptor) -> Node:
-        """Return a collection, after its DHEADER in version 2 if its elements are not primitive."""
+        """Return a collection; in version 2 with a DHEADER if its elements are not primitive."""
         if self._version < 2 or all(map(_is_primitive, parts)):
             return node
         return Delimited(node)
@@ -325,16 +325,14 @@ def _innermost(array: ArrayDescriptor) -> Descriptor:
 
 
 def can_evolve(descriptor: Descriptor) -> bool:
-    """Return whether values of other versions of the type are read: it has an appendable part."""
+    """Return whether values of other versions can be read: the type has an appendable part."""
     return any(
         getattr(part, "extensibility", "") == "appendable" for part in parts(descriptor)
     )
 
 
 def unsupported(descriptor: Descriptor, format_: Format) -> tuple[str, str]:
-    """Return the path to the first part of a type that the format does not have, and what that
-    is.
-    """
+    """Return the path to the first part that the format cannot represent, and a description."""
     trees = _Trees(format_)
     seen: set[int] = set()
 
@@ -366,9 +364,7 @@ def is_dynamic(descriptor: Descriptor) -> bool:
 
 
 def has_headers(descriptor: Descriptor) -> bool:
-    """Return whether XCDR1 puts headers before members in the type: optional ones, mutable
-    types'.
-    """
+    """Return whether the type has member headers in XCDR1: optional members, mutable types."""
     return any(_has_headers(part) for part in parts(descriptor))
 
 
@@ -404,7 +400,7 @@ def _is_link(descriptor: Descriptor) -> bool:
 
 
 def parts(descriptor: Descriptor) -> list[Descriptor]:
-    """Return all types that a type consists of, itself included, each once."""
+    """Return all types in a type, including itself, each once."""
     found: dict[int, Descriptor] = {}
     waiting = [descriptor]
     while waiting:

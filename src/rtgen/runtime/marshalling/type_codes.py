@@ -1,8 +1,8 @@
 """Type codes: descriptors as octets, and back (CORBA 3.3 part 2, 9.3.5).
 
-Parameters stand in encapsulations, which are little-endian here. A type that was written before, or
-that is being written, is referred to by an indirection. What is read and known as a generated type
-(same repository id, same structure) becomes the descriptor of that; other types work as well.
+Parameters are in encapsulations, which are written little-endian. A type that was already written,
+or is being written, is referred to by an indirection. A type that equals a generated type (same
+repository id, same structure) is read as its descriptor; other types are supported as well.
 """
 
 from __future__ import annotations
@@ -67,10 +67,10 @@ _LABELS = {
     "wchar": ("H", 0xFFFF, -1),
     "boolean": ("B", 0, 1),
 }
-"""Code of a label, and where the search for an unused one begins, with its step."""
+"""Code of a label, and start and step of the search for an unused one."""
 
-DEEPEST = 100
-"""How deep encapsulations may stand in each other."""
+MAX_DEPTH = 100
+"""Maximum nesting of encapsulations."""
 
 
 def type_code_octets(descriptor: Any, little_endian: bool) -> tuple[int, bytes]:
@@ -145,7 +145,7 @@ class _Writer:
         self.out += octets
 
     def _named(self, kind: int, named: Any, fill: Callable[[], None] | None) -> None:
-        """A type with a repository id, or a reference to where it stands."""
+        """Write a type with a repository id, or an indirection to it."""
         self._align(4)
         key = named.repository_id or id(named)
         place = self._places.get(key)
@@ -222,7 +222,7 @@ class _Writer:
             self.type(branch.type)
 
     def _label(self, switch: Descriptor, label: Any, used: set[int]) -> None:
-        """A label; that of the default is a discriminator which no other branch has."""
+        """Write a label; the default's is a discriminator that no other branch has."""
         if isinstance(switch, EnumDescriptor):
             code, number, step = switch.code, 0, 1
         elif isinstance(switch, PrimitiveDescriptor) and switch.name in _LABELS:
@@ -244,7 +244,7 @@ def _label_number(label: int | str | bool) -> int:
 
 
 class TypeCodeReader:
-    """Reads the parameters of one type code, in an encapsulation that begins 8 behind its kind."""
+    """Reads the parameters of a type code in an encapsulation, which begins 8 after its kind."""
 
     def __init__(self, encapsulation: bytes) -> None:
         self._data = bytes(8) + encapsulation
@@ -257,7 +257,7 @@ class TypeCodeReader:
         self._done: dict[int, Descriptor] = {}
 
     def parameters(self, kind: int) -> Descriptor:
-        """Return the type of a kind whose parameters the encapsulation holds."""
+        """Return the type of a kind whose parameters are in the encapsulation."""
         return self._inside(kind, 0, self._end)
 
     def _type(self) -> Descriptor:
@@ -282,8 +282,8 @@ class TypeCodeReader:
     def _inside(self, kind: int, place: int, end: int) -> Descriptor:
         self._end = end
         self._depth += 1
-        if self._depth > DEEPEST:
-            raise Fault(f"a type code is nested more than {DEEPEST} deep")
+        if self._depth > MAX_DEPTH:
+            raise Fault(f"a type code is nested more than {MAX_DEPTH} deep")
         self._order = "<" if self._octet() else ">"
         if kind in (_SEQUENCE, _ARRAY):
             descriptor = self._collection(kind)
@@ -427,7 +427,7 @@ class TypeCodeReader:
 
 
 def plain_value(descriptor: Descriptor) -> ValueDescriptor | None:
-    """Return the concrete base in the type code of a value; None for `null`."""
+    """Return the concrete base in a valuetype's type code; None for `null`."""
     if descriptor == PrimitiveDescriptor("null"):
         return None
     descriptor = plain(descriptor)

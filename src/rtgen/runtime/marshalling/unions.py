@@ -1,4 +1,4 @@
-"""The source text of the codecs of unions."""
+"""Generates the source text of the codecs of unions."""
 
 from __future__ import annotations
 
@@ -114,14 +114,14 @@ def decode(
 
 
 def _behind(switch: Atom) -> Position:
-    """What is known of the offset behind a discriminator."""
+    """Return what is known of the offset after a discriminator."""
     return ANYWHERE.aligned(switch.align).after(switch.size)
 
 
 def _decode_list(
     descriptor: UnionDescriptor, decoder: Decoder, refer: References, end: str | None
 ) -> list[str]:
-    """Return a mutable union: the discriminator and the value in a list of members."""
+    """Return the body for a mutable union: discriminator and value in a list of members."""
     body = decoder.body
     decoder.listed(union_members(descriptor, refer.format), (), end)
     found = decoder.found(())
@@ -145,7 +145,7 @@ def _initial(branch: BranchDescriptor, refer: References) -> str:
 
 
 def _no_value(descriptor: UnionDescriptor, decoder: Decoder) -> None:
-    """The value where the discriminator selects no branch."""
+    """Return the value if the discriminator selects no branch."""
     if not _complete(descriptor):
         decoder.body.block("else:")
         decoder.body.add("value = None")
@@ -155,7 +155,7 @@ def _no_value(descriptor: UnionDescriptor, decoder: Decoder) -> None:
 def copy(
     descriptor: UnionDescriptor, copier: Copier, refer: References, format_: Format
 ) -> list[str]:
-    """Return the body of `_snapshot_`, from the trees of branches in a format."""
+    """Return the body of `_snapshot_`, from the branches' trees in a format."""
     made = refer.made(descriptor)
     body = copier.body
     body.add("inner = self.value")

@@ -77,14 +77,14 @@ class Output(bytearray):
 def write_dynamic(
     out: bytearray, value: object, descriptor: Descriptor, little_endian: bool
 ) -> None:
-    """Append a value of the descriptor to a body; raises ValueError or a related error."""
+    """Append a value of the descriptor to a body. Raises ValueError or a related error."""
     Writer(out, little_endian).value(descriptor, value)
 
 
 class Writer:
     """Appends values to a body. Raises Fault for an invalid value.
 
-    `walking`: compiled codecs are not used, so that a fault has its path.
+    `walking`: compiled codecs are not used, so that a fault has a complete path.
     """
 
     def __init__(
@@ -100,7 +100,7 @@ class Writer:
         self._ended = -1
 
     def value(self, descriptor: Descriptor, value: Any) -> None:
-        """A value of any type."""
+        """Append a value of any type."""
         match descriptor:
             case LinkDescriptor() | AliasDescriptor():
                 self.value(plain(descriptor), value)
@@ -146,7 +146,7 @@ class Writer:
     def members(
         self, descriptor: StructDescriptor | ExceptionDescriptor, value: Any
     ) -> None:
-        """The members of a struct or an exception."""
+        """Append the members of a struct or exception."""
         part = ""
         try:
             for member in descriptor.members:
@@ -158,7 +158,7 @@ class Writer:
         except LOCATED as failure:
             raise located(failure, part) from failure
 
-    # Octets, in chunks inside a value.
+    # Octets, and chunks inside a value
 
     def _put(self, octets: bytes, align: int) -> None:
         out = self._out
@@ -218,7 +218,7 @@ class Writer:
         self._put(octets if wide else octets + b"\0", 1)
 
     def _text(self, element: Descriptor, value: Any) -> bytes | None:
-        """Return the octets of a collection that is `bytes` or `str`; None for other elements."""
+        """Return a collection's octets if it is `bytes` or `str`; None for other elements."""
         element = plain(element)
         name = element.name if isinstance(element, PrimitiveDescriptor) else ""
         types = TEXTS.get(name)
@@ -252,7 +252,7 @@ class Writer:
         self._items(value, partial(self.value, element))
 
     def _check_items(self, element: Descriptor, value: Any) -> None:
-        """Raises the fault of an item in preference to one of the collection."""
+        """Raise the fault of an item in preference to one of the collection."""
         writer = Writer(Output(), self._little, walking=True)
         writer._items(value, partial(writer.value, element))
 
@@ -333,7 +333,7 @@ class Writer:
             self._put(octets, 1)
 
     def _abstract(self, descriptor: InterfaceDescriptor, value: Any) -> None:
-        """An object reference or a value that supports the interface (9.3.7)."""
+        """Append an object reference, or a value that supports the interface (9.3.7)."""
         is_reference = isinstance(value, ObjectReference)
         self._put(b"\1" if is_reference else b"\0", 1)
         if is_reference:
@@ -415,9 +415,7 @@ class Writer:
             self._string(repository_id, False, None)
 
     def _indirect(self, shared: str | tuple[str, ...]) -> bool:
-        """Return whether an id or id list was written before, so that an indirection was
-        written.
-        """
+        """Write an indirection if an id or id list was written before; return whether it was."""
         out = self._out
         out += bytes(-len(out) % 4)
         if shared in self._shared.ids:

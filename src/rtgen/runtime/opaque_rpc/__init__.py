@@ -1,4 +1,4 @@
-"""TECS OpaqueRPC: what generated codecs, proxies and unmarshallers import."""
+"""TECS OpaqueRPC, for generated codecs, proxies and unmarshallers."""
 
 from rtgen.runtime.opaque_rpc.channel import (
     Channel,

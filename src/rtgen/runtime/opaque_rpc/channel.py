@@ -1,4 +1,4 @@
-"""Interface of channels for callers, types of their servers, and a channel without a connection."""
+"""Interfaces of channels and request handlers, and a channel without a connection."""
 
 from __future__ import annotations
 
@@ -8,36 +8,36 @@ from typing import Protocol, TypeAlias
 from rtgen.runtime.opaque_rpc.errors import E_BOVR, ChannelError
 
 More: TypeAlias = Callable[[int], bytes]
-"""Returns exactly n octets of the message, or raises ChannelError."""
+"""Function that returns exactly n octets of the message. Raises ChannelError."""
 
 Handler: TypeAlias = Callable[[More], bytes | None]
-"""Serves a request whose first octets have been read; returns the reply, None of a oneway one."""
+"""Function that serves a request, after its first octets; returns the reply, None if oneway."""
 
 Handlers: TypeAlias = Mapping[bytes, Handler]
-"""Handlers by SOP and function id as they are on the wire."""
+"""Handlers by SOP and function id as sent on the wire."""
 
 
 class Channel(Protocol):
-    """Carries one call at a time; the operations of `OpaqueRpc.idl`.
+    """Transports one call at a time; the operations of `OpaqueRpc.idl`.
 
-    A call is `begin`, any number of `more`, then exactly one of `end` and `reset`. When `begin`
-    raises, the channel is free already and neither may follow. All raise `ChannelError`.
+    A call is `begin`, any number of `more`, then exactly one of `end` and `reset`. If `begin`
+    raises, the channel is free and neither may follow. All raise `ChannelError`.
     """
 
     def begin(self, request: bytes, first: int) -> bytes:
-        """Take the channel, writes the request in one send; the reply's leading `first` bytes.
+        """Allocate the channel and send the request at once; return the reply's first octets.
 
-        `first` is 0 where no reply is awaited. Nothing is ever sent twice.
+        Their number is `first`, 0 if there is no reply. Nothing is ever sent twice.
         """
 
     def more(self, n: int) -> bytes:
         """Return the next n bytes of the reply."""
 
     def end(self) -> None:
-        """The reply was read to its end: frees the channel."""
+        """Free the channel after the complete reply was read."""
 
     def reset(self) -> None:
-        """The call failed: no later call will see any of this reply. Frees the channel."""
+        """Free the channel after a failed call; later calls will not see the rest of its reply."""
 
 
 class ExchangeChannel:

@@ -1,26 +1,4 @@
-"""Bases of generated codecs: a signature, and the messages, call and dispatch of a function.
-
-A generated codec has an attribute for each function, whose class is generated, too. For a function
-`f` of a codec:
-
-`codec.f.encode_request(...)`
-    The whole request, SOP to EOP. Arguments are the inward parameters in order; for a nullable
-    `out` parameter a bool in its place: whether the caller wants it.
-`codec.f.read_request(more)`
-    The tuple of those arguments, from what follows SOP and function id. The EOP is checked.
-`codec.f.encode_reply(kept..., returned, outs...)`
-    The whole reply; without `returned` for a void function. `kept` are those arguments of the
-    request that the reply's layout depends on: a size, whether a nullable parameter was there.
-    They bear the parameter's name; `given_p` where the reply has a value of `p` of its own.
-`codec.f.first`
-    How many bytes of a reply can be asked for before anything of it is known.
-`codec.f.read_reply(first, more, kept...)`
-    `(returned, outs)`: returned is None for a void function, outs a tuple, or None where
-    the server left them out: the type is `ER` or `ER_INT`, the main code `E_RPC`.
-
-A oneway function has no reply. Encoding raises ArgumentError, reading ProtocolError and what
-`more` raises: `more(n)` returns exactly n bytes or raises ChannelError.
-"""
+"""Base classes of generated codecs: a signature, and the messages and calls of its functions."""
 
 from __future__ import annotations
 
@@ -53,10 +31,10 @@ ReplyOrder: TypeAlias = Literal["tecsgen", "paper"]
 """`tecsgen` sends the return value before the outs, `paper` after them."""
 
 REQUEST_LIMIT: Final = 4096
-"""Default limit of the octets of arrays and texts in one request at a server."""
+"""Default limit of the octets of arrays and texts in a request, at a server."""
 
 REPLY_LIMIT: Final = 1 << 24
-"""Default limit of the octets of arrays and texts in one reply at a client."""
+"""Default limit of the octets of arrays and texts in a reply, at a client."""
 
 log = logging.getLogger("rtgen.runtime.opaque_rpc")
 
@@ -69,17 +47,17 @@ def _no_outs(*arguments: Any) -> tuple[()]:
 
 
 class Codec:
-    """Base of the codecs of a signature, for one TDR.
+    """Base class of the codecs of a signature, for one TDR.
 
-    A generated codec has an attribute for each function. `limit` is how many bytes arrays and texts
-    may need in a request that is read, `reply_limit` in a reply. `encoding` is that of texts of
-    8-bit units.
+    A generated codec has an attribute for each function. `limit` is the maximum number of octets of
+    arrays and texts in a request that is read, `reply_limit` in a reply. `encoding` is that of
+    texts of 8-bit units.
     """
 
     signature: ClassVar[str]
     """The signature in CDL."""
     digest: ClassVar[str] = ""
-    """The digest of the signature, which the board's half has, too (docs/opaque-rpc.md)."""
+    """The digest of the signature, also known to the board's half (docs/opaque-rpc.md)."""
 
     def __init__(
         self,
@@ -99,7 +77,7 @@ class Codec:
 
     @cached_property
     def functions(self) -> dict[str, Messages[..., Any]]:
-        """The functions by attribute, which is also the method of proxy and target."""
+        """The functions by attribute, which is also their method in proxy and target."""
         return {n: f for n, f in vars(self).items() if isinstance(f, Messages)}
 
     def request_head(self, number: int) -> bytes:
@@ -108,11 +86,11 @@ class Codec:
 
 
 class Messages(Generic[_P, _R]):
-    """The messages of a function that takes `_P` and returns `_R`, for one codec.
+    """The messages of a function with arguments `_P` and result `_R`, for one codec.
 
-    `name` is the function's in CDL, `number` its id. The class attributes describe the function:
-    `kept` the arguments (by index) that the reply depends on, `results` how many values come back,
-    `oneway` and `error_code` (the type is `ER` or `ER_INT`) what CDL declares.
+    `name` is the function's name in CDL, `number` its id. Class attributes describe the function:
+    `kept` are the arguments (by index) that the reply depends on, `results` the number of results,
+    `oneway` and `error_code` (the type is `ER` or `ER_INT`) as declared in CDL.
     """
 
     kept: ClassVar[tuple[int, ...]] = ()
@@ -128,13 +106,13 @@ class Messages(Generic[_P, _R]):
     first: int = 0
 
     unset: Callable[..., tuple[Any, ...]] = _no_outs
-    """The outs of a call that fails, for its arguments: inouts unchanged, others zero."""
+    """Returns the outs of a failed call, given its arguments: inouts unchanged, others zero."""
 
     call: Callable[Concatenate[Channel, _P], _R]
-    """Calls the function over a channel.
+    """Call the function over a channel.
 
-    A function that returns `ER` or `ER_INT` returns the composite error code if the call fails, and
-    logs why; others raise RpcError. Raises ArgumentError for a value that cannot be sent.
+    A function of type `ER` or `ER_INT` returns the composite error code if the call fails, and logs
+    the reason; others raise RpcError. Raises ArgumentError for a value that cannot be sent.
     """
 
     def __init__(self, codec: Codec, name: str, number: int) -> None:
@@ -182,7 +160,7 @@ class Messages(Generic[_P, _R]):
             return (arguments[kept[0]],)
         return tuple([arguments[index] for index in kept])
 
-    # An exchange is spelled out twice, since a further call costs a tenth of its time.
+    # The exchange is written out twice, since another call would cost a tenth of its time.
 
     def _call_code(self, channel: Channel, /, *arguments: Any) -> Any:
         request = self.encode_request(*arguments)
@@ -220,7 +198,7 @@ class Messages(Generic[_P, _R]):
         return None
 
     def _failed(self, error: RpcError, channel: Channel) -> int:
-        """Return the code to return; the log says why, since the code alone does not."""
+        """Return the error code; the reason is only logged."""
         log.warning("%s at %s: %s", self.function, channel, error)
         return error.code
 

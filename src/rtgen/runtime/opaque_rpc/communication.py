@@ -1,4 +1,4 @@
-"""The communication RTC: carries requests of any signature to a TECS board."""
+"""The communication RTC: sends requests of any signature to a TECS board."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _GIVEN_UP = "given up by the caller"
 
 
 class _Servant(OpaqueRpc):
-    """Carries out calls of `OpaqueRpc` by a link, and reports each when it is over."""
+    """Executes calls of `OpaqueRpc` through a link, and reports each completed one."""
 
     def __init__(self, link: Link, owner: Component) -> None:
         self._link = link
@@ -81,9 +81,9 @@ def _profile(parameter: CommunicationParameter) -> ParameterProfile:
 
 
 class OpaqueRpcCommunication(Component):
-    """Carries requests of any signature to a TECS board, over TCP or a serial line.
+    """Sends requests of any signature to a TECS board, over TCP or a serial line.
 
-    A change of the configuration, of the active set too, counts from the next call on.
+    A change of the configuration, or of the active set, applies from the next call on.
     """
 
     profile: ClassVar[ComponentProfile] = ComponentProfile(
@@ -117,16 +117,16 @@ class OpaqueRpcCommunication(Component):
         self._link = Link()
 
     def on_initialize(self) -> ReturnCode_t:
-        """Put the link behind the service port."""
+        """Provide the link at the service port."""
         self.service.set_servant(_Servant(self._link, self))
         return RTC_OK
 
     def on_activated(self, ec_id: int) -> ReturnCode_t:
-        """Take over the settings; the first call connects."""
+        """Apply the settings; the first call connects."""
         return self._use_settings()
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
-        """Take over settings that have changed."""
+        """Apply changed settings."""
         return self._use_settings()
 
     def on_deactivated(self, ec_id: int) -> ReturnCode_t:

@@ -11,7 +11,7 @@ from rtgen.runtime.sockets import limit_times
 
 SMALL_BLOCK = 448
 BLOCK = 65536
-"""Octets requested by a read that is likely to return few, and at most.
+"""Minimum and maximum number of octets requested by a read that likely returns few.
 
 Small blocks come from Python's own allocator, which is faster.
 """
@@ -20,9 +20,7 @@ _KEEP_ALIVE = {"TCP_KEEPIDLE": 5, "TCP_KEEPINTVL": 2, "TCP_KEEPCNT": 3}
 
 
 def checked_timeout(seconds: float) -> float:
-    """Return the time-out as given; ValueError unless it is positive and at most
-    `LONGEST_TIMEOUT`.
-    """
+    """Return the time-out. Raises ValueError unless it is in (0, `LONGEST_TIMEOUT`]."""
     if not 0 < seconds <= LONGEST_TIMEOUT:
         raise ValueError(
             f"a time-out is a positive number of seconds up to {LONGEST_TIMEOUT:.0f}, "
@@ -40,7 +38,7 @@ def _prepare(connection: socket.socket) -> None:
 
 
 class Connection:
-    """A socket with the time limit that it is set to."""
+    """A socket with its current time limit."""
 
     def __init__(self, connection: socket.socket, seconds: float) -> None:
         _prepare(connection)
@@ -51,7 +49,7 @@ class Connection:
         self.limit(seconds)
 
     def limit(self, seconds: float) -> None:
-        """Limits the time of each send and receive."""
+        """Limit the time of each send and receive."""
         if seconds <= 0:
             raise TimeoutError("time is over")
         if seconds != self.seconds:
@@ -59,16 +57,16 @@ class Connection:
             self.seconds = seconds
 
     def send_all(self, data: bytes, deadline: float, sent: int = 0) -> None:
-        """Send what is behind the first `sent` bytes."""
+        """Send the bytes after the first `sent`."""
         view = memoryview(data)
         while sent < len(data):
             self.limit(deadline - monotonic())
             sent += self.send(view[sent:])
 
     def acknowledge(self) -> None:
-        """Acknowledge at once what has come.
+        """Acknowledge received data immediately.
 
-        A peer that writes each scalar by itself, with Nagle's algorithm on, waits for that.
+        A peer that writes each scalar separately, with Nagle's algorithm on, waits for that.
         """
         if _QUICKACK is not None:
             self.socket.setsockopt(socket.IPPROTO_TCP, _QUICKACK, 1)
@@ -86,7 +84,7 @@ class Connection:
         return False
 
     def shut(self) -> None:
-        """End the connection; a thread that waits for it wakes up, and has to close it."""
+        """Shut the connection down; a thread that waits for it wakes up, and must close it."""
         try:
             self.socket.shutdown(socket.SHUT_RDWR)
         except OSError as error:

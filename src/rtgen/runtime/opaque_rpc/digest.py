@@ -1,8 +1,8 @@
-"""The digest of a signature on the wire: whether a peer was generated from the same signature.
+"""Digest of a signature on the wire: whether a peer was generated from the same signature.
 
-It is requested by function 32767, the highest id, which no signature has because ids count from
-1. Unmarshallers of rtgen and boards made with `RTCPlugin.rb` answer it; other boards treat it as
-an unknown function and close the connection. So it is only requested on demand.
+It is requested by function 32767, the highest id, which signatures do not use because ids count
+from 1. Unmarshallers of rtgen and boards built with `RTCPlugin.rb` answer it; other boards treat it
+as an unknown function and close the connection, so it is only requested on demand.
 docs/opaque-rpc.md describes the messages.
 """
 

@@ -1,6 +1,6 @@
 """Error codes of TECS OpaqueRPC, the kernel's and two of its own, and the exceptions with them.
 
-A code that a function returns may be composite: a main code in the low 8 bits, a sub code above.
+A code returned by a function may be composite: a main code in the low 8 bits, a sub code above.
 """
 
 from __future__ import annotations
@@ -12,16 +12,16 @@ from rtgen.runtime.services.servants import ServiceError
 E_OK: Final = 0
 E_SYS: Final = -5
 E_PAR: Final = -17
-"""A size is negative or over its maximum."""
+"""A size is negative or exceeds its maximum."""
 E_ID: Final = -18
-"""There is no function of that id."""
+"""There is no function with that id."""
 E_NOMEM: Final = -33
 """A message needs more memory than is available."""
 E_OBJ: Final = -41
 """The channel fails in a way that has no code of its own."""
 E_NOEXS: Final = -42
 E_TMOUT: Final = -50
-"""The peer was silent for too long."""
+"""The peer did not respond in time."""
 E_CLS: Final = -52
 E_WBLK: Final = -57
 E_BOVR: Final = -58
@@ -30,7 +30,7 @@ E_RPC: Final = -68
 """The call failed in transit; the sub code gives the reason."""
 E_RESET: Final = -101
 E_MAGIC: Final = -102
-"""A message does not begin or end as it has to."""
+"""A message has a wrong start or end."""
 
 
 def ERCD(main: int, sub: int) -> int:
@@ -49,10 +49,10 @@ def SERCD(code: int) -> int:
 
 
 class RpcError(ServiceError):
-    """A call failed on the way to the server or back. It passes through service ports.
+    """A call failed in transit. Service ports pass it on.
 
-    `sub` is the reason's code (`E_MAGIC`, `E_TMOUT`, ...); `code` is `ERCD(E_RPC, sub)`, what a
-    function that returns `ER` or `ER_INT` returns then.
+    `sub` is the reason's code (`E_MAGIC`, `E_TMOUT`, ...); `code` is `ERCD(E_RPC, sub)`, the result
+    of a function of type `ER` or `ER_INT`.
     """
 
     def __init__(self, sub: int, reason: str) -> None:
@@ -71,15 +71,15 @@ class RpcError(ServiceError):
 
 
 class ProtocolError(RpcError):
-    """The bytes that came are not message of the signature, or ask for more than is allowed."""
+    """The received bytes are not a message of the signature, or exceed a limit."""
 
 
 class ChannelError(RpcError):
-    """The channel does not give or take bytes: refused, closed, cut off, timed out."""
+    """The channel cannot send or receive: refused, closed, interrupted, timed out."""
 
 
 class ArgumentError(ValueError):
-    """A value cannot be sent: out of the range of its type, of another length, or NULL."""
+    """A value cannot be sent: out of the type's range, of another length, or NULL."""
 
 
 _NAMES = {

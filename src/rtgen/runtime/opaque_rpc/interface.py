@@ -1,4 +1,4 @@
-"""The interface `OpaqueRpc` of a communication RTC, as `OpaqueRpc.idl` in this folder has it."""
+"""The interface `OpaqueRpc` of a communication RTC, as in `OpaqueRpc.idl` in this folder."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ OCTETS: Final = idl.alias("OpaqueRpc::Octets", idl.sequence(idl.OCTET))
 
 @dataclass(eq=False)
 class OpaqueRpcFailed(UserException):
-    """The channel failed; `code` is the kernel's, as `E_TMOUT`."""
+    """The channel failed; `code` is the kernel's, such as `E_TMOUT`."""
 
     _descriptor_: ClassVar = idl.exception(
         "OpaqueRpc::Failed", code=idl.LONG, reason=idl.STRING
@@ -53,7 +53,7 @@ class OpaqueRpc(Servant):
     @abstractmethod
     @operation(raises=(OpaqueRpcFailed,))
     def begin(self, request: bytes, first: int) -> bytes:
-        """Take the channel and sends a request; the leading octets of its reply.
+        """Allocate the channel and send a request; return the first octets of the reply.
 
         The channel is free again if it fails.
         """
@@ -65,11 +65,11 @@ class OpaqueRpc(Servant):
 
     @abstractmethod
     def end(self) -> None:
-        """The reply was read: frees the channel."""
+        """Free the channel after the reply was read."""
 
     @abstractmethod
     def reset(self) -> None:
-        """The call failed: forgets its reply, frees the channel."""
+        """Free the channel after a failed call, and drop its reply."""
 
 
 class OpaqueRpcStub(OpaqueRpc, Stub):

@@ -1,4 +1,4 @@
-"""A channel with changeable settings, provided by a communication RTC."""
+"""A channel with settings that can change, for the communication RTC."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _FASTEST = 100_000_000
 
 
 class ClosableChannel(Channel, Protocol):
-    """A channel that can be left for another one."""
+    """A channel that can be closed and replaced."""
 
     def close(self) -> None:
         """Close the connection."""
@@ -48,13 +48,13 @@ class LinkSettings:
 
     @property
     def is_serial(self) -> bool:
-        """Whether the board is at a serial line; raises ValueError for an unknown type."""
+        """Whether the board is at a serial line. Raises ValueError for an unknown type."""
         if self.type not in (*_SERIAL, _TCP):
             raise ValueError(f"type is {self.type!r}: it is SERIA (or SERIAL) or TCP")
         return self.type in _SERIAL
 
     def open(self, network: SimulatedNetwork | None = None) -> ClosableChannel:
-        """Return the channel; in simulated time that of the system's network. Raises ValueError."""
+        """Return the channel; in simulated time, of the system's network. Raises ValueError."""
         checked_timeout(self.timeout)
         place = self._device() if self.is_serial else self._address()
         if network is not None:
@@ -118,7 +118,7 @@ class Link:
             self._release()
 
     def begin(self, request: bytes, first: int) -> bytes:
-        """See `Channel`. Waits for the call under way as long as a call may take."""
+        """See `Channel`. Waits for the current call, at most as long as a call may take."""
         settings = self._settings
         seconds = 0.0 if settings is None else settings.timeout
         if not self._lock.acquire(timeout=seconds):
@@ -148,7 +148,7 @@ class Link:
             self._release()
 
     def close(self) -> None:
-        """Close the connection when the call under way is over; a later call connects anew."""
+        """Close the connection after the current call; a later call reconnects."""
         channel = self._channel
         if channel is not None:
             channel.close()
@@ -172,7 +172,7 @@ class Link:
         return self._channel
 
     def _release(self) -> None:
-        """Free the channel, changed to the newest settings."""
+        """Free the channel, and apply the latest settings."""
         try:
             if self._wanted is not None:
                 self._chosen()

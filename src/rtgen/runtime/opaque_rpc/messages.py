@@ -26,7 +26,7 @@ from rtgen.runtime.opaque_rpc.tdr import SHARED_BEGIN, SHARED_END
 Send: TypeAlias = Callable[[bytes], None]
 
 HEAD: Final = 4
-"""How many bytes lead to the handler of a message: SOP and function id."""
+"""Number of octets that select a message's handler: SOP and function id."""
 _SOP = 2
 
 log = logging.getLogger("rtgen.runtime.opaque_rpc")
@@ -41,13 +41,13 @@ class Unmarshaller(Protocol):
 
     @property
     def handlers(self) -> Handlers:
-        """Handlers by SOP and function id as they are on the wire."""
+        """Handlers by SOP and function id as sent on the wire."""
 
 
 class Dispatcher:
-    """Base of generated unmarshallers: each function of the codec calls the target's method.
+    """Base class of generated unmarshallers, which call the target's method for each function.
 
-    Raises TypeError if the target lacks one.
+    Raises TypeError if the target does not have one.
     """
 
     def __init__(self, target: object, codec: Codec) -> None:
@@ -66,9 +66,9 @@ class Dispatcher:
 
 
 class MessageReader(ABC):
-    """Bytes of requests, buffered. Of one message no more than `limit` bytes are taken.
+    """Buffered reader of requests. At most `limit` bytes of a message are read.
 
-    Without it the codec alone says how long a message may be.
+    Without it, only the codec limits the length of a message.
     """
 
     def __init__(self, limit: int | None = None) -> None:
@@ -81,20 +81,14 @@ class MessageReader(ABC):
 
     @abstractmethod
     def _wait(self) -> bytes:
-        """Return the first bytes of a message, whenever they come; empty at the end of the
-        stream.
-        """
+        """Wait for the first bytes of a message; return them, empty at the end of the stream."""
 
     @abstractmethod
     def _receive(self, size: int) -> bytes:
-        """Bytes inside a message, `size` are missing; empty at the end of the stream.
-
-        `_deadline` is None when the message has not been waited for yet. Raises ChannelError
-        (E_TMOUT) when it takes too long.
-        """
+        """Return bytes inside a message that lacks `size`; empty at the end of the stream."""
 
     def head(self, n: int) -> bytes:
-        """Wait for a message; its first n bytes, or those that are here.
+        """Wait for a message; return its first n bytes, or those received.
 
         Empty at the end of the stream. Size and time of the message are counted from now.
         """
@@ -104,7 +98,7 @@ class MessageReader(ABC):
         return self._begin(self._wait(), 0, n)
 
     def serve(self, handlers: Handlers, send: Send) -> None:
-        """Serve requests until the stream ends; raises what `serve_message` raises."""
+        """Serve requests until the stream ends. Raises what `serve_message` raises."""
         next_head, more, find = self.head, self.more, handlers.get
         while head := next_head(HEAD):
             handler = find(head) or find_handler(head, more, handlers)
@@ -126,7 +120,7 @@ class MessageReader(ABC):
         return self._data[at:end]
 
     def _begin(self, data: bytes, at: int, n: int) -> bytes:
-        """Begin a message that starts there; its first n bytes, or those that are here."""
+        """Start a message at `at`; return its first n bytes, or those received."""
         self._data = data
         self._deadline = None
         self._start = at
@@ -158,7 +152,7 @@ class MessageReader(ABC):
 
 
 class PacketReader(MessageReader):
-    """Reads requests out of one packet."""
+    """Reads requests from a packet."""
 
     def __init__(self, packet: bytes, limit: int | None = None) -> None:
         super().__init__(limit)
@@ -172,9 +166,9 @@ class PacketReader(MessageReader):
 
 
 def serve_message(reader: MessageReader, handlers: Handlers) -> bytes | None:
-    """Wait for a message and serves it; its reply, None for a oneway function.
+    """Wait for a message and serve it; return its reply, None if it is oneway.
 
-    Raises ProtocolError and ChannelError; the function was not executed then.
+    Raises ProtocolError and ChannelError; the function was then not executed.
     """
     handler = find_handler(reader.head(HEAD), reader.more, handlers)
     return handler(reader.more)
@@ -195,7 +189,7 @@ def find_handler(head: bytes, more: More, handlers: Handlers) -> Handler:
 
 
 class SharedUnmarshaller:
-    """Several signatures on one connection (SharedOpaqueRPC), by sub-channel number.
+    """Serves several signatures on one connection (SharedOpaqueRPC), by sub-channel number.
 
     Octets that start no exchange are skipped in steps of 2, and an error inside an exchange does
     not end the connection. `order` is the byte order of the representation: the native one of the
@@ -212,11 +206,11 @@ class SharedUnmarshaller:
 
     @property
     def starts(self) -> set[bytes]:
-        """The leading 2 bytes that an exchange has."""
+        """The first 2 bytes of an exchange."""
         return {SHARED_BEGIN.to_bytes(2, self._order)}
 
     def serve(self, reader: MessageReader, send: Send) -> None:
-        """Serve requests until the stream ends or is broken (ChannelError)."""
+        """Serve requests until the stream ends or fails (ChannelError)."""
         while head := reader.head(2):
             try:
                 self._exchange(head, reader, send)
@@ -246,7 +240,7 @@ Service: TypeAlias = Unmarshaller | SharedUnmarshaller
 
 
 def starts(service: Service) -> set[bytes]:
-    """Return the leading 2 bytes that messages to the service have."""
+    """Return the first 2 bytes of messages to the service."""
     if isinstance(service, SharedUnmarshaller):
         return service.starts
     return {key[:_SOP] for key in service.handlers}
@@ -255,10 +249,10 @@ def starts(service: Service) -> set[bytes]:
 def serve(
     service: Service, reader: MessageReader, send: Send, peer: str = "a client"
 ) -> bool:
-    """Serve a connection; whether it ended as it should.
+    """Serve a connection; return whether it ended regularly.
 
-    False: an error of the peer or of the target, which is logged with the name of the peer, and the
-    connection is not fit for further messages.
+    False: an error of the peer or of the target, which is logged with the name of the peer; the
+    connection cannot be used for further messages.
     """
     try:
         if isinstance(service, SharedUnmarshaller):
@@ -282,9 +276,9 @@ def serve(
 
 
 class PacketServer:
-    """Serves packets in the caller's thread: the function that an `ExchangeChannel` takes.
+    """Serves packets in the caller's thread: the function for an `ExchangeChannel`.
 
-    A packet that the server would answer by closing the connection raises ChannelError.
+    A packet for which the server would close the connection raises ChannelError.
     """
 
     def __init__(self, service: Service, limit: int | None = None) -> None:

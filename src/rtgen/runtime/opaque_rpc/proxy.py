@@ -1,4 +1,4 @@
-"""Between a generated proxy and service ports: its channel, and the servant that it serves."""
+"""Connects a generated proxy to service ports: its channel, and the servant for its interface."""
 
 from __future__ import annotations
 
@@ -11,10 +11,7 @@ from rtgen.runtime.services.servants import Servant, ServiceError
 
 
 class CommunicationChannel:
-    """A channel over the service port of a communication RTC.
-
-    `port` is a consumer of the interface `OpaqueRpc`.
-    """
+    """A channel over the service port of a communication RTC."""
 
     def __init__(self, port: Consumer[Any]) -> None:
         self._port = port
@@ -61,9 +58,9 @@ class CommunicationChannel:
 
 
 class ProxyServant:
-    """Base of generated servants: operations that they do not define call the proxy.
+    """Base class of generated servants; operations that they do not define call the proxy.
 
-    `methods` maps an operation to the proxy's method, where the name differs.
+    `methods` maps an operation to the proxy's method, if the names differ.
     """
 
     def __init_subclass__(

@@ -1,8 +1,8 @@
 """OpaqueRPC over a serial line: a channel for callers, and a server. Needs pyserial.
 
-A line has no connections to close. After an error both ends discard input until the line is
-silent, then wait for the start of a message. OpaqueRPC has no check sum, so noise that happens to
-be a complete message is accepted.
+A line has no connections to close. After an error both ends discard input until the line is silent,
+then wait for the start of a message. OpaqueRPC has no check sum, so noise that looks like a
+complete message is accepted.
 """
 
 from __future__ import annotations
@@ -34,23 +34,23 @@ if sys.platform != "win32":
 
 BAUDRATE = 115200
 _BITS = 10
-"""Bits on the line for a character: start, 8 data bits, stop."""
+"""Bits per character on the line: start, 8 data bits, stop."""
 _SILENCE = 0.02
 _SILENT_CHARACTERS = 30
 _BLOCK = 4096
-_LOOK = 0.2
-"""How often [s] a server that waits looks whether it was closed."""
+_POLL_INTERVAL = 0.2
+"""Period [s] at which a waiting server checks whether it was closed."""
 _SHARED_HEAD = 4
-"""The offset of the request on a shared channel."""
+"""Offset of the request on a shared channel."""
 
 
 def silence(baudrate: int) -> float:
-    """How long [s] a line has to be silent after an error: 20 ms or 30 characters."""
+    """Return how long [s] a line must be silent after an error: 20 ms or 30 characters."""
     return max(_SILENCE, _SILENT_CHARACTERS * _BITS / baudrate)
 
 
 def _reply_start(request: bytes) -> bytes:
-    """How the reply to a request begins: both are in one byte order."""
+    """Return the start of the reply to a request: both have the same byte order."""
     big = SOP_REQUEST.to_bytes(2, "big")
     starts = (request[:2], request[_SHARED_HEAD : _SHARED_HEAD + 2])
     return SOP_REPLY.to_bytes(2, "big" if big in starts else "little")
@@ -58,7 +58,7 @@ def _reply_start(request: bytes) -> bytes:
 
 @contextmanager
 def _as_os_errors() -> Iterator[None]:
-    """Errors of the terminal driver, which pyserial passes on, as OSError."""
+    """Convert errors of the terminal driver, which pyserial passes on, to OSError."""
     try:
         yield
     except _TERMINAL_ERRORS as error:
@@ -66,7 +66,7 @@ def _as_os_errors() -> Iterator[None]:
 
 
 def _reason(error: Exception) -> str:
-    """Why a device cannot be opened; the text of pyserial's own errors repeats itself."""
+    """Return why a device cannot be opened, without repetitions in pyserial's messages."""
     number = getattr(error, "errno", None)
     if number in (errno.EAGAIN, errno.EBUSY):
         return "it is in use"
@@ -106,7 +106,7 @@ class _Line:
             self._port.write(data)
 
     def drain(self, deadline: float) -> bool:
-        """Discard what comes until the line is silent; False when time is over before."""
+        """Discard input until the line is silent; return False if that takes too long."""
         while monotonic() < deadline:
             if not self.read(_BLOCK, self._silence):
                 return True
@@ -118,7 +118,7 @@ class _Line:
             self._port.reset_input_buffer()
 
     def interrupt(self) -> None:
-        """Let another thread's `read` return."""
+        """Make another thread's `read` return."""
         self._port.cancel_read()
 
     def close(self) -> None:
@@ -129,7 +129,7 @@ class _Line:
 class SerialChannel:
     """A caller's end of a serial line, opened by the first call. See `Channel`.
 
-    `timeout` [s] applies to a whole call. Without pyserial calls raise ChannelError (E_OBJ).
+    `timeout` [s] applies to a whole call. Without pyserial, calls raise ChannelError (E_OBJ).
     """
 
     def __init__(
@@ -148,7 +148,7 @@ class SerialChannel:
         return self.device
 
     def begin(self, request: bytes, first: int) -> bytes:
-        """See `Channel`. Waits for silence first if the call before failed."""
+        """See `Channel`. After a failed call, waits for silence first."""
         if not self._lock.acquire(timeout=self.timeout):
             raise ChannelError(E_TMOUT, f"{self}: in use by another call")
         try:
@@ -179,7 +179,7 @@ class SerialChannel:
             raise self._error(error) from error
 
     def write(self, data: bytes) -> None:
-        """Write what belongs to the call under way behind its reply; raises ChannelError."""
+        """Write data of the current call that follow its reply. Raises ChannelError."""
         try:
             self._open().write(data, self.timeout)
         except OSError as error:
@@ -201,7 +201,7 @@ class SerialChannel:
             self._lock.release()
 
     def close(self) -> None:
-        """Close the line when the call under way is over, which `timeout` limits."""
+        """Close the line after the current call, whose duration `timeout` limits."""
         held = self._lock.acquire(timeout=2 * self.timeout)
         self._drop()
         if held:
@@ -218,7 +218,7 @@ class SerialChannel:
             line.close()
 
     def _error(self, error: OSError) -> ChannelError:
-        """Return the error to raise; a line that is lost is opened anew by the next call."""
+        """Return the error to raise; the next call reopens a lost line."""
         from serial import SerialTimeoutException
 
         if isinstance(error, SerialTimeoutException):
@@ -237,7 +237,7 @@ class SerialChannel:
         return data
 
     def _hunt(self, sop: bytes) -> None:
-        """Pass over noise; the start of the reply then leads what is to be taken."""
+        """Skip noise, so that the received data begin with the reply."""
         data = b""
         while (at := data.find(sop)) < 0:
             data = data[-1:] + self._receive(_BLOCK)
@@ -263,7 +263,7 @@ class _SerialReader(MessageReader):
         self._server = server
 
     def head(self, n: int) -> bytes:
-        """See `MessageReader`. Passes over what is not a start of a request."""
+        """See `MessageReader`. Skips input that is not the start of a request."""
         found = super().head(1)
         while found:
             if not any(start.startswith(found) for start in self._server.starts):
@@ -278,7 +278,7 @@ class _SerialReader(MessageReader):
 
     def _wait(self) -> bytes:
         while not self._server.closed:
-            data = self._line.read(_BLOCK, _LOOK)
+            data = self._line.read(_BLOCK, _POLL_INTERVAL)
             if data:
                 return data
         return b""
@@ -296,10 +296,10 @@ class _SerialReader(MessageReader):
 
 
 class SerialServer:
-    """Serves a serial line. Parameters as those of `TcpServer`.
+    """Serves a serial line. Parameters are those of `TcpServer`.
 
-    After an error it discards input until the line is silent; there is no reply. A lost line,
-    such as an unplugged adapter, raises ChannelError from `serve_forever`.
+    After an error it discards input until the line is silent; there is no reply. For a lost line,
+    such as an unplugged adapter, `serve_forever` raises ChannelError.
     """
 
     def __init__(
@@ -333,14 +333,14 @@ class SerialServer:
             self._line.close()
 
     def start(self) -> None:
-        """Serve requests in a thread of its own."""
+        """Serve requests in a new thread."""
         self._thread = threading.Thread(
             target=self.serve_forever, name="OpaqueRPC server", daemon=True
         )
         self._thread.start()
 
     def close(self) -> None:
-        """Close the line; waits for the thread of `start`."""
+        """Close the line and wait for the thread of `start`."""
         self.closed = True
         self._line.interrupt()
         if self._thread not in (None, threading.current_thread()):
@@ -360,7 +360,7 @@ class SerialServer:
 
     def _drain(self) -> None:
         while not self.closed:
-            if self._line.drain(monotonic() + _LOOK):
+            if self._line.drain(monotonic() + _POLL_INTERVAL):
                 log.info("%s: silent again", self.device)
                 return
 

@@ -11,18 +11,18 @@ from rtgen.runtime.opaque_rpc.tdr import SHARED_BEGIN, SHARED_END
 
 
 class StreamChannel(Channel, Protocol):
-    """A channel that takes bytes behind a reply: those over TCP and serial lines."""
+    """A channel that can send bytes after a reply, such as TCP and serial channels."""
 
     def write(self, data: bytes) -> None:
-        """Write what belongs to the call under way; raises ChannelError."""
+        """Write data of the current call. Raises ChannelError."""
 
 
 class SharedChannel:
     """Sub-channel `number` of a connection (opaque-rpc-wire, section 12). See `Channel`.
 
     Sub-channels count from 0, in the order in which their joins were made. All that share a
-    connection are made with the same `channel`, which lets one call through at a time. `order` is
-    that of the representation, the native one of the peer.
+    connection use the same `channel`, which allows one call at a time. `order` is that of the
+    representation, the native one of the peer.
     """
 
     def __init__(
@@ -49,7 +49,7 @@ class SharedChannel:
         return self._channel.more(n)
 
     def end(self) -> None:
-        """See `Channel`. The reply is here, so what fails now costs the connection only."""
+        """See `Channel`. The reply is complete, so an error now only closes the connection."""
         if self._open:
             self._open = False
             try:

@@ -12,8 +12,8 @@ _BLOCK = 65536
 class SimulatedChannel:
     """A caller's connection to a server that listens in the same system. See `Channel`.
 
-    Nothing waits: what has not come when the request was delivered never comes (E_TMOUT), and a
-    connection that is refused is not tried again before the next call (E_OBJ).
+    It never waits: data that have not arrived when the request was delivered never arrive
+    (E_TMOUT), and a refused connection is not retried before the next call (E_OBJ).
     """
 
     def __init__(self, network: SimulatedNetwork, address: str) -> None:
@@ -52,7 +52,7 @@ class SimulatedChannel:
             raise ChannelError(E_BOVR, reason) from None
 
     def write(self, data: bytes) -> None:
-        """Write what belongs to the call under way behind its reply; raises ChannelError."""
+        """Write data of the current call that follow its reply. Raises ChannelError."""
         try:
             self._open().send(data)
         except OSError as error:
@@ -68,7 +68,7 @@ class SimulatedChannel:
         self._busy = False
 
     def close(self) -> None:
-        """Close the connection; a later call connects anew."""
+        """Close the connection; a later call reconnects."""
         self.reset()
 
     def _connect(self) -> Stream:
@@ -111,7 +111,7 @@ class _StreamReader(MessageReader):
             raise ChannelError(E_TMOUT, "the rest of a request is missing") from None
 
     def send(self, reply: bytes) -> None:
-        """Send a reply; raises ChannelError."""
+        """Send a reply. Raises ChannelError."""
         try:
             self._stream.send(reply)
         except OSError as error:
@@ -121,7 +121,7 @@ class _StreamReader(MessageReader):
 class SimulatedServer:
     """Serves components of the same system, one connection at a time, inside their calls.
 
-    An error closes the connection without a reply. Raises OSError if somebody listens there.
+    An error closes the connection without a reply. Raises OSError if the address is in use.
     """
 
     def __init__(
@@ -137,7 +137,7 @@ class SimulatedServer:
         self._listener = network.listen(address, self._accept)
 
     def close(self) -> None:
-        """End the connection and listens no more."""
+        """Close the connection and stop listening."""
         self._listener.close()
         self._end()
 
@@ -147,7 +147,7 @@ class SimulatedServer:
         reader = _StreamReader(stream, self.allocator_size)
 
         def answer() -> None:
-            # A target may close the server in the middle of a call.
+            # A target may close the server during a call.
             fit = serve(self._service, reader, reader.send, "the simulated network")
             if self._stream is stream and (reader.ended or not fit):
                 self._end()

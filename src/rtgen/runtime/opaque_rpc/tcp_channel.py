@@ -1,4 +1,4 @@
-"""A caller's channel over TCP."""
+"""Caller's channel over TCP."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ from rtgen.runtime.opaque_rpc.messages import log
 from rtgen.runtime.sockets import TIME_OVER
 
 _IDLE = 0.05
-"""Seconds after the start of a call when a connection is checked before it is used again."""
+"""Seconds since the start of the last call after which a connection is checked before use."""
 _FIRST_PAUSE, _LONGEST_PAUSE = 0.005, 0.1
-_LASTING = (errno.EACCES, errno.EPERM, errno.EADDRNOTAVAIL, errno.ENODEV)
-"""Why a connect fails that is not worth another try."""
+_PERMANENT_ERRORS = (errno.EACCES, errno.EPERM, errno.EADDRNOTAVAIL, errno.ENODEV)
+"""Errors of connecting that are not retried."""
 
 
 class TcpChannel:
     """A caller's connection to a server, opened by the first call and again after an error.
 
-    `timeout` [s] is for a whole call: connecting, request and reply; and for the wait before it
-    while another call is under way. `bind` is a local address or, on Linux, the name of a network
+    `timeout` [s] applies to a whole call: connecting, request and reply; and to the wait for
+    another call in progress. `bind` is a local address or, on Linux, the name of a network
     interface. See `Channel`.
     """
 
@@ -53,7 +53,7 @@ class TcpChannel:
         return f"{self.address}:{self.port}"
 
     def begin(self, request: bytes, first: int) -> bytes:
-        """See `Channel`. Only a connect that failed is tried again."""
+        """See `Channel`. Only a failed connect is retried."""
         lock = self._lock
         if not lock.acquire(False) and not lock.acquire(timeout=self.timeout):
             raise ChannelError(E_TMOUT, f"{self}: in use by another call")
@@ -93,14 +93,14 @@ class TcpChannel:
             raise self._error(error) from error
 
     def write(self, data: bytes) -> None:
-        """Write what belongs to the call under way behind its reply; raises ChannelError."""
+        """Write data of the current call that follow its reply. Raises ChannelError."""
         try:
             self._open().send_all(data, self._deadline)
         except OSError as error:
             raise self._error(error) from error
 
     def end(self) -> None:
-        """See `Channel`. Bytes beyond the reply cost the connection, not the call."""
+        """See `Channel`. Bytes after the reply close the connection, but the call succeeds."""
         if self._rest:
             log.info("%s: %d bytes beyond the reply", self, len(self._rest))
             self._drop()
@@ -113,9 +113,9 @@ class TcpChannel:
             self._lock.release()
 
     def close(self) -> None:
-        """Close the connection when the call under way is over, or by force after `timeout`.
+        """Close the connection after the current call, or by force after `timeout`.
 
-        A later call connects anew.
+        A later call reconnects.
         """
         if self._lock.acquire(timeout=self.timeout):
             self.reset()
@@ -147,7 +147,7 @@ class TcpChannel:
         return ChannelError(E_OBJ, f"{self}: {error.strerror or error}")
 
     def _take(self, connection: Connection, data: bytes, n: int) -> bytes:
-        """n bytes, of which `data` is here already; what came beyond waits in `_rest`."""
+        """Return n bytes, of which `data` were received; further ones are stored in `_rest`."""
         if len(data) < n:
             self._in_pieces = True
             pieces = [data]
@@ -163,7 +163,7 @@ class TcpChannel:
         return data[:n]
 
     def _ready(self, idle: float) -> Connection:
-        """Return the connection with its time limit set, checked after a pause, or a new one."""
+        """Return the connection with its time limit set, checked if it was idle, or a new one."""
         connection = self._connection
         if connection is None or (idle > _IDLE and not connection.is_quiet()):
             self._drop()
@@ -174,15 +174,16 @@ class TcpChannel:
         return connection
 
     def _connect(self) -> Connection:
-        """Return a new connection. Servers need a moment until they listen again, so it tries
-        again.
-        """
+        """Return a new connection, retrying: servers need a moment until they listen again."""
         pause = _FIRST_PAUSE
         while True:
             try:
                 return self._connect_once()
             except OSError as error:
-                if isinstance(error, socket.gaierror) or error.errno in _LASTING:
+                if (
+                    isinstance(error, socket.gaierror)
+                    or error.errno in _PERMANENT_ERRORS
+                ):
                     raise
                 if monotonic() + pause >= self._deadline:
                     raise
@@ -203,7 +204,7 @@ class TcpChannel:
             peer.settimeout(max(self._deadline - monotonic(), 1e-6))
             peer.connect(address)
             if peer.getsockname() == peer.getpeername():
-                # TCP connects a socket to itself if it was given the port that it connects to.
+                # TCP connects a socket to itself if its port is the one that it connects to.
                 raise ConnectionRefusedError(
                     errno.ECONNREFUSED, os.strerror(errno.ECONNREFUSED)
                 )

@@ -1,4 +1,4 @@
-"""A server over TCP, for one client at a time."""
+"""Server over TCP, for one client at a time."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ from rtgen.runtime.opaque_rpc.messages import (
 )
 from rtgen.runtime.sockets import TIME_OVER
 
-_LOOK = 0.2
-"""How often [s] a server that waits looks whether it was closed, where nothing wakes it."""
+_POLL_INTERVAL = 0.2
+"""Period [s] at which a waiting server checks whether it was closed, if nothing wakes it."""
 _QUEUE = 8
 _HANG_UP: int = getattr(select, "POLLRDHUP", 0)
 
@@ -48,7 +48,7 @@ class _SocketReader(MessageReader):
         self._in_pieces = False
 
     def serve(self, handlers: Handlers, send: Send) -> None:
-        """See `MessageReader`; a request that comes in one piece takes no detour."""
+        """See `MessageReader`; fast path for requests received in one piece."""
         receive, begin = self._connection.receive, self._begin
         more, find = self.more, handlers.get
         while True:
@@ -95,7 +95,7 @@ class _SocketReader(MessageReader):
             raise _lost(error) from error
 
     def send(self, reply: bytes) -> None:
-        """Send a reply; raises ChannelError."""
+        """Send a reply. Raises ChannelError."""
         connection = self._connection
         try:
             sent = connection.send(reply)
@@ -113,7 +113,7 @@ def _lost(error: OSError) -> ChannelError:
 
 
 def _pass_silence(error: OSError) -> None:
-    """A client may be silent between requests; any other error ends the connection."""
+    """Ignore silence between requests; any other error ends the connection."""
     if not isinstance(error, TIME_OVER):
         raise _lost(error) from error
 
@@ -121,7 +121,7 @@ def _pass_silence(error: OSError) -> None:
 class _Listener:
     """Listener that serves one client at a time; the rest wait in the accept queue.
 
-    A client that waited for longer than `patience` [s] and has left is not served.
+    A client that has waited for longer than `patience` [s] and has disconnected is not served.
     """
 
     def __init__(self, host: str, port: int, patience: float) -> None:
@@ -133,7 +133,7 @@ class _Listener:
         self._since = monotonic()
 
     def next(self) -> socket.socket | None:
-        """Return the next client; None when the door is closed."""
+        """Return the next client; None when the listener is closed."""
         waited = monotonic() - self._since > self._patience
         while not self.closed:
             try:
@@ -153,7 +153,7 @@ class _Listener:
         return None
 
     def close(self) -> None:
-        """Stop accepting clients; `next` returns in another thread."""
+        """Stop accepting clients; `next` in another thread returns."""
         self.closed = True
         try:
             self._listener.shutdown(socket.SHUT_RDWR)
@@ -167,12 +167,12 @@ class _Listener:
     def _wait(self) -> None:
         with selectors.DefaultSelector() as selector:
             selector.register(self._listener, selectors.EVENT_READ)
-            while not selector.select(_LOOK) and not self.closed:
+            while not selector.select(_POLL_INTERVAL) and not self.closed:
                 continue
 
 
 def _has_left(peer: socket.socket) -> bool:
-    """Return whether a client has given up; its request must not be executed then."""
+    """Return whether a client has given up, so that its request must not be executed."""
     if not _HANG_UP:
         return False
     poll = select.poll()
@@ -181,12 +181,12 @@ def _has_left(peer: socket.socket) -> bool:
 
 
 class TcpServer:
-    """Serves one client at a time; others wait until it has left.
+    """Serves one client at a time; others wait until it disconnects.
 
-    A request whose caller gave up meanwhile is not executed (Linux). `port` 0 takes a free one,
-    see `address`. `timeout` [s] is for the rest of a request once its first byte is here, and for
-    its reply; between requests a client may be silent. `allocator_size` limits the bytes of a
-    whole request, beyond what the codec allows its arrays and texts (`PPAllocatorSize`). An error
+    A request whose caller has given up is not executed (Linux). `port` 0 selects a free one, see
+    `address`. `timeout` [s] applies to the rest of a request after its first byte, and to its
+    reply; between requests a client may be silent. `allocator_size` limits the bytes of a whole
+    request, in addition to the codec's limit of arrays and texts (`PPAllocatorSize`). An error
     closes the connection without a reply.
     """
 
@@ -217,14 +217,14 @@ class TcpServer:
                 connection.close()
 
     def start(self) -> None:
-        """Serve clients in a thread of its own."""
+        """Serve clients in a new thread."""
         self._thread = threading.Thread(
             target=self.serve_forever, name="OpaqueRPC server", daemon=True
         )
         self._thread.start()
 
     def close(self) -> None:
-        """End the connection and listens no more; waits for the thread of `start`."""
+        """Close the connection and stop listening; waits for the thread of `start`."""
         self._door.close()
         connection, thread = self._connection, self._thread
         if connection is not None:

@@ -1,7 +1,7 @@
 """TDR, the data representation of TECS RPC: octets of basic values.
 
 There are two kinds: `tNBOTDR`, network byte order with widths fixed by macros, and `tTDR`, byte
-order and widths of the machine. They cannot be distinguished on the wire; both ends have to be
+order and widths of the machine. They cannot be distinguished on the wire; both ends must be
 configured.
 """
 
@@ -16,7 +16,7 @@ from typing import Final, Literal, TypeAlias
 from rtgen.facts.tdr import STRUCT_CODES, WIDTH_NAMES
 
 Order: TypeAlias = Literal["network", "little", "big"]
-"""`network` is `tNBOTDR`; `little` and `big` are `tTDR` of such a machine."""
+"""`network` is `tNBOTDR`; `little` and `big` are `tTDR` of a machine with that byte order."""
 
 SOP_REQUEST: Final = 0x672A
 SOP_REPLY: Final = 0x561E
@@ -32,7 +32,7 @@ SHARED_END: Final = 0x2718
 class Tdr:
     """A data representation. Widths are in bits: 16, 32 or 64.
 
-    `low_word_first` counts for 128-bit integers in network order: a little-endian peer sends the
+    `low_word_first` applies to 128-bit integers in network order: a little-endian peer sends the
     low 8 bytes first, each half in network order; a big-endian one sends the high half first.
     """
 
@@ -52,31 +52,31 @@ class Tdr:
 
     @property
     def byte_order(self) -> Literal["little", "big"]:
-        """That of a number on the wire."""
+        """Byte order of a number on the wire."""
         return "little" if self.order == "little" else "big"
 
     def struct(self, kinds: str) -> struct.Struct:
         """Return the compiled form of a run of values.
 
-        A kind is a letter of the `struct` module of a fixed size (`?bBhHiIqQfds`, counts too), or
-        one whose width is defined by the TDR: `k` short, `n` int, `l` long, `p` intptr_t, upper
-        case if unsigned.
+        A kind is a letter of the `struct` module of a fixed size (`?bBhHiIqQfds`, also with
+        counts), or one whose width is defined by the TDR: `k` short, `n` int, `l` long, `p`
+        intptr_t, upper case if unsigned.
         """
         return struct.Struct(
             ("<" if self.order == "little" else ">") + self._own(kinds)
         )
 
     def int16(self, value: int) -> bytes:
-        """Return a magic or a function id, 0 to 0xFFFF."""
+        """Encode a magic number or function id, 0 to 0xFFFF."""
         return value.to_bytes(2, self.byte_order)
 
     def wide(self, value: int, signed: bool) -> bytes:
-        """Return a 128-bit integer; raises OverflowError."""
+        """Encode a 128-bit integer. Raises OverflowError."""
         data = value.to_bytes(16, self.byte_order, signed=signed)
         return self._swapped(data)
 
     def from_wide(self, data: bytes, signed: bool) -> int:
-        """Return the 128-bit integer of 16 bytes."""
+        """Decode a 128-bit integer of 16 bytes."""
         return int.from_bytes(self._swapped(data), self.byte_order, signed=signed)
 
     def _swapped(self, data: bytes) -> bytes:
@@ -101,7 +101,7 @@ def make_tdr(
     intptr_bits: int | None = None,
     low_word_first: bool = True,
 ) -> Tdr:
-    """Return a TDR with the usual widths: long and intptr_t have 32 bits in network order, else 64.
+    """Return a TDR; by default, long and intptr_t have 32 bits in network order, else 64.
 
     Raises ValueError for an unknown order or width.
     """
@@ -121,9 +121,9 @@ LITTLE: Final = make_tdr("little")
 BIG: Final = make_tdr("big")
 
 INT8: Final[Mapping[int, int]] = {v: (v & 0xFF ^ 0x80) - 0x80 for v in range(-128, 256)}
-"""8-bit integers as signed ones: 128 to 255 are taken for the same bits."""
+"""8-bit integers as signed ones: 128 to 255 are accepted for the same bits."""
 UINT8: Final[Mapping[int, int]] = {v: v & 0xFF for v in range(-128, 256)}
-"""8-bit integers as unsigned ones: -128 to -1 are taken for the same bits."""
+"""8-bit integers as unsigned ones: -128 to -1 are accepted for the same bits."""
 
 
 class Items:
@@ -143,7 +143,7 @@ class Items:
             self._letter, self.width = one.format[1:], one.size
 
     def pack(self, values: Sequence[int] | Sequence[float] | Sequence[bool]) -> bytes:
-        """Return the bytes of all; raises struct.error, OverflowError or KeyError."""
+        """Encode values. Raises struct.error, OverflowError or KeyError."""
         if self._kind == "b":
             return bytes([UINT8[int(value)] for value in values])
         if not self._letter:
@@ -152,7 +152,7 @@ class Items:
         return self._run(len(values)).pack(*values)
 
     def integers(self, data: bytes, count: int, offset: int = 0) -> list[int]:
-        """So many integers at the offset."""
+        """Decode `count` integers at the offset."""
         if not self._letter:
             signed = self._kind == "w"
             ends = range(offset + 16, offset + 16 * count + 1, 16)
@@ -160,11 +160,11 @@ class Items:
         return list(self._run(count).unpack_from(data, offset))
 
     def booleans(self, data: bytes, count: int, offset: int = 0) -> list[bool]:
-        """So many truth values at the offset; each byte but 0 is true."""
+        """Decode `count` booleans at the offset; each byte but 0 is true."""
         return list(self._run(count).unpack_from(data, offset))
 
     def floats(self, data: bytes, count: int, offset: int = 0) -> list[float]:
-        """So many floating point numbers at the offset."""
+        """Decode `count` floating-point numbers at the offset."""
         return list(self._run(count).unpack_from(data, offset))
 
     def _run(self, count: int) -> struct.Struct:

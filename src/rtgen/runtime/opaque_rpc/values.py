@@ -1,4 +1,4 @@
-"""Values in messages of OpaqueRPC, for generated codecs: texts, checks of sizes, C arithmetic."""
+"""Values of OpaqueRPC messages, for generated codecs: texts, checks of sizes, C arithmetic."""
 
 from __future__ import annotations
 
@@ -27,11 +27,11 @@ FAILURES: Final = (
     TypeError,
     ValueError,
 )
-"""Exceptions raised by encoding a value of a wrong type, range or length."""
+"""Exceptions raised for a value of a wrong type, range or length."""
 
 
 class ByteBudget:
-    """The octets that arrays and texts of a message may still take."""
+    """The remaining octets for arrays and texts of a message."""
 
     __slots__ = ("_left",)
 
@@ -39,7 +39,7 @@ class ByteBudget:
         self._left = size
 
     def take(self, count: int, width: int, most: int | None = None) -> int:
-        """Return the size of `count` elements in octets, subtracted from the budget.
+        """Subtract `count` elements from the budget; return their size in octets.
 
         Raises ProtocolError: E_PAR if the count is negative or over `most`, E_NOMEM if the budget
         is exceeded.
@@ -124,21 +124,21 @@ class WideText:
 
 
 def _sent(length: int, most: int) -> int:
-    """How many units of a text of that length travel from a buffer of `most` units."""
+    """Return the number of units sent for a text of `length` from a buffer of `most` units."""
     if length > most:
         raise ValueError(f"a text of {length} units, at most {most} fit")
     return min(length + 2, most)
 
 
 def exactly(values: _S, count: int) -> _S:
-    """Return the values, after a check of their number. Raises ValueError."""
+    """Return the values. Raises ValueError unless their number is `count`."""
     if len(values) != count:
         raise ValueError(f"{len(values)} elements, {count} are needed")
     return values
 
 
 def leading(values: Sequence[_T], count: int, most: int) -> Sequence[_T]:
-    """Return the first `count` values of an array that holds at most `most`; raises ValueError."""
+    """Return the first `count` values of an array with at most `most`. Raises ValueError."""
     if not count <= len(values) <= max(count, most) or not 0 <= count <= most:
         raise ValueError(f"{len(values)} elements, {count} to be sent, {most} fit")
     return values if len(values) == count else values[:count]
@@ -151,47 +151,47 @@ def leading_bytes(data: bytes, count: int, most: int) -> bytes:
 
 
 def within(count: int, most: int) -> int:
-    """Return the count, which has to be 0 to `most`; raises ValueError."""
+    """Return the count. Raises ValueError unless it is 0 to `most`."""
     if not 0 <= count <= most:
         raise ValueError(f"a size of {count}, at most {most} allowed")
     return count
 
 
 def present(value: _T | None) -> _T:
-    """Return the value, which must not be NULL; raises ValueError."""
+    """Return the value. Raises ValueError for NULL."""
     if value is None:
         raise ValueError("NULL where a value is needed")
     return value
 
 
 def element(values: Sequence[_T], index: int) -> _T:
-    """C's subscript. Raises ValueError for an index out of range."""
+    """Implement C's subscript. Raises ValueError for an index out of range."""
     return values[within(index, len(values) - 1)]
 
 
 def quotient(left: int, right: int) -> int:
-    """C's `/`, towards zero; raises ZeroDivisionError."""
+    """Implement C's `/`, rounding towards zero. Raises ZeroDivisionError."""
     size = abs(left) // abs(right)
     return size if (left < 0) == (right < 0) else -size
 
 
 def remainder(left: int, right: int) -> int:
-    """C's `%`, with the sign of the dividend; raises ZeroDivisionError."""
+    """Implement C's `%`, with the sign of the dividend. Raises ZeroDivisionError."""
     return left - right * quotient(left, right)
 
 
 def shifted_left(value: int, bits: int) -> int:
-    """C's `<<` of a value of at most 64 bits; raises ValueError."""
+    """Implement C's `<<` of a value of at most 64 bits. Raises ValueError."""
     return value << within(bits, 63)
 
 
 def shifted_right(value: int, bits: int) -> int:
-    """C's `>>`; raises ValueError."""
+    """Implement C's `>>`. Raises ValueError."""
     return value >> within(bits, 63)
 
 
 def cast(value: float, bits: int, signed: bool) -> int:
-    """C's conversion to an integer type."""
+    """Implement C's conversion to an integer type."""
     low = int(value) & ((1 << bits) - 1)
     return low - (1 << bits) if signed and low >> (bits - 1) else low
 
@@ -211,7 +211,7 @@ def size_error(function: str, failure: Exception) -> ProtocolError:
 
 
 def is_rpc_error(code: int) -> bool:
-    """Return whether the main code is E_RPC: the outs are left out then."""
+    """Return whether the main code is E_RPC, so that outs are omitted."""
     return code & 0xFF == E_RPC & 0xFF
 
 

@@ -1,4 +1,4 @@
-"""Ring buffers of connections, with OpenRTM's policies for a full and an empty buffer."""
+"""Ring buffers of connections, with OpenRTM's policies for full and empty buffers."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ class BufferSettings:
 
 
 class RingBuffer(Generic[T]):
-    """At most `settings.length` samples, oldest first.
+    """A ring buffer with at most `settings.length` samples, oldest first.
 
     `arrivals` is the order in which samples arrived in the buffers of one InPort: the buffer
-    appends itself there once for each sample, so that the port reads the oldest of all. It is
+    appends itself once per sample, so that the port reads the oldest sample of all buffers. It is
     None if the port has one connection.
     """
 

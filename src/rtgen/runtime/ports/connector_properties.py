@@ -1,4 +1,4 @@
-"""Connector properties by OpenRTM's names, parsed once, when the connection is established."""
+"""Connector properties by OpenRTM's names, parsed when the connection is established."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def parse(properties: Mapping[str, str]) -> ConnectorSettings:
 
     Interface, byte order and marshalling are validated without effect, since both ends are in one
     process; `dataport.data_type` is informative; addresses (`dataport.corba_cdr.*`), which system
-    editors store, and properties of other targets (`rtgen.*`) are ignored. Raises
+    editors save, and properties of other targets (`rtgen.*`) are ignored. Raises
     ConnectorPropertyError.
     """
     texts = {key: str(value).strip() for key, value in properties.items()}
@@ -80,10 +80,7 @@ def parse(properties: Mapping[str, str]) -> ConnectorSettings:
 
 
 def check(properties: Mapping[str, str], table: Mapping[str, Check]) -> None:
-    """Check properties against a table; those for other readers (`IGNORED`) have no meaning here.
-
-    Raises ConnectorPropertyError.
-    """
+    """Check properties against a table; those of other readers (`IGNORED`) are skipped."""
     for key, text in properties.items():
         if key.startswith(IGNORED):
             continue

@@ -1,8 +1,8 @@
 """Data ports, which a component reads and writes, and the connectors between them.
 
-A sample belongs to one side at a time: `write` takes a snapshot of it, so the writer may go on
-using its object, and what `read` returns belongs to the reader. A writer that gives its sample
-away by `move=True` saves the snapshot.
+A sample belongs to one side at a time: `write` takes a snapshot, so the writer can reuse its
+object, and the result of `read` belongs to the reader. A writer that passes its sample on with
+`move=True` saves the snapshot.
 """
 
 from __future__ import annotations
@@ -36,12 +36,12 @@ T = TypeVar("T", bound=DataType)
 
 _NOTHING: deque[Any] = deque(maxlen=0)
 
-_GIVEN_AWAY = 3
-"""References to a sample that one variable of the writer holds, as counted in `write`."""
+_SOLE_REFERENCES = 3
+"""Number of references to a sample that only one variable of the writer refers to, in `write`."""
 
 
 class InPort(Generic[T]):
-    """The receiving end of data connections. With several, the samples come in order of arrival."""
+    """The receiving end of data connections. Samples of several are read in order of arrival."""
 
     __slots__ = (
         "_arrivals",
@@ -68,8 +68,8 @@ class InPort(Generic[T]):
         """Samples lost on connections that were removed."""
         self._arrivals: deque[RingBuffer[T]] | None = None
         self._feed: Callable[[], None] | None = None
-        """Brings a sample into a buffer of this port, if one waits elsewhere."""
-        # The samples of the only buffer, where one thread alone comes here: the short way.
+        """Moves a sample into a buffer of this port, if one is waiting elsewhere."""
+        # Fast path: the samples of the only buffer, if only one thread uses it.
         self._sole: deque[T] = _NOTHING
         self._unread: deque[Any] = _NOTHING
 
@@ -80,7 +80,9 @@ class InPort(Generic[T]):
         return f"{self.owner}.{self.name}"
 
     def is_new(self) -> bool:
-        """Return whether there is an unread sample. Of a pull connection too, unlike in OpenRTM."""
+        """Return whether there is an unread sample; unlike in OpenRTM, also for pull
+        connections.
+        """
         if self._unread:
             return True
         if self._feed is not None:
@@ -90,10 +92,10 @@ class InPort(Generic[T]):
     def read(self) -> T | None:
         """Return the oldest unread sample.
 
-        With none unread the empty policy of the first connection decides: `readback` (also without
-        connection) gives the very object of the last read again, None if there was none;
-        `do_nothing` gives None; `block` waits for a sample in real time, then gives None. In
-        simulated time nobody could bring one, so it gives None at once.
+        Without one, the empty policy of the first connection applies: `readback` (also without
+        connection) returns the object of the last read again, None if there was none; `do_nothing`
+        returns None; `block` waits for a sample in real time, then returns None. In simulated time
+        no sample could arrive, so it returns None at once.
         """
         samples = self._sole
         if samples:
@@ -122,12 +124,12 @@ class InPort(Generic[T]):
 
     @property
     def last(self) -> T | None:
-        """The sample that was read last; None before the first."""
+        """The sample read last; None before the first."""
         return self._last
 
     @property
     def lost(self) -> int:
-        """Samples lost on the way here: overwritten, refused, dropped, or unread when cut."""
+        """Number of lost samples: overwritten, refused, dropped, or unread at disconnection."""
         return self.lost_when_cut + sum(
             connector.lost for connector in self._connectors
         )
@@ -212,7 +214,7 @@ class OutPort(Generic[T]):
         """Samples written while there was no connection."""
         self._connectors: tuple[DataConnector[T], ...] = ()
         self._outlets: tuple[Callable[[T], PortStatus], ...] = ()
-        """Ways of samples out of this process; they keep no sample."""
+        """Functions that send samples out of this process; they store none."""
         self._record: Callable[[T], None] | None = None
         self._ways: tuple[Callable[[T], PortStatus], ...] = ()
         self._write: Callable[[T], PortStatus] = self._write_to_nobody
@@ -226,18 +228,18 @@ class OutPort(Generic[T]):
     def write(self, value: T, *, move: bool = False) -> PortStatus:
         """Send a snapshot of the sample over every connection.
 
-        `move`: the writer gives the sample away with all that is in it, and touches it no more, so
-        one reader gets the object itself. A sample that more than one variable of the writer refers
-        to is not given away, nor one that was written before and is not read yet: a snapshot is
-        sent as without `move`.
+        `move`: the writer passes on the sample with all that it contains, and does not use it any
+        more, so one reader gets the object itself. A snapshot is sent nevertheless if more than one
+        variable of the writer refers to the sample, or if it was written before and has not been
+        read.
 
-        PORT_OK if all took it, else the status of the first that did not: BUFFER_FULL
+        PORT_OK if all accepted it, else the status of the first that did not: BUFFER_FULL
         (`do_nothing`), BUFFER_TIMEOUT (`block`; at once in simulated time), CONNECTION_LOST;
-        PRECONDITION_NOT_MET without connection. Raises SampleTypeError for a foreign type.
+        PRECONDITION_NOT_MET without connection. Raises SampleTypeError for another type.
         """
         if (
             move
-            and sys.getrefcount(value) <= _GIVEN_AWAY
+            and sys.getrefcount(value) <= _SOLE_REFERENCES
             and value.__class__ is self.type
             and self._connectors
             and not self._outlets
@@ -255,12 +257,12 @@ class OutPort(Generic[T]):
         self._rewire()
 
     def add_outlet(self, way: Callable[[T], PortStatus]) -> None:
-        """Call a function with every sample, which stays the writer's; it raises nothing."""
+        """Call a function with every sample, which remains the writer's; it must not raise."""
         self._outlets += (way,)
         self._rewire()
 
     def remove_outlet(self, way: Callable[[T], PortStatus]) -> None:
-        """Call the function no more."""
+        """Stop calling the function."""
         self._outlets = tuple(outlet for outlet in self._outlets if outlet != way)
         self._rewire()
 
@@ -332,10 +334,10 @@ class OutPort(Generic[T]):
 
 
 class DataConnector(Generic[T]):
-    """One connection of data ports, and the count of what it lost.
+    """A connection of data ports, with counts of lost samples.
 
-    `refused` writes were answered with a status, so the writer knows of them; `dropped` samples
-    fell to the push policy; `cut` ones were unread when the connection was cut.
+    `refused` writes returned a status, so the writer knows of them; `dropped` samples were skipped
+    by the push policy; `cut` ones were unread when the connection was removed.
     """
 
     def __init__(
@@ -371,37 +373,37 @@ class DataConnector(Generic[T]):
 
     @property
     def overwritten(self) -> int:
-        """Samples that a newer one pushed out of a full buffer."""
+        """Number of samples overwritten in a full buffer."""
         sender = self.publisher.waiting.overwritten if self.publisher else 0
         return self.buffer.overwritten + sender
 
     @property
     def dropped(self) -> int:
-        """Samples that the push policy left out."""
+        """Number of samples skipped by the push policy."""
         return self.publisher.dropped if self.publisher else 0
 
     @property
     def missed(self) -> int:
-        """Samples that were lost, or could not be decoded, on the way from another process."""
+        """Number of samples from another process that were lost or could not be decoded."""
         return 0
 
     @property
     def missed_deadlines(self) -> int:
-        """How often no sample came within `dataport.qos.deadline` from another process."""
+        """Number of times without a sample from another process within `dataport.qos.deadline`."""
         return 0
 
     @property
     def lost(self) -> int:
-        """All samples that did not reach the reader."""
+        """Number of all samples that did not reach the reader."""
         here = self.overwritten + self.refused + self.dropped + self.cut
         return here + self.missed
 
     def send(self, value: T) -> PortStatus:
-        """Take a snapshot and delivers it, or leaves it to the publisher."""
+        """Take a snapshot and deliver it, or leave it to the publisher."""
         return self._deliver(self._snapshot(self.source._checked(value)))
 
     def give(self, value: T) -> PortStatus:
-        """Deliver a sample of the source's type that nobody else uses."""
+        """Deliver a sample of the source's type that nothing else refers to."""
         if self.source.type is self.target.type:
             return self._deliver(value)
         return self._deliver(self._snapshot(value))
@@ -418,9 +420,7 @@ class DataConnector(Generic[T]):
         return status
 
     def short_way(self) -> Callable[[T], PortStatus]:
-        """Return the quickest form of `send` for the present wiring; `send` itself where in
-        doubt.
-        """
+        """Return the fastest form of `send` for the current connections; if in doubt, `send`."""
         buffer = self.buffer
         if (
             self.publisher is not None
@@ -453,13 +453,13 @@ class DataConnector(Generic[T]):
         return write
 
     def attach(self) -> None:
-        """Make the connection: from now on samples flow."""
+        """Establish the connection."""
         self.connected = True
         self.target._attach(self)
         self.source._attach(self)
 
     def detach(self) -> None:
-        """Cut the connection; unread samples are dropped and counted."""
+        """Remove the connection; unread samples are dropped and counted."""
         self.connected = False
         self.source._detach(self)
         if self.publisher is not None:
@@ -499,7 +499,7 @@ def _check_limits(connector: DataConnector[T]) -> None:
 
 
 def _snapshot_between(source: type[T], target: type[T]) -> Callable[[T], T]:
-    """How to copy a sample. Types of two generated packages differ as classes, not on the wire."""
+    """Return a function that copies a sample, also between packages with different classes."""
     if source is target:
         return source._snapshot_
     return lambda value: target.from_cdr(value.to_cdr())

@@ -1,4 +1,4 @@
-"""Sending half of connections of subscription type `new` and `periodic`."""
+"""The sending half of connections with subscription type `new` or `periodic`."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ def _do_nothing() -> None:
 class Publisher(Generic[T]):
     """The sending half of a `new` or `periodic` connection: a buffer and a push policy.
 
-    `signal` is called after each write; set by the publisher's driver. A sample that the reader's
-    buffer rejects is kept and offered again at the next turn.
+    `signal` is called after each write; the publisher's driver sets it. A sample that the reader's
+    buffer rejects is kept and offered again next time.
     """
 
     def __init__(
@@ -46,7 +46,7 @@ class Publisher(Generic[T]):
         return self._in_hand is None and not self.waiting.samples
 
     def publish(self) -> None:
-        """Deliver the waiting samples that the policy selects."""
+        """Deliver the samples selected by the policy."""
         if self._policy is PushPolicy.NEW:
             self._drop_all_but_newest()
         while self._pick() and self._deliver() and self._policy is not PushPolicy.FIFO:

@@ -43,17 +43,17 @@ def is_ok(code: object) -> bool:
 def note_exception(
     component: CallbackOwner, callback: str, error: BaseException
 ) -> None:
-    """Report that a callback raised."""
+    """Report an exception of a callback."""
     _keep_answer(component, callback, RTC_ERROR)
     trace = error.__traceback__
     if isinstance(error, TypeError) and trace is not None and trace.tb_next is None:
-        # The call itself failed, so no frame of the callback shows where it is.
+        # The call itself failed, so there is no frame of the callback.
         error = ParametersError(str(error), _code(component, callback))
     component._failed(callback, f"{callback}: {described(error)}", error)
 
 
 def note_answer(component: CallbackOwner, callback: str, code: object) -> None:
-    """Report that a callback returned something other than RTC_OK."""
+    """Report that a callback did not return RTC_OK."""
     _keep_answer(component, callback, code)
     if isinstance(code, ReturnCode_t) or (type(code) is int and code in _CODES):
         component._failed(callback, f"{callback}: returned {ReturnCode_t(code).name}")
@@ -69,6 +69,6 @@ def _code(component: CallbackOwner, callback: str) -> CodeType | None:
 
 
 def _keep_answer(component: CallbackOwner, callback: str, code: object) -> None:
-    # on_aborting follows another failure, which is the one to report.
+    # on_aborting is called after another failure, which is the one to report.
     if callback != "on_aborting":
         component._last_code = code if isinstance(code, ReturnCode_t) else RTC_ERROR

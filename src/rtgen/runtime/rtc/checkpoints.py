@@ -1,7 +1,7 @@
-"""Checkpoints: declared state of a component, kept in a file that outlives its process.
+"""Checkpoints: declared state of a component, stored in a file that outlives the process.
 
-A file has two slots, which are written in turn: a process that is killed while it writes leaves the
-checkpoint before. They are mapped into memory, so that a checkpoint costs no system call.
+A file has two slots, which are written alternately, so that a process killed while writing leaves
+the previous checkpoint intact. They are memory-mapped: a checkpoint costs no system call.
 """
 
 from __future__ import annotations
@@ -20,25 +20,25 @@ from rtgen.runtime.marshalling.errors import CdrError
 
 T = TypeVar("T", bound=DataType)
 
-LONGEST = 1 << 16
-"""The longest state [octets of CDR]."""
+MAX_LENGTH = 1 << 16
+"""Maximum length of a state [octets of CDR]."""
 
 _CHECK = struct.Struct("<I")
 _HEAD = struct.Struct("<QII")
-"""Number of the checkpoint, digest of its type, length of its octets; a check sum stands before."""
-_ROOM = _CHECK.size + _HEAD.size + LONGEST
+"""Number of the checkpoint, digest of its type, length of its octets; a check sum precedes it."""
+_SLOT_SIZE = _CHECK.size + _HEAD.size + MAX_LENGTH
 
 
 class CheckpointFile:
-    """The last checkpoint of a component. Raises CheckpointError if the file cannot be used."""
+    """The file with a component's last checkpoint. Raises CheckpointError if it is unusable."""
 
     def __init__(self, path: Path) -> None:
         try:
-            if not path.exists() or path.stat().st_size != 2 * _ROOM:
-                # Written, not only sized: a full disk has to be noticed here.
-                path.write_bytes(bytes(2 * _ROOM))
+            if not path.exists() or path.stat().st_size != 2 * _SLOT_SIZE:
+                # Written, not only extended, so that a full disk is detected here.
+                path.write_bytes(bytes(2 * _SLOT_SIZE))
             with path.open("r+b") as file:
-                self._map = mmap.mmap(file.fileno(), 2 * _ROOM)
+                self._map = mmap.mmap(file.fileno(), 2 * _SLOT_SIZE)
         except OSError as error:
             raise CheckpointError(f"{path}: {error.strerror}") from error
         self._number, self._type, self._octets = max(
@@ -46,33 +46,33 @@ class CheckpointFile:
         )
 
     def _slot(self, index: int) -> tuple[int, int, bytes]:
-        """Number, type and octets of a slot; number 0 if it holds no checkpoint."""
-        start = index * _ROOM
+        """Return number, type and octets of a slot; number 0 without a checkpoint."""
+        start = index * _SLOT_SIZE
         body = start + _CHECK.size
         [check] = _CHECK.unpack_from(self._map, start)
         number, digest, length = _HEAD.unpack_from(self._map, body)
-        end = body + _HEAD.size + min(length, LONGEST)
-        if not number or length > LONGEST or crc32(self._map[body:end]) != check:
+        end = body + _HEAD.size + min(length, MAX_LENGTH)
+        if not number or length > MAX_LENGTH or crc32(self._map[body:end]) != check:
             return 0, 0, b""
         return number, digest, self._map[body + _HEAD.size : end]
 
     def read(self) -> tuple[int, bytes] | None:
-        """Digest of the type and octets of the checkpoint that was there at the start."""
+        """Return the digest of the type and the octets of the checkpoint found at the start."""
         return (self._type, self._octets) if self._octets else None
 
     def write(self, digest: int, octets: bytes) -> None:
         """Replace the checkpoint."""
         self._number += 1
         body = _HEAD.pack(self._number, digest, len(octets)) + octets
-        start = self._number % 2 * _ROOM
+        start = self._number % 2 * _SLOT_SIZE
         whole = _CHECK.pack(crc32(body)) + body
         self._map[start : start + len(whole)] = whole
 
 
 class CheckpointFolder:
-    """A folder with the checkpoints of the components of a system, a file for each.
+    """A folder with a checkpoint file for each component of a system.
 
-    Raises CheckpointError if it cannot be made.
+    Raises CheckpointError if it cannot be created.
     """
 
     def __init__(self, path: Path) -> None:
@@ -83,15 +83,15 @@ class CheckpointFolder:
         self._path = path
 
     def file(self, instance: str) -> CheckpointFile:
-        """Return the file of a component. Raises CheckpointError."""
+        """Return a component's file. Raises CheckpointError."""
         return CheckpointFile(self._path / f"{quote(instance, safe='')}.checkpoint")
 
 
 class Checkpoint(Generic[T]):
-    """The state that a component declares with `Component.add_checkpoint`.
+    """State declared by a component with `Component.add_checkpoint`.
 
-    It is kept where a system has a folder for it (`rtgen run --supervise`, `--checkpoints`), from
-    the component's initialization on; otherwise `save` does nothing.
+    It is stored from the component's initialization on if the system has a folder for it (`rtgen
+    run --supervise`, `--checkpoints`); otherwise `save` does nothing.
     """
 
     __slots__ = ("_digest", "_file", "_instance", "_restored", "_type")
@@ -105,38 +105,36 @@ class Checkpoint(Generic[T]):
 
     @property
     def is_kept(self) -> bool:
-        """Whether `save` keeps a state; components that save in each tick look at it first."""
+        """Whether `save` stores states; components that save in each tick should check it first."""
         return self._file is not None
 
     def save(self, state: T) -> None:
-        """Keep a state in place of the last one.
+        """Store a state, replacing the previous one.
 
-        Raises CdrError if it does not fit its type, CheckpointError beyond `LONGEST` octets.
+        Raises CdrError if it is not of its type, CheckpointError beyond `MAX_LENGTH` octets.
         """
         file = self._file
         if file is None:
             return
         octets = state.to_cdr()
-        if len(octets) > LONGEST:
+        if len(octets) > MAX_LENGTH:
             raise CheckpointError(
-                f"a checkpoint has {LONGEST} octets at most, not {len(octets)}"
+                f"a checkpoint has {MAX_LENGTH} octets at most, not {len(octets)}"
             )
         file.write(self._digest, octets)
 
     def restored(self) -> T | None:
-        """Return the last state of the process before, the first time; None without one, and
-        later.
-        """
+        """Return the last state of the previous process; None without one, and in later calls."""
         state, self._restored = self._restored, None
         return state
 
     def open(self, file: CheckpointFile) -> None:
-        """Keep states in a file from now on, and read the one that is there."""
+        """Use a file from now on, and read its checkpoint."""
         self._file = file
         self._restored = self._read(file)
 
     def close(self) -> None:
-        """Keep no more states."""
+        """Stop storing states."""
         self._file = None
 
     def _read(self, file: CheckpointFile) -> T | None:

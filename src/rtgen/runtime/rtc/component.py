@@ -1,4 +1,4 @@
-"""The base class of components (OMG RTC 1.0): callbacks, ports, configuration, contexts."""
+"""Base class of components (OMG RTC 1.0): callbacks, ports, configuration, contexts."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class Timed(Protocol):
 
 
 class Component:
-    """A component (OMG RTC 1.0, 5.2.2.2 and 5.3.1). Generated bases derive from it.
+    """Base class of components (OMG RTC 1.0, 5.2.2.2 and 5.3.1) and of their generated bases.
 
     Every callback returns a `ReturnCode_t`; any value but RTC_OK, including None, and every
     exception counts as a failure. `docs/life-cycle.md` lists the consequences.
@@ -135,21 +135,19 @@ class Component:
         return self._add(self.consumers, (port, instance), consumer)
 
     def _type_name(self, port: str, instance: str) -> str:
-        """Return the name by which others know the type of an interface; empty for the scoped
-        one.
-        """
+        """Return OpenRTM's name of an interface's type; empty for the scoped name."""
         found = (
             p for p in self.profile.ports if (p.port, p.instance) == (port, instance)
         )
         return next((each.type_name for each in found), "")
 
     def add_configuration(self, values: C) -> C:
-        """Bind the fields of `values`, which hold the defaults, to the profile's parameters."""
+        """Bind the fields of `values`, which are the defaults, to the profile's parameters."""
         self.configuration_sets.bind(values, self.profile.configuration)
         return values
 
     def add_checkpoint(self, type_: type[T]) -> Checkpoint[T]:
-        """Declare the state that outlives the process (docs/supervision.md), of a generated type.
+        """Declare state that outlives the process (docs/supervision.md), of a generated type.
 
         For the constructor or `on_initialize`. Raises CheckpointError for a second one.
         """
@@ -231,7 +229,7 @@ class Component:
         time.sec, time.nsec = divmod(self._clock.now(), SECOND)
 
     def fail(self, reason: str) -> ReturnCode_t:
-        """Set the reason of a failure; returns RTC_ERROR, for the callback to return."""
+        """Set the reason of a failure; return RTC_ERROR, for the callback to return."""
         self._failing = reason
         return RTC_ERROR
 
@@ -296,16 +294,11 @@ class Component:
         return self.finalize()
 
     def is_alive(self, context: ExecutionContextOperations | None = None) -> bool:
-        """Return whether it is initialized and not finalized.
-
-        With a context, whether it participates in it.
-        """
+        """Return whether the component is initialized and not finalized."""
         return self._alive and (context is None or context in self._contexts.values())
 
     def attach_context(self, context: ExecutionContextOperations) -> int:
-        """Register a context, for `ExecutionContext.add_component`.
-
-        Returns its handle, the `ec_id`.
+        """Register a context, for `ExecutionContext.add_component`; return its handle, the `ec_id`.
 
         Handles of owned contexts count from 0, of others from 1000.
         """
@@ -321,7 +314,7 @@ class Component:
         return RTC_OK if known else ReturnCode_t.BAD_PARAMETER
 
     def get_context(self, handle: int) -> ExecutionContextOperations | None:
-        """Return the context of a handle, None if there is none."""
+        """Return the context of a handle; None if there is none."""
         return self._contexts.get(handle)
 
     def get_context_handle(self, context: ExecutionContextOperations) -> int:
@@ -336,7 +329,7 @@ class Component:
         return [context for context in self._contexts.values() if context.owner is self]
 
     def get_participating_contexts(self) -> list[ExecutionContextOperations]:
-        """Contexts of others in which the component participates."""
+        """Return the contexts of others in which the component participates."""
         return [
             context for context in self._contexts.values() if context.owner is not self
         ]
@@ -344,7 +337,7 @@ class Component:
     # For the runtime
 
     def _gate(self, request: Request) -> ReturnCode_t | None:
-        """Return whether activate, deactivate or reset may proceed; None to be called again.
+        """Decide whether activate, deactivate or reset may proceed; None to be called again.
 
         Called at every tick while the request waits, before its callback; `_awaited` may name what
         it waits for. Any result but RTC_OK and None is a failure: the component enters, or stays
@@ -408,12 +401,12 @@ class Component:
         )
 
     def _end_run(self, error: BaseException) -> None:
-        """Raise an interrupt in the component's driver. Set by a system."""
+        """Raise an interrupt in the component's driver. Replaced by the system."""
         self._interrupt = error
 
 
 def _kind(error: BaseException) -> object:
-    """Return the identity of a failure for repeated reports: type of the exception and place."""
+    """Return the identity of a failure, to detect repetitions: exception type and place."""
     trace = error.__traceback__
     while trace is not None and trace.tb_next is not None:
         trace = trace.tb_next

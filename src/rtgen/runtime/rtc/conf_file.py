@@ -16,9 +16,8 @@ _LINE = re.compile(r"(?P<key>[^:=\s]+)\s*[:=](?P<value>.*)", re.DOTALL)
 class ConfFile:
     """Content of a `.conf` file; `sets` maps set id to parameter to text.
 
-    `others` holds keys without meaning here, such as `logger.enable`, and the sets whose names
-    start with two underscores (`__widget__`, `__constraints__`, `__type__`), which only inform
-    tools.
+    `others` has keys without meaning here, such as `logger.enable`, and sets whose names start with
+    two underscores (`__widget__`, `__constraints__`, `__type__`), which are only for tools.
     """
 
     sets: dict[str, dict[str, str]] = field(default_factory=dict)
@@ -42,7 +41,7 @@ def parse(text: str, name: str = "<conf>") -> ConfFile:
     """Parse the text of a `.conf` file; `name` is used in messages. Raises ConfFileError.
 
     `#` starts a comment line, a trailing backslash joins the next line, the key ends at the first
-    `:` or `=`; the last value of a repeated key counts.
+    `:` or `=`; of a repeated key the last value is used.
     """
     conf = ConfFile()
     active_set, rate = conf.active_set, conf.rate
@@ -70,7 +69,7 @@ def parse(text: str, name: str = "<conf>") -> ConfFile:
 
 
 def _logical_lines(text: str) -> list[tuple[int, str]]:
-    """Return the lines with content, joined at backslashes, with the number of their first line."""
+    """Return the nonempty lines, joined at backslashes, with their first line numbers."""
     lines: list[tuple[int, str]] = []
     joined, start = "", 0
     for number, raw in enumerate(text.lstrip("\ufeff").splitlines(), 1):

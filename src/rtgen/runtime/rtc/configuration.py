@@ -1,4 +1,4 @@
-"""Configuration sets: texts are validated when set, values change between two cycles only."""
+"""Configuration sets: texts are validated when set, values change only between two cycles."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from rtgen.runtime.timing.traffic import ParameterChange, Traffic
 
 DEFAULT_SET = "default"
 ACTIVE_SET = "configuration.active_config"
-"""The name under which tools have the id of the active set beside parameters, as OpenRTM's."""
+"""Name under which tools find the id of the active set among parameters, as in OpenRTM."""
 
 
 class ConfigurationSets:
     """The configuration sets of one component.
 
-    A set holds some parameters and falls back on the set `default`, which falls back on the
+    A set has some parameters and falls back to the set `default`, which falls back to the
     definition. Changes are copied to the configuration object by `apply`: before `on_initialize`
-    and `on_activated`, and at the end of each cycle, so that no callback sees part of a change.
+    and `on_activated`, and at the end of each cycle, so that no callback sees a partial change.
     `schedule` requests a call of `apply` at the end of the next cycle.
     """
 
@@ -34,12 +34,12 @@ class ConfigurationSets:
         self.on_change: Callable[[], None] | None = None
         """Called when values of the configuration object have changed."""
         self.traffic: Traffic | None = None
-        """Where changes are reported; None before the component joins a system."""
+        """Receiver of changes; None before the component joins a system."""
         self._owner = owner
         self._schedule = schedule
         self._target: object = None
         self._converters: dict[str, Converter] = {}
-        # Replaced as a whole by every change, because another thread may be applying it.
+        # Replaced as a whole by every change, because another thread may be in `apply`.
         self._texts: dict[str, dict[str, str]] = {DEFAULT_SET: {}}
         self._lock = threading.Lock()
         self._initial: dict[str, Any] = {}
@@ -71,9 +71,7 @@ class ConfigurationSets:
         return tuple(converter.profile for converter in self._converters.values())
 
     def texts(self, set_id: str = DEFAULT_SET) -> Mapping[str, str]:
-        """Return the texts of a set, completed from `default`. Raises
-        UnknownConfigurationSetError.
-        """
+        """Return a set's texts, completed by `default`. Raises UnknownConfigurationSetError."""
         self._require(set_id, self._texts)
         defaults = {profile.name: profile.default for profile in self.parameters}
         return defaults | self._texts[DEFAULT_SET] | self._texts[set_id]
@@ -133,7 +131,7 @@ class ConfigurationSets:
 
     def apply(self) -> None:
         """Copy the values that changed since the last call to the configuration object."""
-        # In this order: an active set existed before it became active.
+        # In this order, since a set exists before it becomes active.
         active, texts = self._active, self._texts
         effective = texts[DEFAULT_SET] | texts[active]
         changed = False

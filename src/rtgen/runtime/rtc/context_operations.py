@@ -8,7 +8,7 @@ from rtgen.runtime.return_codes import ExecutionKind, LifeCycleState, ReturnCode
 
 
 class ExecutionContextOperations(Protocol):
-    """See `ExecutionContext`, which has them; `component` is a `Component`."""
+    """Interface of `ExecutionContext` for components."""
 
     owner: Any
     """The component that owns the context, if any."""

@@ -88,9 +88,9 @@ class ExecutionContext:
     ) -> None:
         self.owner = owner
         self.overruns = 0
-        """Instants (real time) without a tick because the previous one was still running."""
+        """Times (real time) without a tick because the previous one was still running."""
         self.longest = 0
-        """The longest tick so far in ns, as of the last overrun."""
+        """The longest tick so far in ns, updated at an overrun."""
         self.cycle: Callable[[], None] = self._cycle_of_all
         """One tick, whether or not the context is running; called by the scheduler."""
         self._rate = _checked_rate(rate_hz)
@@ -129,7 +129,7 @@ class ExecutionContext:
     def put_around_ticks(
         self, around: Callable[[Callable[[], None]], Callable[[], None]]
     ) -> None:
-        """Let a function replace what is called for each tick by something around it."""
+        """Let a function wrap what is called for each tick."""
         self._around = around
         self._choose_cycle()
 
@@ -142,7 +142,7 @@ class ExecutionContext:
             self._driver.woken(self)
 
     def between_ticks(self) -> None:
-        """The work requested by `wake`; called by the scheduler, never during a tick."""
+        """Do the work requested by `wake`; called by the scheduler, never during a tick."""
         for participant in self._participants:
             with participant.component._turn:
                 participant.arrive()
@@ -182,9 +182,8 @@ class ExecutionContext:
     def set_rate(self, rate: float) -> ReturnCode_t:
         """Set the rate in Hz; `on_rate_changed` follows at the next tick.
 
-        The next tick comes one new period after the last, or now if that has passed.
-        BAD_PARAMETER for a rate that is not above 0, UNSUPPORTED for a context that is not of
-        PERIODIC kind.
+        The next tick is one new period after the last, or now if that has passed. BAD_PARAMETER for
+        a rate that is not above 0, UNSUPPORTED for a context that is not of PERIODIC kind.
         """
         if self._kind is not ExecutionKind.PERIODIC:
             return UNSUPPORTED
@@ -231,15 +230,15 @@ class ExecutionContext:
         return component.detach_context(participant.handle)
 
     def activate_component(self, component: Component) -> ReturnCode_t:
-        """Requests ACTIVE. BAD_PARAMETER: no participant; PRECONDITION_NOT_MET: not INACTIVE."""
+        """Request ACTIVE. BAD_PARAMETER: no participant; PRECONDITION_NOT_MET: not INACTIVE."""
         return self._request(component, Request.ACTIVATE)
 
     def deactivate_component(self, component: Component) -> ReturnCode_t:
-        """Requests INACTIVE. BAD_PARAMETER: no participant; PRECONDITION_NOT_MET: not ACTIVE."""
+        """Request INACTIVE. BAD_PARAMETER: no participant; PRECONDITION_NOT_MET: not ACTIVE."""
         return self._request(component, Request.DEACTIVATE)
 
     def reset_component(self, component: Component) -> ReturnCode_t:
-        """Requests INACTIVE. BAD_PARAMETER: no participant; PRECONDITION_NOT_MET: not in ERROR."""
+        """Request INACTIVE. BAD_PARAMETER: no participant; PRECONDITION_NOT_MET: not in ERROR."""
         return self._request(component, Request.RESET)
 
     def fail_component(self, component: Component, reason: str) -> ReturnCode_t:
@@ -266,8 +265,8 @@ class ExecutionContext:
     def _expel(self, component: Component) -> bool:
         """Remove a participant in any state, for a component that exits.
 
-        An owner's context stops for all. False if a tick of the context does not end: no further
-        callback is called then.
+        A context that the component owns stops for all. False if a tick of the context does not
+        end: no further callback is called then.
         """
         participant = self._find(component)
         if participant is None:

@@ -1,6 +1,6 @@
-"""The life cycle of OMG RTC 1.0 as a table: state and request to callback and next state.
+"""The life cycle of OMG RTC 1.0 as a table from state and request to callback and next state.
 
-The same table, with return codes, is in `docs/life-cycle.md` for readers and tests.
+`docs/life-cycle.md` has the same table with return codes; tests compare them.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from rtgen.runtime.return_codes import (
 
 
 class Request(StrEnum):
-    """Requests to a component in an execution context, and events there."""
+    """Requests to a component in an execution context, and events in it."""
 
     INITIALIZE = "initialize"
     STARTUP = "start"
@@ -34,7 +34,7 @@ class Request(StrEnum):
 
 
 GATED = frozenset({Request.ACTIVATE, Request.DEACTIVATE, Request.RESET})
-"""Requests that wait until the component's gate lets them pass (`Component._gate`)."""
+"""Requests that wait until the component's gate allows them (`Component._gate`)."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,7 +1,4 @@
-"""A component in an execution context: its state, and what each tick does with it (OMG RTC 1.0).
-
-The transitions are those of `life_cycle.TRANSITIONS`.
-"""
+"""A component in an execution context: its state, and its part in each tick (OMG RTC 1.0)."""
 
 from __future__ import annotations
 
@@ -95,7 +92,7 @@ class Participant:
         return self.request(Request.FAIL)
 
     def cycle(self) -> None:
-        """A complete tick of a context with a single participant."""
+        """Execute a complete tick of a context with a single participant."""
         if not (self._requests and self.carry_out_requests()):
             if self.state is ACTIVE_STATE:
                 self.ticks += 1
@@ -116,7 +113,9 @@ class Participant:
             self.component._do_chores()
 
     def carry_out_requests(self) -> bool:
-        """Return the first phase of a tick; True if it led into ERROR, where the tick ends."""
+        """Execute the first phase of a tick; return True if it led to ERROR, which ends the
+        tick.
+        """
         before = self.state
         for _ in range(len(self._requests)):
             request = self._requests.popleft()
@@ -128,7 +127,7 @@ class Participant:
         return self.state is ERROR_STATE and before is not ERROR_STATE
 
     def execute(self) -> None:
-        """The second phase of a tick."""
+        """Execute the second phase of a tick."""
         if self.state is ACTIVE_STATE:
             self.ticks += 1
         row = TRANSITIONS.get((self.state, Request.EXECUTE))
@@ -136,7 +135,7 @@ class Participant:
             self.enter(row.failure)
 
     def update(self) -> None:
-        """The third phase of a tick."""
+        """Execute the third phase of a tick."""
         row = TRANSITIONS.get((self.state, Request.STATE_UPDATE))
         if row is not None and not succeeds(self.component, row.callback, self.handle):
             self.enter(row.failure)
@@ -153,7 +152,7 @@ class Participant:
         self.finish()
 
     def finish(self) -> None:
-        """The end of a tick: deferred deliveries and configuration changes."""
+        """End a tick: deliver deferred samples, apply configuration changes."""
         if self._chores:
             self.component._do_chores()
 
@@ -174,7 +173,7 @@ class Participant:
             self.activating = False
 
     def enter(self, state: LifeCycleState) -> None:
-        """Change the state; calls `on_aborting` when entering ERROR."""
+        """Change the state; call `on_aborting` when entering ERROR."""
         before = self.state
         if state is before:
             return

@@ -35,8 +35,8 @@ class PortProfile:
     """A data port, or one interface of a service port.
 
     `kind` is `inport`, `outport`, `provider` or `consumer`; `port` and `instance` name the service
-    port and the interface's instance in it; both are empty for a data port. `type_name` is the name
-    by which others know the interface's type, empty for `type`.
+    port and the interface's instance in it; both are empty for a data port. `type_name` is
+    OpenRTM's name of the interface's type, empty for `type`.
     """
 
     name: str
@@ -96,8 +96,8 @@ def service_port(
     """Return the profile of an interface of a service port.
 
     `python_name` is the attribute of the component, `port` the service port and `instance` the
-    instance name, each if it differs from the name; `type_name` is the name by which others know
-    the interface's type, if it is not the scoped one.
+    instance name, each if it differs from the name; `type_name` is OpenRTM's name of the
+    interface's type, if it is not the scoped one.
     """
     return PortProfile(
         name=name,
@@ -115,7 +115,7 @@ def service_port(
 
 @dataclass(frozen=True, slots=True)
 class ComponentProfile:
-    """A component type; `rate` in Hz is the default of system and `.conf` file."""
+    """A component type; `rate` in Hz is the default of systems and `.conf` files."""
 
     type_name: str
     kind: str = "DataFlowComponent"

@@ -1,10 +1,10 @@
 """Marshalling of calls, for transports between a stub and a skeleton.
 
-A stub passes a call to a `Client`, whose octets a transport carries to a `Server`, which calls
-the servant and replies with octets. Bodies are those of GIOP (CORBA 3.3 part 2, 9.4): arguments in
+A stub passes a call to a `Client`, whose octets a transport sends to a `Server`, which calls the
+servant and replies with octets. Bodies are those of GIOP (CORBA 3.3 part 2, 9.4): arguments in
 order; return value and results in order; repository id and members of a user exception; repository
-id, minor code and completion of a system exception. Operation name, reply status and byte order
-are carried by the transport.
+id, minor code and completion of a system exception. The transport transmits operation name, reply
+status and byte order.
 """
 
 from __future__ import annotations
@@ -42,11 +42,11 @@ log = logging.getLogger("rtgen.runtime")
 
 @dataclass(frozen=True, slots=True)
 class Call:
-    """The marshalling of an operation; `refused` is the reason if it has none.
+    """Marshalling of an operation; `refused` is the reason if it is impossible.
 
     `request` and `reply` are the types of the bodies, None for empty ones; `*_objects` has the
-    interface of each member that is an object. `raises` are the types of replies that carry
-    an exception, each with the exception.
+    interface of each member that is an object. `raises` are the types of replies with an exception,
+    each with the exception.
     """
 
     request: type[DataType] | None = None
@@ -76,7 +76,7 @@ class Reply:
 
 
 Send: TypeAlias = Callable[[str, bytes, bool], Reply | None]
-"""Carries a request: operation name, body, whether it is oneway (without reply)."""
+"""Function that sends a request: operation name, body, whether it is oneway (without reply)."""
 
 
 class Objects(Protocol):
@@ -114,11 +114,11 @@ def calls_of(interface: type[Servant]) -> dict[str, Call]:
 
 
 class Client:
-    """An invoker for stubs that marshals each call.
+    """An invoker for stubs, which marshals each call.
 
     A call raises CdrError if an argument cannot be marshalled, the declared exceptions, and
-    ServiceError: ObjectNotExist, BadOperation, UnknownException or MarshalError as reported by
-    the server, MarshalError also for an invalid reply.
+    ServiceError: ObjectNotExist, BadOperation, UnknownException or MarshalError as reported by the
+    server, MarshalError also for an invalid reply.
     """
 
     def __init__(
@@ -135,7 +135,7 @@ class Client:
         self._objects = objects
 
     def __call__(self, operation: str, arguments: tuple[object, ...]) -> object:
-        """Carry out a call."""
+        """Make a call."""
         call = call_of(self._calls, operation)
         given = _references(arguments, call.request_objects, self._objects)
         body = encoded(operation, call.request, given, self._little_endian)
@@ -162,7 +162,7 @@ class Client:
 
 
 class Server:
-    """Carries out the requests of a `Client` on a servant."""
+    """Executes the requests of a `Client` on a servant."""
 
     def __init__(
         self,
@@ -177,7 +177,7 @@ class Server:
 
     @classmethod
     def of(cls, interface: type[Servant], invoke: Invoker) -> Server:
-        """Return a server that carries out requests by an invoker. Raises as `calls_of`."""
+        """Return a server that executes requests by an invoker. Raises as `calls_of` does."""
         server = cls.__new__(cls)
         server._calls = calls_of(interface)
         server._invoke = invoke
@@ -187,7 +187,7 @@ class Server:
     def handle(
         self, operation: str, body: bytes, little_endian: bool = True
     ) -> Reply | None:
-        """Carry out a call; None if it is oneway. Invalid requests raise no exception."""
+        """Execute a call; None if it is oneway. Invalid requests raise no exception."""
         call = self._calls.get(operation)
         try:
             reply = self._answer(operation, body, little_endian)
@@ -241,9 +241,7 @@ def call_of(calls: dict[str, Call], operation: str) -> Call:
 def encoded_arguments(
     operation: str, call: Call, arguments: tuple[object, ...]
 ) -> bytes:
-    """Return the body of a request without objects. Raises CdrError with the place,
-    BadOperation.
-    """
+    """Return the body of a request without objects. Raises CdrError, BadOperation."""
     return encoded(operation, call.request, arguments, True)
 
 
@@ -253,7 +251,7 @@ def encoded(
     values: tuple[object, ...],
     little_endian: bool,
 ) -> bytes:
-    """Return a body of CDR. Raises CdrError, BadOperation for a wrong number of values."""
+    """Encode a body in CDR. Raises CdrError; BadOperation for a wrong number of values."""
     if type_ is None:
         return b""
     count = len(_fields(type_))
@@ -265,7 +263,7 @@ def encoded(
 def decoded(
     type_: type[DataType] | None, body: bytes, little_endian: bool
 ) -> tuple[object, ...]:
-    """Return the values of a body. Raises CdrError."""
+    """Decode a body. Raises CdrError."""
     if type_ is None:
         if body:
             raise CdrError("body", f"{len(body)} octets too many")
@@ -275,15 +273,13 @@ def decoded(
 
 
 def _fields(type_: type[DataType]) -> tuple[str, ...]:
-    """Return the members in order, without the strings of a context clause, which stubs never
-    pass.
-    """
+    """Return the members in order, without the strings of a context clause."""
     names: tuple[str, ...] = getattr(type_, "__match_args__", ())
     return tuple(name for name in names if name != "_context")
 
 
 def as_tuple(call: Call, result: object) -> tuple[object, ...]:
-    """Return the values of a result. Raises UnknownException for another number of them."""
+    """Return the values of a result. Raises UnknownException for a wrong number of them."""
     count = 0 if call.reply is None else len(_fields(call.reply))
     if count < 2:
         return (result,) * count
@@ -362,7 +358,7 @@ _MAYBE = 2
 
 
 def kind_of(error: ServiceError) -> type[ServiceError]:
-    """Return the class of error reported to clients; UnknownException if `REPORTED_AS` lacks it."""
+    """Return the class of error reported to clients; UnknownException if not in `REPORTED_AS`."""
     return next((k for k in REPORTED_AS if isinstance(error, k)), UnknownException)
 
 

@@ -119,8 +119,8 @@ def _partner(
 ) -> Provider[Any] | None:
     """Return the provider for a consumer.
 
-    Selected by property, else of equal instance name and type, else the only one of the type for
-    the only consumer.
+    It is selected by a property, else of equal instance name and type, else the only one of the
+    type for the only consumer.
     """
     wish = end(here, "required", consumer)
     if wish in named:
@@ -143,9 +143,7 @@ def _partner(
 def end(
     port: ServicePort, polarity: str, interface: Consumer[Any] | Provider[Any]
 ) -> str:
-    """Return the name of an interface in connector properties; polarity: `provided` or
-    `required`.
-    """
+    """Return the name of an interface in properties; polarity: `provided` or `required`."""
     type_ = interface.interface._descriptor_.name
     return f"{port.instance}.port.{port.port}.{polarity}.{type_}.{interface.instance}"
 
@@ -153,7 +151,10 @@ def end(
 def _interface_difference(
     consumer: Consumer[Any], provider: Provider[Any]
 ) -> str | None:
-    """None if the provider's interface is, or derives from, the consumer's; else a reason."""
+    """Return why the provider's interface is not, and does not derive from, the consumer's.
+
+    None if it is or does.
+    """
     wanted, offered = consumer.interface._descriptor_, provider.interface._descriptor_
     line = lineage(offered).values()
     if any(difference(wanted, ancestor) is None for ancestor in line):

@@ -1,7 +1,7 @@
 """Service ports: providers and consumers of interfaces, and the calls between them.
 
-Arguments and results are copied, so components share no object. In real time a call runs in the
-caller's thread, concurrently with the provider's ticks.
+Arguments and results are copied, so components do not share objects. In real time a call runs in
+the caller's thread, concurrently with the provider's ticks.
 """
 
 from __future__ import annotations
@@ -31,11 +31,11 @@ class PortOwner(Protocol):
 
 
 class Carrier(Protocol):
-    """The target of a consumer's calls: a provider, or a transport to one elsewhere."""
+    """Target of a consumer's calls: a provider, or a transport to one in another process."""
 
     @property
     def reachable(self) -> bool:
-        """Whether the object exists, whether or not it is ACTIVE."""
+        """Whether the object exists, ACTIVE or not."""
 
     def call(self, operation: str, arguments: tuple[object, ...]) -> object:
         """Make a call. Raises what the IDL declares, or a ServiceError."""
@@ -113,7 +113,7 @@ class Provider(Generic[S]):
     def call(self, operation: str, arguments: tuple[object, ...]) -> object:
         """Make a call with copies of arguments and result.
 
-        Raises as `carry_out`.
+        Raises as `carry_out` does.
         """
         return _snapshot(self.carry_out(operation, _snapshot(arguments)))
 
@@ -178,14 +178,14 @@ class Consumer(Generic[S]):
         return provider.call(operation, arguments)
 
     def __getattr__(self, name: str) -> Any:
-        """Return an operation or attribute of the interface, as in `object`."""
+        """Return an operation or attribute of the interface, as `object` does."""
         if name.startswith("__") or name == "_stub":
             raise AttributeError(name)
         return getattr(self._stub, name)
 
     @property
     def connected(self) -> bool:
-        """Whether there is a provider, whether or not it is ACTIVE."""
+        """Whether there is a provider, ACTIVE or not."""
         return self._provider is not None and self._provider.reachable
 
     @property

@@ -1,4 +1,4 @@
-"""Connections of a service port of this process to one of another, for every transport."""
+"""Connections between a service port of this process and one of another, for every transport."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from rtgen.runtime.services.connectors import end, read_properties
 from rtgen.runtime.services.ports import Carrier, Consumer, ServicePort
 from rtgen.runtime.services.transports import RemotePort
 
-_LOOK_AGAIN = 0.05
+_POLL_INTERVAL = 0.05
 
 
 class FoundProvider(Carrier, Protocol):
@@ -25,7 +25,7 @@ class FoundProvider(Carrier, Protocol):
     consumer: Consumer[Any]
 
     def find(self) -> bool:
-        """Look it up; return whether it exists. Raises TransportError, PortTypeError."""
+        """Look the provider up; return whether it exists. Raises TransportError, PortTypeError."""
 
 
 P = TypeVar("P", bound=FoundProvider)
@@ -34,9 +34,9 @@ P = TypeVar("P", bound=FoundProvider)
 class RemoteServiceConnector(Generic[P]):
     """A connection between a local service port and one of another process.
 
-    `providers` are called by the consumers of the local port; those of the other port look up the
-    providers of the local port. `make` gives the provider for a consumer, the instance name that
-    properties select, and whether the consumer is the only one of its interface; `where` says in
+    Consumers of the local port call `providers`; the other port's consumers look up the providers
+    of the local port. `make` returns the provider for a consumer, given the instance name selected
+    by properties, and whether the consumer is the only one of its interface; `where` says in
     messages where providers are looked up. Raises ConnectorPropertyError.
     """
 
@@ -83,11 +83,10 @@ class RemoteServiceConnector(Generic[P]):
             provider.consumer._provider = provider
 
     def await_providers(self, deadline: float) -> None:
-        """Wait for all providers, until an instant of `time.monotonic`.
+        """Wait for all providers, until a time of `time.monotonic`.
 
         Raises TransportError after the deadline, PortTypeError for incompatible types: with
-        `strict` all interfaces must match, else at least one, as for a connection within a
-        process.
+        `strict` all interfaces must match, else at least one, as for a connection within a process.
         """
         lonely: list[PortTypeError] = []
         for provider in self.providers:
@@ -106,7 +105,7 @@ class RemoteServiceConnector(Generic[P]):
                     f"{provider.consumer} waits for {self.target}, "
                     f"which nobody serves {self._where}"
                 )
-            time.sleep(_LOOK_AGAIN)
+            time.sleep(_POLL_INTERVAL)
 
     def detach(self) -> None:
         """Remove the connection; later calls raise ObjectNotExist."""
@@ -118,7 +117,7 @@ class RemoteServiceConnector(Generic[P]):
 def _selected(
     named: dict[str, str], here: ServicePort, there: RemotePort, consumer: Consumer[Any]
 ) -> str | None:
-    """Return the instance name of the provider that the properties select for a consumer."""
+    """Return the instance name of the provider selected by the properties for a consumer."""
     wish = end(here, "required", consumer)
     selected = named.pop(wish, None)
     if selected is None:

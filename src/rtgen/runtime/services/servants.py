@@ -15,9 +15,10 @@ from rtgen.runtime.marshalling.descriptors import InterfaceDescriptor
 _F = TypeVar("_F", bound=Callable[..., object])
 
 Invoker: TypeAlias = Callable[[str, tuple[object, ...]], object]
-"""Makes a call: operation name (`_get_x`, `_set_x` for an attribute), `in` and `inout` arguments.
+"""Function that makes a call, given operation name and `in` and `inout` arguments.
 
-Returns the result, a tuple if there are several (return value first).
+The name is `_get_x` or `_set_x` for an attribute. The result is a tuple if there are several values
+(return value first).
 """
 
 
@@ -34,19 +35,19 @@ class UnknownException(ServiceError):
 
 
 class BadOperation(ServiceError):
-    """The interface has no such operation, or it takes other arguments."""
+    """The interface has no such operation, or its arguments differ."""
 
 
 class MarshalError(ServiceError):
-    """Data on the wire, or to be sent, violate the interface."""
+    """Data that were received or are to be sent violate the interface."""
 
 
 class CommunicationFailure(ServiceError):
-    """The servant's process is unreachable, or was lost; the call may have been carried out."""
+    """The servant's process is unreachable, or was lost; the call may have been executed."""
 
 
 class CallTimeout(CommunicationFailure):
-    """No response in time; the call may have been carried out, or be in progress."""
+    """No response in time; the call may have been executed, or be in progress."""
 
 
 class Servant(ABC):
@@ -79,7 +80,7 @@ def operation(
     raises: tuple[type[Exception], ...] = (),
     oneway: bool = False,
 ) -> Callable[[_F], _F]:
-    """Properties of an operation beyond the annotations of its method.
+    """Return a decorator with properties of an operation that annotations cannot express.
 
     `name` is the name in IDL, if it differs from the method's.
     """
@@ -95,7 +96,7 @@ def operation(
 def operations_of(interface: type[Servant]) -> Mapping[str, Operation]:
     """Return the operations of an interface and its bases, by their names on the wire.
 
-    They are the abstract methods and properties of the interface's classes.
+    These are the abstract methods and properties of the interface's classes.
     """
     found: dict[str, Operation] = {}
     for base in reversed(interface.__mro__):
@@ -186,14 +187,14 @@ class Skeleton:
     def __init__(self, servant: Any) -> None:
         self._servant = servant
         self._report: Callable[[str, BaseException], None] = _log_failure
-        """Called with undeclared exceptions of the servant."""
+        """Function called with undeclared exceptions of the servant."""
 
     def dispatch(self, operation: str, arguments: tuple[object, ...]) -> object:
         """Call the operation.
 
         Raises what the operation declares, UnknownException for other exceptions of the servant,
-        BadOperation for an unknown operation or a wrong number of arguments. KeyboardInterrupt
-        and the debugger's quit pass, since they end the run.
+        BadOperation for an unknown operation or a wrong number of arguments. KeyboardInterrupt and
+        the debugger's quit are not caught, since they end the run.
         """
         found = operations_of(self._interface_).get(operation)
         if found is None:

@@ -1,20 +1,20 @@
 """Interface of transports of service calls, within a process and between processes.
 
-What components rely on is the same over every transport, and tested over each
+Every transport guarantees the following, which tests verify for each
 (`tests/transports/test_whole_transports.py`, `test_lost_processes.py`):
 
 - the samples of a connection arrive in the order in which they were written, each at most once;
   buffers and full policies are those of the receiving end, and `InPort.lost` counts what did not
-  reach the reader; a reader that comes late finds what waits for it at a pulled connection;
-- samples and arguments of 10 MB are carried; what cannot be decoded is no sample;
-- calls are carried out at most once, oneway ones too, and return, raise what their operation
+  reach the reader; a late reader finds the samples waiting at a pull connection;
+- samples and arguments of 10 MB are transferred; a sample that cannot be decoded is lost;
+- calls are executed at most once, also oneway ones, and return, raise what their operation
   declares, or raise a ServiceError within the time-out of the transport;
-- when another process is killed, or stands still for longer than the time-out, calls and writes
-  end in time; when it is there again calls and connections go on by themselves.
+- when another process is killed, or stops for longer than the time-out, calls and writes end in
+  time; when it is back, calls and connections resume by themselves.
 
-Topics, histories, deadlines and presence are notions of messaging engines, whose own contract is
-`rtgen.runtime.distribution.medium`. CORBA has none of them: a connection has two ports, a write is
-a call of the other one, and a loss is noticed by the next call.
+Topics, histories, deadlines and presence are concepts of messaging engines, with a contract of
+their own: `rtgen.runtime.distribution.medium`. CORBA has none of them: a connection has two ports,
+a write is a call of the other one, and a loss is detected by the next call.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ class RemoteConnector(Protocol):
 
 
 class Transport(Protocol):
-    """Carries the calls of a system's service ports. Methods raise RtcError."""
+    """Transports the calls of a system's service ports. Methods raise RtcError."""
 
     def serve(self, component: PortOwner) -> None:
         """Publish the providers of a component."""
@@ -87,9 +87,7 @@ class Transport(Protocol):
         there: RemotePort,
         properties: Mapping[str, str],
     ) -> RemoteConnector:
-        """Return a connection to a port of another process, not established yet. Raises
-        ConnectError.
-        """
+        """Return an unestablished connection to another process's port. Raises ConnectError."""
 
 
 class RemoteDataConnector(Protocol):
@@ -110,15 +108,15 @@ class RemoteDataConnector(Protocol):
 
 @runtime_checkable
 class SteeringTransport(Protocol):
-    """A transport by which other processes watch and steer a system."""
+    """A transport through which other processes observe and control a system."""
 
     def steered(self, system: Any) -> None:
-        """Let other processes watch and steer a system, of class `System`."""
+        """Let other processes observe and control a system, of class `System`."""
 
 
 @runtime_checkable
 class DataTransport(SteeringTransport, Protocol):
-    """A transport that carries samples between processes, too."""
+    """A transport that also transports samples between processes."""
 
     def sending(
         self,
@@ -127,9 +125,7 @@ class DataTransport(SteeringTransport, Protocol):
         there: RemotePort,
         properties: Mapping[str, str],
     ) -> RemoteDataConnector:
-        """Return a connection to an InPort of another process, not established. Raises
-        ConnectError.
-        """
+        """Return an unestablished connection to another process's InPort. Raises ConnectError."""
 
     def receiving(
         self,
@@ -139,24 +135,23 @@ class DataTransport(SteeringTransport, Protocol):
         properties: Mapping[str, str],
         guard: Callable[[], Guard],
     ) -> DataConnector[Any] | RemoteDataConnector:
-        """Return a connection from an OutPort of another process, not established.
+        """Return an unestablished connection from another process's OutPort.
 
         Buffers and policies of the connection are at this end. Raises ConnectError.
         """
 
 
 class ProcessTransport(Transport, Protocol):
-    """A transport that `rtgen run` can use, also for a system divided among processes."""
+    """A transport for `rtgen run`, also for a system divided among processes."""
 
     def await_others(self, seconds: float) -> None:
-        """Wait until all providers that are connected are there.
+        """Wait until all connected providers are there.
 
-        Raises TransportError after so many seconds, PortTypeError if a provider does not fit.
+        Raises TransportError after that many seconds, PortTypeError if a provider is incompatible.
         """
 
     def is_ready(self, instance: str, before: Collection[str]) -> bool:
-        """Return whether the providers of an instance that other processes activate first are
-        ACTIVE.
+        """Return whether an instance's providers that other processes activate first are ACTIVE.
 
         `before` are the names of the instances that are activated before it.
         """
@@ -164,10 +159,10 @@ class ProcessTransport(Transport, Protocol):
 
 @runtime_checkable
 class ForeignTransport(Protocol):
-    """A transport that reaches components that rtgen does not run. Methods raise TransportError."""
+    """A transport to components that rtgen does not run. Methods raise TransportError."""
 
     def expect(self, component: ForeignComponent) -> None:
-        """Look for a component, configure it, and connect it again when it was lost."""
+        """Look for a component, configure it, and connect it again after a loss."""
 
     def reaches(self, instance: str) -> bool:
         """Return whether a component is expected."""
@@ -178,8 +173,8 @@ class ForeignTransport(Protocol):
 
 @runtime_checkable
 class AwaitingTransport(Protocol):
-    """A transport that knows which components of other processes are not there yet."""
+    """A transport that knows which components of other processes are missing."""
 
     @property
     def missing(self) -> list[str]:
-        """The instances that `await_others` waits for, sorted; from any thread."""
+        """The instances that `await_others` waits for, sorted. Can be used from any thread."""

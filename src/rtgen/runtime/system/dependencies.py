@@ -10,7 +10,7 @@ from rtgen.runtime.services.connectors import ServiceConnector
 
 
 class Dependencies:
-    """Derives dependencies from service connections; both mappings may change meanwhile."""
+    """Derives dependencies from service connections; both mappings may change later."""
 
     def __init__(
         self, participants: Mapping[str, Participant], connectors: Mapping[str, Any]
@@ -40,7 +40,7 @@ class Dependencies:
         return found
 
     def awaited(self, instance: str) -> str:
-        """Return a provider that is being activated, and does not wait for this instance itself."""
+        """Return a provider that is being activated and does not wait for this instance itself."""
         return next(
             (
                 provider
@@ -52,7 +52,7 @@ class Dependencies:
         )
 
     def _providers(self, instance: str) -> list[str]:
-        """Return the instances of this system that provide what a component consumes."""
+        """Return the instances of this system that provide services to a component."""
         found = []
         for connector in tuple(self._connectors.values()):
             if isinstance(connector, ServiceConnector):

@@ -1,4 +1,4 @@
-"""Makes the connection of two ports of a system, within the process or to another one."""
+"""Creates connections of two ports, within the process or to another one."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ PortAddress = tuple[str, str]
 
 
 class Joining:
-    """Makes connections; `here` are the names of the instances of this process."""
+    """Creates connections; `here` are the names of the instances of this process."""
 
     def __init__(
         self,
@@ -48,9 +48,10 @@ class Joining:
         properties: Mapping[str, str],
         name: str,
     ) -> Connector:
-        """Return the connection of two ports, not established.
+        """Return the unestablished connection of two ports.
 
-        Raises UnknownComponentError, or the ConnectError that says why the ports do not fit.
+        Raises UnknownComponentError, or the ConnectError with the reason why the ports are
+        incompatible.
         """
         transport = self._transport
         if transport is not None:
@@ -85,8 +86,9 @@ class Joining:
         *,
         sends: bool = True,
     ) -> Connector:
-        """Return a connection to another process; `sends` decides for a component with both data
-        ports.
+        """Return a connection to another process; `sends` selects one of two data ports.
+
+        It matters only for a component with data ports of both directions.
         """
         component = self._component(here[0])
         there = RemotePort(*other)

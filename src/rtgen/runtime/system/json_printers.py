@@ -1,8 +1,8 @@
-"""Compiled JSON printers for log records, cached by type.
+"""Compiled JSON printers of log records, cached by type.
 
-A printer inserts the members of a value into a text. Values that violate their definition (an
-enumerator in a `long`, a non-finite number) fall back on `plain`, which knows every type and
-gives the same text.
+A printer inserts the members of a value into a text. For values that violate their definition (an
+enumerator in a `long`, a non-finite number), it falls back to `plain`, which supports every type
+and gives the same text.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ _FLOATS = ("float", "double")
 
 
 def json_printer(type_: type[DataType]) -> Printer:
-    """Return the printer of a type: equal to `json.dumps` of the result of `plain`."""
+    """Return the printer of a type: equivalent to `json.dumps` of the result of `plain`."""
     descriptor = getattr(type_, "_descriptor_", None)
     if isinstance(descriptor, StructDescriptor):
         return _Compiler().compiled(descriptor) or _print
@@ -66,7 +66,7 @@ def _numbers(values: Any) -> str:
 
 
 class _Compiler:
-    """Compile a function that prints a struct; structs with unsupported members have none.
+    """Compiles a function that prints a struct; structs with unsupported members have none.
 
     Only names of attributes are inserted into the function's text; texts are passed as values.
     """
@@ -92,7 +92,7 @@ class _Compiler:
         if not self._struct(struct, "value"):
             return None
         self._end_text()
-        # A non-finite sum: one of them is not finite, or the sum is out of range.
+        # If the sum is not finite, a number is not finite or the sum overflows.
         total = " + ".join(self._floats)
         checks = [*self._checks, f"({total}) * 0.0 == 0.0"] if total else self._checks
         body = [
@@ -205,7 +205,7 @@ def _plain(value: Any, around: tuple[int, ...]) -> Any:
 
 
 def _rows(rows: Any, dtype: Any) -> Any:
-    """Return the items of a numpy array; those of a structured one by their names."""
+    """Return the items of a numpy array; those of a structured one by name."""
     if dtype.names is None:
         return _plain(rows, ())
     if isinstance(rows, list):
@@ -222,7 +222,7 @@ def _enumerator(value: Any) -> str:
 
 
 def _members(descriptor: object) -> dict[str, str]:
-    """Return the attributes of a generated value by their names in the definition."""
+    """Return the attributes of a generated value by name in the definition."""
     match descriptor:
         case StructDescriptor() | ExceptionDescriptor():
             return {m.name: m.attribute for m in descriptor.members}

@@ -21,7 +21,7 @@ from rtgen.runtime.timing.traffic import ConnectionChange
 class Observation:
     """The listeners of a system, and the watchers of its OutPorts.
 
-    Their exceptions go to `end_run`: they are not failures of a component.
+    Their exceptions are passed to `end_run`: they are not failures of a component.
     """
 
     def __init__(
@@ -43,13 +43,13 @@ class Observation:
         self._set_listeners(left, components)
 
     def watch(self, port: OutPort[Any], action: Callable[[Any], None]) -> None:
-        """Calls an action with each sample that a port writes."""
+        """Call a function with each sample that a port writes."""
         address = port.owner, port.name
         self._watched[address] = (*self._watched.get(address, ()), action)
         self._observe(port)
 
     def watch_states(self, action: Callable[[StateRecord], None]) -> None:
-        """Calls an action with each change of state."""
+        """Call a function with each change of state."""
         self._state_watchers = (*self._state_watchers, action)
 
     def observe(self, component: Component) -> None:
@@ -134,7 +134,7 @@ class Observation:
 
 
 def connection_change(connector: Any, *, connected: bool) -> ConnectionChange:
-    """Return a connection of any kind as a recorder gets it."""
+    """Return a connection of any kind in the form for recorders."""
     properties = getattr(connector, "properties", {})
     source, target = str(connector.source), str(connector.target)
     return ConnectionChange(connector.name, source, target, properties, connected)

@@ -24,15 +24,15 @@ from rtgen.runtime.system.watchdog import (
 )
 from rtgen.runtime.timing.clocks import SECOND, RealClock, period_of
 
-_LOOK_AGAIN = 5_000_000
+_POLL_INTERVAL = 5_000_000
 """Polling period of a condition of `run`, in ns, while no state changes."""
 
 
 def next_instant(due: int, period: int, now: int) -> tuple[int, int]:
-    """Return the instant for the tick after the one of `due`, and the number of overruns.
+    """Return the time of the tick after that of `due`, and the number of overruns.
 
-    All instants are multiples of the period from `due`. If the next one passed while the tick ran,
-    the latest passed instant is made up for immediately; earlier ones are skipped.
+    All times are multiples of the period from `due`. If the next one passed while the tick ran, the
+    latest passed one is made up for immediately; earlier ones are skipped.
     """
     following = due + period
     if now <= following:
@@ -76,7 +76,7 @@ class PeriodicThread:
         return self
 
     def set_period(self, period: int) -> None:
-        """Changes the period; the next instant is one new period after the last."""
+        """Change the period; the next time is one new period after the last."""
         with self._wake:
             if self._begun:
                 self._due += period - self._period
@@ -84,13 +84,13 @@ class PeriodicThread:
             self._wake.notify()
 
     def wake(self, action: Action) -> None:
-        """Call another action in the thread, soon; the next instant also makes up for it."""
+        """Call another action in the thread, soon; the next tick also makes up for it."""
         with self._wake:
             self._woken = action
             self._wake.notify()
 
     def halt(self) -> None:
-        """Start no further action."""
+        """Start no further actions."""
         with self._wake:
             if not self._stopped:
                 self._stopped = True
@@ -98,10 +98,7 @@ class PeriodicThread:
             self._wake.notify()
 
     def stop(self) -> bool:
-        """End the thread after the action in progress; False if that does not end.
-
-        Waits until PATIENCE after the first call of `halt` or `stop`.
-        """
+        """End the thread after the action in progress; return False if that does not end."""
         self.halt()
         if self._thread.is_alive() and threading.current_thread() is not self._thread:
             self._thread.join(max(0.0, self._given_up - time.monotonic()))
@@ -279,7 +276,7 @@ class RealTimeScheduler:
                     continue
                 ends = [until_ns] if until_ns is not None else []
                 ends += [self._timeline[0][0]] if self._timeline else []
-                ends += [now + _LOOK_AGAIN] if until is not None else []
+                ends += [now + _POLL_INTERVAL] if until is not None else []
                 self._changed.wait(max(0, min(ends) - self._clock.elapsed()) / SECOND)
 
     def halt(self) -> None:

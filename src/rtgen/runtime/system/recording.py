@@ -16,8 +16,9 @@ class JsonLinesRecorder:
     """A listener that writes one JSON object for each record to a text stream.
 
     States: `{"t", "event": "state", "instance", "from", "to", "context"}`, and `reason` with ERROR;
-    samples: `{"t", "event": "sample", "instance", "port", "value"}`. `t` in ns since the start, no
-    wall time. Structs are objects, enumerators their names, octets numbers, non-finite floats text.
+    samples: `{"t", "event": "sample", "instance", "port", "value"}`. `t` in ns since the start,
+    without wall time. Structs are objects, enumerators their names, octets numbers, non-finite
+    floats text.
     """
 
     def __init__(self, stream: TextIO) -> None:

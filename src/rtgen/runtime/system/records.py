@@ -44,22 +44,19 @@ Listener = Callable[[Record], None]
 
 @runtime_checkable
 class SampleWriter(Protocol):
-    """A listener that finishes with a sample before it returns, so that it needs no snapshot."""
+    """A listener that does not keep a sample after it returns, so that it needs no snapshot."""
 
     def sample_writer(
         self, port: OutPort[Any], elapsed: Callable[[], int]
     ) -> Callable[[Any], None]:
-        """Return a function that receives the samples of a port in place of the listener.
-
-        The sample remains the writer's; `elapsed` returns the time [ns since the start].
-        """
+        """Return a function that receives the samples of a port in place of the listener."""
 
 
 @dataclass(frozen=True, slots=True)
 class Statistics:
     """Statistics of a component.
 
-    `ticks` counts `on_execute`, `overruns` the instants of its own context at which no tick could
+    `ticks` counts `on_execute`, `overruns` the times of its own context at which no tick could
     start, `lost` the samples lost before its InPorts; `reason` is that of the last failure,
     `awaited` what a request waits for, `condition` what impairs an ACTIVE component.
     """

@@ -19,13 +19,13 @@ class Scheduler(Driver, Protocol):
         """Start real time; simulated time only advances in `run`."""
 
     def at(self, instant: int, action: Action) -> None:
-        """Call an action once, before the ticks of that instant; immediately if it has passed."""
+        """Call an action once, before the ticks at that time; immediately if it has passed."""
 
     def every(self, period: int, action: Action) -> Action:
-        """Call an action now and every period, after the ticks; returns a function to end it."""
+        """Call an action now and every period, after the ticks; return a function that ends it."""
 
     def drive(self, publisher: Publisher[Any], writer: Component) -> Action:
-        """Run a publisher of a port of `writer`; returns a function that ends it."""
+        """Run a publisher of a port of `writer`; return a function that ends it."""
 
     def changed(self) -> None:
         """Called after every change of state."""

@@ -1,4 +1,4 @@
-"""Simulated time: a loop over scheduled instants in integer nanoseconds, without threads."""
+"""Simulated time: a loop over scheduled times in integer nanoseconds, without threads."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from rtgen.runtime.system.scheduling import Action
 from rtgen.runtime.system.timetable import Task, Timetable, timetable
 from rtgen.runtime.timing.clocks import SimulatedClock, period_of
 
-# Order at one instant; within a band, in order of insertion.
+# Order of actions due at the same time; within a band, in order of insertion.
 _ACTIONS, _PUBLISHERS, _CONTEXTS, _BUSES, _WATCHERS = (band << 32 for band in range(5))
 
 _SHORTEST_WAIT, _LONGEST_WAIT = 64, 65536
-"""Instants without a timetable after one that something came between."""
+"""Number of steps without a timetable after one was interrupted: the first and the maximum."""
 
 
 @dataclass(slots=True)
 class _Driven:
-    """A running context: its task, and the instant of its first tick."""
+    """A running context: its task, and the time of its first tick."""
 
     task: Task
     since: int
@@ -33,11 +33,12 @@ class _Driven:
 class SimulatedScheduler:
     """Runs all tasks in order of time.
 
-    At one instant the timeline goes first, then publishers, contexts, buses, watchers. Contexts
-    go in the order in which their components were added to the system.
+    At the same time the timeline comes first, then publishers, contexts, buses, watchers. Contexts
+    are in the order in which their components were added to the system.
 
-    While nothing comes between the tasks with fixed periods, they go by a timetable; the heap has
-    what is done once. Any change puts them back into the heap, with the same instants and order.
+    Tasks with fixed periods run by a timetable while nothing is scheduled between them; the heap
+    contains one-time actions. Any change puts the tasks back into the heap, with the same times and
+    order.
     """
 
     def __init__(self, clock: SimulatedClock) -> None:
@@ -51,7 +52,7 @@ class SimulatedScheduler:
         self._end: BaseException | None = None
         self._table: Timetable | None = None
         self._place = -1
-        """The number of the task in the row of this instant that was called last."""
+        """Number of the task called last in the current row."""
         self._wait = self._next_wait = _SHORTEST_WAIT
         clock.instants = self
 
@@ -62,7 +63,7 @@ class SimulatedScheduler:
         self._push(max(instant, self._clock.time), _ACTIONS, Task(action, 0))
 
     def behind_ticks(self, action: Action) -> None:
-        """Call an action once, at this instant, after its ticks."""
+        """Call an action once, at the current time, after its ticks."""
         self._push(self._clock.time, _BUSES, Task(action, 0))
 
     def in_turn_of(
@@ -109,7 +110,7 @@ class SimulatedScheduler:
         if context not in self._orders:
             self._added += 1
             self._orders[context] = _CONTEXTS + self._added
-        # A context that stops and starts in its own tick must not tick twice at one instant.
+        # A context that stops and starts in its own tick must not tick twice at the same time.
         now = self._clock.time
         instant = max(now, min(self._resume.pop(context, 0), now + context.period))
         self._schedule(context, instant, since=instant)
@@ -180,16 +181,16 @@ class SimulatedScheduler:
         return False
 
     def halt(self) -> None:
-        return None  # No instant between two runs.
+        return None  # nothing runs between two calls of `run`
 
     def close(self) -> None:
         self._leave_table()
         self._heap.clear()
 
     def _go_by_table(self, until_ns: int | None) -> bool:
-        """Run by a timetable until `until_ns`, or until something comes between.
+        """Run by a timetable until `until_ns`, or until something else is scheduled.
 
-        False if there is none, or the first instant does not belong to it.
+        False if there is none, or its first time is not before `until_ns`.
         """
         heap, clock = self._heap, self._clock
         self._wait = self._next_wait

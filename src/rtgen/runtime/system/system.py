@@ -59,20 +59,20 @@ from rtgen.runtime.timing.clocks import SECOND, Clock, RealClock, SimulatedClock
 class System:
     """Components, each with an execution context of its own, on a simulated or a real clock.
 
-    In simulated time everything happens in `run`, in one thread, in the order of instants; at one
-    instant the timeline goes first, then periodic connections, then components in the order in
-    which they were added. In real time each component has a thread from the first `run` on.
+    In simulated time everything is executed in `run`, in one thread, in order of time; at the same
+    time the timeline comes first, then periodic connections, then components in the order in which
+    they were added. In real time each component has a thread from the first `run` on.
 
-    Requests (activation and so on) are answered at once and carried out at the component's next
-    tick. Usable as a context manager, which closes it.
+    Requests (activation and so on) return immediately and are carried out at the component's next
+    tick. A system is a context manager, which closes it.
 
-    With a transport service calls go over that, and service ports of other processes can be
-    connected. With `checkpoints` the declared state of components is kept there, and they start
-    from what is there.
+    With a transport, service calls use it, and service ports of other processes can be connected.
+    With `checkpoints` the declared state of components is stored there, and components start from
+    the stored state.
 
     A failure of a component's code is reported to `on_failure`, by default to the logger
-    `rtgen.runtime` with its traceback, and never raised by `run`, except what ends the run: see
-    `docs/runtime.md`, Failures.
+    `rtgen.runtime` with its traceback, and not raised by `run`, except exceptions that end the run:
+    see `docs/runtime.md`, Failures.
     """
 
     def __init__(
@@ -114,7 +114,7 @@ class System:
     def add(
         self, component: Component, rate_hz: float | None = None
     ) -> ExecutionContext:
-        """Initialize a component and gives it a running context of its own.
+        """Initialize a component and give it a running context of its own.
 
         The rate is `rate_hz`, else that of its `.conf` file, else that of its profile. Raises
         DuplicateInstanceError, RateError, CheckpointError, or InitializationError if
@@ -158,7 +158,7 @@ class System:
     def add_context(
         self, rate_hz: float, *, kind: ExecutionKind = ExecutionKind.PERIODIC
     ) -> ExecutionContext:
-        """Return a further context, without owner, in which components can participate.
+        """Return a further context without owner, in which components can participate.
 
         It is stopped initially, and ticks by the system's clock from its `start` on. Raises
         RateError.
@@ -168,7 +168,7 @@ class System:
         )
 
     def remove(self, instance: str) -> None:
-        """Let a component exit, then cuts its connections. Raises UnknownComponentError."""
+        """Let a component exit, then remove its connections. Raises UnknownComponentError."""
         component = self.component(instance)
         participant = self._participants[instance]
         try:
@@ -177,7 +177,7 @@ class System:
             if component._checkpoint is not None:
                 component._checkpoint.close()
             for connector in list(self._connectors.values()):
-                # One that a transport has made for another one ends with it.
+                # A connection that a transport has made for this one ends with it.
                 known = connector.name in self._connectors
                 if known and instance in instances_of(connector):
                     self.disconnect(connector)
@@ -198,7 +198,7 @@ class System:
     def context(self, instance: str) -> ExecutionContext:
         """Return a component's own execution context. Raises UnknownComponentError."""
         context = self._participant(instance).context
-        assert isinstance(context, ExecutionContext)  # `add` has made it.
+        assert isinstance(context, ExecutionContext)  # made by `add`
         return context
 
     def state(self, instance: str) -> LifeCycleState:
@@ -220,8 +220,7 @@ class System:
         )
 
     def observable(self, name: str) -> tuple[float, ...]:
-        """Return the values of the observable `<instance>.<observable>`; a single number is one
-        value.
+        """Return the values of the observable `<instance>.<observable>`; a number as one value.
 
         Raises UnknownComponentError, UnknownObservableError, or ObservableError.
         """
@@ -245,27 +244,27 @@ class System:
     # Requests.
 
     def activate(self, instance: str) -> ReturnCode_t:
-        """Requests ACTIVE; PRECONDITION_NOT_MET unless INACTIVE. Raises UnknownComponentError.
+        """Request ACTIVE; PRECONDITION_NOT_MET unless INACTIVE. Raises UnknownComponentError.
 
-        The component waits for those that provide its services, if they are being activated, too.
+        The component waits for the providers of its services, if they are being activated, too.
         """
         component = self.component(instance)
         return self.context(instance).activate_component(component)
 
     def activation_order(self, instances: Sequence[str]) -> list[str]:
-        """Return the instances, each after those that provide what it consumes.
+        """Return the instances, each after the providers of its consumers.
 
-        Instances that depend on each other, or not at all, keep their order.
+        Instances in a cycle, or without dependencies, keep their order.
         """
         return self._dependencies.order(instances)
 
     def deactivate(self, instance: str) -> ReturnCode_t:
-        """Requests INACTIVE; PRECONDITION_NOT_MET unless ACTIVE. Raises UnknownComponentError."""
+        """Request INACTIVE; PRECONDITION_NOT_MET unless ACTIVE. Raises UnknownComponentError."""
         component = self.component(instance)
         return self.context(instance).deactivate_component(component)
 
     def reset(self, instance: str) -> ReturnCode_t:
-        """Requests INACTIVE; PRECONDITION_NOT_MET unless ERROR. Raises UnknownComponentError."""
+        """Request INACTIVE; PRECONDITION_NOT_MET unless ERROR. Raises UnknownComponentError."""
         component = self.component(instance)
         return self.context(instance).reset_component(component)
 
@@ -279,7 +278,7 @@ class System:
         self.component(instance).configuration_sets.set(parameter, text, set_id)
 
     def activate_set(self, instance: str, set_id: str) -> None:
-        """Make a configuration set the active one; it takes effect between two cycles.
+        """Activate a configuration set; it takes effect between two cycles.
 
         Raises UnknownComponentError or UnknownConfigurationSetError.
         """
@@ -310,11 +309,11 @@ class System:
     ) -> Connector:
         """Connect two ports, each given as (instance, port): data ports or service ports.
 
-        With a transport one of two service ports may be in another process.
+        With a transport, one of two service ports can be in another process.
 
-        Allowed at any time, from a callback too. Data ports may be given in either order. Without
-        name the connection is called `<instance>.<port>_<instance>.<port>`. Raises
-        UnknownComponentError, or the ConnectError that says why the ports do not fit.
+        Allowed at any time, also from a callback. Data ports can be given in either order. The
+        default name of the connection is `<instance>.<port>_<instance>.<port>`. Raises
+        UnknownComponentError, or the ConnectError with the reason why the ports are incompatible.
         """
         name = name or f"{'.'.join(source)}_{'.'.join(target)}"
         connector = self._joining.made(source, target, properties or {}, name)
@@ -342,7 +341,7 @@ class System:
             )
 
     def obstacle(self, source: PortAddress, target: PortAddress) -> str:
-        """Why two ports cannot be connected; empty if they can. Raises UnknownComponentError."""
+        """Return why two ports cannot be connected; else empty. Raises UnknownComponentError."""
         try:
             self._joining.made(source, target, {}, "")
         except ConnectError as error:
@@ -350,9 +349,9 @@ class System:
         return ""
 
     def disconnect(self, connection: Connector | str) -> None:
-        """Cut a connection. Unread samples are dropped and counted as lost.
+        """Remove a connection. Unread samples are dropped and counted as lost.
 
-        Allowed at any time, from a callback too. Raises UnknownConnectionError.
+        Allowed at any time, also from a callback. Raises UnknownConnectionError.
         """
         name = connection if isinstance(connection, str) else connection.name
         with self._connecting:
@@ -376,17 +375,14 @@ class System:
         return self.clock.elapsed()
 
     def at(self, instant: int, action: Callable[[], None]) -> None:
-        """Calls an action at an instant [ns since the start], before the ticks of that instant.
+        """Call an action at a time [ns since the start], before the ticks at that time.
 
-        At once if it has passed. In real time the action runs in the thread of `run`.
+        Immediately if it has passed. In real time the action runs in the thread of `run`.
         """
         self._scheduler.at(instant, action)
 
     def every(self, period: int, action: Callable[[], None]) -> Callable[[], None]:
-        """Calls an action now and every period [ns], after the ticks of that instant.
-
-        Returns a function that ends it. In real time the action runs in the thread of `run`.
-        """
+        """Call an action now and every period [ns], after the ticks at that time."""
         return self._scheduler.every(period, action)
 
     def run(
@@ -394,14 +390,14 @@ class System:
         until_ns: int | None = None,
         until: Callable[[System], bool] | None = None,
     ) -> bool:
-        """Run until a condition holds (True) or an instant [ns since the start] comes (False).
+        """Run until a condition holds (True), or until a time [ns since the start] (False).
 
-        The instant itself does not belong to the run: one second of a 1000 Hz component are 1000
-        ticks. The condition is evaluated after all ticks of an instant; in real time after each
-        change of state, and every few milliseconds. Can be called again to go on. In real time
-        components go on between two runs too. Raises ValueError if neither is given, what
-        listeners, conditions and actions of `at` and `every` raise, and KeyboardInterrupt and the
-        debugger's quit from a callback.
+        The end time is exclusive: one second of a 1000 Hz component is 1000 ticks. The condition is
+        evaluated after all ticks at a time; in real time after each change of state, and every few
+        milliseconds. `run` can be called again to continue; in real time components also run
+        between two calls. Raises ValueError if neither is given, exceptions of listeners,
+        conditions and actions of `at` and `every`, and KeyboardInterrupt and the debugger's quit
+        from a callback.
         """
         if until_ns is None and until is None:
             raise ValueError("run needs an end: until_ns, until, or both")
@@ -409,18 +405,18 @@ class System:
         return self._scheduler.run(until_ns, condition)
 
     def end_run(self, error: BaseException) -> None:
-        """Let `run` raise the error once the present instant is over; from any thread.
+        """Make `run` raise the error after the current step. Can be called from any thread.
 
-        Without a run it is raised by the next one.
+        If `run` is not active, its next call raises the error.
         """
         self._scheduler.end_run(error)
 
     def close(self) -> None:
         """Let every component exit (deactivate, shut down, finalize) once all ticks have ended.
 
-        Those that call services go before those that provide them; otherwise the last added goes
-        first. A KeyboardInterrupt abandons the running component, and is raised at the end. In real
-        time components whose callbacks do not return are abandoned after two seconds.
+        Consumers of services exit before their providers; otherwise the last added is first. A
+        KeyboardInterrupt abandons the running component, and is raised at the end. In real time
+        components whose callbacks do not return are abandoned after two seconds.
         """
         interrupt: KeyboardInterrupt | None = None
         try:
@@ -440,27 +436,21 @@ class System:
     # Listeners.
 
     def add_listener(self, listener: Listener) -> None:
-        """Add a listener for changes of state and samples. Without any, they cost nothing.
-
-        In real time it is called from the threads of the components.
-        """
+        """Add a listener for changes of state and samples, which otherwise cost nothing."""
         self._observation.add(listener, self._components())
 
     def remove_listener(self, listener: Listener) -> None:
-        """Remove a listener; one that is not there is no error."""
+        """Remove a listener; an unknown one is ignored."""
         self._observation.remove(listener, self._components())
 
     def watch_states(self, action: Callable[[StateRecord], None]) -> None:
-        """Calls an action with each change of state; samples cost nothing more.
-
-        In real time it is called from the threads of the components.
-        """
+        """Call an action with each change of state; samples are not affected."""
         self._observation.watch_states(action)
 
     def watch_port(
         self, instance: str, port: str, action: Callable[[Any], None]
     ) -> None:
-        """Calls an action with each sample that an OutPort writes, which stays its writer's.
+        """Call an action with each sample that an OutPort writes; it remains the writer's.
 
         In real time it is called from the component's thread. Raises UnknownComponentError or
         UnknownPortError.

@@ -1,4 +1,4 @@
-"""The instants of tasks with fixed periods, worked out for the least common multiple of these."""
+"""Timetable of tasks with fixed periods, for the least common multiple of the periods."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from math import lcm
 from typing import TypeAlias
 
 MAX_ENTRIES = 4096
-"""Timetables with more entries are not made."""
+"""Maximum number of entries of a timetable."""
 
 
 class Task:
@@ -20,19 +20,19 @@ class Task:
         self.period = period
 
     def __lt__(self, other: Task) -> bool:
-        """What is called once goes before what is called again and again in the same turn."""
+        """Order one-time tasks before periodic ones with the same order."""
         return self.period < other.period
 
 
 Due: TypeAlias = tuple[int, int, Task]
-"""When a task is due next, its order among those of one instant, the task."""
+"""The next time of a task, its order among tasks at the same time, and the task."""
 
 Row: TypeAlias = tuple[tuple[int, Task], ...]
-"""The tasks of one instant in their order, numbered from 0."""
+"""The tasks at one time in order, numbered from 0."""
 
 
 class Timetable:
-    """The instants of `tasks` from `begin` on, repeated every `length` nanoseconds."""
+    """The times of `tasks` from `begin` on, repeated every `length` nanoseconds."""
 
     __slots__ = ("_tasks", "begin", "entries", "length", "rows")
 
@@ -47,11 +47,11 @@ class Timetable:
         self.rows: dict[int, Row] = {
             offset: tuple(enumerate(found[offset])) for offset in sorted(found)
         }
-        """The offset of each instant from `begin`, with its tasks."""
+        """The offset of each time from `begin`, with its tasks."""
         self.entries = sum(map(len, self.rows.values()))
 
     def after(self, now: int, place: int) -> Iterator[Due]:
-        """When each task is due next, if those of `now` have been called up to number `place`."""
+        """Yield the next time of each task, if those of `now` were called up to number `place`."""
         row = (
             self.rows.get((now - self.begin) % self.length, ())
             if now >= self.begin
@@ -64,8 +64,9 @@ class Timetable:
 
 
 def timetable(tasks: Sequence[Due]) -> Timetable | None:
-    """Return the timetable of tasks; None if it is too long, or a task begins after one of its
-    periods.
+    """Return the timetable of tasks; None if it is too long, or a task starts too late.
+
+    A task must start within one of its periods.
     """
     if not tasks:
         return None

@@ -1,4 +1,4 @@
-"""Finds code of components that does not return, by inspecting the stacks of all threads.
+"""Detects code of components that does not return, by inspecting the stacks of all threads.
 
 Nothing is recorded when a callback starts, so ticks cost the same with and without it.
 """
@@ -19,7 +19,7 @@ from rtgen.runtime.rtc.participant import Participant
 from rtgen.runtime.stack_frames import is_debugger, shown, users_frame
 
 PATIENCE = 2.0
-"""Seconds after which a call is reported, and after which an ending run abandons it."""
+"""Seconds after which a call is reported, and after which a run that ends abandons it."""
 _PERIOD = 0.2
 
 P = ParamSpec("P")
@@ -93,7 +93,7 @@ def _call_in(thread: int, innermost: FrameType) -> Call | None:
             try:
                 instance, callback = find(frame)
             except (KeyError, AttributeError):
-                return None  # The frame has just begun, or is about to end.
+                return None  # The frame has just started, or is about to end.
             at = users_frame(inside)
             file, line = at.f_code.co_filename, at.f_lineno
             return Call(instance, callback, file, line, thread, frame)
@@ -150,7 +150,7 @@ class Watchdog:
 
 @dataclass(slots=True)
 class Since:
-    """A call in progress, since when it has been seen, and whether it was reported."""
+    """A call in progress, the time when it was first seen, and whether it was reported."""
 
     call: Call
     begin: float
@@ -158,7 +158,7 @@ class Since:
 
     @property
     def seconds(self) -> float:
-        """Minimum time that it has been in progress."""
+        """Minimum duration so far in seconds."""
         return time.monotonic() - self.begin
 
 
@@ -174,5 +174,5 @@ def followed(seen: dict[int, Since]) -> Iterator[tuple[Call, Since]]:
 
 
 def log_blocked(call: Call, seconds: float) -> None:
-    """Report a call that does not return to the logger `rtgen.runtime`."""
+    """Log a call that does not return to `rtgen.runtime`."""
     log.warning("%s has not returned for %.0f s", call, seconds)

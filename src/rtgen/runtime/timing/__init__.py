@@ -1,1 +1,1 @@
-"""The clocks of a system, the locks of ports and the network in simulated time."""
+"""Clocks of a system, locks of ports, and the network in simulated time."""

@@ -26,12 +26,12 @@ class Clock(ABC):
 
     @cached_property
     def traffic(self) -> Traffic:
-        """What the system on this clock reports to recorders."""
+        """Events of the system on this clock, for recorders."""
         return Traffic()
 
     @property
     def network(self) -> SimulatedNetwork | None:
-        """The simulated network; None if the machine's own sockets and serial lines are used."""
+        """The simulated network; None if the machine's sockets and serial lines are used."""
         return None
 
     @abstractmethod
@@ -40,7 +40,7 @@ class Clock(ABC):
 
     @abstractmethod
     def elapsed(self) -> int:
-        """Time since the system started, used for schedules and records."""
+        """Return the time since the system started, for schedules and records."""
 
     @abstractmethod
     def guard(self) -> Guard:
@@ -53,11 +53,11 @@ class SimulatedClock(Clock):
     def __init__(self) -> None:
         self.time = 0
         self.instants: Instants | None = None
-        """The scheduler that advances the time, None without one."""
+        """The scheduler that advances the time; None without one."""
 
     @cached_property
     def network(self) -> SimulatedNetwork:
-        """See `Clock`; made when it is first asked for."""
+        """The simulated network, created lazily."""
         return SimulatedNetwork(self)
 
     def now(self) -> int:
@@ -71,14 +71,14 @@ class SimulatedClock(Clock):
 
 
 class RealClock(Clock):
-    """The machine's monotonic clock, set to UTC once: it never jumps."""
+    """The machine's monotonic clock, set to UTC once, so that it never jumps."""
 
     def __init__(self) -> None:
         self._start = time.monotonic_ns()
         self._utc_offset = time.time_ns() - self._start
 
     def restart(self) -> None:
-        """Make this the instant from which `elapsed` counts."""
+        """Restart `elapsed` from 0."""
         self._start = time.monotonic_ns()
 
     def now(self) -> int:

@@ -1,4 +1,4 @@
-"""Locks of ports: a condition variable in real time, nothing in simulated time."""
+"""Locks of ports: a condition variable in real time, no lock in simulated time."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Interface to simulated time: the time, and actions at an instant."""
+"""Interface to simulated time: the current time, and scheduled actions."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ class Instants(Protocol):
     """Schedules actions in simulated time."""
 
     def at(self, instant: int, action: Callable[[], None]) -> None:
-        """Call an action once, before the ticks of that instant; immediately if it has passed."""
+        """Call an action once, before the ticks at that time; immediately if it has passed."""
 
     def behind_ticks(self, action: Callable[[], None]) -> None:
-        """Call an action once, at this instant, after its ticks."""
+        """Call an action once, at the current time, after its ticks."""
 
 
 class SimulatedTime(Protocol):

@@ -30,10 +30,7 @@ class Stream:
         """Called inside `send` and `close` of the other end, when data have arrived."""
 
     def send(self, data: bytes) -> None:
-        """Send all data; what a socket cannot hold is sent when the other end reads.
-
-        Raises ConnectionError if the other end is closed.
-        """
+        """Send all data; the rest that a socket cannot hold is sent when the other end reads."""
         self._unsent += data
         self._push()
         waiting = -1
@@ -43,10 +40,7 @@ class Stream:
             self._push()
 
     def take(self, size: int) -> bytes:
-        """Received data, at most `size` octets; empty at the end of the stream.
-
-        Raises TimeoutError if nothing has arrived.
-        """
+        """Return received data, at most `size` octets; empty at the end of the stream."""
         if self._peer is not None and self._peer._unsent:
             self._peer._push()
         try:
@@ -57,10 +51,7 @@ class Stream:
             return b""
 
     def receive(self, size: int) -> bytes:
-        """Exactly `size` bytes.
-
-        Raises TimeoutError if they have not arrived, EOFError at the end of the stream.
-        """
+        """Return exactly `size` bytes."""
         pieces = []
         while size > 0:
             piece = self.take(min(size, _CHUNK))
@@ -82,7 +73,7 @@ class Stream:
         return True
 
     def close(self) -> None:
-        """End the connection; the other end sees the end of the stream."""
+        """Close the connection; the other end sees the end of the stream."""
         self.on_data = None
         self._unsent.clear()
         self._end.close()
@@ -104,7 +95,7 @@ class Stream:
 
 
 Accept: TypeAlias = Callable[[Stream], bool]
-"""Accepts the listening end of a new connection; False rejects it."""
+"""Function that accepts the listening end of a new connection; False rejects it."""
 
 
 class Listener:

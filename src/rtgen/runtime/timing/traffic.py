@@ -1,7 +1,7 @@
-"""What a system does besides samples and states, for those that record it.
+"""Events of a system other than samples and states, for recorders.
 
 Each clock has one `Traffic`: components, links and configuration sets know their clock. Without
-watchers nothing is reported.
+watchers, events are not reported.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from typing import NamedTuple, TypeAlias
 
 
 class ParameterChange(NamedTuple):
-    """A parameter has taken effect with a value, as text."""
+    """A parameter that has taken effect with a value, as text."""
 
     instance: str
     parameter: str
@@ -19,7 +19,7 @@ class ParameterChange(NamedTuple):
 
 
 class ConnectionChange(NamedTuple):
-    """Two ports, `INSTANCE.PORT`, were connected, or are no longer."""
+    """Two ports, `INSTANCE.PORT`, that were connected or disconnected."""
 
     name: str
     source: str
@@ -39,10 +39,7 @@ class BusFrame(NamedTuple):
 
 
 class BoardCall(NamedTuple):
-    """A call that a communication RTC has carried to a board; `error` is empty if it succeeded.
-
-    `duration` is the time from the request to the end of the reply [ns], by the system's clock.
-    """
+    """A call that a communication RTC has made to a board; `error` is empty after success."""
 
     instance: str
     request: bytes
@@ -56,7 +53,7 @@ Watcher: TypeAlias = Callable[[Event], None]
 
 
 class Traffic:
-    """Watchers of the events of a system. In real time they are called from any thread."""
+    """Watchers of a system's events. In real time they are called from any thread."""
 
     def __init__(self) -> None:
         self.watchers: tuple[Watcher, ...] = ()
