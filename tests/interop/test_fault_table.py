@@ -344,7 +344,7 @@ def test_a_fault_has_the_state_and_the_way_back_of_the_page(
 ) -> None:
     if name != "losses":
         # No command is lost, but on a busy machine a node takes its time for it.
-        monkeypatch.setattr(node_control, "_PATIENCE", 20 * SECOND)
+        monkeypatch.setattr(node_control, "_MIN_TIMEOUT", 20 * SECOND)
     with line_of(name, medium) as line:
         fault(name, line)
 

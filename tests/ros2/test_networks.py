@@ -189,7 +189,7 @@ def test_a_session_of_zenoh_that_finds_nobody_is_reported(
     await_(found._session.info.peers_zid)
     found._tell_if_alone()
     assert not caplog.messages
-    monkeypatch.setattr(networks, "_SLOW", 0.05)
+    monkeypatch.setattr(networks, "_REPORT_AFTER", 0.05)
     config = networks.configuration(connect=f"tcp/127.0.0.1:{free_port()}")
     alone = networks.ZenohNetwork(RosNode("node", "/", DOMAIN), config=config)
     stack.callback(alone.close)

@@ -463,7 +463,7 @@ def test_a_reply_waits_for_the_reader_of_its_client(
     from cyclonedds.sub import DataReader
     from cyclonedds.topic import Topic
 
-    monkeypatch.setattr(dds_services, "_PATIENCE", PATIENCE)
+    monkeypatch.setattr(dds_services, "_READER_TIMEOUT", PATIENCE)
     joined(stack, dds_network(), lamp, provides=True, wait=1.0)
     request, reply = dds_classes()
     part, other = participant(), participant()

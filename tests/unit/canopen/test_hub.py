@@ -710,7 +710,7 @@ def send_until_full_then_receive(bus: OpenBus, hub_end: socket.socket) -> None:
 def test_a_client_of_a_hub_that_does_not_read_says_so(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(socketcand_bus, "_PATIENCE", 0.05)
+    monkeypatch.setattr(socketcand_bus, "_TIMEOUT", 0.05)
     with socket.create_server(("127.0.0.1", 0)) as server:
 
         def answer() -> None:

@@ -1,1 +1,1 @@
-"""CANopen runtime (CiA 301, 305): what generated proxies, devices and codecs import."""
+"""CANopen runtime (CiA 301, 305) for generated proxies, devices and codecs."""

@@ -1,4 +1,4 @@
-"""Tables of devices and networks in generated modules."""
+"""Descriptions of devices and networks, the content of generated modules."""
 
 from __future__ import annotations
 
@@ -66,9 +66,9 @@ class PdoDescription:
     """A PDO as the device sees it: the device transmits a `tpdo` and receives an `rpdo`.
 
     `cob_id` includes the flag bits; with `relative` it is an offset to the node-id; None: not
-    given, so the PDO is not valid. `mapping` holds (index, sub-index, bits); gaps have the index
-    of a data type. `fixed`: the mapping cannot be written. Times are in the units of the object
-    dictionary: `inhibit_time` in 100 us, `event_timer` in ms.
+    given, so the PDO is not valid. `mapping` holds (index, sub-index, bits); gaps have the index of
+    a data type. `fixed`: the mapping is read-only. Times are in the units of the object dictionary:
+    `inhibit_time` in 100 us, `event_timer` in ms.
     """
 
     direction: Literal["tpdo", "rpdo"]
@@ -94,8 +94,8 @@ class DeviceDescription:
     """A device: `DESCRIPTION` of a generated module `objects`.
 
     `lss`: the device supports layer setting services. `granularity` is the smallest unit of a
-    mapping in bits, `dummies` are the data types that may fill gaps. `configuration` is what a
-    master writes to the node if no network defines it. `bit_rates` are those that LSS may set, in
+    mapping in bits, `dummies` are the data types that can fill gaps. `configuration` is written to
+    the node by a master without a network description. `bit_rates` are those that LSS can set, in
     kbit/s; empty: all.
     """
 
@@ -131,10 +131,7 @@ class DeviceDescription:
 
 @dataclass(frozen=True, slots=True)
 class Write:
-    """A value to be written by SDO, as octets on the wire.
-
-    `verify`: read the value back. `relative`: add the node-id to the value.
-    """
+    """A value to be written by SDO, in octets."""
 
     index: int
     subindex: int

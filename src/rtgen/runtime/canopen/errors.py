@@ -2,4 +2,4 @@
 
 
 class LinkError(OSError):
-    """The bus cannot be used: it could not be opened, is off, or its other end has gone."""
+    """The bus is unusable: it could not be opened, is off, or its other end has gone."""

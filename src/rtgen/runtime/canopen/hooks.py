@@ -22,32 +22,32 @@ from rtgen.runtime.canopen.description import (
 )
 
 Receiver: TypeAlias = Callable[[bytes, int], None]
-"""Writes the data of a PDO, with its time of arrival (component's clock, ns), to OutPorts.
+"""Function that writes a PDO's data to OutPorts, with the time of arrival (component's clock, ns).
 
 Raises PdoError for data that are too short.
 """
 
 Sender: TypeAlias = Callable[[], Iterator[bytes]]
-"""Yields the data of a PDO for each unread sample of the InPorts.
+"""Function that yields the data of a PDO for each unread sample of the InPorts.
 
 Raises PdoError for a value outside its field's range; later samples remain available.
 """
 
 Getter: TypeAlias = Callable[[ObjectNumber], Any]
-"""Returns the value (ObjectValue) of an object of the device's object dictionary."""
+"""Function that returns the value (ObjectValue) of an object of the device's object dictionary."""
 
 Setter: TypeAlias = Callable[[ObjectNumber, ObjectValue], None]
-"""Sets an object of the device's object dictionary."""
+"""Function that sets an object of the device's object dictionary."""
 
 Incoming: TypeAlias = Callable[[Getter, int], tuple[tuple[str, Any], ...]]
-"""Converts an RPDO received at a time to samples, each with the name of its InPort."""
+"""Function that converts a received RPDO to samples, each with the name of its InPort."""
 
 Outgoing: TypeAlias = Callable[[Any, Setter], None]
-"""Stores a sample in the object dictionary. Raises PdoError for an invalid value."""
+"""Function that stores a sample in the object dictionary. Raises PdoError for an invalid value."""
 
 
 class CanopenHooks(ABC):
-    """Attributes of both proxies and devices."""
+    """Attributes of proxies and devices."""
 
     description: ClassVar[DeviceDescription]
     """The description of the device."""
@@ -56,15 +56,15 @@ class CanopenHooks(ABC):
 
 
 class ProxyHooks(CanopenHooks):
-    """Implemented by a generated `<Module>Proxy`."""
+    """Methods that a generated `<Module>Proxy` implements."""
 
     @abstractmethod
     def _receivers(self) -> Mapping[int, Receiver]:
-        """Receivers by TPDO number; called once, during construction."""
+        """Return the receivers by TPDO number; called once, during construction."""
 
     @abstractmethod
     def _senders(self) -> Mapping[int, Sender]:
-        """Senders by RPDO number; called once, during construction."""
+        """Return the senders by RPDO number; called once, during construction."""
 
     @abstractmethod
     def _parameter_values(self) -> Mapping[ObjectNumber, ObjectValue]:
@@ -98,10 +98,11 @@ class ProxyHooks(CanopenHooks):
 
 
 class DeviceHooks(CanopenHooks):
-    """Implemented by a generated `<Module>DeviceBase`.
+    """Methods that a generated `<Module>DeviceBase` implements.
 
     Samples are converted to and from the object dictionary field by field, so that any mapping
-    written by a master works: a sample of an InPort holds the objects of the default mapping.
+    written by a master is supported: a sample of an InPort holds the objects of the default
+    mapping.
     """
 
     @abstractmethod
@@ -121,8 +122,8 @@ class DeviceHooks(CanopenHooks):
 
     @abstractmethod
     def _incoming(self) -> Mapping[int, Incoming]:
-        """Converters by RPDO number; called once, during construction."""
+        """Return the converters by RPDO number; called once, during construction."""
 
     @abstractmethod
     def _outgoing(self) -> Mapping[str, Outgoing]:
-        """Converters by OutPort name; called once, during construction."""
+        """Return the converters by OutPort name; called once, during construction."""

@@ -23,7 +23,7 @@ class Transfer:
 
 
 SetUp: TypeAlias = Generator[Transfer, bytes, None]
-"""Yields transfers, and receives the octets read (b"" for a write)."""
+"""Generator that yields transfers, and receives the octets read (b"" for a write)."""
 
 IDENTITY: Final = (
     (0x1000, 0, "device type"),
@@ -36,7 +36,7 @@ IDENTITY: Final = (
 
 
 class SetUpError(Exception):
-    """The node has the wrong identity, or does not keep what is written.
+    """The node has the wrong identity, or does not store written values.
 
     `final`: a reset would not help.
     """
@@ -79,10 +79,10 @@ def set_up(node: NodeDescription, identified: Callable[[], None]) -> SetUp:
 
 
 def number_text(index: int, subindex: int) -> str:
-    """Return an object's number as users write it, `1018:1`."""
+    """Format an object's number for users, `1018:1`."""
     return f"{index:04X}:{subindex:X}"
 
 
 def same(kept: bytes, written: bytes) -> bool:
-    """Return whether the node kept a value; trailing zeros are padding."""
+    """Return whether the node stored a value; trailing zeros are padding."""
     return kept.startswith(written) and not any(kept[len(written) :])

@@ -1,8 +1,8 @@
-"""Typed access to the values of an object dictionary: the base of generated `<Module>Objects`.
+"""Typed access to the values of an object dictionary: base class of generated `<Module>Objects`.
 
-A generated class has an `Entry` for each object. It is the one table of a device: `descriptions`
-gives what a `DeviceDescription` holds, and an instance reads and writes values, by attribute or by
-name:
+A generated class has an `Entry` for each object, and is the only table of a device: `descriptions`
+returns the content of a `DeviceDescription`, and an instance reads and writes values, by attribute
+or by name:
 
 - a device's own values: `self.objects` of its component;
 - those of a node by SDO: `self.objects` of its proxy;
@@ -29,11 +29,11 @@ T = TypeVar("T")
 class Objects:
     """Values by the names of their objects: `objects.Controlword` and `objects["Controlword"]`.
 
-    Iteration gives the names. Raises KeyError for a name that no object has, and what reading or
-    writing raises.
+    Iterating yields the names. Raises KeyError for an unknown name, and the exceptions of reading
+    and writing.
     """
 
-    # No object is called like these: identifiers of objects begin with a letter.
+    # No clash with objects: identifiers of objects start with a letter.
     __slots__ = ("_get", "_set")
 
     def __init__(self, get: Getter, set_: Setter) -> None:
@@ -51,10 +51,7 @@ class Objects:
 
 
 class Entry(Generic[T]):
-    """The attribute for an object, with what its device's description says of it.
-
-    Arguments are those of `ObjectDescription`; the name is that of the attribute.
-    """
+    """Attribute for an object, with its part of the device's description."""
 
     __slots__ = ("description", "number")
 
@@ -118,11 +115,11 @@ class ObjectDictionary(Protocol):
 
 
 def over_service(class_: type[O], service: ObjectDictionary) -> O:
-    """Return the objects of a node by the SDO service of its proxy.
+    """Access the objects of a node by the SDO service of its proxy.
 
-    `service` is a consumer of the proxy's port `sdo`. Raises what the service raises
-    (CANopen::SdoAbort, CANopen::BusGone), and ObjectValueError for a value that an object cannot
-    have, or octets that are not value of it.
+    `service` is a consumer of the proxy's port `sdo`. Raises the exceptions of the service
+    (CANopen::SdoAbort, CANopen::BusGone), and ObjectValueError for a value that is invalid for an
+    object, or octets that are not a value of it.
     """
     kinds = {
         entry.number: entry.description.kind for entry in _entries(class_).values()
@@ -138,9 +135,7 @@ def over_service(class_: type[O], service: ObjectDictionary) -> O:
 
 
 def over_sdo(class_: type[O], proxy: ProxyHooks) -> O:
-    """Return the objects of a node by its proxy. Raises what `read_object` and `write_object`
-    do.
-    """
+    """Access the objects of a node by its proxy. Raises as `read_object` and `write_object`."""
     return class_(
         lambda number: proxy.read_object(*number),
         lambda number, value: proxy.write_object(*number, value),

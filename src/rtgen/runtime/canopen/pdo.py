@@ -17,7 +17,7 @@ _EPOCH_SECONDS = EPOCH // 1000
 
 
 class PdoError(ValueError):
-    """Data too short for a PDO, or a value that does not fit into its field."""
+    """Data too short for a PDO, or a value outside the range of its field."""
 
 
 def outside(name: str, value: object, low: int, high: int) -> PdoError:

@@ -11,8 +11,8 @@ from rtgen.runtime.ports.data_ports import InPort
 
 T = TypeVar("T", bound=DataType)
 
-_KEPT: Final = 1024
-"""Maximum number of samples that wait for a PDO."""
+_MAX_WAITING: Final = 1024
+"""Maximum number of samples waiting for a PDO."""
 
 
 def unread(port: InPort[T]) -> Iterator[T]:
@@ -29,7 +29,7 @@ class Inlet:
     def __init__(self, port: InPort[Any], pdos: Sequence[int]) -> None:
         self._port = port
         self._queues: dict[int, deque[Any]] = {
-            number: deque(maxlen=_KEPT) for number in pdos
+            number: deque(maxlen=_MAX_WAITING) for number in pdos
         }
 
     def take(self, pdo: int) -> Any:
@@ -45,7 +45,7 @@ class Gathering:
     """An RPDO whose objects have separate InPorts; it is sent with the latest value of each."""
 
     def __init__(self, pdo: int, *fields: tuple[Inlet, Any]) -> None:
-        """`fields` are the inlets of its objects with their initial values."""
+        """Initialize with `fields`, the inlets of its objects with their initial values."""
         self._pdo = pdo
         self._inlets = [inlet for inlet, _ in fields]
         self._values = [value for _, value in fields]

@@ -57,7 +57,7 @@ _LIMITS: Final = {
 
 
 def size(kind: Kind) -> int | None:
-    """Size of a value in SDO in octets; None for variable length."""
+    """Return the size of a value in SDO in octets; None for variable length."""
     return _SIZES.get(kind)
 
 
@@ -132,10 +132,7 @@ def decode(kind: Kind, octets: bytes) -> ObjectValue:
 
 
 def uploaded(kind: Kind, octets: bytes) -> ObjectValue:
-    """Return the value of octets that SDO gave. Raises ObjectValueError, as `decode`.
-
-    Servers that do not indicate the size of an expedited value send 4 octets.
-    """
+    """Return the value of octets uploaded by SDO. Raises ObjectValueError as `decode` does."""
     wanted = size(kind)
     return decode(kind, octets if wanted is None else octets[:wanted])
 

@@ -1,4 +1,4 @@
 """Service calls between processes over omniORB (CORBA 2.6, GIOP 1.2).
 
-Importing it needs omniORBpy: the extra `corba`.
+Importing it requires omniORBpy: the extra `corba`.
 """

@@ -23,15 +23,15 @@ from rtgen.runtime.services.servants import (
 )
 from rtgen.runtime.services.transports import RemotePort
 
-_PAUSE = 0.2
-"""Seconds between two attempts to reach a provider that did not answer."""
+_RETRY_INTERVAL = 0.2
+"""Seconds between two attempts to reach a provider that did not respond."""
 
 
 class RemoteProvider:
     """The provider that a consumer is connected to, looked up at the first call.
 
     A lost provider is looked up again, since its process may have been restarted. A call that may
-    have been carried out is not repeated.
+    have been executed is not repeated.
     """
 
     def __init__(
@@ -89,7 +89,7 @@ class RemoteProvider:
 
     @property
     def is_served(self) -> bool:
-        """Whether some process has the port, with whatever provider."""
+        """Whether some process has the port, with any provider."""
         try:
             return self.find()
         except PortTypeError:
@@ -111,7 +111,7 @@ class RemoteProvider:
 
     def _found(self, operation: str) -> Remote:
         failure = self._failure
-        if failure is not None and time.monotonic() < self._lost + _PAUSE:
+        if failure is not None and time.monotonic() < self._lost + _RETRY_INTERVAL:
             raise type(failure)(
                 f"{operation}: not tried again so soon after: {failure}"
             )
@@ -127,7 +127,7 @@ class RemoteProvider:
         return remote
 
     def _another(self, remote: Remote, error: Any) -> Remote | None:
-        """Return another provider for a call that did not arrive, if there is one."""
+        """Return another provider for a call that did not arrive; None if there is none."""
         if not is_unsent(error):
             return None
         try:
@@ -170,9 +170,7 @@ class RemoteProvider:
         return chosen
 
     def _chosen(self, found: Mapping[str, Any]) -> Any:
-        """Return the provider selected by a property, else of equal name and type, else the only
-        one.
-        """
+        """Return the provider selected by property, else by name and type, else the only one."""
         identity = self._wanted.repository_id
         name = self.consumer.instance if self._selected is None else self._selected
         if name in found and found[name]._is_a(identity):

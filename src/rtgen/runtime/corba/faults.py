@@ -48,14 +48,15 @@ def caught(operation: str, error: Any) -> ServiceError:
 
 
 def is_inactive(error: Any) -> bool:
-    """Return whether the object exists, but its component is not ACTIVE (by omniORB's minor
-    code).
+    """Return whether the object exists, but its component is not ACTIVE.
+
+    omniORB's minor code shows it.
     """
     return isinstance(error, CORBA.OBJECT_NOT_EXIST) and error.minor == _OURS
 
 
 def is_unsent(error: Any) -> bool:
-    """Return whether a system exception implies that the call was not carried out."""
+    """Return whether a system exception implies that the call was not executed."""
     return bool(error.completed == CORBA.COMPLETED_NO)
 
 
@@ -65,5 +66,5 @@ def is_lost(error: Any) -> bool:
 
 
 def is_silent(error: Any) -> bool:
-    """Return whether the object or its process is gone, or did not answer in time."""
+    """Return whether the object or its process is gone, or did not respond in time."""
     return isinstance(error, (*_LOST, CORBA.TIMEOUT))

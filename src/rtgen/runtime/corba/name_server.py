@@ -16,9 +16,9 @@ from rtgen.runtime.corba.orb import LOOPBACK
 from rtgen.runtime.errors import TransportError
 
 _ATTEMPTS = 3
-_START = 10.0
-"""Seconds for omniNames to start."""
-_LOOK_AGAIN = 0.02
+_START_TIMEOUT = 10.0
+"""Time-out in seconds for the start of omniNames."""
+_POLL_INTERVAL = 0.02
 _HEADER = struct.Struct("<4s4BI")
 """Magic, version 1.0, little endian, type and length of a message (CORBA 3.3, part 2, 9.4.1)."""
 _LOCATED = struct.Struct("<II")
@@ -64,7 +64,7 @@ class NameServer:
 
 
 def _program() -> str:
-    # The command installed by the wheel wraps this process, and would outlive it.
+    # The command installed by the wheel is a wrapper around this process, which would outlive it.
     spec = find_spec("jeteve_omniorb")
     if spec is not None and spec.origin is not None:
         inside = Path(spec.origin).with_name("bin") / "omniNames"
@@ -85,7 +85,7 @@ def _free_port() -> int:
 def _started(program: str, port: int, folder: str) -> subprocess.Popen[bytes]:
     command = [program, "-start", str(port), "-always", "-datadir", folder]
     command += ["-ignoreport", "-ORBendPoint", f"giop:tcp:{LOOPBACK}:{port}"]
-    # In a separate session: Ctrl-C is for the processes that still have to unbind their names.
+    # In a separate session: Ctrl-C is for the processes that must still unbind their names.
     return subprocess.Popen(
         command,
         stdin=subprocess.DEVNULL,
@@ -96,18 +96,16 @@ def _started(program: str, port: int, folder: str) -> subprocess.Popen[bytes]:
 
 
 def _answers(process: subprocess.Popen[bytes], port: int) -> bool:
-    deadline = time.monotonic() + _START
+    deadline = time.monotonic() + _START_TIMEOUT
     while process.poll() is None and time.monotonic() < deadline:
         if _has_root(port):
             return True
-        time.sleep(_LOOK_AGAIN)
+        time.sleep(_POLL_INTERVAL)
     return False
 
 
 def _has_root(port: int) -> bool:
-    """Return whether the root context is there, which omniNames makes after it has begun to
-    listen.
-    """
+    """Return whether the root context exists, which omniNames creates after it listens."""
     key = b"NameService"
     body = struct.pack("<II", 1, len(key)) + key
     header = _HEADER.pack(b"GIOP", 1, 0, 1, _LOCATE_REQUEST, len(body))

@@ -1,7 +1,7 @@
 """Client of the naming service, by which processes find each other's providers.
 
-A provider is bound as `<instance>.<port>/<name>`: a context for the port (id: instance name,
-kind: port name) that contains the provider under its instance name.
+A provider is bound as `<instance>.<port>/<name>`: a context for the port (id: instance name, kind:
+port name) that contains the provider under its instance name.
 """
 
 from __future__ import annotations
@@ -27,9 +27,9 @@ PORT = 2809
 """Default port of naming services (IANA: corbaloc)."""
 _AT_ONCE = 100
 MAX_NAMES = 4096
-"""Names of a naming service that are listed; contexts may contain each other."""
+"""Maximum number of names listed; contexts can contain each other."""
 _HOST = "host_cxt"
-"""The kind of contexts in which OpenRTM binds the components of a host."""
+"""Kind of the contexts in which OpenRTM binds the components of a host."""
 
 _Context = CosNaming.NamingContext
 
@@ -48,7 +48,7 @@ class Bound:
 
 
 class Naming:
-    """A naming service at `HOST` or `HOST:PORT`. Every method raises TransportError.
+    """A naming service at `HOST` or `HOST:PORT`. All methods raise TransportError.
 
     Raises NoNamingServiceError if none answers.
     """
@@ -71,7 +71,7 @@ class Naming:
     def bind(self, port: tuple[str, str], name: str, reference: Any) -> None:
         """Bind a provider of a port, replacing one that no longer exists.
 
-        Raises ServedElsewhereError if a bound provider still answers.
+        Raises ServedElsewhereError if the bound provider still responds.
         """
 
         def bind() -> None:
@@ -89,7 +89,7 @@ class Naming:
         self._asked(bind, "bind")
 
     def unbind(self, port: tuple[str, str], name: str, reference: Any) -> None:
-        """Unbind a provider, unless another one has been bound to the name since."""
+        """Unbind a provider, unless the name has been bound to another one since."""
 
         def unbind() -> None:
             context = self._context(port)
@@ -108,7 +108,7 @@ class Naming:
     def bind_object(self, name: tuple[str, str], reference: Any) -> None:
         """Bind an object by id and kind, replacing one that no longer exists.
 
-        Raises ServedElsewhereError if the bound one still answers.
+        Raises ServedElsewhereError if the bound one still responds.
         """
 
         def bind() -> None:
@@ -122,7 +122,7 @@ class Naming:
         self._asked(bind, "bind")
 
     def unbind_object(self, name: tuple[str, str], reference: Any) -> None:
-        """Unbind an object, unless another one has been bound to the name since."""
+        """Unbind an object, unless the name has been bound to another one since."""
 
         def unbind() -> None:
             bound = _resolved(self._root, *name)
@@ -132,8 +132,7 @@ class Naming:
         self._asked(unbind, "unbind")
 
     def component(self, name: str, kind: str) -> Any:
-        """Return the object of a name in the root, or in the context of a host, as OpenRTM binds
-        it.
+        """Return the object of a name in the root, or in a host's context, as OpenRTM does.
 
         None if there is none.
         """
@@ -159,7 +158,7 @@ class Naming:
         return self._asked(at, "ask")
 
     def tree(self, most: int = MAX_NAMES) -> list[Bound]:
-        """Return all names up to a number, each after the context that contains it, in order."""
+        """Return up to `most` names in order, each after the context that contains it."""
 
         def tree() -> list[Bound]:
             found = _below(self._root, _names(self._root), (), [])
@@ -212,7 +211,7 @@ def _resolved(context: Any, id_: str, kind: str = "") -> Any:
 
 
 def _listed(context: Any) -> list[Any]:
-    """Return the bindings of a context, at most MAX_NAMES."""
+    """Return up to MAX_NAMES bindings of a context."""
     found, more = context.list(_AT_ONCE)
     if more is None:
         return list(found)
@@ -238,7 +237,7 @@ def _names(context: Any) -> _Names:
 def _below(
     context: Any, names: _Names, path: tuple[tuple[str, str], ...], around: list[Any]
 ) -> Iterator[Bound]:
-    """What the names of a context are bound to; `around` are the contexts that contain it."""
+    """Yield the bindings of a context; `around` are the contexts that contain it."""
     for id_, kind, is_context in names:
         here = (*path, (id_, kind))
         found = _resolved(context, id_, kind)
@@ -250,9 +249,7 @@ def _below(
 
 
 def _entered(found: Any, around: list[Any]) -> tuple[Any, _Names] | None:
-    """Return a context and its names; None for one that contains itself, or whose service is
-    silent.
-    """
+    """Return a context and its names; None if it contains itself, or does not respond."""
     try:
         context = None if found is None else found._narrow(_Context)
         if context is None or any(context._is_equivalent(each) for each in around):
@@ -273,7 +270,7 @@ def _name_text(name: tuple[str, str]) -> str:
 
 
 def is_alive(reference: Any) -> bool:
-    """Return whether the process of an object answers in time."""
+    """Return whether the process of an object responds in time."""
     if reference is None:
         return False
     try:

@@ -1,4 +1,4 @@
-"""CORBA objects of one process: servants called by omniORB, references, and stubs."""
+"""CORBA objects of a process: servants called by omniORB, references, and stubs."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ from rtgen.runtime.services.servants import (
 )
 
 _REPORTED = (ObjectNotExist, UnknownException)
-"""Operations without failure reports: polling for ACTIVE is harmless, skeletons report."""
+"""Operations whose failures are not reported: polling for ACTIVE is harmless, skeletons report."""
 
 _S = TypeVar("_S", bound=Servant)
 
@@ -201,7 +201,7 @@ def _interface_of(servant: Servant) -> type[Servant]:
 
 
 class _Described(Protocol):
-    """An interface, as far as omniORB has to know it."""
+    """The part of an interface that omniORB needs."""
 
     @property
     def repository_id(self) -> str: ...
@@ -211,12 +211,12 @@ class _Described(Protocol):
 
 
 class SkeletonClass:
-    """The attribute by which omniORB finds the interfaces of a servant."""
+    """Attribute by which omniORB finds the interfaces of a servant."""
 
     def __init__(self, descriptor: _Described, operations: Any) -> None:
         self._NP_RepositoryId = descriptor.repository_id
         self._omni_op_d = operations
-        # The name that omniORB looks up for the base interfaces.
+        # The name by which omniORB looks up the base interfaces.
         self.__bases__ = tuple(SkeletonClass(base, {}) for base in descriptor.bases)
 
 
@@ -292,5 +292,5 @@ def _checked(
         return convert(values)
     except (ServiceError, CORBA.Exception):
         raise
-    except Exception as error:  # Whatever a value of a wrong type leads to.
+    except Exception as error:  # any exception that a value of a wrong type causes
         raise MarshalError(f"{what}: {error}") from error

@@ -18,8 +18,8 @@ _CONTEXT = "_context"
 class Operation:
     """An operation: its `descriptor` for omniORBpy, and conversions of its values.
 
-    It has `count` arguments and `results` results. Values are converted on leaving and on
-    entering this process; None instead of a function if no value needs it.
+    It has `count` arguments and `results` results. Values are converted when they leave or enter
+    this process; None instead of a function if no value needs it.
     """
 
     def __init__(self, call: Call, types: WireTypes) -> None:

@@ -12,10 +12,10 @@ from omniORB import CORBA, PortableServer
 
 from rtgen.runtime.errors import TransportError
 
-_LOOK_AGAIN = 0.005
+_POLL_INTERVAL = 0.005
 LOOPBACK = "127.0.0.1"
-LONGEST_MESSAGE = 64 << 20
-"""Octets of a message in either direction; longer ones are refused."""
+MAX_MESSAGE = 64 << 20
+"""Maximum size of a message in octets, in either direction."""
 _numbers = itertools.count()
 
 
@@ -23,7 +23,7 @@ class Orb:
     """omniORB with a separate object adapter; `timeout` [s] bounds every call.
 
     It listens at `host` (default: the loopback interface only) on a free port. omniORB allows one
-    ORB for each process, so a running ORB is used as it is. Raises TransportError.
+    ORB per process, so an existing ORB is used unchanged. Raises TransportError.
     """
 
     def __init__(self, host: str = LOOPBACK, timeout: float = 2.0) -> None:
@@ -35,14 +35,14 @@ class Orb:
             "-ORBendPoint": f"giop:tcp:{host}:",
             "-ORBclientCallTimeOutPeriod": milliseconds,
             "-ORBclientConnectTimeOutPeriod": milliseconds,
-            "-ORBgiopMaxMsgSize": str(LONGEST_MESSAGE),
+            "-ORBgiopMaxMsgSize": str(MAX_MESSAGE),
             "-ORBverifyObjectExistsAndType": "0",
             "-ORBtraceLevel": "0",
         }
         words = ["rtgen", *(word for pair in options.items() for word in pair)]
         self._timeout = timeout
         self.busy: list[None] = []
-        """One item for each call in progress."""
+        """An item for each call in progress."""
         self.orb: Any = None
         try:
             self.orb = CORBA.ORB_init(words, CORBA.ORB_ID)
@@ -55,7 +55,7 @@ class Orb:
             raise TransportError(f"omniORB cannot listen at {host}: {error}") from error
 
     def limit(self, reference: Any) -> None:
-        """Bound the calls of a reference, which the options of a running ORB may not do."""
+        """Bound the calls of a reference, since an existing ORB may have other options."""
         omniORB.setClientCallTimeout(reference, self._milliseconds)
 
     def close(self) -> None:
@@ -67,8 +67,8 @@ class Orb:
         self.poa.destroy(False, False)
         deadline = time.monotonic() + self._timeout
         while self.busy and time.monotonic() < deadline:
-            time.sleep(_LOOK_AGAIN)
-        # In this thread: another one might still be running when the interpreter ends.
+            time.sleep(_POLL_INTERVAL)
+        # In this thread: another one might still be running at interpreter exit.
         if self._owned and not self.busy:
             self.orb.destroy()
             _await_workers(deadline)
@@ -77,14 +77,14 @@ class Orb:
 def _await_workers(deadline: float) -> None:
     """Wait for the threads of a destroyed ORB, which end on their own.
 
-    Each takes the interpreter's lock once more to free its state. One that asks for it while the
-    interpreter ends is unwound through destructors of omniORB, which aborts the process.
+    Each acquires the interpreter's lock once more to free its state. A thread that requests it
+    during interpreter exit is unwound through omniORB's destructors, which aborts the process.
     """
 
     def remain() -> bool:
         return any(isinstance(t, omniORB.WorkerThread) for t in threading.enumerate())
 
     while remain() and time.monotonic() < deadline:
-        time.sleep(_LOOK_AGAIN)
-    # The last one leaves the list before it gives the lock back.
-    time.sleep(_LOOK_AGAIN)
+        time.sleep(_POLL_INTERVAL)
+    # The last one leaves the list before it releases the lock.
+    time.sleep(_POLL_INTERVAL)

@@ -34,15 +34,15 @@ if TYPE_CHECKING:
 
 log = logging.getLogger("rtgen.runtime")
 
-_LOOK_AGAIN = 0.05
+_POLL_INTERVAL = 0.05
 
 
 class CorbaTransport:
     """Carries service calls over omniORB; objects are found by a naming service.
 
     `host`: address for other processes; `timeout` [s] of every call; `naming`: whether to use a
-    naming service, at `name_server`, defaulting to the usual port of this machine, falling back
-    on a private one. All methods raise TransportError.
+    naming service, at `name_server`, defaulting to this machine's standard port, falling back to a
+    private one. All methods raise TransportError.
     """
 
     def __init__(
@@ -109,11 +109,11 @@ class CorbaTransport:
 
     @property
     def rt_objects(self) -> RtObjects | None:
-        """The components of this process, as others see them; None without a naming service."""
+        """The components of this process, as visible to others; None without a naming service."""
         return self._rt_objects
 
     def steered(self, system: System) -> None:
-        """Let other processes watch and steer the components of a system."""
+        """Let other processes observe and control the components of a system."""
         if self._rt_objects is not None:
             self._rt_objects.system = system
 
@@ -153,9 +153,7 @@ class CorbaTransport:
         self._objects.withdraw(reference)
 
     def reach(self, interface: Any, provider: Provider[Any]) -> Carrier:
-        """Return the carrier of calls to a provider of this process, which also go through the
-        ORB.
-        """
+        """Return the carrier of calls to a provider of this process, which also use the ORB."""
         return self._objects.remote(interface, self._references[provider])
 
     def connector(
@@ -170,7 +168,7 @@ class CorbaTransport:
             raise TransportError(f"{there} is in no process that could be asked")
         directory = self._directory
         if directory is not None and there.instance in directory.foreign:
-            assert self._rt_objects is not None  # It has come with the directory.
+            assert self._rt_objects is not None  # set together with the directory
             peer = ServicePeer(name, here, there, properties, self._rt_objects)
             self._peers.append(peer)
             return peer
@@ -244,11 +242,11 @@ class CorbaTransport:
                     f"no process runs {foreign.instance}, which rtgen does not run: "
                     f"{directory.where(foreign.instance)}"
                 )
-            time.sleep(_LOOK_AGAIN)
+            time.sleep(_POLL_INTERVAL)
         foreign.configure()
 
     def _rest(self) -> None:
-        """Look after other processes no more."""
+        """Stop monitoring other processes."""
         keeper, self._keeper = self._keeper, None
         if keeper is not None:
             keeper.close()
@@ -270,7 +268,7 @@ class CorbaTransport:
 
     @property
     def missing(self) -> list[str]:
-        """See `AwaitingTransport`: those that nobody answers for now."""
+        """See `AwaitingTransport`: those that do not respond at the moment."""
         directory = self._directory
         if directory is None:
             return []
@@ -287,9 +285,7 @@ class CorbaTransport:
         return [p for c in self._connectors if c.connected for p in c.providers]
 
     def is_ready(self, instance: str, before: Collection[str]) -> bool:
-        """Return whether the providers are ACTIVE that other processes activate before an
-        instance.
-        """
+        """Return whether an instance's providers that other processes activate first are ACTIVE."""
         foreign = {} if self._directory is None else self._directory.foreign
         called = {
             peer.there.instance

@@ -1,4 +1,4 @@
-"""Conversions of single values between rtgen's form and omniORBpy's."""
+"""Conversions of single values between the forms of rtgen and omniORBpy."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def each(convert: Convert | None) -> Convert | None:
 
 
 def through(convert: Convert | None, value: Any) -> Any:
-    """Return the converted value; None converts nothing."""
+    """Convert a value; the conversion None returns it unchanged."""
     return value if convert is None else convert(value)
 
 

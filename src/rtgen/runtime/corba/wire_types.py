@@ -1,9 +1,9 @@
-"""omniORBpy's type descriptors for generated types, with conversions of values.
+"""omniORBpy's type descriptors of generated types, with conversions of values.
 
 omniORBpy marshals any object with the attributes named by a descriptor, and constructs values by
-calling the class in the descriptor. So data classes, enums and unions need no conversion. What
-omniORBpy represents by its own classes (`any`, type codes, `fixed`, object references), and types
-that contain them, are converted. Values of `any` are passed as octets, which are the same.
+calling the class in the descriptor. So data classes, enums and unions need no conversion. Types
+that omniORBpy represents by its own classes (`any`, type codes, `fixed`, object references), and
+types that contain them, are converted. Values of `any` are passed as octets, which are the same.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ _PRIMITIVES = {
     "float": tcInternal.tv_float,
     "double": tcInternal.tv_double,
 }
-"""Types with the same representation on both sides."""
+"""Types with the same representation in both."""
 
 _SWITCHES = (
     "short",
@@ -126,9 +126,7 @@ class WireTypes:
         self._begun: dict[int, list[Any]] = {}
 
     def of(self, descriptor: Any, interface: Interface = None) -> WireType:
-        """Return the type of a descriptor; with an interface, that of a reference to its
-        objects.
-        """
+        """Return the type of a descriptor; with an interface, that of references to its objects."""
         if interface is not None:
             return self._reference(descriptor, interface)
         found = self._made.get(id(descriptor))
@@ -455,7 +453,7 @@ def _is_converted(descriptor: Descriptor, seen: set[int]) -> bool:
 def _items(
     element: Descriptor, wire: WireType
 ) -> tuple[Convert | None, Convert | None]:
-    """Conversions for the items of a sequence or an array, outgoing and incoming."""
+    """Return the conversions of the items of a sequence or array, outgoing and incoming."""
     if plain(element) == _CHAR:
         return latin_octets, latin_text
     return each(wire.outgoing), each(wire.incoming)
@@ -465,7 +463,7 @@ def _formed(
     descriptor: SequenceDescriptor | ArrayDescriptor,
     items: tuple[Convert | None, Convert | None],
 ) -> tuple[Convert | None, Convert | None]:
-    """Return the conversions, from numbers in any form and to the form of the descriptor."""
+    """Return the conversions from numbers in any form, and to the form of the descriptor."""
     if descriptor.numeric == "list":
         return items
     outgoing, incoming = items

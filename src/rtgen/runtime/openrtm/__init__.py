@@ -1,8 +1,8 @@
-"""Shared code of modules and systems generated for OpenRTM-aist-Python.
+"""Runtime of modules and systems generated for OpenRTM-aist-Python.
 
-A behaviour runs there unchanged: its life cycle, ports, configuration and services are those of
-the embedded runtime, driven by OpenRTM. OpenRTM is only imported when used; the conversions
-(`wire`) and the connection of systems need omniORBpy.
+A behaviour runs there unchanged: its life cycle, ports, configuration and services are those of the
+embedded runtime, driven by OpenRTM. OpenRTM is only imported when used; the conversions (`wire`)
+and the connection of systems require omniORBpy.
 """
 
 from __future__ import annotations

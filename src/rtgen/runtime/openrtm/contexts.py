@@ -13,11 +13,11 @@ from rtgen.runtime.rtc.component import Component
 from rtgen.runtime.rtc.execution_context import ExecutionContext
 from rtgen.runtime.timing.clocks import RealClock
 
-_LOOK_AGAIN = 0.001
+_POLL_INTERVAL = 0.001
 
 
 class PollingGuard:
-    """A guard without notifications: samples wait in OpenRTM until they are polled."""
+    """A guard without notifications: samples remain in OpenRTM until they are polled."""
 
     def __init__(self) -> None:
         self._condition = threading.Condition()
@@ -46,21 +46,21 @@ class PollingGuard:
         while not predicate():
             if end is not None and time.monotonic() >= end:
                 return False
-            self._condition.wait(_LOOK_AGAIN)
+            self._condition.wait(_POLL_INTERVAL)
         return True
 
 
 class MachineClock(RealClock):
-    """Real time, as OpenRTM's own time stamps: UTC since 1970."""
+    """Real time, as in OpenRTM's own time stamps: UTC since 1970."""
 
     def guard(self) -> PollingGuard:
         return PollingGuard()
 
 
 class HostContext(ExecutionContext):
-    """A context whose ticks OpenRTM makes; `wake` is called after each request of a behaviour.
+    """A context with OpenRTM's ticks; `wake` is called after each request of a behaviour.
 
-    `reference` gives the context of OpenRTM.
+    `reference` returns OpenRTM's context.
     """
 
     def __init__(

@@ -17,7 +17,7 @@ from rtgen.runtime.rtc.component import Component
 from rtgen.runtime.rtc.participant import Participant
 
 _PERIOD = 0.005
-_PATIENCE = 2.0
+_END_TIMEOUT = 2.0
 _STEPS = {
     (INACTIVE_STATE, ACTIVE_STATE): "activate_component",
     (INACTIVE_STATE, ERROR_STATE): "activate_component",
@@ -25,7 +25,7 @@ _STEPS = {
     (ERROR_STATE, INACTIVE_STATE): "reset_component",
     (ERROR_STATE, ACTIVE_STATE): "reset_component",
 }
-"""Requests to OpenRTM's context, by its state of the component and that of the behaviour.
+"""Requests to OpenRTM's context, by its state of the component and the behaviour's state.
 
 A behaviour in ERROR rejects activation, which leads to ERROR there as well.
 """
@@ -58,13 +58,13 @@ class Follower:
         self._thread: threading.Thread | None = None
 
     def look(self, ec_id: int) -> None:
-        """Start to work if a context needs it."""
+        """Start working if a context needs it."""
         participant = self._participants.get(ec_id)
         if participant is not None and self._has_work(ec_id, participant):
             self.wake()
 
     def wake(self) -> None:
-        """Start to work."""
+        """Start working."""
         with self._lock:
             self._again = True
             if self._thread is None and not self._ended.is_set():
@@ -81,7 +81,7 @@ class Follower:
             self._ended.set()
             thread = self._thread
         if thread is not None and thread is not threading.current_thread():
-            thread.join(_PATIENCE)
+            thread.join(_END_TIMEOUT)
 
     def _run(self) -> None:
         while not self._ended.wait(_PERIOD):
@@ -91,7 +91,7 @@ class Follower:
             for ec_id, participant in tuple(self._participants.items()):
                 try:
                     self._work(ec_id, participant)
-                except Exception as error:  # OpenRTM's, or the behaviour's own.
+                except Exception as error:  # Either OpenRTM's or the behaviour's own.
                     self._log_once(described(error))
                 work |= self._has_work(ec_id, participant)
             with self._lock:
@@ -100,7 +100,7 @@ class Follower:
                     return
 
     def _log_once(self, failure: str) -> None:
-        # Work that fails is repeated; its error is logged once.
+        # Failing work is repeated; its error is logged once.
         if failure != self._reported:
             log.warning("%s: %s", self._behaviour.instance_name, failure)
         self._reported = failure
@@ -112,16 +112,14 @@ class Follower:
                 participant.finish()
             step = self._step(ec_id, participant)
         if step is not None:
-            # Outside the behaviour's turn, because OpenRTM's callback takes it.
+            # Outside the behaviour's lock, because OpenRTM's callback acquires it.
             getattr(self._context(ec_id), step)(self._rtc.getObjRef())
 
     def _state(self, ec_id: int) -> LifeCycleState:
         return self.states.get(ec_id, INACTIVE_STATE)
 
     def _step(self, ec_id: int, participant: Participant) -> str | None:
-        """Return the request for OpenRTM's context; none while the behaviour has a request
-        itself.
-        """
+        """Return the request for OpenRTM's context; None during a request of the behaviour."""
         if participant._requests:
             return None
         return _STEPS.get((self._state(ec_id), participant.state))

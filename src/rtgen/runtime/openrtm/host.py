@@ -30,24 +30,24 @@ from rtgen.runtime.rtc.participant import Participant
 
 _T = TypeVar("_T")
 
-_PATIENCE = 0.3
+_TRANSITION_TIMEOUT = 0.3
 """Seconds that a callback waits for a transition: OpenRTM gives up after 0.5 s."""
 
 FOLDER = "rtgen.folder"
-"""Component property with the folder that relative file names are resolved against."""
+"""Component property: the folder against which relative file names are resolved."""
 
 
 class Host:
     """Runs a behaviour in an OpenRTM component.
 
     The life cycle is that of the embedded runtime (`docs/life-cycle.md`), in the order of OMG RTC
-    1.0: OpenRTM's calls of `onDeactivated` on the way to ERROR, and of `onAborting`, which has
-    already been called, are not forwarded. A long transition continues after OpenRTM has
-    completed it; state changes by the behaviour itself are requested from OpenRTM.
+    1.0: OpenRTM's calls of `onDeactivated` on the way to ERROR, and of `onAborting`, which was
+    already called, are not forwarded. A long transition continues after OpenRTM has completed it;
+    state changes by the behaviour itself are requested from OpenRTM.
     """
 
     def __init__(self, rtc: Any, factory: Callable[[str], Component]) -> None:
-        """`rtc` is the OpenRTM component; `factory` makes a behaviour from its instance name."""
+        """Initialize with OpenRTM's component; `factory` makes a behaviour for an instance name."""
         self._rtc = rtc
         self._factory = factory
         self._codes = import_module("RTC")
@@ -81,8 +81,8 @@ class Host:
     def parameter(self, name: str) -> Callable[[Any, str], tuple[bool, Any]]:
         """Return the converter of a parameter for `bindParameter`.
 
-        An invalid text leaves the old value, and is logged. The behaviour sees the new value in its
-        next callback.
+        An invalid text leaves the old value unchanged, and is logged. The behaviour gets the new
+        value in its next callback.
         """
         sets = self.behaviour.configuration_sets
 
@@ -103,7 +103,7 @@ class Host:
     ) -> None:
         """Connect an InPort of the behaviour.
 
-        `convert` makes a sample of a wire object such as `datum`.
+        `convert` makes a sample from a wire object such as `datum`.
         """
         Inflow(self.behaviour.in_ports[name], port, datum, convert)
 
@@ -117,7 +117,7 @@ class Host:
     ) -> None:
         """Connect an OutPort of the behaviour.
 
-        Its samples are sent as `datum` filled by `fill`, or by `make`.
+        Its samples are sent as `datum` filled by `fill`, or as the result of `make`.
         """
         Outflow(self.behaviour.out_ports[name], port, datum, fill, make)
 
@@ -144,8 +144,7 @@ class Host:
     def service_port(self, name: str, port: Any) -> None:
         """Log a warning for each consumer that a connection of the port leaves unconnected.
 
-        OpenRTM answers RTC_OK for such a connection, for instance if type names differ by a
-        scope.
+        OpenRTM returns RTC_OK for such a connection, for instance if type names differ by a scope.
         """
 
         def connected(profile: Any) -> None:
@@ -284,7 +283,7 @@ class Host:
 
     @contextmanager
     def _turn(self, ec_id: int) -> Iterator[Participant | None]:
-        """The behaviour's turn with its participant; no callback has failed yet.
+        """Acquire the behaviour's lock; yields its participant, without a failed callback.
 
         None for a behaviour that has ended: OpenRTM stops the context of a component later.
         """
@@ -313,7 +312,7 @@ class Host:
             return self._code(self.behaviour._last_code is not RTC_OK)
 
     def _requested(self, ec_id: int, request: Request, goal: LifeCycleState) -> Any:
-        """Return a transition made by OpenRTM; waits for a while if it takes time."""
+        """Execute a transition made by OpenRTM; waits for a while if it takes time."""
         follower = self._started_follower
         with self._turn(ec_id) as participant:
             if participant is None:
@@ -327,7 +326,7 @@ class Host:
             follower.states[ec_id] = goal
             participant.request(request)
             participant.carry_out_requests()
-            end = time.monotonic() + _PATIENCE
+            end = time.monotonic() + _TRANSITION_TIMEOUT
             while participant._requests and time.monotonic() < end:
                 time.sleep(0.001)
                 participant.carry_out_requests()
@@ -337,7 +336,7 @@ class Host:
         return code
 
     def _ended(self, ec_id: int, participant: Participant) -> Any:
-        """Return the end of a tick: RTC_OK unless the behaviour is, and remains, in ERROR."""
+        """End a tick: RTC_OK unless the behaviour is, and remains, in ERROR."""
         participant.finish()
         self._started_follower.look(ec_id)
         return self._code(
@@ -352,7 +351,7 @@ class Host:
             self.behaviour.configuration_sets.apply()
 
     def _code(self, failed: bool) -> Any:
-        """OpenRTM's return code; for a failure that of the behaviour, if it returned one."""
+        """Return OpenRTM's return code; after a failure, the behaviour's, if it returned one."""
         if not failed:
             return self._codes.RTC_OK
         code = self.behaviour._last_code

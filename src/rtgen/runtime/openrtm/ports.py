@@ -22,7 +22,7 @@ _ENDED = -1
 class Inflow:
     """Reads samples from the connections of OpenRTM's InPort into a behaviour's InPort on demand.
 
-    A sample stays in OpenRTM's buffer until the behaviour reads it, so that lengths and policies
+    A sample remains in OpenRTM's buffer until the behaviour reads it, so that lengths and policies
     of the connections apply. All connections are read, not only the first.
     """
 
@@ -52,7 +52,7 @@ class Inflow:
         """Hook of an InPort before it is fed; no effect here."""
 
     def feed(self) -> None:
-        """Read one sample, if one waits."""
+        """Read a sample, if there is one."""
         with self.buffer.guard:
             if self.buffer.samples:
                 return
@@ -80,7 +80,7 @@ class Inflow:
         """Return the next value that was pushed, or passed within the process; None without one."""
         count = len(self._known)
         for turn in range(count):
-            # Round robin, so that no buffer starves.
+            # Round robin, for fairness between buffers.
             place = (self._next + turn) % count
             if self._pulling[place]:
                 continue
@@ -113,7 +113,7 @@ class Inflow:
         return None
 
     def _read(self, connector: Any) -> tuple[int, Any]:
-        """Status and value of a connection, which may be ending in another thread."""
+        """Return status and value of a connection, which may be ending in another thread."""
         try:
             status, wire = connector.read(self._datum)
         except AttributeError:
@@ -140,7 +140,7 @@ def _is_direct(properties: Any) -> bool:
 
 
 def _reading(properties: Sequence[Any]) -> BufferSettings:
-    """Return the behaviour of a read without new samples, from the first connection."""
+    """Return the policy for reads without new samples, from the first connection."""
     if not properties:
         return BufferSettings(length=1)
     policy = _word(properties[0], "buffer.read.empty_policy")
@@ -160,9 +160,9 @@ def _reading(properties: Sequence[Any]) -> BufferSettings:
 class Outflow:
     """Sends samples of a behaviour through OpenRTM's OutPort.
 
-    A single wire object is filled in place for each sample, since OpenRTM marshals within
-    `write`. A `direct` connection passes the object itself to the receiver, so a new object is
-    made for each sample.
+    A single wire object is filled for each sample, since OpenRTM marshals within `write`. A
+    `direct` connection passes the object itself to the receiver, so a new object is made for each
+    sample.
     """
 
     def __init__(
@@ -190,7 +190,7 @@ class Outflow:
         return self.send
 
     def send(self, value: Any) -> PortStatus:
-        """Send a sample; returns the status of `OutPort.write`."""
+        """Send a sample; return the status of `OutPort.write`."""
         self._source._checked(value)
         port = self._port
         with self._lock:
@@ -224,6 +224,6 @@ class Outflow:
 
     def _to_nobody(self) -> PortStatus:
         if len(self._source.connectors) > 1:
-            return PORT_OK  # a device's OutPort goes to its bus as well
+            return PORT_OK  # a device's OutPort also sends to its bus
         self._source.unsent += 1
         return PortStatus.PRECONDITION_NOT_MET

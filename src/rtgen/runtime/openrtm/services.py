@@ -10,8 +10,7 @@ from rtgen.runtime.services.servants import ServiceError, Skeleton
 
 
 def servant_of(provider: Provider[Any]) -> Any:
-    """Return a CORBA servant that delegates to the provider's servant while its component is
-    ACTIVE.
+    """Return a CORBA servant that calls the provider's while its component is ACTIVE.
 
     Undeclared exceptions are raised as system exceptions of CORBA.
     """
@@ -28,7 +27,7 @@ def servant_of(provider: Provider[Any]) -> Any:
 
 
 class RemoteProvider:
-    """Carries a consumer's calls to the object that OpenRTM has connected.
+    """Makes a consumer's calls to the object that OpenRTM has connected.
 
     `stub` constructs a stub from a function that returns the object's reference, or None.
     """

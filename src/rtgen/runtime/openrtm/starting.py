@@ -23,12 +23,12 @@ _LEVELS = (
 def main(init: Callable[[Any], None], folder: Path, category: str, name: str) -> None:
     """Run a manager with one component of a module until it ends.
 
-    `init` creates the component, of the type `name`. The arguments are those of an OpenRTM
-    manager, and `--instance_name=NAME`. The configuration in the module's `folder` is the default
-    if arguments, environment and working folder have none. The runtime's log is printed to standard
-    error, too; what OpenRTM logs is in its own log only.
+    `init` creates the component, of the type `name`. The arguments are those of an OpenRTM manager,
+    and `--instance_name=NAME`. The configuration in the module's `folder` is used if arguments,
+    environment and working folder have none. The runtime's log is also printed to standard error;
+    OpenRTM's messages are in its own log only.
     """
-    # A handler of the root logger would print all that OpenRTM logs, too.
+    # A handler of the root logger would also print all messages of OpenRTM.
     log.addHandler(logging.StreamHandler())
     manager = import_module("OpenRTM_aist").Manager.init(
         arguments(sys.argv, folder, category, name)

@@ -1,4 +1,4 @@
-"""Steps of starting a system on OpenRTM, and why one fails."""
+"""Steps of starting a system on OpenRTM, with the reasons of failures."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ class StartError(Exception):
 
 
 class Step:
-    """The step in progress: prefixes its text to CORBA exceptions and StartErrors."""
+    """The current step: prefixes its text to CORBA exceptions and StartErrors."""
 
     def __init__(self, text: str) -> None:
         self._text = text

@@ -1,8 +1,8 @@
 """Starts and stops a system on OpenRTM-aist: find, connect, configure, activate, end components.
 
-The client side of `connect.py`: names are resolved in one naming service, everything else is
-CORBA calls by functions of OpenRTM_aist. All waits are bounded. Completed steps are kept, so that
-the script can be run again.
+The client side of `connect.py`: names are resolved in one naming service, everything else is CORBA
+calls by functions of OpenRTM_aist. All waits are bounded. Completed steps are kept, so that the
+script can be run again.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ OK, FAILED = 0, 3
 
 _STRICTNESS = "port.connection.strictness"
 _ADDRESSES = ("corbaname:", "corbaloc:", "IOR:")
-_PAUSE = 0.05
+_POLL_INTERVAL = 0.05
 _CALL_TIMEOUT = 10_000
-"""Milliseconds, the unit of OpenRTM's managers."""
+"""Time-out of calls in milliseconds, the unit of OpenRTM's managers."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,14 +45,14 @@ class Instance:
     per_cycle: Mapping[str, float] = field(default_factory=dict)
     wait: float = 0.0
     foreign: str = ""
-    """The `pathUri` of a component that others start and end; empty for one of the system's."""
+    """The `pathUri` of a component that other programs start and end; else empty."""
 
 
 @dataclass(frozen=True, slots=True)
 class Connection:
     """A connection of two ports `INSTANCE.PORT`, both data ports or both service ports.
 
-    `id` is that of the system's connector, by which OpenRTM's tools remove it; defaults to the
+    `id` is that of the system's connector, by which OpenRTM's tools remove it; it defaults to the
     name.
     """
 
@@ -162,11 +162,11 @@ class Client:
         self._components: dict[str, Any] = {}
 
     def naming(self) -> Any:
-        """Return the naming service. Raises StartError if it does not answer."""
+        """Return the naming service. Raises StartError if it does not respond."""
         try:
             naming = self._openrtm.CorbaNaming(self._orb, self._nameserver)
             naming.getRootContext()._non_existent()
-        except Exception as error:  # CorbaNaming documents none; MemoryError is one.
+        except Exception as error:  # undocumented; also MemoryError
             message = f"no naming service at {self._nameserver}: {error_text(error)}"
             raise StartError(message) from None
         return naming
@@ -185,7 +185,7 @@ class Client:
             time.sleep(instance.wait)
             yield f"{instance.name} {self._activate(instance.name)}"
         self._require_active(system)
-        # By now all writes to connectors that were cut have ended: see `_join`.
+        # By now all writes to removed connectors have ended: see `_join`.
         for connection in system.connections:
             self._connect(connection)
         yield "ready"
@@ -205,7 +205,7 @@ class Client:
                     continue
                 component.exit()
             except self._corba.SystemException as error:
-                # A component that ends may not be able to answer any more.
+                # a component that is ending may not respond any more
                 yield f"{instance.name} does not answer: {error_text(error)}"
             else:
                 yield f"{instance.name} ended"
@@ -243,7 +243,7 @@ class Client:
             last = self._last_line(name)
             raise StartError(f"the process of {name} has ended: {last}") from None
         except (OSError, ValueError):
-            return  # not started by start.sh, or not ours
+            return  # not started by start.sh, or another user's
 
     def _last_line(self, name: str) -> str:
         """Return the last line printed by a component's process; empty if unknown."""
@@ -258,7 +258,7 @@ class Client:
         )
 
     def _resolved(self, naming: Any, instance: Instance) -> Any:
-        """Return the living component of an instance, else None."""
+        """Return the running component of an instance, else None."""
         name = f"{instance.name}.rtc"
         if instance.foreign.startswith(_ADDRESSES):
             address = instance.foreign
@@ -272,12 +272,12 @@ class Client:
         return found
 
     def _living(self, find: Callable[[], Any]) -> Any:
-        """What is found if it is a component whose process answers, else None."""
+        """Return the result if it is a component whose process responds, else None."""
         try:
             found = find()
             component = None if found is None else found._narrow(self._rtc.RTObject)
             alive = component is not None and not component._non_existent()
-        except self._corba.Exception:  # not bound, or by a process that has ended
+        except self._corba.Exception:  # not bound, or bound by a process that has ended
             return None
         return component if alive else None
 
@@ -286,7 +286,7 @@ class Client:
         while not done():
             if time.monotonic() > end:
                 return False
-            time.sleep(_PAUSE)
+            time.sleep(_POLL_INTERVAL)
         return True
 
     def _context(self, component: Any) -> Any:
@@ -384,7 +384,7 @@ class Client:
         """Make the connector of two ports. Raises StartError.
 
         It is made again if it is removed at once: an OutPort of OpenRTM that fails to write to a
-        connector that is being cut removes the connector with that id a little later.
+        connector while it is removed, removes the connector with that id a little later.
         """
         properties = self._openrtm.Properties()
         for key, text in connection.properties.items():
@@ -407,7 +407,7 @@ class Client:
     ) -> list[str]:
         """Return the consumers that the connection leaves without a provider.
 
-        OpenRTM falls back on names if the provider that a property selects is missing, and answers
+        OpenRTM falls back to names if the provider that a property selects is missing, and returns
         RTC_OK for an unconnected consumer unless the connection is strict. Raises StartError for
         both, and for a property about an unknown consumer.
         """
@@ -446,7 +446,7 @@ class Client:
         return lonely
 
     def _interfaces(self, profile: Any, polarity: Any) -> Iterator[tuple[str, str]]:
-        """Key in connectors' properties, type and instance name of a port's interfaces."""
+        """Yield key in connectors' properties, type and instance name of a port's interfaces."""
         instance = self._instance(profile.name)
         port = profile.name.removeprefix(f"{instance}.")
         word = "provided" if polarity == self._rtc.PROVIDED else "required"
@@ -460,7 +460,7 @@ class Client:
         ports = self._components[instance].get_ports()
         names = [port.get_port_profile().name for port in ports]
         own = end.removeprefix(f"{instance}.")
-        # OpenRTM names a port by the part of its name after the last dot.
+        # OpenRTM's name of a port is the part after the last dot.
         for wanted in (end, own, f"{instance}.{own.rpartition('.')[2]}"):
             if wanted in names:
                 return ports[names.index(wanted)]

@@ -1,7 +1,7 @@
-"""Support for generated conversions: omniORB's classes of types, and types that are not plain data.
+"""Support of generated conversions: omniORB's classes of types, and types that are not plain data.
 
-The classes are looked up by repository id among those that the stubs have registered with omniORB,
-whatever their package.
+Classes are looked up by repository id among those that the stubs have registered with omniORB, in
+any package.
 """
 
 from __future__ import annotations
@@ -32,25 +32,25 @@ from rtgen.runtime.values import decoded, encoded
 _T = TypeVar("_T")
 
 Reference: TypeAlias = Callable[[], Any]
-"""Gives the omniORB object that a stub calls, or None where there is none (yet)."""
+"""Function that returns the omniORB object that a stub calls, or None if there is none (yet)."""
 
 
 if TYPE_CHECKING:
 
     def new(class_: type[_T]) -> _T:
-        """Return an object of omniORB's without attributes, to be filled."""
+        """Return an empty object of an omniORB class, to be filled."""
 
 else:
     new = object.__new__
 
 
 def class_of(repository_id: str) -> Any:
-    """omniORB's class of a struct, union or exception. Raises StubsMissingError."""
+    """Return omniORB's class of a struct, union or exception. Raises StubsMissingError."""
     return _described(repository_id)[1]
 
 
 def items_of(repository_id: str) -> tuple[Any, ...]:
-    """omniORB's enumerators of an enum, by number. Raises StubsMissingError."""
+    """Return omniORB's enumerators of an enum, by number. Raises StubsMissingError."""
     items: tuple[Any, ...] = _described(repository_id)[3]
     return items
 
@@ -70,7 +70,7 @@ def refill(
     fill: Callable[[Any, Any], None],
     to: Callable[[Any], Any],
 ) -> None:
-    """Make the list of wire objects that of the values, keeping those that it has."""
+    """Update the list of wire objects from the values, reusing existing objects."""
     count = len(wires)
     if count != len(values):
         del wires[len(values) :]
@@ -80,25 +80,25 @@ def refill(
 
 
 def listed(numbers: Any) -> list[Any]:
-    """Return the list of numbers in any form."""
+    """Return a list of numbers in any form."""
     tolist = getattr(numbers, "tolist", None)
     return list(numbers) if tolist is None else cast("list[Any]", tolist())
 
 
 def to_array(numbers: list[Any], code: str) -> MutableSequence[Any]:
-    """Return an array of many numbers, by their type code, a list of few."""
+    """Return an array of many numbers, by their type code; a list of few."""
     return NumericArray(code, numbers) if len(numbers) > LONGEST_LIST else [*numbers]
 
 
 def to_numpy(numbers: list[Any], code: str) -> Any:
-    """Return the numpy array of a list of numbers, or of lists."""
+    """Return a numpy array of a list of numbers, or of lists."""
     import numpy
 
     return numpy.array(numbers, code)
 
 
 def structs_of(records: Any, class_: type[_T]) -> list[_T]:
-    """Return the structs of a structured array of numpy; a list of structs is one already."""
+    """Convert a structured numpy array to structs; a list of structs is unchanged."""
     if isinstance(records, list):
         return records
     from rtgen.runtime.marshalling.structured import values_of
@@ -107,7 +107,7 @@ def structs_of(records: Any, class_: type[_T]) -> list[_T]:
 
 
 def to_records(structs: list[Any], class_: Any) -> Any:
-    """Return the structured array of structs."""
+    """Convert structs to a structured array."""
     from rtgen.runtime.marshalling.structured import records_of
 
     return records_of(structs, class_._descriptor_)
@@ -122,17 +122,17 @@ def _made_again(value: Any) -> tuple[Callable[[str], Any], tuple[str]]:
     return omniORB.fixed, (str(value),)
 
 
-# OpenRTM makes deep copies of the values that data ports are made with.
+# OpenRTM makes deep copies of the values with which data ports are constructed.
 copyreg.pickle(type(omniORB.fixed("0")), _made_again)
 
 
 def from_fixed(wire: Any) -> Decimal:
-    """Return the number that omniORB's stands for."""
+    """Return the number of omniORB's fixed-point value."""
     return Decimal(str(wire))
 
 
 class Octets:
-    """Conversion by way of CDR, for what refers to types or objects: `any`, values, references.
+    """Conversion via CDR, of values that contain types or objects: `any`, values, references.
 
     `code` is a type code of omniORB, or the repository id of a type in the stubs.
     """
@@ -155,7 +155,7 @@ class Octets:
 
 
 class ExceptionOctets(Octets):
-    """The octets of an exception, preceded by its repository id as in a reply."""
+    """Encoding of an exception, preceded by its repository id as in a reply."""
 
     _ID = StringDescriptor()
 
@@ -182,14 +182,14 @@ VALUE = Octets(PrimitiveDescriptor("ValueBase"), "IDL:omg.org/CORBA/ValueBase:1.
 
 
 NO_CONTEXT = CORBA.Context("", None)
-"""The context of calls: none is kept here."""
+"""The context of calls, which is not used."""
 
 
 class Objects:
-    """Conversion of the objects of an interface that operations take or give.
+    """Conversion of the objects of an interface in arguments and results of operations.
 
-    `servant` is the generated class that serves one of ours to omniORB, `stub` the one that calls
-    one of omniORB's. An object that was handed out once stays there until the process ends.
+    `servant` is the generated class that serves an object of rtgen to omniORB, `stub` the one that
+    calls an object of omniORB. An object that was passed once is served until the process ends.
     """
 
     def __init__(self, repository_id: str, servant: type[Any], stub: type[Any]) -> None:
@@ -201,7 +201,7 @@ class Objects:
         self._served: dict[int, tuple[Any, Any]] = {}
 
     def to(self, value: Any) -> Any:
-        """Return the omniORB reference to an object; None for none."""
+        """Return the omniORB reference to an object; nil for None."""
         if value is None:
             return None
         if isinstance(value, self._stub):
@@ -211,12 +211,12 @@ class Objects:
         return self._served[id(value)][1]
 
     def of(self, wire: Any) -> Any:
-        """Return a stub for an omniORB reference; None for none."""
+        """Return a stub for an omniORB reference; None for nil."""
         return None if wire is None else self._stub(lambda: wire)
 
 
 def called(reference: Reference) -> Any:
-    """Return the object to call. Raises ObjectNotExist where there is none."""
+    """Return the object to call. Raises ObjectNotExist if there is none."""
     found = reference()
     if found is None:
         raise ObjectNotExist("no provider is connected")
@@ -233,7 +233,8 @@ def raised(
 ) -> Exception:
     """Return the exception that a call through a stub raises for one of omniORB.
 
-    `declared` are the exceptions of the operation. What is none of CORBA's is raised as it is.
+    `declared` are the exceptions of the operation. An exception that is not CORBA's is returned
+    unchanged.
     """
     convert = declared.get(type(error))
     if convert is not None:

@@ -1,1 +1,1 @@
-"""Data ports as topics of ROS 2, over DDS (as rmw_cyclonedds) or Zenoh (as rmw_zenoh)."""
+"""Data ports as ROS 2 topics, over DDS (as rmw_cyclonedds) or Zenoh (as rmw_zenoh)."""

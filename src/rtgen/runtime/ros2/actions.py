@@ -1,6 +1,6 @@
-"""A service port as an action of ROS 2: three services and two topics below `NAME/_action/`.
+"""A service port as a ROS 2 action: three services and two topics below `NAME/_action/`.
 
-The port has the two interfaces that an `.action` file declares. A server provides `Go` and uses
+The port has the two interfaces declared by an `.action` file. A server provides `Go` and uses
 `Go_Events`, a client uses `Go` and may provide `Go_Events`.
 """
 
@@ -38,9 +38,10 @@ _PROFILES: Final = {
 def joints_of(
     component: Component, port: str, action: str, event_info: type[Any], node: str = ""
 ) -> Iterator[ServiceJoint | EventJoint]:
-    """What a service port needs to be an action of a fully qualified name.
+    """Yield the services and topics that make a service port an action.
 
-    `event_info` and `node` are as in `RosService`. Raises ServiceError if it cannot be one.
+    The action's name is fully qualified. `event_info` and `node` are as in `RosService`. Raises
+    ServiceError if it cannot be one.
     """
     goals, events = _ends(component, port)
     for operation in ACTION_SERVICES:
@@ -56,7 +57,7 @@ def joints_of(
 
 
 def _ends(component: Component, name: str) -> tuple[_Port, _Port | None]:
-    """Return the ends of the services and of the topics, which a client may lack."""
+    """Return the ends of the services and of the topics; a client may have none for topics."""
     whole = f"{component.instance_name}.{name}"
     every: list[_Port] = [
         *component.providers.values(),

@@ -1,7 +1,7 @@
 """Conversions between data of RT-Middleware and messages of ROS 2, for generated adapters.
 
-Each fills its second argument from the first. Units are SI on both sides: m, rad, s. What the
-other side does not have keeps its value: frames, covariances, ids.
+Each fills its second argument from the first. Units are SI on both sides: m, rad, s. Members
+without a counterpart keep their values: frames, covariances, ids.
 """
 
 from __future__ import annotations
@@ -10,28 +10,28 @@ import math
 from typing import Any, Final
 
 _LAST_SECOND: Final = (1 << 31) - 1
-"""builtin_interfaces/msg/Time counts seconds with a sign."""
+"""Maximum of builtin_interfaces/msg/Time, which counts signed 32-bit seconds."""
 
 
 def time_to_stamp(tm: Any, stamp: Any) -> None:
-    """`RTC::Time` to builtin_interfaces/msg/Time; times after 2038 are cut."""
+    """Convert `RTC::Time` to builtin_interfaces/msg/Time; times after 2038 are clipped."""
     stamp.sec, stamp.nanosec = min(tm.sec, _LAST_SECOND), tm.nsec
 
 
 def time_of_stamp(stamp: Any, tm: Any) -> None:
-    """The other way; times before 1970 are 0."""
+    """Convert builtin_interfaces/msg/Time to `RTC::Time`; times before 1970 become 0."""
     tm.sec, tm.nsec = (stamp.sec, stamp.nanosec) if stamp.sec >= 0 else (0, 0)
 
 
 def heading_of(q: Any) -> float:
-    """Return the rotation about z of a quaternion, in (-pi, pi] rad; 0 for no rotation at all."""
+    """Return the rotation about z of a quaternion, in (-pi, pi] rad; 0 for the zero quaternion."""
     return math.atan2(
         2.0 * (q.w * q.z + q.x * q.y), q.w * q.w + q.x * q.x - q.y * q.y - q.z * q.z
     )
 
 
 def _pose_to(data: Any, pose: Any) -> None:
-    """A Pose2D to geometry_msgs/msg/Pose."""
+    """Convert a Pose2D to geometry_msgs/msg/Pose."""
     pose.position.x, pose.position.y = data.position.x, data.position.y
     pose.position.z = 0.0
     orientation = pose.orientation
@@ -57,53 +57,53 @@ def _velocity_of(twist: Any, data: Any) -> None:
 
 
 def pose_to_pose_stamped(sample: Any, made: Any) -> None:
-    """TimedPose2D to geometry_msgs/msg/PoseStamped."""
+    """Convert TimedPose2D to geometry_msgs/msg/PoseStamped."""
     time_to_stamp(sample.tm, made.header.stamp)
     _pose_to(sample.data, made.pose)
 
 
 def pose_of_pose_stamped(sample: Any, made: Any) -> None:
-    """geometry_msgs/msg/PoseStamped to TimedPose2D: the part in the plane."""
+    """Convert geometry_msgs/msg/PoseStamped to TimedPose2D: the part in the plane."""
     time_of_stamp(sample.header.stamp, made.tm)
     _pose_of(sample.pose, made.data)
 
 
 def pose_to_odometry(sample: Any, made: Any) -> None:
-    """TimedPose2D to nav_msgs/msg/Odometry; the velocity stays 0."""
+    """Convert TimedPose2D to nav_msgs/msg/Odometry; the velocity stays 0."""
     time_to_stamp(sample.tm, made.header.stamp)
     _pose_to(sample.data, made.pose.pose)
 
 
 def pose_of_odometry(sample: Any, made: Any) -> None:
-    """nav_msgs/msg/Odometry to TimedPose2D."""
+    """Convert nav_msgs/msg/Odometry to TimedPose2D."""
     time_of_stamp(sample.header.stamp, made.tm)
     _pose_of(sample.pose.pose, made.data)
 
 
 def velocity_to_twist(sample: Any, made: Any) -> None:
-    """TimedVelocity2D to geometry_msgs/msg/Twist."""
+    """Convert TimedVelocity2D to geometry_msgs/msg/Twist."""
     _velocity_to(sample.data, made)
 
 
 def velocity_of_twist(sample: Any, made: Any) -> None:
-    """geometry_msgs/msg/Twist to TimedVelocity2D, whose time the adapter sets."""
+    """Convert geometry_msgs/msg/Twist to TimedVelocity2D, whose time the adapter sets."""
     _velocity_of(sample, made.data)
 
 
 def velocity_to_twist_stamped(sample: Any, made: Any) -> None:
-    """TimedVelocity2D to geometry_msgs/msg/TwistStamped."""
+    """Convert TimedVelocity2D to geometry_msgs/msg/TwistStamped."""
     time_to_stamp(sample.tm, made.header.stamp)
     _velocity_to(sample.data, made.twist)
 
 
 def velocity_of_twist_stamped(sample: Any, made: Any) -> None:
-    """geometry_msgs/msg/TwistStamped to TimedVelocity2D."""
+    """Convert geometry_msgs/msg/TwistStamped to TimedVelocity2D."""
     time_of_stamp(sample.header.stamp, made.tm)
     _velocity_of(sample.twist, made.data)
 
 
 def ranges_to_scan(sample: Any, made: Any) -> None:
-    """RangeData to sensor_msgs/msg/LaserScan."""
+    """Convert RangeData to sensor_msgs/msg/LaserScan."""
     config = sample.config
     time_to_stamp(sample.tm, made.header.stamp)
     made.angle_min, made.angle_max = config.minAngle, config.maxAngle
@@ -114,7 +114,7 @@ def ranges_to_scan(sample: Any, made: Any) -> None:
 
 
 def ranges_of_scan(sample: Any, made: Any) -> None:
-    """sensor_msgs/msg/LaserScan to RangeData."""
+    """Convert sensor_msgs/msg/LaserScan to RangeData."""
     config = made.config
     time_of_stamp(sample.header.stamp, made.tm)
     config.minAngle, config.maxAngle = sample.angle_min, sample.angle_max
@@ -125,40 +125,40 @@ def ranges_of_scan(sample: Any, made: Any) -> None:
 
 
 def angles_to_joints(sample: Any, made: Any) -> None:
-    """TimedDoubleSeq of angles to sensor_msgs/msg/JointState, whose names the adapter sets."""
+    """Convert TimedDoubleSeq of angles to sensor_msgs/msg/JointState; the adapter sets names."""
     time_to_stamp(sample.tm, made.header.stamp)
     made.position = list(sample.data)
 
 
 def angles_of_joints(sample: Any, made: Any) -> None:
-    """sensor_msgs/msg/JointState to TimedDoubleSeq: the angles in the order of the message."""
+    """Convert sensor_msgs/msg/JointState to TimedDoubleSeq: the angles in message order."""
     time_of_stamp(sample.header.stamp, made.tm)
     made.data = list(sample.position)
 
 
 def data_to_real(sample: Any, made: Any) -> None:
-    """A number to a floating-point one."""
+    """Convert a number to a floating-point one."""
     made.data = float(sample.data)
 
 
 def data_to_integer(sample: Any, made: Any) -> None:
-    """A number to an integer, without its fraction. Raises ValueError, OverflowError."""
+    """Convert a number to an integer, without its fraction. Raises ValueError, OverflowError."""
     made.data = int(sample.data)
 
 
 def data_to_reals(sample: Any, made: Any) -> None:
-    """Numbers to floating-point ones; the layout of a multi-array stays empty."""
+    """Convert numbers to floating-point ones; the layout of a multi-array stays empty."""
     made.data = [float(each) for each in sample.data]
 
 
 def data_to_integers(sample: Any, made: Any) -> None:
-    """Numbers to integers, without their fractions. Raises ValueError, OverflowError."""
+    """Convert numbers to integers, without fractions. Raises ValueError, OverflowError."""
     numbers = [int(each) for each in sample.data]
     made.data = bytes(numbers) if isinstance(made.data, bytes) else numbers
 
 
 def text_to_string(sample: Any, made: Any) -> None:
-    """TimedString to std_msgs/msg/String."""
+    """Convert TimedString to std_msgs/msg/String."""
     made.data = sample.data
 
 
@@ -170,49 +170,49 @@ def _xyz(source: Any, target: Any) -> None:
 
 
 def point_to_message(sample: Any, made: Any) -> None:
-    """TimedPoint3D to geometry_msgs/msg/PointStamped."""
+    """Convert TimedPoint3D to geometry_msgs/msg/PointStamped."""
     time_to_stamp(sample.tm, made.header.stamp)
     _xyz(sample.data, made.point)
 
 
 def point_of_message(sample: Any, made: Any) -> None:
-    """geometry_msgs/msg/PointStamped to TimedPoint3D."""
+    """Convert geometry_msgs/msg/PointStamped to TimedPoint3D."""
     time_of_stamp(sample.header.stamp, made.tm)
     _xyz(sample.point, made.data)
 
 
 def vector_to_message(sample: Any, made: Any) -> None:
-    """TimedVector3D to geometry_msgs/msg/Vector3Stamped."""
+    """Convert TimedVector3D to geometry_msgs/msg/Vector3Stamped."""
     time_to_stamp(sample.tm, made.header.stamp)
     _xyz(sample.data, made.vector)
 
 
 def vector_of_message(sample: Any, made: Any) -> None:
-    """geometry_msgs/msg/Vector3Stamped to TimedVector3D."""
+    """Convert geometry_msgs/msg/Vector3Stamped to TimedVector3D."""
     time_of_stamp(sample.header.stamp, made.tm)
     _xyz(sample.vector, made.data)
 
 
 def quaternion_to_message(sample: Any, made: Any) -> None:
-    """TimedQuaternion to geometry_msgs/msg/QuaternionStamped."""
+    """Convert TimedQuaternion to geometry_msgs/msg/QuaternionStamped."""
     time_to_stamp(sample.tm, made.header.stamp)
     _xyz(sample.data, made.quaternion)
     made.quaternion.w = sample.data.w
 
 
 def quaternion_of_message(sample: Any, made: Any) -> None:
-    """geometry_msgs/msg/QuaternionStamped to TimedQuaternion."""
+    """Convert geometry_msgs/msg/QuaternionStamped to TimedQuaternion."""
     time_of_stamp(sample.header.stamp, made.tm)
     _xyz(sample.quaternion, made.data)
     made.data.w = sample.quaternion.w
 
 
 _ENCODINGS: Final = {8: "mono8", 16: "mono16", 24: "rgb8", 32: "rgba8"}
-"""Of images without a format, by bits per pixel."""
+"""Encodings of images without a format, by bits per pixel."""
 
 
 def image_to_message(sample: Any, made: Any) -> None:
-    """CameraImage to sensor_msgs/msg/Image; `format` is the encoding. Raises ValueError."""
+    """Convert CameraImage to sensor_msgs/msg/Image; `format` is the encoding. Raises ValueError."""
     time_to_stamp(sample.tm, made.header.stamp)
     made.height, made.width = sample.height, sample.width
     made.encoding = sample.format or _ENCODINGS.get(sample.bpp, "")
@@ -232,15 +232,15 @@ _BITS: Final = {
     "bgra16": 64,
 }
 """Bits per pixel of the encodings of sensor_msgs/image_encodings."""
-_LARGEST: Final = (1 << 16) - 1
+_MAX_SIDE: Final = (1 << 16) - 1
 
 
 def image_of_message(sample: Any, made: Any) -> None:
-    """sensor_msgs/msg/Image to CameraImage, whose rows have no padding.
+    """Convert sensor_msgs/msg/Image to CameraImage, whose rows have no padding.
 
     Raises ValueError for an image that is too large.
     """
-    if max(sample.width, sample.height) > _LARGEST:
+    if max(sample.width, sample.height) > _MAX_SIDE:
         raise ValueError(f"{sample.width} by {sample.height} pixels are too many")
     time_of_stamp(sample.header.stamp, made.tm)
     made.height, made.width = sample.height, sample.width
@@ -253,12 +253,12 @@ def image_of_message(sample: Any, made: Any) -> None:
 
 
 _UNKNOWN: Final = 255
-"""A cell of which nothing is known; in ROS 2 it is -1."""
+"""Value of an unknown cell; in ROS 2 it is -1."""
 _OCCUPIED: Final = 100
 
 
 def map_to_grid(sample: Any, made: Any) -> None:
-    """OccupancyGridMap to nav_msgs/msg/OccupancyGrid: the tile, at its place.
+    """Convert OccupancyGridMap to nav_msgs/msg/OccupancyGrid: the tile, at its place.
 
     Cells are 0 to 100, all others unknown. Raises ValueError for cells that are not square.
     """
@@ -280,7 +280,7 @@ def map_to_grid(sample: Any, made: Any) -> None:
 
 
 def map_of_grid(sample: Any, made: Any) -> None:
-    """nav_msgs/msg/OccupancyGrid to OccupancyGridMap: one tile. Unknown cells are 255."""
+    """Convert nav_msgs/msg/OccupancyGrid to OccupancyGridMap: one tile. Unknown cells are 255."""
     info, config, tile = sample.info, made.config, made.map
     time_of_stamp(sample.header.stamp, made.tm)
     config.xScale = config.yScale = info.resolution

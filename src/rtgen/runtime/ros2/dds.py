@@ -1,4 +1,4 @@
-"""ROS 2 over Cyclone DDS, as rmw_cyclonedds does it: names, USER_DATA, `ros_discovery_info`."""
+"""ROS 2 over Cyclone DDS, as in rmw_cyclonedds: names, USER_DATA, `ros_discovery_info`."""
 
 from __future__ import annotations
 
@@ -48,18 +48,18 @@ from rtgen.runtime.ros2.network import (
 from rtgen.runtime.ros2.types import ros_name
 
 _FOREVER = (1 << 63) - 1
-_ROOM = 0.5
-"""Seconds that a message waits for readers that lag behind."""
+_WRITE_TIMEOUT = 0.5
+"""Seconds that a message waits for slow readers."""
 _ID_SIZE = 16
-_NOBODY: Mapping[str, str] = {}
+_NO_USER_DATA: Mapping[str, str] = {}
 SERVICE = PROFILES["services_default"]
 _HEAD = b"\x00\x01\x00\x00"
 _OnSample: TypeAlias = Callable[[bytes, Any, int], None]
-"""Takes a sample, its reader, and the handle of its writer."""
+"""Function called with a sample, its reader, and the handle of its writer."""
 
 
 class _Topic(NamedTuple):
-    """A topic of DDS; `is_call`: its messages have the header of requests."""
+    """A DDS topic; `is_call`: its messages have the header of requests."""
 
     name: str
     type_name: str
@@ -90,7 +90,7 @@ def _as_ros2(what: str) -> Iterator[None]:
 
 
 class DdsNetwork:
-    """See `RosNetwork`. `interface` by name or address, loopback by default.
+    """See `RosNetwork`. `interface` is a name or address, loopback by default.
 
     Raises Ros2Error.
     """
@@ -132,7 +132,7 @@ class DdsNetwork:
 
         def publish(octets: bytes) -> None:
             with _as_ros2(topic.name):
-                entities.write(writer, octets, _ROOM)
+                entities.write(writer, octets, _WRITE_TIMEOUT)
 
         return publish
 
@@ -150,7 +150,7 @@ class DdsNetwork:
         with _as_ros2(service.name):
             writer = self._made_writer(replies, SERVICE, identity)
             server = Server(
-                service.name, partial(entities.write, writer, patience=_ROOM)
+                service.name, partial(entities.write, writer, patience=_WRITE_TIMEOUT)
             )
 
             def take(octets: bytes, reader: Any, handle: int) -> None:
@@ -168,7 +168,7 @@ class DdsNetwork:
             readers: list[Any] = []
             client = Client(
                 service.name,
-                partial(entities.write, writer, patience=_ROOM),
+                partial(entities.write, writer, patience=_WRITE_TIMEOUT),
                 lambda: _is_served(writer, readers[0]),
             )
 
@@ -205,9 +205,9 @@ class DdsNetwork:
         topic: _Topic,
         profile: Profile,
         on_sample: _OnSample,
-        identity: Mapping[str, str] = _NOBODY,
+        identity: Mapping[str, str] = _NO_USER_DATA,
     ) -> Any:
-        """Return a reader, whose messages are handed on. Raises MediumError."""
+        """Return a reader, whose messages are dispatched. Raises MediumError."""
         with entities.reported(topic.name):
             qos = _qos(profile, topic.type_hash, identity)
             reader: Any = DataReader(self._subscriber, self._topic(topic), qos)
@@ -235,7 +235,10 @@ class DdsNetwork:
         return Topic(self._participant, topic.name, made)
 
     def _made_writer(
-        self, topic: _Topic, profile: Profile, identity: Mapping[str, str] = _NOBODY
+        self,
+        topic: _Topic,
+        profile: Profile,
+        identity: Mapping[str, str] = _NO_USER_DATA,
     ) -> Any:
         """Return a writer, announced. Raises MediumError."""
         writer = self._writer(topic, profile, identity)
@@ -245,7 +248,10 @@ class DdsNetwork:
         return writer
 
     def _writer(
-        self, topic: _Topic, profile: Profile, identity: Mapping[str, str] = _NOBODY
+        self,
+        topic: _Topic,
+        profile: Profile,
+        identity: Mapping[str, str] = _NO_USER_DATA,
     ) -> DataWriter[Any]:
         with entities.reported(topic.name):
             qos = _qos(profile, topic.type_hash, identity, writes=True)
@@ -256,7 +262,7 @@ class DdsNetwork:
         return writer
 
     def _announce(self) -> None:
-        """Tell other nodes which readers and writers those of this process have."""
+        """Announce the readers and writers of this process to other nodes."""
         nodes = [
             NodeEntitiesInfo(
                 node_namespace=self._node.namespace,
@@ -278,9 +284,7 @@ def _octets(on_message: OnMessage) -> _OnSample:
 
 
 def _reads(reader: Any, handle: int, writer: Any) -> bool:
-    """Return whether the client of a request reads replies; one without an identity, if anyone
-    does.
-    """
+    """Return whether the client of a request, or any if it is unknown, reads replies."""
     with entities.reported("the client of a request"):
         known = writer.get_matched_subscriptions()
         client = _client(reader.get_matched_publication_data(handle))

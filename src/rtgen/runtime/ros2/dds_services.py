@@ -1,7 +1,7 @@
-"""Requests and responses over DDS as rmw_cyclonedds has them: a header in front of each message.
+"""Requests and responses over DDS, compatible with rmw_cyclonedds: a header before each message.
 
-The header is the number of the client and that of the request, each 8 octets in the byte order of
-the message. A server gives it back.
+The header has the number of the client and that of the request, each 8 octets in the byte order of
+the message. A server returns it unchanged.
 """
 
 from __future__ import annotations
@@ -25,18 +25,18 @@ from rtgen.runtime.services.servants import (
 
 _CDR = 4
 _LITTLE, _BIG = struct.Struct("<Qq"), struct.Struct(">Qq")
-_PAUSE = 0.005
-_LOOK = 0.5
-"""Seconds after which a call that waits looks whether its server is still there."""
-_PATIENCE = 2.0
-"""Seconds that a server waits for the reader of a client that it does not know yet."""
+_POLL_INTERVAL = 0.005
+_CHECK_INTERVAL = 0.5
+"""Seconds after which a waiting call checks whether its server still exists."""
+_READER_TIMEOUT = 2.0
+"""Seconds that a server waits for the reader of an unknown client."""
 
 Write = Callable[[bytes], None]
 Matched = Callable[[], bool]
 
 
 def split(octets: bytes) -> tuple[RequestId, bytes]:
-    """Header and message, with its encapsulation header. Raises ValueError."""
+    """Split octets into header and message with encapsulation header. Raises ValueError."""
     form = _LITTLE if octets[1:2] == b"\x01" else _BIG
     if len(octets) < _CDR + form.size:
         raise ValueError(f"{len(octets)} octets are not a request")
@@ -57,7 +57,7 @@ class Server:
         self._write = write
 
     def take(self, octets: bytes, reads: Matched, on_request: Any) -> None:
-        """Hand on a request with what replies to it; `reads`: its client reads replies."""
+        """Dispatch a request with a function for replies; `reads`: its client reads replies."""
         try:
             request, message = split(octets)
         except ValueError as error:
@@ -66,9 +66,9 @@ class Server:
         on_request(message, lambda response: self._reply(request, reads, response))
 
     def _reply(self, request: RequestId, reads: Matched, response: bytes) -> None:
-        deadline = time.monotonic() + _PATIENCE
+        deadline = time.monotonic() + _READER_TIMEOUT
         while not reads() and time.monotonic() < deadline:
-            time.sleep(_PAUSE)
+            time.sleep(_POLL_INTERVAL)
         self._write(joined(request, response))
 
 
@@ -91,7 +91,7 @@ class Client:
         while not self._matched():
             if time.monotonic() > deadline or self._closed:
                 raise ObjectNotExist(f"nobody serves {self._name}")
-            time.sleep(_PAUSE)
+            time.sleep(_POLL_INTERVAL)
         number = next(self._numbers)
         with self._changed:
             self._waiting[number] = None
@@ -107,7 +107,7 @@ class Client:
                         raise CallTimeout(f"no response of {self._name}")
                     if not self._matched():
                         raise CommunicationFailure(f"{self._name} is served no more")
-                    self._changed.wait(min(left, _LOOK))
+                    self._changed.wait(min(left, _CHECK_INTERVAL))
                 response = self._waiting[number]
         finally:
             with self._changed:
@@ -117,7 +117,7 @@ class Client:
         return response
 
     def take(self, octets: bytes) -> None:
-        """Take a response, which may be that of another client."""
+        """Process a response, which may be that of another client."""
         try:
             request, message = split(octets)
         except ValueError as error:
@@ -129,7 +129,7 @@ class Client:
                 self._changed.notify_all()
 
     def close(self) -> None:
-        """Calls under way raise CommunicationFailure."""
+        """Close the client; calls in progress raise CommunicationFailure."""
         with self._changed:
             self._closed = True
             self._changed.notify_all()

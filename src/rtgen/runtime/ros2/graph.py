@@ -1,4 +1,4 @@
-"""The messages of rmw_dds_common by which nodes on DDS know each other (`ros_discovery_info`)."""
+"""Messages of rmw_dds_common by which nodes on DDS know each other (`ros_discovery_info`)."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from rtgen.runtime.cdr import Aggregated, field
 
 
 class Gid(Aggregated):
-    """Identifies an entity of the middleware."""
+    """Identifier of a middleware entity."""
 
     _descriptor_: ClassVar = idl.struct(
         "rmw_dds_common::msg::Gid", data=idl.array(idl.UINT8, 16)
@@ -19,7 +19,7 @@ class Gid(Aggregated):
 
 
 class NodeEntitiesInfo(Aggregated):
-    """A node with the readers and writers that belong to it."""
+    """A node with its readers and writers."""
 
     _descriptor_: ClassVar = idl.struct(
         "rmw_dds_common::msg::NodeEntitiesInfo",

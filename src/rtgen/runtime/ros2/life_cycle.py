@@ -1,7 +1,7 @@
 """The life cycle of a component as that of a managed node (lifecycle_msgs, rclcpp_lifecycle).
 
-Components are configured before they are shown, and end with their run: what a managed node does
-on `configure`, `cleanup` and `shutdown` is not there to be asked for.
+Components are configured before they are visible, and end with their run, so the requests
+`configure`, `cleanup` and `shutdown` of managed nodes do not exist.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ from rtgen.runtime.system.records import StateRecord
 from rtgen.runtime.system.system import System
 
 Members: TypeAlias = dict[str, Any]
-"""Members of a message by name; the others are zeros."""
+"""Members of a message by name; others are zero."""
 
 
 class Transition(NamedTuple):
-    """A transition of lifecycle_msgs; `request` is the request of a system, empty without one."""
+    """A transition of lifecycle_msgs; `request` is a system's request, empty without one."""
 
     id: int
     label: str
@@ -64,11 +64,11 @@ SERVICES: Final = {
     "get_available_transitions": "GetAvailableTransitions",
     "get_transition_graph": "GetAvailableTransitions",
 }
-"""Types of lifecycle_msgs/srv by the names of services, which are methods of `LifeCycle`."""
+"""Types of lifecycle_msgs/srv by names of services, which are methods of `LifeCycle`."""
 
 
 class LifeCycle:
-    """Answers the life-cycle services of one component; `patience` [s] is that for a transition."""
+    """Implements a component's life-cycle services; `patience` [s] limits a transition."""
 
     def __init__(self, system: System, instance: str, patience: float) -> None:
         self._system = system
@@ -78,11 +78,11 @@ class LifeCycle:
         self._closed = False
 
     def get_state(self, request: Any) -> Members:
-        """Return the present state."""
+        """Return the current state."""
         return {"current_state": _state(self._state)}
 
     def change_state(self, request: Any) -> Members:
-        """Request a transition, and wait for it; without success if it cannot be made."""
+        """Request a transition, and wait for it; unsuccessful if it is impossible."""
         return {"success": self._change(request.transition)}
 
     def get_available_states(self, request: Any) -> Members:
@@ -96,11 +96,11 @@ class LifeCycle:
         return {"available_transitions": [_described(each) for each in found]}
 
     def get_transition_graph(self, request: Any) -> Members:
-        """Return all changes of state."""
+        """Return all transitions."""
         return {"available_transitions": [_described(each) for each in TRANSITIONS]}
 
     def changed(self, record: StateRecord) -> Members | None:
-        """Note a change of state; the members of its TransitionEvent."""
+        """Record a change of state; return the members of its TransitionEvent."""
         for change in list(self._changes):
             if not change.done():
                 change.set_result(record.after)
@@ -110,7 +110,7 @@ class LifeCycle:
         return {"timestamp": time.time_ns(), **_described(transition)}
 
     def close(self) -> None:
-        """Requests that wait are without success."""
+        """End waiting requests without success."""
         self._closed = True
         for change in list(self._changes):
             if not change.done():
@@ -123,7 +123,7 @@ class LifeCycle:
     def _change(self, wanted: Any) -> bool:
         state = self._state
         for transition in TRANSITIONS:
-            # As in rclcpp, a label goes before the id.
+            # As in rclcpp, a label takes precedence over the id.
             is_meant = (
                 transition.label == wanted.label
                 if wanted.label

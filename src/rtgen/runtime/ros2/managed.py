@@ -1,7 +1,7 @@
 """Components as managed nodes with parameters: services and topics that tools of ROS 2 expect.
 
-Each component is a node of its instance name, with `~/get_state` and its like,
-`~/transition_event`, `~/list_parameters` and its like, and `/parameter_events`.
+Each component is a node with its instance name, with `~/get_state` and others,
+`~/transition_event`, `~/list_parameters` and others, and `/parameter_events`.
 """
 
 from __future__ import annotations
@@ -50,14 +50,14 @@ INTERFACES: Final = tuple(
         (EVENT_INFO, _TRANSITION_EVENT, _PARAMETER_EVENT, *_SERVICES.values())
     )
 )
-"""The interfaces whose classes `ManagedNodes` needs."""
+"""The interfaces whose classes `ManagedNodes` requires."""
 _HEAD: Final = b"\x00\x01\x00\x00"
-_PATIENCE: Final = 10.0
-"""Seconds that a request of a transition waits for it."""
+_TRANSITION_TIMEOUT: Final = 10.0
+"""Time-out of a requested transition in seconds."""
 
 
 class ManagedNodes:
-    """Shows components of a system as managed nodes, until `close`; the network stays open."""
+    """Makes components of a system managed nodes, until `close`; the network stays open."""
 
     def __init__(
         self,
@@ -66,9 +66,9 @@ class ManagedNodes:
         nodes: Mapping[str, str],
         classes: Mapping[str, type[Any]],
         namespace: str = "/",
-        patience: float = _PATIENCE,
+        patience: float = _TRANSITION_TIMEOUT,
     ) -> None:
-        """`nodes` are their names by instance, `classes` those of the messages of `INTERFACES`.
+        """Initialize with the names of nodes by instance, and the classes of `INTERFACES`.
 
         Raises Ros2Error.
         """
@@ -88,7 +88,7 @@ class ManagedNodes:
         system.clock.traffic.watch(self._on_event)
 
     def close(self) -> None:
-        """Answer no more."""
+        """Stop responding."""
         self._closed = True
         for node in self._nodes.values():
             node.life_cycle.close()
@@ -107,7 +107,7 @@ class ManagedNodes:
 
 
 class _ManagedNode:
-    """A component with the two sides that it shows."""
+    """A component as a node with both groups of services."""
 
     def __init__(self, name: str, cycle: LifeCycle, values: Parameters) -> None:
         self.life_cycle = cycle
@@ -120,7 +120,7 @@ class _ManagedNode:
     def join(
         self, network: RosNetwork, classes: Mapping[str, type[Any]], workers: Workers
     ) -> None:
-        """Serve and announce. Raises Ros2Error."""
+        """Serve and publish. Raises Ros2Error."""
         node = self._name.rpartition("/")[2]
         for name, type_ in _SERVICES.items():
             request, response = (

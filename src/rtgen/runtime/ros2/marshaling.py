@@ -1,4 +1,4 @@
-"""Ports whose data go as a message of another type: `marshaling_type=ros2:PACKAGE/TYPE`."""
+"""Ports whose data are sent as a message of another type: `marshaling_type=ros2:PACKAGE/TYPE`."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Convert: TypeAlias = Callable[[Any, Any], None]
 
 @dataclass(frozen=True, slots=True)
 class Marshaling:
-    """The conversion between data of a port and a message.
+    """Conversion between a port's data and a message.
 
     `stamp` sets the time of data whose message has none.
     """
@@ -28,7 +28,7 @@ class Marshaling:
     stamp: Callable[[Any], None] | None
 
     def to_message(self, value: Any) -> Any:
-        """Return the message of a sample. Raises ValueError for a value that it cannot have."""
+        """Convert a sample to a message. Raises ValueError for a value without counterpart."""
         made = blank(self.message._descriptor_)
         try:
             self.write(value, made)
@@ -37,9 +37,7 @@ class Marshaling:
         return made
 
     def of_message(self, message: Any) -> Any:
-        """Return the sample of a message. Raises ValueError, CdrError for a value that it cannot
-        have.
-        """
+        """Convert a message to a sample. Raises ValueError, CdrError for an impossible value."""
         made = self.data()
         try:
             self.read(message, made)
@@ -47,7 +45,7 @@ class Marshaling:
             raise ValueError(str(error)) from error
         if self.stamp is not None:
             self.stamp(made)
-        made.to_cdr(True)  # Raises CdrError for values out of range.
+        made.to_cdr(True)  # raises CdrError for values out of range
         return made
 
 

@@ -1,4 +1,4 @@
-"""The contract of the networks that ROS 2 uses, and what names a topic on them."""
+"""Interface of the networks of ROS 2, and the names of topics and services on them."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class RosTopic:
 
     @cached_property
     def type_name(self) -> str:
-        """`std_msgs/msg/Float32`. Raises Ros2Error if the class is that of no message."""
+        """The type's name, `std_msgs/msg/Float32`. Raises Ros2Error for other classes."""
         found = ros_name(self.type)
         if found is None:
             own = self.type._descriptor_.name
@@ -38,7 +38,7 @@ class RosTopic:
 
     @cached_property
     def type_hash(self) -> str:
-        """`RIHS01_...`."""
+        """The type's hash, `RIHS01_...`."""
         return type_hash(self.type)
 
 
@@ -46,8 +46,8 @@ class RosTopic:
 class RosService:
     """A service: its fully qualified name, and the generated classes of its two messages.
 
-    `event_info` is the class of service_msgs/msg/ServiceEventInfo, of which its hash is made.
-    `node` is the node that shows it, in the network's namespace; by default the network's own.
+    `event_info` is the class of service_msgs/msg/ServiceEventInfo, for its hash. `node` is the node
+    that shows it, in the network's namespace; by default the network's own.
     """
 
     name: str
@@ -58,17 +58,17 @@ class RosService:
 
     @cached_property
     def type_name(self) -> str:
-        """`std_srvs/srv/SetBool`."""
+        """The type's name, `std_srvs/srv/SetBool`."""
         return str(ros_name(self.request)).removesuffix("_Request")
 
     @cached_property
     def type_hash(self) -> str:
-        """`RIHS01_...` of the service itself."""
+        """The hash `RIHS01_...` of the service itself."""
         return service_hash(self.request, self.response, self.event_info)
 
     @cached_property
     def hashes(self) -> tuple[str, str]:
-        """Those of request and response."""
+        """The hashes of request and response."""
         return type_hash(self.request), type_hash(self.response)
 
 
@@ -89,14 +89,17 @@ class RosNode:
 
 
 OnMessage: TypeAlias = Callable[[bytes], None]
-"""Takes a serialized message with its encapsulation header, in a thread of the network."""
+"""Function called with a serialized message and its encapsulation header, in a network thread."""
 Reply: TypeAlias = Callable[[bytes], None]
-"""Sends a serialized response with its encapsulation header; from any thread, once."""
+"""Function that sends a serialized response with encapsulation header; from any thread, once."""
 OnRequest: TypeAlias = Callable[[bytes, Reply], None]
 Call: TypeAlias = Callable[[bytes, float], bytes]
-"""Sends a request and waits for its response, at most so many seconds. Raises ServiceError."""
+"""Function that sends a request and waits for its response. Raises ServiceError.
+
+The second argument is the time-out in seconds.
+"""
 Publish: TypeAlias = Callable[[bytes], None]
-"""Sends a serialized message with its encapsulation header; from one thread at a time."""
+"""Function that sends a serialized message with encapsulation header; from one thread at a time."""
 
 
 class RosNetwork(Protocol):
@@ -117,4 +120,4 @@ class RosNetwork(Protocol):
         """Return a client of a service."""
 
     def close(self) -> None:
-        """End everything of the nodes."""
+        """Close the network with all nodes."""

@@ -1,6 +1,6 @@
 """The configuration of a component as parameters of a node (rcl_interfaces).
 
-Parameters have the values of the active configuration set, and are set in that one;
+Parameters have the values of the active configuration set, and are set in it;
 `configuration.active_config` is its id.
 """
 
@@ -27,7 +27,7 @@ SERVICES: Final = {
     "set_parameters": "SetParameters",
     "set_parameters_atomically": "SetParametersAtomically",
 }
-"""Types of rcl_interfaces/srv by the names of services, which are methods of `Parameters`."""
+"""Types of rcl_interfaces/srv by names of services, which are methods of `Parameters`."""
 
 
 class Kind(IntEnum):
@@ -46,18 +46,18 @@ class Kind(IntEnum):
 
 
 _ARRAY: Final = Kind.BOOL_ARRAY - Kind.BOOL
-_TAKEN: Final = {
+_ALSO_ACCEPTED: Final = {
     Kind.DOUBLE: (Kind.INTEGER,),
     Kind.DOUBLE_ARRAY: (Kind.INTEGER_ARRAY,),
     Kind.BYTE_ARRAY: (Kind.INTEGER_ARRAY,),
 }
-"""Kinds that a value may have beside that of its parameter: tools write `2` for 2.0."""
+"""Kinds of values accepted for another kind of parameter: tools write `2` for 2.0."""
 _LEAST, _GREATEST = INTEGER_RANGES["long long"]
 _INFINITE: Final = float("inf")
 
 
-_MOST: Final = 10_000
-"""Names, prefixes or parameters of a request."""
+_MAX_NAMES: Final = 10_000
+"""Maximum number of names, prefixes or parameters in a request."""
 
 T = TypeVar("T")
 
@@ -67,14 +67,14 @@ class _RefusedError(Exception):
 
 
 class Parameters:
-    """Answers the parameter services of one component."""
+    """Implements the parameter services of one component."""
 
     def __init__(self, sets: ConfigurationSets) -> None:
         self._sets = sets
         self._profiles = {profile.name: profile for profile in sets.parameters}
 
     def list_parameters(self, request: Any) -> Members:
-        """Return the names at or below the prefixes, at most `depth` words deep; 0 is any depth."""
+        """Return the names at or below the prefixes, at most `depth` words deep; 0: any depth."""
         _bounded(request.prefixes)
         names = [n for n in (*self._profiles, ACTIVE_SET) if _is_listed(n, request)]
         above = (name.rpartition(".")[0] for name in names)
@@ -82,16 +82,16 @@ class Parameters:
         return {"result": {"names": names, "prefixes": prefixes}}
 
     def get_parameters(self, request: Any) -> Members:
-        """Return the values; of unknown names NOT_SET."""
+        """Return the values; NOT_SET for unknown names."""
         return {"values": [self.value(name) for name in _bounded(request.names)]}
 
     def get_parameter_types(self, request: Any) -> Members:
-        """Return the types; of unknown names NOT_SET."""
+        """Return the types; NOT_SET for unknown names."""
         names = _bounded(request.names)
         return {"types": bytes(self.value(name)["type"] for name in names)}
 
     def describe_parameters(self, request: Any) -> Members:
-        """Return the descriptors; of unknown names those of a parameter that is not set."""
+        """Return the descriptors; for unknown names those of a parameter that is not set."""
         return {"descriptors": [self._descriptor(n) for n in _bounded(request.names)]}
 
     def set_parameters(self, request: Any) -> Members:
@@ -133,7 +133,7 @@ class Parameters:
             texts = dict(self._texts(parameters))
             target = texts.pop(ACTIVE_SET, None)
             if target is not None:
-                self._sets.texts(target)  # Raises UnknownConfigurationSetError.
+                self._sets.texts(target)  # raises UnknownConfigurationSetError
             self._sets.set_all(texts, self._sets.active if target is None else target)
             if target is not None:
                 self._sets.activate(target)
@@ -148,7 +148,9 @@ class Parameters:
             if expected == Kind.NOT_SET:
                 known = ", ".join((*self._profiles, ACTIVE_SET))
                 raise _RefusedError(f"there is no parameter {name!r}; known: {known}")
-            if value.type != expected and value.type not in _TAKEN.get(expected, ()):
+            if value.type != expected and value.type not in _ALSO_ACCEPTED.get(
+                expected, ()
+            ):
                 given = _name(value.type)
                 raise _RefusedError(
                     f"parameter {name!r} is of type {_name(expected)}, not {given}"
@@ -162,8 +164,8 @@ class Parameters:
 
 def _bounded(items: Sequence[T]) -> Sequence[T]:
     """Return the items of a request. Raises ServiceError for too many."""
-    if len(items) > _MOST:
-        raise ServiceError(f"{len(items)} items; a request may have {_MOST}")
+    if len(items) > _MAX_NAMES:
+        raise ServiceError(f"{len(items)} items; a request may have {_MAX_NAMES}")
     return items
 
 
@@ -188,7 +190,7 @@ def _name(kind: int) -> str:
 
 
 def _member(kind: Kind) -> str:
-    """Return the member of rcl_interfaces/msg/ParameterValue that holds values of a kind."""
+    """Return the member of rcl_interfaces/msg/ParameterValue for values of a kind."""
     return f"{kind.name.lower()}_value"
 
 
@@ -223,7 +225,7 @@ def _scalar(type_: str) -> Kind:
 
 
 def _plain(kind: Kind, value: Any) -> Any:
-    """Return a value as a ParameterValue has it."""
+    """Return a value in the form of a ParameterValue."""
     if isinstance(value, list):
         return [_plain(Kind(kind - _ARRAY), each) for each in value]
     if isinstance(value, IntEnum):

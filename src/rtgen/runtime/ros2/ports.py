@@ -1,4 +1,4 @@
-"""Data ports as topics: what an OutPort writes is published, what comes is given to an InPort."""
+"""Data ports as topics: samples of OutPorts are published, messages are written to InPorts."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from rtgen.runtime.ros2.network import Ros2Error, RosNetwork, RosTopic
 from rtgen.runtime.ros2.types import decoded
 
 _HEAD = b"\x00\x01\x00\x00"
-"""The encapsulation header of classic CDR, little endian, as ROS 2 writes it."""
+"""Encapsulation header of classic CDR, little endian, as written by ROS 2."""
 
 
 @dataclass(frozen=True, slots=True)
 class Joint:
-    """A port of the system with the topic that it is, by its fully qualified name.
+    """A port of the system with its topic, by its fully qualified name.
 
-    `marshaling` is for data that go as another message, `node` as in `RosTopic`.
+    `marshaling` is for data sent as another message, `node` as in `RosTopic`.
     """
 
     port: InPort[Any] | OutPort[Any]
@@ -34,7 +34,7 @@ class Joint:
 
 
 class TopicWriter:
-    """Publishes what an OutPort writes."""
+    """Publishes the samples of an OutPort."""
 
     def __init__(
         self, network: RosNetwork, port: OutPort[Any], topic: RosTopic, joint: Joint
@@ -47,7 +47,7 @@ class TopicWriter:
     def send(self, value: Any) -> PortStatus:
         """Publish a sample. Raises CdrError.
 
-        PORT_ERROR if the network fails, or for a value that its message cannot have.
+        PORT_ERROR if the network fails, or for a value without counterpart in its message.
         """
         try:
             if self._marshaling is not None:
@@ -68,12 +68,12 @@ class TopicWriter:
         return _HEAD + octets
 
     def close(self) -> None:
-        """Publish no more."""
+        """Stop publishing."""
         self._port.remove_outlet(self.send)
 
 
 class TopicReader:
-    """Gives an InPort what comes on a topic; `invalid` messages could not be decoded."""
+    """Writes messages of a topic to an InPort; `invalid` counts those that could not be decoded."""
 
     def __init__(
         self, network: RosNetwork, port: InPort[Any], topic: RosTopic, joint: Joint
@@ -102,7 +102,7 @@ class TopicReader:
         self._connector.give(value)
 
     def close(self) -> None:
-        """Receive no more."""
+        """Stop receiving."""
         self._connector.detach()
 
 
@@ -110,7 +110,7 @@ class RosPorts:
     """The ports of a system that are topics, until `close`, which closes the network."""
 
     def __init__(self, network: RosNetwork, joints: Iterable[Joint]) -> None:
-        """Raises Ros2Error."""
+        """Connect the ports to their topics. Raises Ros2Error."""
         self._network = network
         self._made: list[TopicWriter | TopicReader] = []
         try:
@@ -124,7 +124,7 @@ class RosPorts:
             raise
 
     def close(self) -> None:
-        """Take the ports from the network, and close it."""
+        """Disconnect the ports, and close the network."""
         for each in self._made:
             each.close()
         self._network.close()

@@ -1,6 +1,6 @@
-"""Operations of service ports as services of ROS 2: both its servers and its clients.
+"""Operations of service ports as ROS 2 services, both servers and clients.
 
-An operation is a service if it takes a request of ROS 2 and returns the response:
+An operation is a service if its argument is a request of ROS 2 and its result the response:
 `std_srvs::srv::SetBool_Response set(in std_srvs::srv::SetBool_Request request)`.
 """
 
@@ -39,15 +39,15 @@ from rtgen.runtime.services.servants import (
 )
 
 _HEAD = b"\x00\x01\x00\x00"
-_LONG = 86_400.0
-"""Seconds that a call waits whose response may take long; a server that is lost ends it."""
+_NO_LIMIT = 86_400.0
+"""Time-out of calls without a limit, in seconds; the loss of the server ends them."""
 
 
 @dataclass(frozen=True, slots=True)
 class ServiceJoint:
-    """An operation of a provider or consumer with the service that it is.
+    """An operation of a provider or consumer with its service.
 
-    `waits`: the response may take as long as it likes.
+    `waits`: the response has no time limit.
     """
 
     port: Provider[Any] | Consumer[Any]
@@ -58,7 +58,7 @@ class ServiceJoint:
 
 @dataclass(frozen=True, slots=True)
 class EventJoint:
-    """A oneway operation with the topic that it is: a consumer publishes, a provider receives."""
+    """A oneway operation with its topic: a consumer publishes, a provider receives."""
 
     port: Provider[Any] | Consumer[Any]
     operation: str
@@ -67,7 +67,7 @@ class EventJoint:
 
 
 def messages_of(interface: type[Any], operation: str) -> tuple[type[Any], type[Any]]:
-    """Request and response of an operation. Raises ServiceError if it is not a service."""
+    """Return request and response of an operation. Raises ServiceError if it is not a service."""
     call = calls.calls_of(interface).get(operation)
     name = f"{interface._descriptor_.name}::{operation}"
     if call is None:
@@ -84,7 +84,7 @@ def messages_of(interface: type[Any], operation: str) -> tuple[type[Any], type[A
 
 
 def message_of(interface: type[Any], operation: str) -> type[Any]:
-    """Return the message that an operation of an interface takes alone. Raises ServiceError."""
+    """Return the only argument of an operation, a message. Raises ServiceError."""
     message = _only(calls.calls_of(interface)[operation].request)
     if message is None:
         name = interface._descriptor_.name
@@ -93,7 +93,7 @@ def message_of(interface: type[Any], operation: str) -> type[Any]:
 
 
 def _only(body: type[Any] | None) -> type[Any] | None:
-    """Return the struct that a body consists of; None for other bodies."""
+    """Return the struct that is the whole body; None for other bodies."""
     members = () if body is None else body._descriptor_.members
     match [plain(member.type) for member in members]:
         case [StructDescriptor() as struct]:
@@ -103,9 +103,9 @@ def _only(body: type[Any] | None) -> type[Any] | None:
 
 
 class Server:
-    """Answers the requests of a service by a function, in threads of its own.
+    """Answers the requests of a service by a function, in separate threads.
 
-    ROS 2 has no errors: a call that fails has no response.
+    ROS 2 has no errors: a failed call has no response.
     """
 
     def __init__(
@@ -116,7 +116,7 @@ class Server:
         self._workers = workers
 
     def take(self, octets: bytes, reply: Reply) -> None:
-        """Answer soon."""
+        """Queue a request."""
         if not self._workers.submit(partial(self._answer, octets, reply)):
             log.warning("%s: a request is left out: too many wait", self._service.name)
 
@@ -129,21 +129,21 @@ class Server:
             log.warning("%s: a request has no response: %s", name, error)
         except BaseException as error:
             if ends_run(error):
-                # This is not a thread of the run; that ends in the main thread.
+                # This is not a thread of the run, which ends in the main thread.
                 interrupt_main()
                 return
             log.exception("%s: a request cannot be answered", name)
 
 
 class _Receiver:
-    """Hands the messages of a topic to a provider, in their order."""
+    """Passes the messages of a topic to a provider, in order."""
 
     def __init__(self, joint: EventJoint, workers: Workers) -> None:
         self._joint = joint
         self._workers = workers
 
     def take(self, octets: bytes) -> None:
-        """Hand on a message soon."""
+        """Queue a message."""
         if not self._workers.submit(partial(self._hand_on, octets)):
             log.warning(
                 "%s: a message is left out: too many wait", self._joint.topic.name
@@ -200,7 +200,7 @@ def _published(publish: Callable[[bytes], None]) -> Callable[[Any], None]:
 
 
 class _Carrier:
-    """Carries the calls of a consumer, each by its operation."""
+    """Makes the calls of a consumer, by operation."""
 
     reachable = True
 
@@ -215,7 +215,7 @@ class _Carrier:
 
 
 class RosServices:
-    """The operations of a system that ROS 2 sees, until `close`; the network stays open."""
+    """The operations of a system visible in ROS 2, until `close`; the network stays open."""
 
     def __init__(
         self,
@@ -223,7 +223,7 @@ class RosServices:
         joints: Iterable[ServiceJoint | EventJoint],
         timeout: float = 10.0,
     ) -> None:
-        """Raises Ros2Error."""
+        """Serve and connect the operations. Raises Ros2Error."""
         self._network = network
         self._timeout = timeout
         self._short = Workers()
@@ -240,14 +240,14 @@ class RosServices:
         if isinstance(joint.port, Provider):
             workers = self._short
             if joint.waits:
-                # Those that wait must not keep others from being answered.
+                # Calls that wait must not block the responses to others.
                 workers = Workers()
                 self._workers.append(workers)
             server = Server(joint.service, _carried_out(joint), workers)
             self._network.serve(joint.service, server.take)
             return
         call = self._network.client(joint.service)
-        timeout = _LONG if joint.waits else self._timeout
+        timeout = _NO_LIMIT if joint.waits else self._timeout
         carrier = self._carrier(joint.port)
         carrier.operations[joint.operation] = _requested(joint, call, timeout)
 
@@ -269,7 +269,7 @@ class RosServices:
         return known[1]
 
     def close(self) -> None:
-        """Serve no more."""
+        """Stop serving."""
         for workers in self._workers:
             workers.close()
         for consumer, carrier in self._consumers.values():

@@ -1,4 +1,4 @@
-"""Types of ROS 2 as generated classes have them: names, and hashes made of their descriptors."""
+"""ROS 2 types as generated classes: names, and hashes of their descriptors."""
 
 from __future__ import annotations
 
@@ -21,15 +21,13 @@ from rtgen.runtime.xcdr import deserialize
 
 
 def ros_name(type_: type[Any]) -> str | None:
-    """Return the name of a generated class of a message (`std_msgs/msg/Float32`); None for
-    others.
-    """
+    """Return a generated class's ROS name (`std_msgs/msg/Float32`); None if it is not a message."""
     name = str(type_._descriptor_.name).split("::")
     return "/".join(name) if is_interface(name) else None
 
 
 def type_hash(type_: type[Any]) -> str:
-    """Return the hash (`RIHS01_...`) of a message. Raises ValueError for what ROS 2 lacks."""
+    """Return a message's hash (`RIHS01_...`). Raises ValueError for types unknown to ROS 2."""
     described: dict[str, dict[str, Any]] = {}
     whole = _described(type_._descriptor_, described)
     return ros_hash.rihs01(whole, described)
@@ -74,7 +72,7 @@ def _element(descriptor: Any, found: dict[str, dict[str, Any]]) -> ros_hash.Elem
 
 
 def blank(descriptor: Any) -> Any:
-    """Return a value of a type of ROS 2 with zeros, empty texts and sequences."""
+    """Return a value of a ROS 2 type with zeros, empty texts and sequences."""
     match plain(descriptor):
         case StructDescriptor() as struct:
             values = {m.attribute: blank(m.type) for m in struct.members}
@@ -95,7 +93,7 @@ def blank(descriptor: Any) -> Any:
 
 
 def made(descriptor: Any, value: Any) -> Any:
-    """Return a value of a type of ROS 2: structs of mappings, whose other members are zeros."""
+    """Return a value of a ROS 2 type: structs from mappings, other members zero."""
     match plain(descriptor):
         case StructDescriptor() as struct:
             members = {
@@ -118,7 +116,7 @@ def _is_octet(element: Any) -> bool:
 
 
 def request_of(type_: type[Any] | None) -> str | None:
-    """Return the service (`std_srvs::srv::SetBool`) of the class of a request; None for others."""
+    """Return the service (`std_srvs::srv::SetBool`) of a request's class; None for others."""
     name = "" if type_ is None else str(type_._descriptor_.name)
     is_one = is_interface(name.split("::")) and name.endswith("_Request")
     return name.removesuffix("_Request") if is_one else None
@@ -127,7 +125,7 @@ def request_of(type_: type[Any] | None) -> str | None:
 def service_hash(request: type[Any], response: type[Any], info: type[Any]) -> str:
     """Return the hash of a service, with that of its events (REP 2016).
 
-    `info` is service_msgs/msg/ServiceEventInfo. Raises ValueError for what ROS 2 lacks.
+    `info` is service_msgs/msg/ServiceEventInfo. Raises ValueError for types unknown to ROS 2.
     """
     described: dict[str, dict[str, Any]] = {}
     names = []
@@ -162,7 +160,7 @@ _MAX_PADDING = 3
 def decoded(type_: type[Any], octets: bytes) -> Any:
     """Return the value of a serialized message. Raises CdrError.
 
-    rmw_cyclonedds and DDSI-RTPS fill a message up to a multiple of four by zeros, which
+    rmw_cyclonedds and DDSI-RTPS pad a message to a multiple of four with zeros, which
     rmw_cyclonedds does not count in the encapsulation header.
     """
     try:

@@ -1,4 +1,4 @@
-"""ROS 2 over Zenoh, as rmw_zenoh does it: key expressions, liveliness tokens, attachments."""
+"""ROS 2 over Zenoh, compatible with rmw_zenoh: key expressions, liveliness tokens, attachments."""
 
 from __future__ import annotations
 
@@ -35,20 +35,18 @@ from rtgen.runtime.services.servants import (
 from rtgen.runtime.zenoh.declared import matches
 
 ROUTER = "tcp/localhost:7447"
-"""Where the router of rmw_zenoh is looked for."""
+"""Default address of rmw_zenoh's router."""
 
-_SLOW = 1.5
-"""Seconds after which a session that has found nobody is reported."""
-_UNBOUNDED = 1000
-"""Samples that a publisher keeps for those who come later, if its history is keep all."""
+_REPORT_AFTER = 1.5
+"""Seconds after which a session without peers is reported."""
+_MAX_HISTORY = 1000
+"""Number of samples kept for late subscribers by a publisher with unbounded history."""
 
 
 def configuration(
     *, connect: str | None = ROUTER, listen: str = "tcp/127.0.0.1:0"
 ) -> Any:
-    """Return the configuration of a peer as rmw_zenoh has it: no multicast, others found by
-    gossip.
-    """
+    """Return the configuration of a peer as in rmw_zenoh: no multicast, gossip."""
     config = zenoh.Config()
     config.insert_json5("mode", '"peer"')
     config.insert_json5("connect/endpoints", f'["{connect}"]' if connect else "[]")
@@ -59,7 +57,7 @@ def configuration(
 
 
 class ZenohNetwork:
-    """See `RosNetwork`. `config` is a file of Zenoh, or a configuration; rmw_zenoh's by default.
+    """See `RosNetwork`. `config` is a Zenoh file or configuration; rmw_zenoh's by default.
 
     Raises Ros2Error.
     """
@@ -78,7 +76,7 @@ class ZenohNetwork:
         self._closed = False
         self._kept: list[Any] = []
         self._shown_node("")
-        self._looking = threading.Timer(_SLOW, self._tell_if_alone)
+        self._looking = threading.Timer(_REPORT_AFTER, self._tell_if_alone)
         self._looking.daemon = True
         self._looking.start()
 
@@ -101,7 +99,9 @@ class ZenohNetwork:
         try:
             if profile.durability is Durability.TRANSIENT_LOCAL:
                 keep_all = profile.history is History.KEEP_ALL
-                cache = zenoh.ext.CacheConfig(_UNBOUNDED if keep_all else profile.depth)
+                cache = zenoh.ext.CacheConfig(
+                    _MAX_HISTORY if keep_all else profile.depth
+                )
                 publisher: Any = zenoh.ext.declare_advanced_publisher(
                     self._session, key, cache=cache, publisher_detection=True, **options
                 )
@@ -133,7 +133,7 @@ class ZenohNetwork:
             try:
                 on_message(sample.payload.to_bytes())
             except Exception:
-                # Zenoh prints what a callback raises, and goes on.
+                # Zenoh prints exceptions of callbacks and continues.
                 log.exception("a message of %s cannot be handled", topic.name)
 
         key = self._key(topic)
@@ -261,16 +261,14 @@ class ZenohNetwork:
         )
 
     def _present(self, kind: str, topic: RosTopic, profile: Profile) -> bytes:
-        """Declare the token of an entity; its identifier for attachments."""
+        """Declare the token of an entity; return its identifier for attachments."""
         return self._shown(
             topic.node,
             Entity(kind, topic.name, topic.type_name, topic.type_hash, profile),
         )
 
     def _shown_node(self, name: str) -> Node:
-        """Return a node of this process, whose token is declared; the network's own without a
-        name.
-        """
+        """Return a node of this process, whose token is declared; without a name, its own."""
         name = name or self._node.name
         if name not in self._nodes:
             node = self._node._replace(name=name, number=next(self._numbers))

@@ -22,8 +22,8 @@ _BEHIND_CRC: Final = 13
 class Arbiter(Generic[S]):
     """The frames that wait for a bus.
 
-    Frames of one sender keep their order, as in the queue of a SocketCAN interface. Among the
-    first frames of all senders the lowest identifier wins, then the earliest arrival.
+    Frames of one sender keep their order, as in the queue of a SocketCAN interface. Among the first
+    frames of all senders the lowest identifier wins, then the earliest arrival.
     """
 
     def __init__(self) -> None:
@@ -85,8 +85,9 @@ class Arbiter(Generic[S]):
 
 
 def priority(frame: Frame) -> int:
-    """Return the arbitration field in order of transmission, most significant bit first; lowest
-    wins.
+    """Return the arbitration field in transmission order, most significant bit first.
+
+    The lowest value wins.
     """
     if frame.extended:
         base, rest = frame.can_id >> 18, frame.can_id & 0x3FFFF
@@ -121,9 +122,7 @@ def frame_bits(frame: Frame) -> int:
 def _header(
     can_id: int, extended: bool, remote: bool, length: int
 ) -> tuple[int, int, int]:
-    """Return the bits of a frame without the stuff bits behind its header; CRC and state behind
-    it.
-    """
+    """Return the unstuffed bits of a frame after its header, and CRC and state there."""
     if extended:
         base, rest = can_id >> 18, can_id & 0x3FFFF
         header = ((base << 2 | 0b11) << 18 | rest) << 7 | remote << 6 | length
@@ -136,7 +135,7 @@ def _header(
     register = 0
     for octet in header.to_bytes(size, "big"):
         register = (register << 8 ^ _CRCS[(register >> 7 ^ octet) & 0xFF]) & 0x7FFF
-    # Preceding bits are filled with alternating bits that end in 1, which add no stuff bits.
+    # Preceding bits are filled with alternating bits ending in 1, which add no stuff bits.
     filled = header | (0x55 & (1 << fill) - 1) << bits
     state, stuffed = 4, 0
     for octet in filled.to_bytes(size, "big"):

@@ -1,8 +1,8 @@
-"""One bus for typed components and scripts of the package `canopen`: its `Network`, shared.
+"""Shares the `Network` of a program that uses the package `canopen` with typed components.
 
-A program that has a `canopen.Network` shares it under a name; components whose parameters are
+A program that has a `canopen.Network` shares it under a name; components with the parameters
 `interface=canopen` and `channel=NAME` then use its bus instead of one of their own. Needs
-python-can; `canopen` itself is the program's.
+python-can; `canopen` itself is imported by the program.
 """
 
 from __future__ import annotations
@@ -59,11 +59,11 @@ _REGISTRY: Final = _Registry()
 
 @contextmanager
 def shared(network: canopen.Network, name: str = "can0") -> Iterator[None]:
-    """Shares a network as the channel `name` of the interface `canopen`.
+    """Share a network as the channel `name` of the interface `canopen`.
 
-    Components can join it once it is connected. A network that is disconnected is a lost bus to
-    them, until it is connected again. It belongs to its program: components never close it.
-    Raises ValueError if the name is taken, or the network shared already.
+    Components can join it once it is connected. To them, a disconnected network is a lost bus,
+    until it is connected again. It belongs to its program: components never close it. Raises
+    ValueError if the name is taken, or the network is already shared.
     """
     _REGISTRY.add(name, network)
     try:
@@ -75,11 +75,10 @@ def shared(network: canopen.Network, name: str = "can0") -> Iterator[None]:
 class NetworkBus(can.BusABC):
     """The bus of a shared network as a python-can bus.
 
-    What it sends reaches the callbacks of the network, too, and what the network sends is
-    received here, periodic messages included that python-can sends from a thread. Responses to
-    SDO requests of the network are withheld: a client that has sent no request counts them as
-    those of a second client.
-    Raises CanError if the network is not shared or not connected.
+    Frames sent through it reach the callbacks of the network, too, and frames sent by the network
+    are received here, including periodic messages that python-can sends from a thread. Responses to
+    SDO requests of the network are withheld: a client without a request would count them as those
+    of a second client. Raises CanError if the network is not shared or not connected.
     """
 
     def __init__(self, name: str) -> None:
@@ -96,13 +95,13 @@ class NetworkBus(can.BusABC):
         super().__init__(channel=name)
         self.channel_info = f"canopen.Network {name}"
         self.shared_bus = bus
-        """The network's own bus."""
+        """The bus of the network itself."""
         self._name = name
         self._network = network
         self._notifier = notifier
         self._received: SimpleQueue[can.Message] = SimpleQueue()
         self._asked: set[int] = set()
-        """Nodes whose last SDO request was the network's."""
+        """Nodes whose last SDO request came from the network."""
         self._own_send: Any = vars(bus).get("send")
         self._send = bus.send
         self._hook = self._sent_by_network
@@ -111,7 +110,7 @@ class NetworkBus(can.BusABC):
         notifier.add_listener(self._listener)
 
     def send(self, msg: can.Message, timeout: float | None = None) -> None:
-        """See `can.BusABC`. Callbacks of the network that fail are logged."""
+        """See `can.BusABC`. Exceptions of the network's callbacks are logged."""
         self._check()
         with self._network.send_lock:
             self._send(msg, timeout)
@@ -122,8 +121,8 @@ class NetworkBus(can.BusABC):
     def queued(self, frame: Frame) -> None:
         """Notify the network of an SDO response that is about to be sent.
 
-        The client gets it at the same time: later, the network would take it for the response to
-        a request that it has made since.
+        The client gets it at the same time: later, the network would take it for the response to a
+        request made since.
         """
         if frame.can_id in _SDO_ANSWERS:
             self._notify(frame.can_id, frame.data)
@@ -131,7 +130,7 @@ class NetworkBus(can.BusABC):
     def _notify(self, can_id: int, data: bytes | bytearray) -> None:
         try:
             self._network.notify(can_id, bytearray(data), time.time())
-        except Exception:  # Of a script's callback, as in the notifier of python-can.
+        except Exception:  # as in python-can's notifier
             log.exception("a callback of the canopen.Network %s failed", self._name)
 
     def _sent_by_network(self, msg: can.Message, timeout: float | None = None) -> None:
@@ -142,7 +141,7 @@ class NetworkBus(can.BusABC):
         self._received.put(copy.deepcopy(msg))
 
     def take(self, message: can.Message) -> None:
-        """Take what the network's notifier has received."""
+        """Process a message received by the network's notifier."""
         if message.arbitration_id - SDO_RESPONSE not in self._asked:
             self._received.put(message)
 
@@ -197,4 +196,4 @@ class _Listener(can.Listener):
         self._bus.take(msg)
 
     def stop(self) -> None:
-        """Called when the network is disconnected; `NetworkBus` finds that out itself."""
+        """Called when the network is disconnected, which `NetworkBus` detects itself."""

@@ -28,25 +28,25 @@ from rtgen.runtime.canopen.bus.hub_text import (
 from rtgen.runtime.canopen.wire.frames import SECOND, Frame
 
 QUEUE: Final = 1024
-"""Frames queued for a client or from a client, at most."""
+"""Maximum number of frames queued for or from a client."""
 MAX_CLIENTS: Final = 500
 MAX_CHANNELS: Final = 64
 HOLD: Final = 0.05
-"""Seconds for which the first frames are held back, so that the preceding answer arrives alone."""
-_HELD: Final = 16384
-"""Frames queued while they are held back, since the client cannot read them yet."""
+"""Seconds for which the first frames are delayed, so that the preceding answer arrives alone."""
+_MAX_DELAYED: Final = 16384
+"""Number of frames queued during the delay, since the client cannot read them yet."""
 _BUS_OFF, _RESTARTED = 0x40, 0x100
 """Error classes of SocketCAN."""
 _OCTETS: Final = 64
 """Approximate size of a frame in a socket's buffer."""
-_LEAST_BUFFER: Final = 16384
+_MIN_BUFFER: Final = 16384
 
 Report = Callable[[str], None]
 
 
 @dataclass(frozen=True, slots=True)
 class HubSettings:
-    """`bit_rate` in bit/s (0: frames take no time); `queue`: maximum frames queued for a client."""
+    """`bit_rate` in bit/s (0: frames take no time); `queue`: maximum frames per client."""
 
     bit_rate: int = 0
     queue: int = QUEUE
@@ -105,11 +105,11 @@ class Port(ABC):
 
     @abstractmethod
     def text_of(self, carried: Carried) -> bytes | None:
-        """Return the text that represents a frame to the client, None to omit it."""
+        """Return the text of a frame for the client, None to omit it."""
 
     @abstractmethod
     def flush(self) -> None:
-        """Write queued text, unless the client has not read what was written before."""
+        """Write queued text, unless the client has not read earlier text yet."""
 
     @abstractmethod
     def cut_off(self, why: str) -> None:
@@ -117,7 +117,7 @@ class Port(ABC):
 
     @abstractmethod
     def read_on(self) -> None:
-        """Continue to read from the client, because the bus has room again."""
+        """Resume reading from the client, because the bus has room again."""
 
     def _append(self, text: bytes) -> None:
         self._queue.append(text)
@@ -171,13 +171,11 @@ class HubBus:
         self._ports = tuple(other for other in self._ports if other is not port)
 
     def has_room(self, port: Port) -> bool:
-        """Return whether the queue has room for a frame of a client; if not, `read_on` is called
-        later.
-        """
+        """Return whether a client may queue a frame; if not, `read_on` is called later."""
         return self._noted_room(port, self._arbiter.waiting(port))
 
     def put(self, port: Port, frame: Frame) -> bool:
-        """Queue a frame from a client; return whether there is room for another, as `has_room`."""
+        """Queue a frame from a client; return whether it may queue another, as `has_room`."""
         if self.off:
             self.lost += 1
             return True
@@ -188,7 +186,7 @@ class HubBus:
                 self._waiting_since = now
         waiting = self._arbiter.put(port, frame)
         if self._due is None:
-            # Deferred, so that frames sent by others at the same instant compete.
+            # Deferred, so that frames sent by others at the same time compete.
             self._due = self._loop.call_soon(self._run)
         return self._noted_room(port, waiting)
 
@@ -209,9 +207,7 @@ class HubBus:
             port.flush()
 
     def _instant(self) -> int:
-        """Return the time; constant for everything that is received in one turn of the event
-        loop.
-        """
+        """Return the time, constant within one iteration of the event loop."""
         if self._now is None:
             self._now = time.monotonic_ns()
             self._loop.call_soon(self._next_instant)
@@ -235,7 +231,7 @@ class HubBus:
                 port.read_on()
 
     def _start_frames(self, now: int) -> None:
-        """Start transmission of frames, each when the one before has ended."""
+        """Start transmission of frames, each when the previous one has ended."""
         while self._arbiter:
             start = max(self._free_at, self._waiting_since)
             if start > now:
@@ -293,14 +289,14 @@ class SocketcandPort(Port, asyncio.Protocol):
         self._stuck = False
         self._paused = False
         self._unread = 0
-        """Number of unread answers since the client stopped reading."""
+        """Number of answers that the client has not read since it stopped reading."""
         self._ended = False
         self._transport: asyncio.Transport | None = None
 
     # Called by asyncio
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        # No check by isinstance: transports of uvloop do not derive from asyncio's.
+        # No isinstance check: transports of uvloop do not derive from asyncio's.
         transport = cast(asyncio.Transport, transport)
         self._transport = transport
         peer = transport.get_extra_info("peername")
@@ -309,7 +305,7 @@ class SocketcandPort(Port, asyncio.Protocol):
         end.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         if self._limit < QUEUE:
             # Otherwise the kernel's buffer would hold far more frames than the queue.
-            size = max(_LEAST_BUFFER, self._limit * _OCTETS)
+            size = max(_MIN_BUFFER, self._limit * _OCTETS)
             end.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, size)
         transport.set_write_buffer_limits(high=0)
         if self._hub.admit(self):
@@ -402,7 +398,7 @@ class SocketcandPort(Port, asyncio.Protocol):
             self._answer(b"< ok >")
             if not self._raw:
                 self._raw = self._held = True
-                self._queue_limit = max(self._limit, _HELD)
+                self._queue_limit = max(self._limit, _MAX_DELAYED)
                 self.bus.join(self)
                 if self.bus.off:
                     self.give_error(_BUS_OFF)
@@ -412,7 +408,7 @@ class SocketcandPort(Port, asyncio.Protocol):
         else:
             self._refuse(words)
             if not self._raw:
-                # In raw mode clients would parse the answer as an error frame.
+                # In raw mode, clients would parse the answer as an error frame.
                 self._answer(b"< error unknown command >")
 
     def _release(self) -> None:
@@ -456,9 +452,7 @@ class Hub:
         return name[0], name[1]
 
     def bus(self, channel: str) -> HubBus | None:
-        """Return the bus of a channel name; None for an invalid name, or if there are too many
-        buses.
-        """
+        """Return the bus of a channel name; None for an invalid name, or too many buses."""
         bus = self.buses.get(channel)
         if bus is None and is_channel(channel) and len(self.buses) < MAX_CHANNELS:
             bus = self.buses[channel] = HubBus(channel, self.settings)
@@ -487,7 +481,7 @@ class Hub:
             await self._server.wait_closed()
 
     def report(self) -> Sequence[str]:
-        """Statistics of each bus, as text."""
+        """Return statistics of each bus, as text."""
         return [
             f"{bus.channel}: {bus.carried} carried, {bus.lost} lost by faults, "
             f"{bus.refused} refused"

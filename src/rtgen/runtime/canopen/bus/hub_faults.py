@@ -14,8 +14,8 @@ _NUMBER: Final = r"([0-9]*\.?[0-9]+)"
 _FORM: Final = re.compile(
     rf"(?:(loss|delay)={_NUMBER}(?:@([0-9A-Fa-f]{{1,8}}))?|bus-off={_NUMBER}:{_NUMBER})"
 )
-_MOST: Final = 86400.0
-"""Longest time of a fault, in seconds."""
+_MAX_SECONDS: Final = 86400.0
+"""Maximum time of a fault, in seconds."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +50,7 @@ def fault_of(text: str) -> Fault:
         )
     if kind == "loss" and fault.value > 1:
         raise ValueError(f"{text!r}: a probability is at most 1")
-    if max(fault.value, fault.duration) > _MOST:
+    if max(fault.value, fault.duration) > _MAX_SECONDS:
         raise ValueError(f"{text!r}: a fault takes a day at most")
     return fault
 
@@ -75,5 +75,5 @@ class Faults:
 
 
 def times_off(faults: Sequence[Fault]) -> list[tuple[float, float]]:
-    """Start and end of each bus-off, in s after the start."""
+    """Return start and end of each bus-off, in s after the start."""
     return [(f.value, f.value + f.duration) for f in faults if f.kind == "bus-off"]

@@ -16,20 +16,16 @@ _CHUNK: Final = 65536
 _OK, _WRONG, _SENT, _SENT_LONG = b"\r", b"\a", b"z\r", b"Z\r"
 _ANSWERS: Final = {"V": b"V1013\r", "N": b"N0001\r"}
 _SETTINGS: Final = ("S", "s", "Y", "Z", "M", "m", "U", "X", "Q")
-"""Commands that have no effect on a hub: bit rate, filters, time stamps and others."""
+"""Commands without effect on a hub: bit rate, filters, time stamps and others."""
 _OFF: Final = b"F80\r"
 
 
 class SlcanPty(Port):
-    """The slcan adapter at the other end of `path`, which programs open as a serial line.
-
-    It is on the bus between the commands O (or L: listen only) and C. A program that does not
-    read is disconnected as if it had sent C.
-    """
+    """The slcan adapter at the other end of `path`, which programs open like a serial line."""
 
     def __init__(self, hub: Hub, bus: HubBus) -> None:
         self._end, self._line = pty.openpty()
-        # Kept open, so that programs may open and close the line.
+        # Kept open, so that programs can open and close the line.
         tty.setraw(self._line)
         os.set_blocking(self._end, False)
         self.path = os.ttyname(self._line)
@@ -100,7 +96,7 @@ class SlcanPty(Port):
                 return _WRONG
             self.bus.put(self, frame)
             if self._queue or self._unsent:
-                # A program that only sends need not read the acknowledgements.
+                # A program that only sends need not read acknowledgements.
                 return b""
             return _SENT_LONG if frame.extended else _SENT
         if line in ("O", "L"):

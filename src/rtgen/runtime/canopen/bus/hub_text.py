@@ -9,10 +9,10 @@ from typing import Final
 
 from rtgen.runtime.canopen.wire.frames import MAX_DATA, SECOND, Frame
 
-_LONGEST: Final = 256
+_MAX_LENGTH: Final = 256
 """Maximum length of an element of socketcand, or of a line of slcan, in octets."""
 
-_ELEMENT: Final = re.compile(rb"\s*<([\0-;=?-\x7f]{0,%d})>" % (_LONGEST - 2))
+_ELEMENT: Final = re.compile(rb"\s*<([\0-;=?-\x7f]{0,%d})>" % (_MAX_LENGTH - 2))
 _STANDARD, _EXTENDED = rb"[0-7]?[0-9A-F]{1,2}", rb"[01][0-9A-F]{7}"
 _SENT: Final = re.compile(
     rb"\s*< send (%b|%b) ([0-8]) ([0-9A-Fa-f ]{0,%d})>"
@@ -22,12 +22,12 @@ _RECEIVED: Final = re.compile(
     rb"\s*< frame (%b|%b) ([0-9]{1,10}\.[0-9]{6}) ((?:[0-9A-F]{2}){0,%d}) >"
     % (_STANDARD, _EXTENDED, MAX_DATA)
 )
-"""The frames in their usual spelling, which are read without splitting them into words."""
+"""Frames in their usual spelling, parsed without splitting them into words."""
 _IDENTIFIER: Final = re.compile(r"[0-9A-Fa-f]{1,3}|[01][0-9A-Fa-f]{7}")
 _LONG_IDENTIFIER: Final = 8
-_LONGEST_NAME: Final = 32
+_MAX_NAME: Final = 32
 _END_OF_TIME: Final = 1e11
-"""Seconds; what is later is not a time stamp."""
+"""Maximum of a time stamp in seconds."""
 _DIGITS: Final = "0123456789ABCDEFabcdef"
 _OCTETS: Final = {
     high + low: int(high + low, 16) for high in ("", *_DIGITS) for low in _DIGITS
@@ -50,7 +50,7 @@ class Elements:
 
     @property
     def waiting(self) -> int:
-        """Octets that were fed but not taken."""
+        """Number of octets fed but not taken."""
         return len(self._text) - self._taken
 
     def feed(self, data: bytes) -> None:
@@ -75,7 +75,7 @@ class Elements:
     def take_sent(self) -> Frame | None:
         """Take the next element if it is `send` in its usual spelling; else None.
 
-        Then `take` and `sent_frame` read it.
+        In that case use `take` and `sent_frame`.
         """
         match = _SENT.match(self._text, self._taken)
         if match is None:
@@ -95,7 +95,7 @@ class Elements:
     def take_received(self) -> tuple[Frame, float] | None:
         """Take the next element if it is `frame` in its usual spelling; else None.
 
-        Then `take` and `received_frame` read it.
+        In that case use `take` and `received_frame`.
         """
         match = _RECEIVED.match(self._text, self._taken)
         if match is None:
@@ -111,7 +111,7 @@ class Elements:
         return frame, float(seconds)
 
     def _drop_malformed(self) -> None:
-        """Raise Malformed, unless the text is the beginning of an element."""
+        """Raise Malformed unless the text is the start of an element."""
         text = self._text
         start = text.find(b"<", self._taken)
         outside = text[self._taken : len(text) if start < 0 else start]
@@ -120,8 +120,8 @@ class Elements:
             raise Malformed(_shown(outside))
         if start < 0:
             return
-        limit = start + _LONGEST
-        # An unterminated element does not include the next one.
+        limit = start + _MAX_LENGTH
+        # An unterminated element ends before the next one.
         inner = text.find(b"<", start + 1, limit)
         end = text.find(b">", start, limit) + 1
         if not end and len(text) < limit:
@@ -131,9 +131,9 @@ class Elements:
 
 
 def is_channel(name: str) -> bool:
-    """Return whether a bus of a hub may have this name."""
+    """Return whether a hub's bus can have the name."""
     return (
-        0 < len(name) <= _LONGEST_NAME
+        0 < len(name) <= _MAX_NAME
         and name.isascii()
         and name.isprintable()
         and " " not in name
@@ -143,8 +143,8 @@ def is_channel(name: str) -> bool:
 def sent_frame(words: str) -> Frame:
     """Parse `send ID DLC B0 B1 ...`. Raises Malformed.
 
-    Up to three digits are an 11-bit identifier, eight digits a 29-bit one. Remote frames do not
-    exist: python-can's text for them lacks the data.
+    Up to three digits are an 11-bit identifier, eight digits a 29-bit one. Remote frames do
+    not exist here: python-can's text for them has no data.
     """
     command, *parts = words.split(" ")
     try:
@@ -229,7 +229,7 @@ class Lines:
 
     @property
     def waiting(self) -> int:
-        """Octets that were fed but not taken."""
+        """Number of octets fed but not taken."""
         return len(self._text)
 
     def feed(self, data: bytes) -> None:
@@ -237,16 +237,14 @@ class Lines:
         self._text += data
 
     def take(self) -> str | None:
-        """Return the next line, None if it is incomplete. Raises Malformed for a line that is too
-        long.
-        """
+        """Return the next line, None if it is incomplete. Raises Malformed for a long line."""
         text = self._text
-        end = text.find(b"\r", 0, _LONGEST)
+        end = text.find(b"\r", 0, _MAX_LENGTH)
         if end < 0:
-            if len(text) < _LONGEST:
+            if len(text) < _MAX_LENGTH:
                 return None
-            lost = bytes(text[:_LONGEST])
-            del text[:_LONGEST]
+            lost = bytes(text[:_MAX_LENGTH])
+            del text[:_MAX_LENGTH]
             raise Malformed(_shown(lost))
         line = bytes(text[:end]).decode("latin-1").strip("\n")
         del text[: end + 1]

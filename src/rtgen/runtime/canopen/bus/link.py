@@ -1,7 +1,7 @@
 """Interface between a bus and its stations: frames, time and timers. Without I/O.
 
-In real time a link is a python-can bus with threads, in simulated time a bus on the system's
-clock. All stations of one process on one channel share a link.
+In real time a link is a python-can bus with threads, in simulated time a bus on the system's clock.
+All stations of a process on one channel share a link.
 """
 
 from __future__ import annotations
@@ -18,13 +18,13 @@ from rtgen.runtime.canopen.wire.frames import Frame
 class Station(Protocol):
     """A participant of a bus: a node, a proxy's view of a node, a manager, a monitor.
 
-    The link calls it with `Link.lock` held, and sends the frames that it returns. It must neither
-    block nor call blocking operations of the link.
+    The link calls it with `Link.lock` held, and sends the frames that it returns. It must not
+    block, nor call blocking operations of the link.
     """
 
     @property
     def identifiers(self) -> frozenset[int] | None:
-        """The CAN identifiers to receive, None for all; `Link.refresh` announces a change."""
+        """The CAN identifiers to receive, None for all. Call `Link.refresh` after a change."""
 
     @property
     def deadline(self) -> int | None:
@@ -37,7 +37,10 @@ class Station(Protocol):
         """Process what is due; return the frames to send."""
 
     def link_changed(self, up: bool, now: int) -> Iterable[Frame]:
-        """Return the bus is unavailable (bus-off, hub disconnected) or available again."""
+        """Called when the bus is unavailable (bus-off, hub disconnected) or available again.
+
+        Returns the frames to send.
+        """
 
 
 class NmtMaster(Protocol):
@@ -47,19 +50,17 @@ class NmtMaster(Protocol):
         """Send an NMT command to a node (0: all), and record the requested state."""
 
     def readiness(self, node_id: int) -> bool | str:
-        """Return whether the node is configured, so that it may be started.
-
-        A text gives the reason why not.
+        """Return whether the node is configured, so that it can be started, or the reason if not.
 
         A node unknown to the master is ready.
         """
 
 
 class Link(ABC):
-    """A process's access to one bus. Calls of stations' methods from outside must hold `lock`."""
+    """A process's access to a bus. Outside callers of stations' methods must hold `lock`."""
 
     master: NmtMaster | None
-    """The NMT master of the process, which proxies send their commands through."""
+    """The NMT master of the process, through which proxies send their commands."""
     carries_remote_frames: bool = True
     """Whether remote frames are transmitted: socketcand's protocol has none."""
 
@@ -83,23 +84,19 @@ class Link(ABC):
 
     @abstractmethod
     def detach(self, station: Station) -> None:
-        """Detach a station; the last one closes the link."""
+        """Detach a station; detaching the last one closes the link."""
 
     @abstractmethod
     def refresh(self, station: Station) -> None:
-        """Announce that `identifiers` or `deadline` changed outside a call by the link."""
+        """Announce a change of `identifiers` or `deadline` outside a call by the link."""
 
     @abstractmethod
     def send(self, frames: Iterable[Frame], sender: Station | None = None) -> None:
-        """Queue frames; other stations of the process receive them, too, except the sender.
-
-        Raises LinkError if the bus is unavailable; frames that cannot be queued are counted as
-        lost.
-        """
+        """Queue frames; other stations of the process also receive them, except the sender."""
 
     @abstractmethod
     def sdo(self, node_id: int) -> SdoChannel:
-        """Return the process's SDO client for a node, which queues transfers."""
+        """Return the process's SDO client of a node, which queues transfers."""
 
     @abstractmethod
     def wait(self, until: Callable[[], bool], timeout: int) -> bool:
@@ -111,5 +108,5 @@ class Link(ABC):
 
 
 def no_guarding(link: Link) -> str:
-    """Why node guarding is impossible on a link without remote frames."""
+    """Return why node guarding is impossible: the link has no remote frames."""
     return f"{link} carries no remote frames, so nodes cannot be guarded"

@@ -29,8 +29,8 @@ def open_link(
     In real time the bus is python-can's: `interface`, `channel`, `bitrate` in bit/s (0: the
     interface's default) and further arguments as `options`, "host=127.0.0.1,port=29536". In
     simulated time only the channel identifies the bus, and without a bit rate frames take no time.
-    The link stays open until a station is attached, and is closed with its last station; call again
-    then. Raises LinkError.
+    The link stays open until a station is attached, and is closed with its last station; then it
+    must be opened again. Raises LinkError.
     """
     clock = owner if isinstance(owner, Clock) else owner._clock
     link: SharedLink
@@ -61,9 +61,9 @@ def simulated_bus(
 
 
 class _Registry:
-    """The links of this process in real time, with the number of callers that hold each.
+    """The links of this process in real time, with the number of users of each.
 
-    `_lock` may be taken with the lock of a link held, never the other way round, and only
+    `_lock` may be acquired while holding a link's lock, never the other way round, and only
     briefly: buses are opened without it.
     """
 

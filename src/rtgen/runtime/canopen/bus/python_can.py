@@ -1,4 +1,4 @@
-"""Adapter for python-can buses: clear errors when opening, and detection of a lost bus.
+"""Adapter for python-can buses: clear errors on opening, and detection of a lost bus.
 
 python-can is imported when a bus is opened.
 """
@@ -27,8 +27,8 @@ Event: TypeAlias = Frame | bool | None
 
 SOCKETCAND_PORT: Final = 29536
 """Default port of socketcand."""
-_PATIENCE: Final = 2.0
-"""Seconds for an interface to accept a frame."""
+_SEND_TIMEOUT: Final = 2.0
+"""Time-out in seconds of sending a frame to an interface."""
 _BUS_OFF: Final = 0x40
 _RESTARTED: Final = 0x100
 """Error classes of SocketCAN."""
@@ -71,10 +71,7 @@ class BusAddress:
 def bus_address(
     interface: str, channel: str, bitrate: int = 0, options: str = ""
 ) -> BusAddress:
-    """Return the address in a component's parameters; options: "name=value,name=value".
-
-    `bitrate` is in bit/s, 0 for the interface's default. Raises LinkError.
-    """
+    """Parse the address in a component's parameters; options: "name=value,name=value"."""
     if bitrate < 0:
         raise LinkError(f"{bitrate} is not a bit rate")
     found: dict[str, Option] = {}
@@ -90,15 +87,15 @@ def bus_address(
     address = BusAddress(interface, channel, bitrate, tuple(sorted(found.items())))
     if not channel or not channel.isprintable():
         raise LinkError(f"{channel!r} is not a channel")
-    # An invalid host or port of the hub is reported here.
+    # An invalid host or port of the hub raises here.
     str(address)
     return address
 
 
 class OpenBus:
-    """An open bus. Once it has failed, all methods raise LinkError.
+    """An open bus. After a failure, all methods raise LinkError.
 
-    `on_queued` is to be called with each frame when it is queued for `send`.
+    `on_queued` is to be called with each frame queued for `send`.
     """
 
     def __init__(
@@ -107,7 +104,7 @@ class OpenBus:
         address: BusAddress,
         on_queued: Callable[[Frame], None] | None = None,
     ) -> None:
-        # Not at each frame, which would take the time of an import.
+        # Imported once: at each frame it would take the time of an import.
         import can
 
         self.bus = bus
@@ -117,12 +114,12 @@ class OpenBus:
         self._errors = (can.CanError, OSError, ValueError)
 
     def receive(self, timeout: float) -> can.Message | None:
-        """Return the next message, None if none arrives within `timeout` s. Raises LinkError."""
+        """Return the next message, None if there is none within `timeout` s. Raises LinkError."""
         found = self.receive_some(timeout, 1)
         return found[0] if found else None
 
     def receive_some(self, timeout: float, most: int) -> list[can.Message]:
-        """Like `receive`, but returns up to `most` messages that are already available."""
+        """Like `receive`, but return up to `most` messages that are already available."""
         import can
 
         found: list[can.Message] = []
@@ -139,7 +136,7 @@ class OpenBus:
         return found
 
     def receive_events(self, timeout: float, most: int) -> list[Event]:
-        """Like `receive_some`, but returns what matters to a link."""
+        """Like `receive_some`, but return only what is relevant to a link."""
         if self._hub is None:
             return [
                 self._event(message) for message in self.receive_some(timeout, most)
@@ -169,7 +166,7 @@ class OpenBus:
             if self._hub is not None:
                 self._hub.transmit(frame)
             else:
-                self.bus.send(message_of(frame), timeout=_PATIENCE)
+                self.bus.send(message_of(frame), timeout=_SEND_TIMEOUT)
         except self._errors as error:
             if _is_full(error):
                 return False
@@ -177,9 +174,7 @@ class OpenBus:
         return True
 
     def went_off(self, message: can.Message) -> bool | None:
-        """Return whether an error frame reports bus-off (True) or the return from bus-off
-        (False).
-        """
+        """Return whether an error frame reports bus-off (True) or its end (False)."""
         if self._address.interface in _SOCKETCAN_ERRORS:
             return _bus_off(message.arbitration_id)
         return True if self._is_off else None
@@ -208,12 +203,12 @@ class OpenBus:
         return "socketcand" not in type(bus).__module__
 
     def interrupt(self) -> None:
-        """Interrupt a transmission that blocks another thread."""
+        """Interrupt a blocking transmission in another thread."""
         if self._hub is not None:
             self._hub.interrupt()
 
     def close(self) -> None:
-        """Close the bus; a disconnected other end is not an error."""
+        """Close the bus; a disconnected peer is not an error."""
         import can
 
         try:
@@ -283,18 +278,14 @@ def _hub_client(bus: can.BusABC) -> SocketcandBus | None:
 
 
 def _bus_off(kind: int) -> bool | None:
-    """Return whether a class of error frames reports bus-off (True) or the return from it
-    (False).
-    """
+    """Return whether an error class means bus-off (True) or its end (False)."""
     if kind & _RESTARTED:
         return False
     return True if kind & _BUS_OFF else None
 
 
 def _is_full(error: Exception) -> bool:
-    """Return whether the error is temporary: the interface's queue is full (ENOBUFS, or a
-    time-out).
-    """
+    """Return whether the error is temporary: a full queue (ENOBUFS, or a time-out)."""
     import errno
 
     code = getattr(error, "error_code", None) or getattr(error, "errno", None)
@@ -302,14 +293,14 @@ def _is_full(error: Exception) -> bool:
 
 
 def _reason(error: Exception) -> str:
-    """Return the reason of an error, in one line."""
+    """Return the reason of an error as one line."""
     number = getattr(error, "errno", None)
     text = os.strerror(number) if isinstance(number, int) else str(error)
     return " ".join(text.split()) or type(error).__name__
 
 
 def option(text: str) -> Option:
-    """Parse a further argument: a boolean, a number, else text."""
+    """Parse the value of an option: a boolean, a number, else text."""
     if text.lower() in ("true", "false"):
         return text.lower() == "true"
     for kind in (lambda word: int(word, 0), float):

@@ -23,20 +23,20 @@ _BATCH: Final = 64
 """Maximum number of frames received before they are delivered."""
 _LOCAL_BURST: Final = 16384
 """Maximum number of frames exchanged within the process in response to one frame."""
-_LOOK: Final = 0.05
-"""Seconds after which a waiting thread checks whether the link is closed."""
-_PATIENCE: Final = 1.0
-"""Seconds for queued frames to be sent when the link is closed."""
-_FIRST_PAUSE, _LAST_PAUSE = 0.1, 2.0
-"""Seconds between attempts to reopen a lost bus: initially, and at most."""
+_POLL_INTERVAL: Final = 0.05
+"""Period in seconds at which a waiting thread checks whether the link is closed."""
+_FLUSH_TIMEOUT: Final = 1.0
+"""Time-out in seconds for sending queued frames when the link is closed."""
+_FIRST_DELAY, _MAX_DELAY = 0.1, 2.0
+"""Seconds between attempts to reopen a lost bus: the first, and the maximum."""
 
 
 class RealLink(SharedLink):
     """A process's link to a python-can bus, for all its stations.
 
     Reception, transmission and timers have a thread each, because a bus may block anywhere;
-    stations are called in the thread that has an event for them, with `lock` held. A lost bus is
-    reopened, with increasing pauses. Time is the machine's monotonic clock.
+    stations are called in the thread with an event for them, with `lock` held. A lost bus is
+    reopened, with increasing delays. Time is the machine's monotonic clock.
     """
 
     def __init__(
@@ -47,7 +47,7 @@ class RealLink(SharedLink):
     ) -> None:
         """Open the bus. Raises LinkError.
 
-        `on_attached` is called for every station; `may_close` when the last one has left.
+        `on_attached` is called for every station; `may_close` after the last one has been detached.
         """
         super().__init__(str(address))
         self.address = address
@@ -69,7 +69,7 @@ class RealLink(SharedLink):
         self._local: deque[tuple[Frame, AttachedStation | None]] = deque()
         self._delivering = False
         self._failure: LinkError | None = None
-        """Why the bus cannot be used, as found by the transmitting thread."""
+        """Why the bus is unusable, as detected by the transmitting thread."""
         self._threads = [
             threading.Thread(target=run, name=f"rtgen {address} {what}", daemon=True)
             for what, run in (
@@ -93,7 +93,7 @@ class RealLink(SharedLink):
 
     @property
     def closed(self) -> bool:
-        """Whether the link is closed for good."""
+        """Whether the link is closed permanently."""
         return self._closing.is_set()
 
     def now(self) -> int:
@@ -120,8 +120,8 @@ class RealLink(SharedLink):
                     rest = end - self.now()
                     if rest <= 0 or self.closed:
                         return False
-                    # The condition may also depend on other events.
-                    self._news.wait(min(rest / SECOND, _LOOK))
+                    # The condition may depend on other events, too.
+                    self._news.wait(min(rest / SECOND, _POLL_INTERVAL))
                 return True
             finally:
                 self._waiters -= 1
@@ -129,8 +129,7 @@ class RealLink(SharedLink):
     def close(self) -> None:
         """Send queued frames, then end the threads and close the bus.
 
-        Called when the last station is detached; call it directly only for a link without
-        stations.
+        Called when the last station is detached; call it directly only for a link without stations.
         """
         if self.closed:
             return
@@ -148,7 +147,7 @@ class RealLink(SharedLink):
 
     def _end(self) -> None:
         receive, transmit, timers = self._threads
-        transmit.join(_PATIENCE)
+        transmit.join(_FLUSH_TIMEOUT)
         bus = self._bus
         if transmit.is_alive() and bus is not None:
             bus.interrupt()
@@ -190,7 +189,7 @@ class RealLink(SharedLink):
             self._notice()
 
     def _notice(self) -> None:
-        """Update timers and wake waiting threads after stations were called."""
+        """Update timers and wake waiting threads after calls of stations."""
         self._timers_changed()
         if self._waiters:
             self._news.notify_all()
@@ -209,8 +208,8 @@ class RealLink(SharedLink):
     # Threads
 
     def _enter(self) -> bool:
-        """Take the lock; False if the link is closed, even if another thread holds the lock."""
-        while not self._lock.acquire(timeout=_LOOK):
+        """Acquire the lock; False if the link is closed, even if another thread holds the lock."""
+        while not self._lock.acquire(timeout=_POLL_INTERVAL):
             if self.closed:
                 return False
         if self.closed:
@@ -227,7 +226,7 @@ class RealLink(SharedLink):
                 self._open_again(bus, error)
 
     def _receive_from(self, bus: OpenBus) -> None:
-        events = bus.receive_events(_LOOK, _BATCH)
+        events = bus.receive_events(_POLL_INTERVAL, _BATCH)
         if self._failure is not None:
             raise self._failure
         if not events and not self._up and bus.has_returned:
@@ -262,12 +261,12 @@ class RealLink(SharedLink):
         self._bus = None
         bus.interrupt()
         bus.close()
-        pause = _FIRST_PAUSE
+        pause = _FIRST_DELAY
         while not self._closing.wait(pause):
             try:
                 self._bus = open_bus(self.address)
             except LinkError:
-                pause = min(2 * pause, _LAST_PAUSE)
+                pause = min(2 * pause, _MAX_DELAY)
                 continue
             self._failure = None
             log.warning("%s: open again", self.bus)

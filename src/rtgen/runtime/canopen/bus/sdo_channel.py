@@ -1,4 +1,4 @@
-"""A process's SDO client for a node, which queues transfers."""
+"""A process's SDO client of a node, which queues transfers."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ Outcome: TypeAlias = bytes | SdoAbort | LinkError
 Done: TypeAlias = Callable[[Outcome], None]
 
 ATTEMPTS: Final = 3
-"""Attempts for each transfer of a node's set-up that may be repeated."""
-_SLACK: Final = 100
-"""A blocking transfer is abandoned after this many time-outs of a single message."""
+"""Attempts per transfer of a node's set-up, if it may be repeated."""
+_MAX_TIMEOUTS: Final = 100
+"""Number of time-outs of a single message after which a blocking transfer is abandoned."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +34,7 @@ class _Transfer:
 
 
 class SdoLink(Protocol):
-    """The members of a `Link` that an SDO channel uses."""
+    """Members of a `Link` that an SDO channel uses."""
 
     @property
     def lock(self) -> AbstractContextManager[object]: ...
@@ -68,7 +68,7 @@ class SdoChannel:
         self._waiting: deque[_Transfer] = deque()
         self._current: _Transfer | None = None
         self.unexpected = 0
-        """Unexpected responses: another client is active, or a second node has this id."""
+        """Number of unexpected responses: of another client, or of a second node with this id."""
         self.identifiers = frozenset((SDO_RESPONSE + node_id,))
 
     @property
@@ -118,7 +118,7 @@ class SdoChannel:
     def receive(self, frame: Frame, now: int) -> Iterable[Frame]:
         """See `Station`."""
         client = self._client
-        # Late responses during draining are not unexpected.
+        # Late responses during draining are expected.
         draining, dropped = not (client.ready or client.busy), client.dropped
         frames = client.receive(frame, now)
         if not draining:
@@ -154,7 +154,7 @@ class SdoChannel:
             self._link.send(frames, self)
 
     def _advance(self, now: int) -> list[Frame]:
-        """Report a transfer that has ended, and start the next one."""
+        """Report a completed transfer, and start the next one."""
         client = self._client
         if self._current is not None and not client.busy:
             ended, self._current = self._current, None
@@ -178,7 +178,7 @@ class SdoChannel:
     def _awaited(self, submit: Callable[[Done], None]) -> bytes:
         outcomes: list[Outcome] = []
         submit(outcomes.append)
-        if not self._link.wait(lambda: bool(outcomes), _SLACK * self._timeout):
+        if not self._link.wait(lambda: bool(outcomes), _MAX_TIMEOUTS * self._timeout):
             with self._link.lock:
                 frames = self._client.cancel(self._link.now(), sdo.TIMED_OUT)
                 self._link.send([*frames, *self._advance(self._link.now())], self)

@@ -24,9 +24,9 @@ class AttachedStation:
         self.identifiers: frozenset[int] | None = frozenset()
         self.deadline: int | None = None
         self.wake: int | None = None
-        """The time of its timer, not later than its deadline."""
+        """Time of its timer, not later than its deadline."""
         self.up = True
-        """Whether the station regards the bus as available."""
+        """Whether the station considers the bus available."""
         self.left = False
 
     def __lt__(self, other: AttachedStation) -> bool:
@@ -124,7 +124,7 @@ class AttachedStations:
 
 
 _CACHED_IDENTIFIERS = 4096
-"""Size of the cache of receivers by identifier; 29-bit identifiers are many."""
+"""Size of the cache of receivers by identifier, since there are many 29-bit identifiers."""
 
 
 class SharedLink(Link):
@@ -214,11 +214,11 @@ class SharedLink(Link):
 
     @abstractmethod
     def _timers_changed(self) -> None:
-        """Called when a deadline may have become earlier than the one waited for."""
+        """Called when a deadline may precede the time waited for."""
 
     @abstractmethod
     def _close(self) -> None:
-        """Called without the lock when the last station has left."""
+        """Called without the lock after the last station has been detached."""
 
     def _give(self, frame: Frame, sender: AttachedStation | None, now: int) -> None:
         """Deliver a frame to all stations except the sender."""
@@ -247,7 +247,7 @@ class SharedLink(Link):
                 except Exception as error:
                     self._failed(attached, error)
                     frames = ()
-                # Avoids an endless loop with a station that remains due.
+                # Prevents an endless loop with a station that remains due.
                 self._sent_by(attached, frames, now + MILLISECOND)
 
     def _turn(self, attached: AttachedStation, up: bool, now: int) -> None:
@@ -270,5 +270,5 @@ class SharedLink(Link):
             self._put(frames, attached)
 
     def _failed(self, attached: AttachedStation, error: Exception) -> None:
-        """Called when a station has raised an exception, which is a bug in the station."""
+        """Handle an exception of a station, which is a bug in the station."""
         raise error

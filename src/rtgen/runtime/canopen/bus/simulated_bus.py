@@ -14,7 +14,7 @@ from rtgen.runtime.canopen.wire.frames import MILLISECOND, Frame
 from rtgen.runtime.timing.instants import Instants, SimulatedTime
 
 Disturbance: TypeAlias = Callable[[Frame, int], Iterable[tuple[int, Frame]]]
-"""Maps a transmitted frame and its time to the frames to deliver, each with a delay in ns.
+"""Function from a transmitted frame and its time to the frames to deliver, each with a delay in ns.
 
 An empty result loses the frame, two frames duplicate it.
 """
@@ -22,15 +22,15 @@ An empty result loses the frame, two frames duplicate it.
 _QUEUE: Final = 16384
 """Capacity of a station's queue in frames."""
 _BURST: Final = 65536
-"""Maximum number of frames at one instant on a bus without bit rate; then time advances."""
+"""Maximum number of frames at the same time on a bus without bit rate; then time advances."""
 
 
 class SimulatedCanBus(SharedLink):
     """The link of all stations of a system on one channel.
 
     `bit_rate` is in bit/s; with 0 frames take no time. Queued frames are sent in order of
-    arbitration, after the ticks of that instant; frames of one station keep their order. A frame
-    is delivered when its transmission has ended. A run is deterministic.
+    arbitration, after the ticks at that time; frames of one station keep their order. A frame is
+    delivered at the end of its transmission. A run is deterministic.
     """
 
     def __init__(self, clock: SimulatedTime, channel: str, bit_rate: int = 0) -> None:
@@ -39,7 +39,7 @@ class SimulatedCanBus(SharedLink):
             raise LinkError(f"{self.bus}: no system runs on its clock")
         self.bit_rate = bit_rate
         self.disturbance: Disturbance | None = None
-        """For tests: faults of the bus."""
+        """Faults of the bus, for tests."""
         self._clock = clock
         self._instants: Instants = clock.instants
         self._up = True
@@ -83,11 +83,11 @@ class SimulatedCanBus(SharedLink):
     # For tests
 
     def cut(self, *stations: Station) -> None:
-        """Bus-off: the given stations, or the whole bus by default, neither send nor receive."""
+        """Bus-off: the given stations, by default all, neither send nor receive."""
         self._switch(stations, False)
 
     def mend(self, *stations: Station) -> None:
-        """End of `cut`."""
+        """End the effect of `cut`."""
         self._switch(stations, True)
 
     def _switch(self, stations: tuple[Station, ...], up: bool) -> None:
@@ -117,7 +117,7 @@ class SimulatedCanBus(SharedLink):
         self._begin()
 
     def _begin(self) -> None:
-        """Schedule arbitration if the bus is free, after all stations have had their turn."""
+        """Schedule arbitration if the bus is free, after all stations have been called."""
         if self._under_way is None and not self._turn_is_due and self._arbiter:
             self._turn_is_due = True
             self._instants.behind_ticks(self._arbitrate)
@@ -137,7 +137,7 @@ class SimulatedCanBus(SharedLink):
         under_way = self._under_way = attached, frame
 
         def end() -> None:
-            # The frame may have been dropped, or delivered by `wait`, in the meantime.
+            # Meanwhile the frame may have been dropped, or delivered by `wait`.
             if self._under_way is under_way:
                 self._arrive()
 

@@ -34,15 +34,15 @@ _QUEUE: Final = 1 << 20
 class SimulatedBus(can.BusABC):
     """A python-can bus on a channel in simulated time.
 
-    Time stamps are seconds of simulated time. `recv` does not block: it delivers queued frames,
-    and returns None if none is for it. Use `add_listener` for a `can.Listener` instead of a
+    Time stamps are seconds of simulated time. `recv` does not block: it delivers queued frames, and
+    returns None if none is for this bus. Use `add_listener` for a `can.Listener` instead of a
     `Notifier`.
     """
 
     def __init__(
         self, owner: Component | Clock, channel: str = "can0", bitrate: int = 0
     ) -> None:
-        """See `open_link`. Raises LinkError."""
+        """Join the channel as `open_link` does. Raises LinkError."""
         link = open_link(owner, "simulated", channel, bitrate)
         self.channel = channel
         self.channel_info = f"simulated CAN bus {channel}"
@@ -53,7 +53,7 @@ class SimulatedBus(can.BusABC):
 
     @property
     def dropped(self) -> int:
-        """Messages that were dropped because `recv` was not called."""
+        """Number of messages dropped because `recv` was not called."""
         return self._station.dropped
 
     def add_listener(self, listener: Recipient) -> None:
@@ -116,7 +116,7 @@ class SimulatedBus(can.BusABC):
 class SimulatedCyclicTask(
     LimitedDurationCyclicSendTaskABC, ModifiableCyclicTaskABC, RestartableCyclicTaskABC
 ):
-    """Messages sent periodically, in turn, on the clock of the link."""
+    """Messages sent periodically, in rotation, on the clock of the link."""
 
     def __init__(
         self,
@@ -136,7 +136,7 @@ class SimulatedCyclicTask(
         self._end: int | None = None
 
     def start(self) -> None:
-        """Start, or start again, now."""
+        """Start, or restart, now."""
         now = self._station.link.now()
         self.due = now
         self._end = (
@@ -146,7 +146,7 @@ class SimulatedCyclicTask(
         self._station.changed()
 
     def stop(self) -> None:
-        """Stop; a task that has ended is ignored."""
+        """Stop; does nothing for a task that has ended."""
         self._station.tasks.pop(self, None)
         self._station.changed()
 
@@ -164,7 +164,7 @@ class SimulatedCyclicTask(
 
 
 class _Station:
-    """The station of a bus at its link."""
+    """The bus's station at its link."""
 
     identifiers = None
 

@@ -1,7 +1,7 @@
-"""A client of a hub: a python-can bus for the protocol of socketcand in raw mode.
+"""Client of a hub: a python-can bus for the protocol of socketcand in raw mode.
 
-python-can's own client reads without end from a connection that the hub has closed, and sets a
-socket option for each frame.
+python-can's own client loops on a connection closed by the hub, and sets a socket option for each
+frame.
 """
 
 from __future__ import annotations
@@ -23,29 +23,29 @@ from rtgen.runtime.canopen.bus.messages import frame_of, message_of
 from rtgen.runtime.canopen.wire.frames import Frame
 from rtgen.runtime.sockets import TIME_OVER, limit_receives, limit_times
 
-_PATIENCE: Final = 2.0
-"""Seconds to wait for an answer of the hub, and for it to take a frame."""
+_TIMEOUT: Final = 2.0
+"""Time-out in seconds of the hub's answers, and of sending a frame to it."""
 _CHUNK: Final = 65536
 _FOREVER: Final = 1e6
 _DO_NOT_WAIT: Final = getattr(socket, "MSG_DONTWAIT", 0)
 
 
 class SocketcandBus(can.BusABC):
-    """A connection to a channel of a hub. Frames may be sent while a thread receives."""
+    """A connection to a channel of a hub. One thread can send while another one receives."""
 
     def __init__(self, channel: str, host: str, port: int) -> None:
         """Connect. Raises OSError, and CanError with the hub's answer if the hub refuses."""
         self._elements = Elements()
-        self._limit = _PATIENCE
+        self._limit = _TIMEOUT
         self._received: deque[tuple[Frame | int, float]] = deque()
         self.malformed = 0
         """Number of received texts that were not frames."""
         self.channel = channel
         self.channel_info = f"socketcand {channel} at {host}:{port}"
-        self._socket = socket.create_connection((host, port), _PATIENCE)
+        self._socket = socket.create_connection((host, port), _TIMEOUT)
         try:
             self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-            limit_times(self._socket, _PATIENCE)
+            limit_times(self._socket, _TIMEOUT)
             self._expect("< hi >")
             for command in (f"open {channel}", "rawmode"):
                 self._socket.sendall(f"< {command} >".encode())
@@ -76,18 +76,14 @@ class SocketcandBus(can.BusABC):
     def receive(self, timeout: float) -> tuple[Frame | int, float] | None:
         """Return the next frame, or class of an error frame, with its time stamp in s.
 
-        None if none arrives within `timeout` s. Raises OSError and CanOperationError.
+        None if there is none within `timeout` s. Raises OSError and CanOperationError.
         """
         if not self._received:
             self._read(timeout)
         return self._received.popleft() if self._received else None
 
     def transmit(self, frame: Frame) -> None:
-        """Send a data frame; its text is written as a whole or not at all.
-
-        Raises OSError: BlockingIOError or TimeoutError if the hub does not read; and
-        CanOperationError.
-        """
+        """Send a data frame; its text is written completely or not at all."""
         if frame.remote:
             raise can.CanOperationError("the protocol has no remote frames")
         text = send_text(frame)
@@ -150,7 +146,7 @@ class SocketcandBus(can.BusABC):
         self.transmit(frame)
 
     def interrupt(self) -> None:
-        """End the connection: calls that block another thread return."""
+        """Close the connection: blocking calls in other threads return."""
         try:
             self._socket.shutdown(socket.SHUT_RDWR)
         except OSError:

@@ -36,9 +36,9 @@ class NodePhase(IntEnum):
     IDLE = 0
     """The manager is not running the network."""
     ASSIGNING = 1
-    """LSS assigns its node-id."""
+    """LSS is assigning its node-id."""
     AWAITED = 2
-    """The node was reset; its boot-up message is awaited."""
+    """The node was reset; its boot-up message is pending."""
     IDENTIFYING = 3
     CONFIGURING = 4
     READY = 5
@@ -46,7 +46,7 @@ class NodePhase(IntEnum):
     STARTING = 6
     RUNNING = 7
     HALTED = 8
-    """The node was commanded to leave OPERATIONAL, or left by itself."""
+    """The node was commanded to leave OPERATIONAL, or has left by itself."""
     MISSING = 9
     """An optional node that is absent."""
     FAILED = 10
@@ -67,7 +67,7 @@ _SETTING_UP: Final = frozenset(
 )
 
 _UNFIT_ANSWERS: Final = (sdo.TIMED_OUT, sdo.TOGGLE_ERROR, sdo.COMMAND_UNKNOWN)
-"""How a transfer ends whose answers are missing, or are of another transfer."""
+"""Results of transfers whose responses are missing, or belong to another transfer."""
 _ASKED_STATES: Final = {
     NmtCommand.START: NmtState.OPERATIONAL,
     NmtCommand.STOP: NmtState.STOPPED,
@@ -79,7 +79,7 @@ _RESETS: Final = (NmtCommand.RESET_NODE, NmtCommand.RESET_COMMUNICATION)
 
 
 class Channel(Protocol):
-    """The methods of `SdoChannel` that the node uses."""
+    """Methods of `SdoChannel` used by the node."""
 
     @property
     def unexpected(self) -> int: ...
@@ -100,7 +100,7 @@ class Channel(Protocol):
 
 
 class Host(Protocol):
-    """The methods of the manager that the node uses."""
+    """Methods of the manager used by the node."""
 
     def now(self) -> int:
         """Return the time in ns."""
@@ -115,15 +115,15 @@ class Host(Protocol):
         """Assign the node-id by LSS; calls `assigned` or `fail` later."""
 
     def changed(self, node: ManagedNode) -> None:
-        """Notify that the node's state has changed."""
+        """Called when the node's state has changed."""
 
     def settle(self, node: ManagedNode) -> None:
-        """Notify that the node has frames or a deadline from outside a call by the manager."""
+        """Called when the node has frames or a deadline from outside a call by the manager."""
 
 
 @dataclass(frozen=True, slots=True)
 class NodeReport:
-    """The state of a node since an instant (ns of the link); `reason` is the latest error."""
+    """The state of a node since a time (ns of the link); `reason` is the latest error."""
 
     since: int
     id: int
@@ -226,7 +226,7 @@ class ManagedNode:
         self._enter(NodePhase.IDLE)
 
     def cut_off(self, reason: str) -> None:
-        """The bus is lost: the node has to boot within its boot time-out."""
+        """Handle the loss of the bus: the node must boot within its boot time-out."""
         self._attempt += 1
         self._configured = False
         self.reason, self._bus_gone = reason, True
@@ -251,7 +251,7 @@ class ManagedNode:
         """Called after LSS has assigned the configured node-id; `before` is the previous one."""
         if self.phase is not NodePhase.ASSIGNING:
             return
-        # A node without a node-id boots up by itself at the end of the LSS procedure.
+        # A node without a node-id boots at the end of the LSS procedure.
         self._await_boot_up(None)
         if before != UNCONFIGURED:
             self._host.command(NmtCommand.RESET_COMMUNICATION, before)
@@ -311,7 +311,7 @@ class ManagedNode:
         started = self.phase in (NodePhase.STARTING, NodePhase.RUNNING)
         self._configured = False
         if started and self.nmt is not NmtState.STOPPED:
-            # An unsupervised node must not stay operational.
+            # An unsupervised node must not remain operational.
             self._host.command(NmtCommand.ENTER_PRE_OPERATIONAL, self.description.id)
         self._enter(NodePhase.MISSING if missing else NodePhase.FAILED)
 
@@ -380,7 +380,7 @@ class ManagedNode:
 
     def _set_up_done(self) -> None:
         self._configured = True
-        # The configured heartbeat time is in force from here on.
+        # The configured heartbeat time applies from here on.
         self._supervise_anew()
         if self.description.guard_time:
             now = self._host.now()
@@ -414,7 +414,7 @@ class ManagedNode:
             self.begin()
 
     def _halt(self, command: NmtCommand, send: bool) -> None:
-        # A node in set-up will reach pre-operational; in STOPPED it could not answer SDO.
+        # A node in set-up will reach pre-operational; in STOPPED it could not respond to SDO.
         if self.phase in _SETTING_UP:
             return
         self._consumer.ask(_ASKED_STATES[command])

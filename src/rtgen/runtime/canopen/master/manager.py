@@ -34,7 +34,7 @@ class ManagerParameters(Protocol):
 class CanopenManager(ABC, Component):
     """Base class of a project's generated manager.
 
-    It runs the network while ACTIVE. Deactivated or reset, it has switched the nodes to
+    It runs the network while ACTIVE. When deactivated or reset, it switches the nodes to
     pre-operational and keeps only its own heartbeat. It enters ERROR when a mandatory node has
     finally failed, and continues to manage the other nodes.
     """
@@ -139,7 +139,7 @@ class CanopenManager(ABC, Component):
         if station is not None and (self._bus, station.network) == (bus, network):
             return station
         self._leave()
-        # Once for each station: the link stays open until the station is attached.
+        # Once per station: the link stays open until the station is attached.
         link = open_link(self, *bus)
         self._bus = bus
         self._offset = self.now() - link.now()

@@ -1,4 +1,4 @@
-"""The manager of a network on its bus: NMT master, producer of SYNC and heartbeat."""
+"""Manager of a network on its bus: NMT master, producer of SYNC and heartbeat."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ class ManagerStation:
         self._attached = False
         self._up = link.up
         self._frames: list[Frame] = []
-        # Heap of due times; a node's own deadline may have become later.
+        # Heap of due times; a node's own deadline may be later by now.
         self._agenda: list[tuple[int, int]] = []
         self._noted: dict[int, int] = {}
 

@@ -1,7 +1,7 @@
 """State transitions that a proxy performs on its node, as steps that wait for the bus.
 
-Steps are generators that yield what they wait for. They end when the node has reached the state,
-and raise NodeError, SdoAbort or LinkError otherwise. All I/O goes through the link.
+Steps are generators that yield the event that they wait for. They end when the node has reached the
+state; otherwise they raise NodeError, SdoAbort or LinkError. All I/O goes through the link.
 """
 
 from __future__ import annotations
@@ -29,13 +29,13 @@ from rtgen.runtime.failures import log
 Steps: TypeAlias = Generator[str, None, None]
 
 HEARTBEAT: Final = 100
-"""Heartbeat period or guard time in ms that a proxy acting as master sets, if the node has none."""
+"""Heartbeat period or guard time in ms set by a proxy acting as master, if the node has none."""
 _LIFE_FACTOR: Final = 3
 """Periods without heartbeat or guarding response after which a node is lost."""
-_PATIENCE: Final = 1000 * MILLISECOND
-"""Minimum time to wait for a state."""
+_MIN_TIMEOUT: Final = 1000 * MILLISECOND
+"""Minimum time-out for a state."""
 _ATTEMPTS: Final = 5
-"""Number of boot-ups allowed during activation."""
+"""Maximum number of boot-ups during activation."""
 _FOREIGN_ANSWERS: Final = 2
 """Minimum number of unexpected SDO responses that indicate a second node."""
 _TWICE: Final = "answers twice: there are two of them, or another SDO client"
@@ -267,7 +267,7 @@ class NodeControl:
                 )
 
     def _await_answer(self) -> Steps:
-        """Wait until the node answers, or the boot time-out has expired."""
+        """Wait until the node responds, or the boot time-out has expired."""
         link = self._link
         limit = link.now() + self._boot_timeout
         while True:
@@ -310,7 +310,7 @@ class NodeControl:
                 link.refresh(self._node)
 
     def _read_period(self) -> Generator[str, None, int]:
-        """Yield the heartbeat period in ms; a master sets one in a node without."""
+        """Return the heartbeat period in ms; a master sets one in a node without."""
         period = yield from self._read_number(_HEARTBEAT_TIME)
         if period is None:
             return 0
@@ -321,7 +321,7 @@ class NodeControl:
         return period if kept else 0
 
     def _read_guard_time(self) -> Generator[str, None, int]:
-        """Yield the guard time in ms, 0 if the node cannot be guarded; see `_read_period`."""
+        """Return the guard time in ms, 0 if the node cannot be guarded; see `_read_period`."""
         period = yield from self._read_number(_GUARD_TIME)
         if period is None:
             return 0
@@ -330,7 +330,7 @@ class NodeControl:
             self._life_factor = factor or _LIFE_FACTOR
             return period
         period = self._wanted_period
-        # A node that does not store them still answers, without supervising its master.
+        # A node that does not store them still responds, without supervising its master.
         yield from self._write_number(_GUARD_TIME, period, 2)
         yield from self._write_number(_GUARD_FACTOR, _LIFE_FACTOR, 1)
         return period
@@ -352,7 +352,7 @@ class NodeControl:
         return default if isinstance(default, int) else 0
 
     def _read_number(self, number: ObjectNumber) -> Generator[str, None, int | None]:
-        """Read an unsigned integer, None if the node aborts."""
+        """Return an unsigned integer, None if the node aborts."""
         try:
             octets = yield from self._upload(number)
         except SdoAbort as abort:
@@ -378,13 +378,13 @@ class NodeControl:
     def _go(self, command: NmtCommand, wanted: NmtState) -> Steps:
         """Command the node to a state, and wait for the heartbeat with that state."""
         link, node = self._link, self._node
-        # Without heartbeat, only the boot-up message reveals PRE_OPERATIONAL.
+        # Without heartbeat, only the boot-up message shows PRE_OPERATIONAL.
         known = wanted is NmtState.OPERATIONAL or not self._silent
         if node.state is wanted and known:
             self.running = wanted is NmtState.OPERATIONAL
             return
         self.command(command)
-        patience = max(_PATIENCE, node.timeout)
+        patience = max(_MIN_TIMEOUT, node.timeout)
         limit = link.now() + patience
         while node.state is not wanted and not self._silent:
             if link.now() >= limit:
@@ -416,7 +416,7 @@ class NodeControl:
 
 
 def _octets_of(outcome: Outcome, what: str) -> bytes:
-    """Return the octets of an outcome. Raises its error, with a note about the object."""
+    """Return the octets of an outcome. Raises its error, with a note naming the object."""
     if isinstance(outcome, SdoAbort):
         outcome.add_note(what)
     if isinstance(outcome, bytes):

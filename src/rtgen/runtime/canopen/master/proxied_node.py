@@ -86,7 +86,7 @@ def wiring(
 def _transmitted(
     network: Network, but: NodeDescription | None
 ) -> set[tuple[int, bool]]:
-    """Return the PDOs that other nodes send: identifiers, and whether they have 29 bits."""
+    """Return the PDOs sent by other nodes: identifiers, and whether they have 29 bits."""
     found = set()
     for node in network.nodes:
         for pdo in node.pdos if node is not but else ():
@@ -102,7 +102,7 @@ def transmitter_of(pdo: PdoDescription, node_id: int) -> TpdoTransmitter:
     """Return the transmitter of an RPDO of the node.
 
     A synchronous RPDO is sent with its latest value at each SYNC, since the node applies one per
-    SYNC. Others are sent for every value, or with the latest when the inhibit time is over.
+    SYNC. Others are sent for every value, or with the latest one after the inhibit time.
     """
     synchronous = is_synchronous(pdo.transmission_type)
     return TpdoTransmitter(
@@ -115,31 +115,31 @@ def transmitter_of(pdo: PdoDescription, node_id: int) -> TpdoTransmitter:
 
 
 class Watcher(Protocol):
-    """Receives events of a node; called with the link's lock held."""
+    """Observer of a node; called with the link's lock held."""
 
     def timeout(self) -> int:
         """Return the current heartbeat time-out in ns; 0 for none."""
 
     def received(self) -> None:
-        """A PDO was received."""
+        """Called for a PDO."""
 
     def booted(self, node: ProxiedNode) -> None:
-        """The boot-up message was received."""
+        """Called for a boot-up message."""
 
     def beat(self, node: ProxiedNode, state: NmtState) -> None:
-        """A heartbeat was received."""
+        """Called for a heartbeat."""
 
     def lost(self, node: ProxiedNode) -> None:
-        """The heartbeat is overdue."""
+        """Called when the heartbeat is overdue."""
 
     def clashed(self, node: ProxiedNode) -> None:
-        """Heartbeats contradict each other."""
+        """Called when heartbeats contradict each other."""
 
     def on_emergency(self, node: ProxiedNode, emergency: Emergency) -> None:
-        """An emergency message was received."""
+        """Called for an emergency message."""
 
     def cut_off(self, node: ProxiedNode) -> None:
-        """The bus is lost."""
+        """Called when the bus is lost."""
 
 
 @dataclass(slots=True)
@@ -207,7 +207,7 @@ class ProxiedNode:
 
     @property
     def state(self) -> NmtState | None:
-        """The last reported NMT state; None before the first, and when the node is lost."""
+        """The last reported NMT state; None before the first, and after the node is lost."""
         return self._consumer.state
 
     @property
@@ -231,7 +231,7 @@ class ProxiedNode:
         return sum(transmitter.overwritten for transmitter in self._transmitters)
 
     def listen(self, now: int) -> None:
-        """Start to receive and send PDOs."""
+        """Start receiving and sending PDOs."""
         if not self.listening:
             self.queue.clear()
             self.listening = True
@@ -239,7 +239,7 @@ class ProxiedNode:
                 transmitter.start(now)
 
     def pause(self) -> None:
-        """Stop to receive and send PDOs; unsent values are dropped."""
+        """Stop receiving and sending PDOs; unsent values are dropped."""
         self.listening = False
         for transmitter in self._transmitters:
             transmitter.stop()
@@ -262,7 +262,7 @@ class ProxiedNode:
         return [frame for frame in frames if frame is not None]
 
     def command_sent(self) -> None:
-        """Note that an NMT command was sent, so that a change of state is expected."""
+        """Record that an NMT command was sent, so that a change of state is expected."""
         self._flips.clear()
 
     def receive(self, frame: Frame, now: int) -> Iterable[Frame]:

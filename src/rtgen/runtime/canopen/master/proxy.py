@@ -57,9 +57,9 @@ _BLOCK: Final = 128
 class CanopenProxy(ProxyHooks, Component):
     """Base class of generated proxies.
 
-    A proxy is on the bus from its start, and follows its node: an unsolicited change of the
-    node's NMT state becomes a request to the component. Samples of the device are written to the
-    OutPorts in `on_execute`, in order of arrival; `lost` counts those that found the queue full.
+    A proxy is on the bus from its start, and follows its node: an unsolicited change of the node's
+    NMT state becomes a request to the component. Samples of the device are written to the OutPorts
+    in `on_execute`, in order of arrival; `lost` counts those dropped because the queue was full.
     """
 
     config: Any
@@ -78,13 +78,13 @@ class CanopenProxy(ProxyHooks, Component):
     # Callbacks
 
     def on_initialize(self) -> ReturnCode_t:
-        """Make the providers available in every state, so that objects can always be accessed."""
+        """Make the providers available in every state, so that objects are always accessible."""
         for provider in self.providers.values():
             provider.in_every_state = True
         return RTC_OK
 
     def on_startup(self, ec_id: int) -> ReturnCode_t:
-        """Join the bus; after a failure it is tried again when a transition needs the bus."""
+        """Join the bus; after a failure, joining is retried when a transition needs the bus."""
         try:
             self._connect()
         except (NodeError, LinkError) as error:
@@ -159,7 +159,7 @@ class CanopenProxy(ProxyHooks, Component):
         connection.deliver()
         connection.pause()
         control = connection.control
-        # A manager that ended earlier has switched its nodes to pre-operational.
+        # a manager that ended earlier has switched its nodes to pre-operational
         if control.running and control.can_command:
             return self._command(NmtCommand.ENTER_PRE_OPERATIONAL)
         return RTC_OK
@@ -221,14 +221,14 @@ class CanopenProxy(ProxyHooks, Component):
         """Return the node's SDO client. Raises SdoAbort for a node that is known to be stopped."""
         connection = self._joined()
         if connection.node.state is NmtState.STOPPED:
-            # CiA 301, table 38: it would not answer.
+            # CiA 301, table 38: it would not respond.
             raise SdoAbort(sdo.DEVICE_STATE)
         return connection.link.sdo(connection.node.node_id)
 
     def _in_blocks(self, large: bool, transfer: Callable[[bool], bytes]) -> bytes:
         """Transfer by blocks if `large`.
 
-        Falls back to segments if the server has no block transfer.
+        Falls back to segments if the server does not support block transfer.
         """
         if large and not self._without_blocks:
             try:
@@ -250,14 +250,14 @@ class CanopenProxy(ProxyHooks, Component):
         return super().lost + self._dropped + dropped
 
     def _malformed(self) -> tuple[float, float]:
-        """PDOs of the device that were too short, and too long, since joining the bus."""
+        """Return the numbers of short and of long PDOs of the device since joining the bus."""
         connection = self._connection
         if connection is None:
             return 0.0, 0.0
         return float(connection.node.too_short), float(connection.node.too_long)
 
     def _overwritten(self) -> tuple[float]:
-        """Values for the device that were replaced before their SYNC or inhibit time."""
+        """Return the number of values replaced before their SYNC or inhibit time."""
         connection = self._connection
         return (0.0 if connection is None else float(connection.node.overwritten),)
 
@@ -277,7 +277,7 @@ class CanopenProxy(ProxyHooks, Component):
             return self.fail(reason_of(error))
 
     def _steps(self, request: Request) -> Steps:
-        # A transition in progress ends with the same node, even if the parameters have changed.
+        # a transition in progress ends with the same node, even if parameters have changed
         ending = request is Request.DEACTIVATE
         connection = self._joined() if ending else self._connect()
         if not connection.link.up:
@@ -309,7 +309,7 @@ class CanopenProxy(ProxyHooks, Component):
                     )
 
     def _command(self, command: NmtCommand) -> ReturnCode_t:
-        """Send an NMT command from where waiting is impossible."""
+        """Send an NMT command where waiting is impossible."""
         assert self._connection is not None
         try:
             self._connection.control.command(command)
@@ -355,7 +355,7 @@ class CanopenProxy(ProxyHooks, Component):
         return done
 
     def _warn(self, what: str) -> None:
-        """Report an error that does not end the work."""
+        """Report an error that does not stop the work."""
         self.reason = what
         log.warning("%s: %s", self.instance_name, what)
 

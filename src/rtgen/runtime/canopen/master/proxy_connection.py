@@ -1,4 +1,4 @@
-"""A proxy's connection to its bus: its settings, what follows from them, and its parts."""
+"""A proxy's connection to its bus: settings, plan and parts."""
 
 from __future__ import annotations
 
@@ -93,8 +93,7 @@ def planned(
     network: Network | None,
     placed: NodeDescription | None,
 ) -> ProxyPlan:
-    """Return the plan of a connection: settings override the network, which overrides the
-    description.
+    """Return the plan; settings override the network, which overrides the description.
 
     `placed` is the node in the network. Raises NodeError.
     """

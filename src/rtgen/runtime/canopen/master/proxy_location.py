@@ -46,7 +46,10 @@ def place(
 def default_boot_timeout(
     description: DeviceDescription, placed: NodeDescription | None
 ) -> int:
-    """Boot time-out in ms: the network's, else 1F89h of the device (CiA 302-2), else 2 s."""
+    """Return the boot time-out in ms: the network's, else the device's 1F89h, else 2 s.
+
+    1F89h is defined by CiA 302-2.
+    """
     if placed is not None:
         return placed.boot_timeout
     return _number(description, _BOOT_TIME, 0) or BOOT_TIMEOUT

@@ -9,7 +9,7 @@ from rtgen.runtime.canopen.wire.frames import SECOND
 PAUSE: Final = 1 * SECOND
 """Time in ERROR before a reset: the node stands still, and others can react."""
 SOUND: Final = 10 * SECOND
-"""Time in ACTIVE after which the attempts are counted from zero."""
+"""Time in ACTIVE after which attempts are counted from zero."""
 
 
 class Recovery:
@@ -27,12 +27,12 @@ class Recovery:
         self._resumes = False
 
     def worked(self, now: int) -> None:
-        """The component has entered ACTIVE."""
+        """Record that the component has entered ACTIVE."""
         self._active_since = now
         self._was_active = True
 
     def failed(self, now: int) -> None:
-        """The component has entered ERROR, or a reset of it has failed."""
+        """Record that the component has entered ERROR, or that its reset has failed."""
         since, self._active_since = self._active_since, None
         if since is not None and now - since >= SOUND:
             self._made = 0
@@ -44,7 +44,7 @@ class Recovery:
         if self._made >= self._attempts or self._failed_at is None:
             return False
         if not up:
-            # The pause starts when the bus is available again.
+            # The delay starts when the bus is available again.
             self._failed_at = now
             return False
         if now - self._failed_at < PAUSE:
@@ -55,10 +55,7 @@ class Recovery:
         return True
 
     def resumes(self) -> bool:
-        """Return whether to activate the component after a reset: only after a reset of `due`.
-
-        A component that has never been ACTIVE stays INACTIVE.
-        """
+        """Return whether to activate the component after a reset: only after one due to `due`."""
         resumes = self._resumes and self._was_active
         self._resumes = False
         return resumes

@@ -15,7 +15,7 @@ from rtgen.runtime.canopen.wire import sdo
 
 
 def value_kind(value: ObjectValue, *, unsigned: bool) -> int:
-    """Which enumerator of CANopen::ValueKind a value has."""
+    """Return the enumerator of CANopen::ValueKind for a value."""
     match value:
         case bool():
             return 0
@@ -29,9 +29,9 @@ def value_kind(value: ObjectValue, *, unsigned: bool) -> int:
 
 
 class SdoService:
-    """Base of generated servants of CANopen::ObjectDictionary, and of interfaces derived from it.
+    """Base class of generated servants of CANopen::ObjectDictionary and derived interfaces.
 
-    The subclass gives the classes of its IDL: the exceptions CANopen::SdoAbort and
+    A subclass provides the classes of its IDL: the exceptions CANopen::SdoAbort and
     CANopen::BusGone, the union CANopen::ObjectValue and the enum CANopen::ValueKind.
     """
 
@@ -55,7 +55,7 @@ class SdoService:
         self._set(index, subindex, value.value)
 
     def _get(self, index: int, subindex: int, factor: float | None = None) -> Any:
-        """Return the value of an object; with a factor the physical one: factor * value."""
+        """Return the value of an object; with a factor, the physical one: factor * value."""
         with self._idl_exceptions():
             value: Any = self._proxy.read_object(index, subindex)
         return value if factor is None else value * factor
@@ -63,7 +63,7 @@ class SdoService:
     def _set(
         self, index: int, subindex: int, value: Any, factor: float | None = None
     ) -> None:
-        """Set the value of an object; with a factor from the physical one."""
+        """Set the value of an object; with a factor, from the physical one."""
         with self._idl_exceptions():
             if factor is not None:
                 described = self._proxy.description.by_number[index, subindex]

@@ -6,9 +6,9 @@ from typing import Final, Protocol
 
 FOREIGN_ANSWERS: Final = "SDO answers come that were not asked for"
 _MANY_ANSWERS: Final = 3
-"""Unexpected SDO responses during set-up that indicate a second node (or client)."""
+"""Number of unexpected SDO responses during set-up that indicate a second node (or client)."""
 _BEATS: Final = 16
-"""Minimum number of heartbeats to count before judging their rate."""
+"""Minimum number of heartbeats before their rate is judged."""
 _EXCESS: Final = 5, 3
 """More than 5 heartbeats in 3 periods, over a long time, are not those of one node."""
 
@@ -18,7 +18,7 @@ class SdoResponses(Protocol):
 
     @property
     def unexpected(self) -> int:
-        """The number of responses so far that belong to no request."""
+        """Number of responses so far that belong to no request."""
 
 
 class SecondNodeDetector:
@@ -52,7 +52,7 @@ class SecondNodeDetector:
             self._first_beat = now
         self._beats += 1
         period = self._period
-        # Delayed heartbeats may arrive in a burst of up to two time-outs' worth.
+        # Delayed heartbeats may arrive in a burst of up to two time-outs.
         if not period or self._beats < max(_BEATS, 6 * self._timeout // period):
             return False
         beats, self._beats = self._beats, 0
@@ -61,7 +61,7 @@ class SecondNodeDetector:
 
     @property
     def answers(self) -> bool:
-        """Whether several unexpected SDO responses have come since the boot-up message."""
+        """Whether there were several unexpected SDO responses since the boot-up message."""
         return self._channel.unexpected >= self._answers_before + _MANY_ANSWERS
 
     @property

@@ -26,7 +26,7 @@ class StateMirror:
     `timeout` implements `Watcher`, `now` is the link's time. `policy` decides which emergency
     messages stop the proxy; the others go to `report`, each code once until errors are cleared.
     Every heartbeat, not only the first of a kind, is compared with the component's state, so that
-    no race can leave the two in different states.
+    the two cannot remain in different states after a race.
     """
 
     def __init__(

@@ -86,7 +86,7 @@ class CanopenDevice(DeviceHooks, Component):
 
     @property
     def bus_lock(self) -> AbstractContextManager[object]:
-        """The lock of the link; while it is held, the bus calls no method of the node."""
+        """The lock of the link; while it is held, the bus does not call the node."""
         return nullcontext() if self._link is None else self._link.lock
 
     def get_object(self, number: ObjectNumber) -> ObjectValue:
@@ -151,7 +151,7 @@ class CanopenDevice(DeviceHooks, Component):
         return link
 
     def _keep_parameters(self, file: ParameterFile) -> None:
-        """Take the stored parameters from a file, and writes them there when they change."""
+        """Load the stored parameters from a file, and save them when they change."""
 
         def keep(stored: Mapping[ObjectNumber, bytes]) -> None:
             try:
@@ -166,7 +166,7 @@ class CanopenDevice(DeviceHooks, Component):
         self.node.store.keep = keep
 
     def _warn_of_requests(self, link: Link) -> None:
-        """Warn of TPDOs that are only sent on remote frames, on a link that carries none."""
+        """Warn of TPDOs that are only sent on remote frames, if the link has none."""
         for pdo in self.description.pdos:
             value = pdo.cob_id_of(self.node.node_id)
             if pdo.direction != "tpdo" or value is None or CobId(value).bit31:
@@ -207,7 +207,7 @@ class CanopenDevice(DeviceHooks, Component):
             self._outlets.append((name, target, outgoing))
 
     def _fed_ports(self) -> list[str]:
-        """Return the InPorts fed by RPDOs; a behaviour may have further InPorts."""
+        """Return the InPorts written by RPDOs; a behaviour may have further InPorts."""
         get = self.node.dictionary.get
         made = (incoming(get, 0) for incoming in self._incoming_by_number.values())
         return list(dict.fromkeys(name for samples in made for name, _ in samples))

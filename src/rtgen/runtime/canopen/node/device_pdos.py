@@ -43,7 +43,7 @@ from rtgen.runtime.canopen.wire.pdo_transmission import (
 from rtgen.runtime.canopen.wire.sdo import SdoAbort
 
 IsEvent: TypeAlias = Callable[[bytes | None, bytes], bool]
-"""Whether a change of an object from old to new octets is an event for TPDOs.
+"""Function that decides whether a change of an object from old to new octets triggers TPDOs.
 
 The old octets are None when the node enters OPERATIONAL.
 """

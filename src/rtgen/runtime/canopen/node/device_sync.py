@@ -27,7 +27,7 @@ _MICROSECOND: Final = 1000
 
 
 class DeviceSync:
-    """SYNC as configured by 1005h, 1006h and 1019h; a SYNC of the wrong length is EMCY 8240h."""
+    """SYNC as configured by 1005h, 1006h and 1019h; a wrong length is EMCY 8240h."""
 
     indices: Final = frozenset((COB_ID_SYNC[0], SYNC_PERIOD[0], SYNC_OVERFLOW[0]))
 

@@ -18,7 +18,7 @@ COB_ID: Final = 0x1014
 INHIBIT_TIME: Final = 0x1015
 
 MAX_WAITING: Final = 16
-"""Maximum number of messages that wait for the inhibit time."""
+"""Maximum number of messages waiting for the inhibit time."""
 MAX_ERRORS: Final = 64
 """Maximum number of active errors."""
 
@@ -44,8 +44,8 @@ class EmergencyProducer:
     """The active errors of a device; maintains 1001h and 1003h.
 
     An error is sent once when it occurs, and again with code 0000h and the same additional octets
-    when it is cleared. The queue for the inhibit time (1015h) is bounded: the newest messages
-    stay, `lost` counts the others. Without 1014h nothing is sent.
+    when it is cleared. The queue for the inhibit time (1015h) is bounded: the newest messages are
+    kept, `lost` counts the others. Without 1014h nothing is sent.
     """
 
     def __init__(self, dictionary: DeviceDictionary) -> None:

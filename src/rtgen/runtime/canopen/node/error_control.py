@@ -1,6 +1,6 @@
-"""Error control of a device (CiA 301, 7.2.8.3.2): its heartbeat, or answers to node guarding.
+"""Error control of a device (CiA 301, 7.2.8.3.2): heartbeat, or responses to node guarding.
 
-Objects 100Ch, 100Dh and 1017h. `heartbeat_consumers` has the heartbeats of other nodes.
+Objects 100Ch, 100Dh and 1017h. `heartbeat_consumers` handles heartbeats of other nodes.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _INDICES: Final = {GUARD_TIME[0], LIFE_TIME_FACTOR[0], HEARTBEAT_TIME[0]}
 
 
 class ErrorControl:
-    """Heartbeat producer and life guarding; a node with a heartbeat does not answer guarding."""
+    """Heartbeat producer and life guarding; a node with a heartbeat ignores guarding."""
 
     def __init__(self, dictionary: DeviceDictionary, errors: EmergencyProducer) -> None:
         self._dictionary = dictionary

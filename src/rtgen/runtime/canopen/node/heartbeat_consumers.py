@@ -27,7 +27,7 @@ _INCOMPATIBLE: Final = 0x06040043
 
 
 def watched(entry: int) -> tuple[int, int] | None:
-    """Node-id and consumer time in ms of an entry of 1016h; None for an unused entry."""
+    """Return node-id and consumer time in ms of an entry of 1016h; None for an unused entry."""
     node_id, time = entry >> 16 & 0xFF, entry & 0xFFFF
     return (node_id, time) if 1 <= node_id <= MAX_NODE_ID and time else None
 

@@ -17,7 +17,7 @@ def preset_identity(
     description: DeviceDescription,
     serial_number: int | None,
 ) -> None:
-    """Set the entries of 1018h that the description leaves 0, and a given serial number."""
+    """Set the entries of 1018h that are 0 in the description, and a given serial number."""
     for sub, value in enumerate(_numbers(description), 1):
         if not dictionary.number((IDENTITY, sub)):
             _preset(dictionary, sub, value)
@@ -30,7 +30,7 @@ def lss_address(
     description: DeviceDescription,
     serial_number: int | None,
 ) -> LssAddress:
-    """Return the numbers of 1018h; those of the description where the dictionary has no entry."""
+    """Return the numbers of 1018h, falling back to the description."""
     defaults = (*_numbers(description), serial_number or 0)
     return LssAddress(
         *(

@@ -1,4 +1,4 @@
-"""A CANopen slave (CiA 301) with all its services, as an application uses it.
+"""A CANopen slave (CiA 301) with all its services, for use by an application.
 
 It has no I/O and no clock. The application uses the object dictionary, hooks and `NodeEvents`.
 """
@@ -53,7 +53,7 @@ class DeviceNode(DeviceStation):
         self.pdos.is_event((index, subindex), is_event)
 
     def trigger(self, index: int, subindex: int = 0) -> None:
-        """Trigger an object: `flush` sends the TPDOs that map it, even if unchanged."""
+        """Trigger an object: `flush` sends the TPDOs that map it, even if it is unchanged."""
         self.pdos.trigger((index, subindex))
 
     def add_error(

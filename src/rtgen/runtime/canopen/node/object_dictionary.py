@@ -20,10 +20,10 @@ from rtgen.runtime.canopen.wire.sdo import SdoAbort
 log = logging.getLogger("rtgen.runtime")
 
 WriteHook: TypeAlias = Callable[[ObjectValue], None]
-"""Receives a value that came over the bus, before it is stored; raises SdoAbort to reject it."""
+"""Function called with a received value before it is stored; raises SdoAbort to reject it."""
 
 ReadHook: TypeAlias = Callable[[], ObjectValue]
-"""Returns the current value of an object; raises SdoAbort if there is none."""
+"""Function that returns the current value of an object; raises SdoAbort without one."""
 
 Guard: TypeAlias = Callable[[ObjectNumber, ObjectValue], None]
 """A WriteHook for all sub-indices of an index."""
@@ -58,7 +58,7 @@ class DeviceDictionary:
             for number, described in self._objects.items()
             if values.limits(described.kind) and not described.limited
         }
-        """The sizes of objects of which any octets are a value, and that nobody checks."""
+        """Sizes of objects that accept any octets, without a check."""
 
     def __contains__(self, number: ObjectNumber) -> bool:
         return number in self._objects
@@ -146,7 +146,7 @@ class DeviceDictionary:
             except Exception:
                 log.exception("read hook of %04X:%02X", *number)
                 raise SdoAbort(sdo.GENERAL_ERROR) from None
-            # Reading is not an event; otherwise a TPDO would trigger itself forever.
+            # Reading is not an event; otherwise a TPDO would trigger itself.
             self._octets[number] = octets
         return self._octets[number]
 
@@ -189,13 +189,11 @@ class DeviceDictionary:
     # Device
 
     def get(self, number: ObjectNumber) -> ObjectValue:
-        """Return a value. Raises KeyError for an unknown object, SdoAbort if its read hook does."""
+        """Return a value. Raises KeyError for an unknown object, SdoAbort from its read hook."""
         return values.decode(self._known(number).kind, self.octets(number))
 
     def number(self, number: ObjectNumber, absent: int = 0) -> int:
-        """Return the last stored value of an integer object; `absent` if the object does not
-        exist.
-        """
+        """Return an integer object's last stored value; `absent` if the object does not exist."""
         if number not in self._objects:
             return absent
         return int.from_bytes(self._octets[number], "little")

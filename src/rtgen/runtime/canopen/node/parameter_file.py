@@ -2,7 +2,7 @@
 
 The file is JSON: `format`, the device (`device`, `vendor`, `product`, `revision`), and `values`,
 the octets of each stored object in hexadecimal digits by its number (`6083:0`). A file of another
-device, or one that is not whole, is refused and never overwritten.
+device, or a damaged one, is rejected and never overwritten.
 """
 
 from __future__ import annotations
@@ -18,19 +18,19 @@ from rtgen.runtime.canopen.description import DeviceDescription, ObjectNumber
 
 FORMAT: Final = "rtgen-canopen-parameters/1"
 SUFFIX: Final = ".json"
-_MOST: Final = 1 << 20
-"""Octets of a file."""
+_MAX_BYTES: Final = 1 << 20
+"""Maximum size of a file in octets."""
 
 
 class ParameterFileError(ValueError):
-    """A file of parameters that cannot be used; the message names it."""
+    """A parameter file that cannot be used; the message names it."""
 
 
 class ParameterFile:
-    """The file of one device.
+    """The parameter file of a device.
 
-    `name` is relative to the working folder and stays below it, so that what names it (a system
-    file, say) cannot reach other files. Raises ParameterFileError.
+    `name` is relative to the working folder and must be below it, so that its source (such as a
+    system file) cannot refer to other files. Raises ParameterFileError.
     """
 
     def __init__(self, name: str, description: DeviceDescription) -> None:
@@ -46,16 +46,16 @@ class ParameterFile:
             raise self._error("it leads out of the working folder")
 
     def read(self) -> dict[ObjectNumber, bytes]:
-        """Return the stored values; none where there is no file yet. Raises ParameterFileError."""
+        """Return the stored values; none if there is no file yet. Raises ParameterFileError."""
         try:
             with self._path.open("rb") as file:
-                text = file.read(_MOST + 1)
+                text = file.read(_MAX_BYTES + 1)
         except FileNotFoundError:
             return {}
         except OSError as error:
             raise self._error(error.strerror or str(error)) from None
-        if len(text) > _MOST:
-            raise self._error(f"over {_MOST} octets are not stored parameters")
+        if len(text) > _MAX_BYTES:
+            raise self._error(f"over {_MAX_BYTES} octets are not stored parameters")
         try:
             content = json.loads(text)
         except (ValueError, RecursionError):
@@ -72,7 +72,7 @@ class ParameterFile:
         return self._values(content.get("values"))
 
     def write(self, stored: Mapping[ObjectNumber, bytes]) -> None:
-        """Replace the file as a whole: after a failure it has what it had. Raises OSError."""
+        """Replace the file atomically: after a failure it is unchanged. Raises OSError."""
         content = self._head() | {
             "values": {
                 f"{index:04X}:{subindex:X}": octets.hex()

@@ -18,16 +18,16 @@ _NOT_STORED: Final = 0x08000020
 _ALL: Final = range(0x1000, 0x10000)
 _GROUPS: Final = {1: _ALL, 2: COMMUNICATION, 3: range(0x6000, 0xA000)}
 _MANUFACTURER: Final = range(0x2000, 0x6000)
-"""Objects of sub-indices from 4 on."""
-_NEVER: Final = frozenset((0x1001, 0x1003, STORE, RESTORE))
+"""Objects of sub-indices 4 and higher."""
+_NEVER_STORED: Final = frozenset((0x1001, 0x1003, STORE, RESTORE))
 
 
 class ParameterStore:
     """The stored values that differ from the defaults.
 
-    Restored defaults take effect at the next reset, as stored values do. They live as long as the
+    Restored defaults take effect at the next reset, as stored values do. They exist as long as the
     store, unless `keep` persists them: it is called with all stored values when they change, and
-    raises OSError on failure, which refuses the command.
+    raises OSError on failure, which rejects the command.
     """
 
     def __init__(self, dictionary: DeviceDictionary) -> None:
@@ -50,7 +50,7 @@ class ParameterStore:
         stored = {n: v for n, v in self.values.items() if n[0] not in group}
         if index == STORE:
             altered = self._dictionary.altered(group)
-            stored |= {n: v for n, v in altered.items() if n[0] not in _NEVER}
+            stored |= {n: v for n, v in altered.items() if n[0] not in _NEVER_STORED}
         if self.keep is not None:
             try:
                 self.keep(stored)

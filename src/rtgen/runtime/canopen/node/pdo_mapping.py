@@ -21,7 +21,7 @@ TOO_LONG: Final = 0x06040042
 
 _DUMMY_BITS: Final = {1: 1, 2: 8, 3: 16, 4: 32, 5: 8, 6: 16, 7: 32}
 _GAP: Final = 0x20
-"""Indices below are data types."""
+"""Lower indices are data types."""
 _DIRECTIONS: Final[dict[str, tuple[Direction, ...]]] = {
     "ro": ("tpdo",),
     "const": ("tpdo",),
@@ -29,17 +29,17 @@ _DIRECTIONS: Final[dict[str, tuple[Direction, ...]]] = {
     "wo": ("rpdo",),
     "rww": ("rpdo",),
 }
-"""Which PDOs an access allows; others allow both (CiA 306)."""
+"""The direction of PDOs that an access type allows; others allow both (CiA 306)."""
 
 
 def entry_of(index: int, subindex: int, bits: int) -> int:
-    """Return an entry as the mapping parameter has it."""
+    """Return an entry in the encoding of the mapping parameter."""
     return index << 16 | subindex << 8 | bits
 
 
 @dataclass(frozen=True, slots=True)
 class MappedField:
-    """A field of a PDO: the variable in it, None for a gap."""
+    """A field of a PDO with its variable, None for a gap."""
 
     number: ObjectNumber | None
     kind: Kind
@@ -49,7 +49,7 @@ class MappedField:
 def checked_field(
     description: DeviceDescription, direction: Direction, entry: int
 ) -> MappedField:
-    """Return the field of a mapping entry. Raises SdoAbort if the device cannot map that."""
+    """Return the field of a mapping entry. Raises SdoAbort if the device cannot map it."""
     number = entry >> 16, entry >> 8 & 0xFF
     bits = entry & 0xFF
     if number[0] < _GAP and number[0]:
@@ -103,7 +103,7 @@ class Mapping:
 
     @cached_property
     def _places(self) -> list[tuple[ObjectNumber, slice]]:
-        """The octets of each object, if all fields are whole."""
+        """The octets of each object, if all fields are whole octets."""
         found, offset = [], 0
         for field in self.fields:
             end = offset + field.bits // 8

@@ -66,9 +66,9 @@ Handler: TypeAlias = Callable[[Frame], None]
 class DeviceStation:
     """A slave, in INITIALISING until `NodeEvents.ready` or `DeviceNode.boot`.
 
-    With `node_id` 255 it waits for LSS, even if the description lacks LSS. For `merged_stop` see
-    `NmtSlave`. It starts by itself with `self_start`, or if 1F80h is 8 (CiA 302-2).
-    `serial_number` is the value of 1018h:4.
+    With `node_id` 255 it waits for LSS, even if the description does not list LSS. For
+    `merged_stop` see `NmtSlave`. It starts by itself with `self_start`, or if 1F80h is 8 (CiA
+    302-2). `serial_number` is the value of 1018h:4.
     """
 
     def __init__(
@@ -107,7 +107,7 @@ class DeviceStation:
         """See `Station`."""
         self._handlers: dict[int, tuple[Handler, ...]] = {}
         self._identifiers: frozenset[int] | None = None
-        """None if the handlers have to be determined again."""
+        """None if the handlers must be determined again."""
         self._power_on()
 
     # Station
@@ -362,7 +362,7 @@ class DeviceStation:
             self.events.time(moment)
 
     def _communication_error(self) -> None:
-        """React to a communication error as 1029h:1 says; by default leave OPERATIONAL."""
+        """Handle a communication error according to 1029h:1; by default leave OPERATIONAL."""
         if self._nmt is None:
             return
         wanted = self.dictionary.number(ERROR_BEHAVIOUR)
@@ -373,7 +373,7 @@ class DeviceStation:
             self._on_transition(self._nmt.go(NmtState.PRE_OPERATIONAL))
 
     def _on_heartbeat(self, node_id: int, event: HeartbeatEvent) -> None:
-        # Notified first, since it is the reason for what follows.
+        # Notified first, since it is the reason for the change of state.
         self.events.heard(node_id, event)
         if event.news is HeartbeatNews.LOST:
             self._communication_error()

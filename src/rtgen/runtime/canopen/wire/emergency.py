@@ -75,9 +75,7 @@ _CLASSES: Final = {
 
 
 def code_text(code: int) -> str:
-    """Return the meaning of an error code; falls back to its class if CiA 301 does not define
-    it.
-    """
+    """Return the meaning of an error code; that of its class if CiA 301 does not define it."""
     if code in _EXACT:
         return _EXACT[code]
     high = code >> 8
@@ -94,7 +92,7 @@ class Emergency:
 
     @property
     def cleared(self) -> bool:
-        """Whether the message reports that one error, or all, have been cleared."""
+        """Whether the message reports that an error, or all errors, have been cleared."""
         return self.code >> 8 == 0
 
     def frame(self, node_id: int) -> Frame:

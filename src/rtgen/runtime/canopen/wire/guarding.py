@@ -1,7 +1,7 @@
 """Node guarding and life guarding (CiA 301, 7.2.8.2.2; objects 100Ch and 100Dh).
 
-The NMT master polls a node with remote frames; the node answers with its state and a toggle bit.
-For nodes without heartbeat, since no node uses both.
+The NMT master polls a node with remote frames; the node responds with its state and a toggle bit.
+It is for nodes without heartbeat: a node uses only one of both.
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ TOGGLE: Final = 0x80
 
 
 class NodeGuard:
-    """The master's side of node guarding: one request to the node each `period` ns.
+    """The master's side of node guarding: one request to the node per `period` ns.
 
-    `deadline` is when `poll` has a request to send, None while guarding is off. A response with
-    an unchanged toggle bit is rejected: the CAN controller may answer although the node's
-    software has stopped. After a request without a response either toggle bit is accepted.
+    `deadline` is when `poll` has a request to send, None while guarding is off. A response with an
+    unchanged toggle bit is rejected: the CAN controller may respond although the node's software
+    has stopped. After a request without a response, either toggle bit is accepted.
     """
 
     def __init__(self, node_id: int) -> None:
@@ -58,10 +58,7 @@ class NodeGuard:
 
 
 class LifeGuard:
-    """The node's side: supervises the master's requests from the first one on.
-
-    `deadline` is when the master counts as lost, None while there is no supervision.
-    """
+    """The node's side: supervises the master's requests from the first one on."""
 
     def __init__(self) -> None:
         self._toggle = 0
@@ -87,7 +84,7 @@ class LifeGuard:
         self._toggle, self._polled, self.deadline = 0, False, None
 
     def poll(self, now: int) -> bool:
-        """Return whether the master has just been lost; True once."""
+        """Return whether the master has just been lost; True only once."""
         if self.deadline is None or now < self.deadline:
             return False
         self.deadline, self._polled = None, False

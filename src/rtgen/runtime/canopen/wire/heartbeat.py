@@ -58,10 +58,7 @@ class HeartbeatNews(Enum):
 
 @dataclass(frozen=True, slots=True)
 class HeartbeatEvent:
-    """An event of a node; `asked`: its new state is the one that was requested.
-
-    The state of LOST is the last known one, or INITIALISING.
-    """
+    """An event of a node; `asked`: its new state was requested."""
 
     news: HeartbeatNews
     state: NmtState
@@ -127,7 +124,7 @@ class HeartbeatConsumer:
         return HeartbeatEvent(news, state, asked)
 
     def poll(self, now: int) -> HeartbeatEvent | None:
-        """LOST, once, when the time-out has expired."""
+        """Return LOST, once, when the time-out has expired."""
         if self.deadline is None or now < self.deadline:
             return None
         last = NmtState.INITIALISING if self.state is None else self.state
@@ -140,7 +137,7 @@ class HeartbeatConsumer:
         if len(frame.data) != 1:
             return None
         octet = frame.data[0]
-        # A node guarding response has the toggle bit above the state.
+        # a node guarding response has the toggle bit above the state
         code = octet & ~TOGGLE or octet
         return NmtState(code) if code in _STATES else None
 

@@ -50,7 +50,7 @@ class LssCommand(IntEnum):
     IDENTIFY_SERIAL_HIGH = 0x4B
     IDENTIFY_UNCONFIGURED = 0x4C
     IDENTIFIED = 0x4F
-    """Response to IDENTIFY commands and to FASTSCAN: a matching slave exists."""
+    """Response to IDENTIFY commands and to FASTSCAN: there is a matching slave."""
     UNCONFIGURED_IDENTIFIED = 0x50
     FASTSCAN = 0x51
     INQUIRE_VENDOR = 0x5A

@@ -23,10 +23,10 @@ from rtgen.runtime.canopen.wire.lss import LssAddress, LssCommand
 TIMEOUT: Final = 50 * MILLISECOND
 """Default time to wait for a response, in ns."""
 SETTLE: Final = 10 * MILLISECOND
-"""Time in which further slaves may answer the same fastscan message, in ns."""
+"""Time in which several slaves may answer the same fastscan message, in ns."""
 
 PartialAddress: TypeAlias = tuple[int | None, int | None, int | None, int | None]
-"""An address some parts of which are unknown."""
+"""An address with unknown parts."""
 
 T = TypeVar("T")
 
@@ -82,9 +82,9 @@ def select(address: LssAddress) -> Procedure[bool]:
 def scan(
     known: PartialAddress = (None, None, None, None),
 ) -> Procedure[LssAddress | None]:
-    """Find an unconfigured slave by fastscan, and leave it in CONFIGURATION.
+    """Find an unconfigured slave by fastscan, leaving it in CONFIGURATION.
 
-    Of several slaves it finds the one with the lowest numbers. Known parts are not searched.
+    Of several slaves, the one with the lowest numbers is found. Known parts are not searched.
     """
     if not (yield _scanned(0, lss.START_OF_SCAN, 0, 0)):
         return None
@@ -128,7 +128,7 @@ def find(wanted: PartialAddress) -> Procedure[LssAddress]:
 def assign(wanted: PartialAddress, node_id: int) -> Procedure[Assigned]:
     """Assign a node-id to a slave, effective immediately, or after reset communication.
 
-    A slave that had none boots up at the end. Raises LssError.
+    A slave without one boots at the end. Raises LssError.
     """
     checked_node_id(node_id)
     address = yield from find(wanted)
@@ -168,8 +168,8 @@ def set_bit_rate(
     """Set a slave's bit rate in kbit/s, None for automatic; return whether the slave stores it.
 
     It takes effect after a restart. With `delay`, in ms, all slaves in CONFIGURATION switch that
-    long after the end, and no station may send for the same time again. Raises LssError, KeyError
-    for a bit rate unknown to CiA 305.
+    long after the end, and no station may send for another such time. Raises LssError, KeyError for
+    a bit rate unknown to CiA 305.
     """
     index = lss.AUTOMATIC_BIT_RATE if bit_rate is None else lss.BIT_RATES[bit_rate]
     yield from find(wanted)
@@ -186,7 +186,7 @@ def set_bit_rate(
 
 
 def _configured(command: LssCommand, message: bytes) -> Procedure[int]:
-    """Yield the error code in the response to a message. Raises LssError."""
+    """Return the error code in the response to a message. Raises LssError."""
     answer = yield Ask(message, command)
     if answer is None:
         raise LssError(f"{command.name} is not answered")
@@ -245,7 +245,7 @@ class LssMaster:
         return []
 
     def poll(self, now: int) -> list[Frame]:
-        """Process the end of waiting for responses; return the frames to send."""
+        """Process the expiry of a time-out of responses; return the frames to send."""
         if self.deadline is None or now < self.deadline:
             return []
         return self._advance(self._answer, now)

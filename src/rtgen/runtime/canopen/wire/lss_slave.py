@@ -47,7 +47,7 @@ _RANGE: Final = {
     LssCommand.IDENTIFY_SERIAL_LOW: (3, operator.ge),
     LssCommand.IDENTIFY_SERIAL_HIGH: (3, operator.le),
 }
-"""The address part of a command, and how to compare it."""
+"""The address part in a command, and its comparison."""
 
 
 @dataclass
@@ -59,12 +59,7 @@ class LssSettings:
 
 
 class LssSlave:
-    """Answers the master; settings stay `pending` until the node applies them.
-
-    `stored` is restored by a reset of the node. `activated` is called with a bit rate in kbit/s,
-    and the delay in ms before and after the change. Bit rates not in `bit_rates` are rejected; if
-    that is empty, all of CiA 305 are accepted.
-    """
+    """Responds to the master; settings stay `pending` until the node applies them."""
 
     def __init__(
         self,
@@ -85,7 +80,7 @@ class LssSlave:
         self.pending = LssSettings(node_id)
         self.stored = LssSettings(node_id)
         self.configuring = False
-        """Whether the slave is in the configuration state (not in the waiting state)."""
+        """Whether the slave is in the configuration state (else in the waiting state)."""
         self._matched = 0
         self._in_range = 0
         self._scanned = 0
@@ -103,9 +98,7 @@ class LssSlave:
         return [] if answer is None else [Frame(LSS_RESPONSE, answer)]
 
     def take_over(self, *, stored: bool) -> int:
-        """Return the node-id after a reset; after a reset of the whole node (`stored`), the stored
-        one.
-        """
+        """Return the node-id after a reset; `stored`: after a reset of the whole node."""
         if stored:
             self.pending = replace(self.stored)
         self.active = self.pending.node_id
@@ -129,7 +122,7 @@ class LssSlave:
         return self._configure(command, data) if self.configuring else None
 
     def _configure(self, command: LssCommand, data: bytes) -> bytes | None:
-        """Services of the configuration state."""
+        """Execute a service of the configuration state."""
         if command is LssCommand.CONFIGURE_NODE_ID:
             fits = 1 <= data[1] <= MAX_NODE_ID or data[1] == UNCONFIGURED
             if fits:
@@ -155,9 +148,9 @@ class LssSlave:
         return None
 
     def _switch(self, part: int, number: int) -> bytes | None:
-        """Switch state selective: compares the address part by part.
+        """Switch state selective: compare the address part by part.
 
-        The matching slave is configured.
+        The matching slave enters the configuration state.
         """
         if self.configuring:
             return None
@@ -171,7 +164,7 @@ class LssSlave:
         return message(LssCommand.SWITCHED)
 
     def _identify(self, command: LssCommand, number: int) -> bytes | None:
-        """Identify: vendor and product, then ranges of revision and serial number."""
+        """Identify: compare vendor and product, then ranges of revision and serial number."""
         part, compare = _RANGE[command]
         step = list(_RANGE).index(command)
         if step == 0:
@@ -184,7 +177,7 @@ class LssSlave:
         return message(LssCommand.IDENTIFIED)
 
     def _scan(self, number: int, bit: int, part: int, following: int) -> bytes | None:
-        """Fastscan: answer if the address matches down to a bit; the last match selects."""
+        """Fastscan: respond if the address matches down to a bit; the last match selects."""
         if self.active != UNCONFIGURED or self.configuring:
             return None
         if bit == START_OF_SCAN:

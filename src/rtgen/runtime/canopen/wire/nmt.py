@@ -86,7 +86,7 @@ class Transition:
 class NmtSlave:
     """The slave's state machine, starting in INITIALISING.
 
-    Its owner performs what a reset requires, and then calls `boot`. `self_start` continues to
+    Its owner performs the actions of a reset, and then calls `boot`. `self_start` continues to
     OPERATIONAL without a command (CiA 301, 7.3.2.1). With `merged_stop` the effect of a stop is
     decided by `stopping`, called when the command arrives: True is a normal end, in
     PRE_OPERATIONAL; False is a failure, in STOPPED, which then is only left by a reset.
@@ -103,7 +103,7 @@ class NmtSlave:
         self.node_id = checked_node_id(node_id)
         self.state = NmtState.INITIALISING
         self.reset: NmtCommand = NmtCommand.RESET_NODE
-        """The reset to be performed in INITIALISING; reset communication is part of reset node."""
+        """The reset to be performed in INITIALISING; reset node includes reset communication."""
         self._self_start = self_start
         self._merged_stop = merged_stop
         self._stopping = stopping

@@ -62,11 +62,11 @@ class PdoParameters:
 
 
 class TpdoTransmitter:
-    """Decides when a TPDO is sent; its data are set by `update`.
+    """Decides when a TPDO is sent; `update` sets its data.
 
-    Nothing is sent before `start` (OPERATIONAL), after `stop`, or without data. `deadline` is
-    when `poll` has to be called. `overwritten` counts events whose data were replaced before they
-    were sent.
+    Nothing is sent before `start` (OPERATIONAL), after `stop`, or without data. `deadline` is when
+    `poll` has to be called. `overwritten` counts events whose data were replaced before they were
+    sent.
     """
 
     def __init__(self, parameters: PdoParameters) -> None:
@@ -113,7 +113,7 @@ class TpdoTransmitter:
         return max(self._expires, self._not_before)
 
     def start(self, now: int) -> None:
-        """Enter OPERATIONAL; SYNCs and the event timer count from here."""
+        """Enter OPERATIONAL; SYNCs and the event timer are counted from here."""
         if self._cob_id.bit31:
             return
         self._running, self._pending = True, False
@@ -128,8 +128,8 @@ class TpdoTransmitter:
     def update(self, data: bytes, now: int, *, event: bool = True) -> Frame | None:
         """Set new data; return the frame to send immediately.
 
-        `event`: the data are to be sent (types 0, 254 and 255), not only stored. Raises
-        ValueError for more than 8 octets.
+        `event`: the data are sent (types 0, 254 and 255), not only stored. Raises ValueError for
+        more than 8 octets.
         """
         if len(data) > MAX_DATA:
             raise ValueError(f"{len(data)} octets; a PDO has up to {MAX_DATA}")
@@ -153,9 +153,7 @@ class TpdoTransmitter:
         return self._send(data, now) if due else None
 
     def remote(self, now: int) -> Frame | None:
-        """Return the response to a remote frame, if the COB-ID allows it; waits for the inhibit
-        time.
-        """
+        """Return the response to a remote frame, if allowed by the COB-ID and inhibit time."""
         if not self._running or self._cob_id.bit30 or self._data is None:
             return None
         if self._type == RTR_SYNC:
@@ -231,7 +229,7 @@ class RpdoReceiver:
         self.too_short = 0
         self.too_long = 0
         self.overwritten = 0
-        """PDOs that were replaced by newer ones before the SYNC."""
+        """Number of PDOs replaced by newer ones before the SYNC."""
 
     @property
     def timed(self) -> bool:
@@ -268,12 +266,12 @@ class RpdoReceiver:
         return Received(emergency=code)
 
     def sync(self) -> bytes | None:
-        """Process a SYNC; return the data that waited for it."""
+        """Process a SYNC; return the data waiting for it."""
         data, self._waiting = self._waiting, None
         return data
 
     def poll(self, now: int) -> int:
-        """8250h, once, when the PDO is overdue; else 0."""
+        """Return 8250h, once, when the PDO is overdue; else 0."""
         if self.deadline is None or now < self.deadline:
             return 0
         self.deadline = None

@@ -17,7 +17,7 @@ EXPEDITED: Final = 4
 SEGMENT: Final = 7
 """Octets in a segment."""
 MAX_BLOCK: Final = 127
-"""Segments in a block."""
+"""Maximum number of segments in a block."""
 
 ABORT: Final = 0x80
 DOWNLOAD_SEGMENT: Final = 0x00
@@ -39,7 +39,7 @@ CODE: Final = 0xE0
 """The bits of the command specifier."""
 WITH_CRC: Final = 0x04
 WITH_SIZE: Final = 0x02
-"""Size indicator of a block transfer; otherwise the flag `e` (expedited)."""
+"""Size indicator of a block transfer; in other transfers the flag `e` (expedited)."""
 SIZE_INDICATED: Final = 0x01
 TOGGLE: Final = 0x10
 LAST: Final = 0x01

@@ -2,7 +2,7 @@
 
 Responses that start a transfer, and aborts, are matched by index and sub-index. After a time-out
 the client aborts and drains: late responses are dropped until the server has been silent for a
-while. Only segments of a block, which the server numbers, are ever repeated.
+while. Only segments of a block, which are numbered, are ever repeated.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ class SdoClient:
         self._draining = False
         self.deadline: int | None = None
         self.dropped = 0
-        """Responses that belonged to no transfer, or to an abandoned one."""
+        """Number of responses that belonged to no transfer, or to an abandoned one."""
 
     @property
     def busy(self) -> bool:
@@ -71,13 +71,11 @@ class SdoClient:
 
     @property
     def ready(self) -> bool:
-        """Whether a transfer may start: none is in progress, and draining has ended."""
+        """Whether a transfer can start: none is in progress, and draining has ended."""
         return self._step is None and not self._draining
 
     def result(self) -> bytes:
-        """Return the result of the last transfer. Raises SdoAbort, or RuntimeError without a
-        transfer.
-        """
+        """Return the result of the last transfer. Raises SdoAbort; RuntimeError without one."""
         if self._outcome is None:
             raise RuntimeError("no transfer has ended")
         if isinstance(self._outcome, SdoAbort):
@@ -87,7 +85,7 @@ class SdoClient:
     def upload(
         self, index: int, subindex: int, now: int, *, block: bool = False
     ) -> list[Frame]:
-        """Start to read an object; a server without block transfer may answer by segments."""
+        """Start reading an object; a server without block transfer may respond by segments."""
         self._begin(index, subindex, now, self._upload_answer)
         if not block:
             return self._frames([self._target.message(sdo.UPLOAD)])
@@ -99,7 +97,7 @@ class SdoClient:
     def download(
         self, index: int, subindex: int, value: bytes, now: int, *, block: bool = False
     ) -> list[Frame]:
-        """Start to write an object. Raises ValueError for more than `max_size` octets."""
+        """Start writing an object. Raises ValueError for more than `max_size` octets."""
         size = len(value)
         if size > self._max_size:
             raise ValueError(f"{size} octets; up to {self._max_size} are written")
@@ -148,7 +146,7 @@ class SdoClient:
         return self._frames(messages)
 
     def poll(self, now: int) -> list[Frame]:
-        """Abort the transfer if the server is silent for too long; ends draining."""
+        """Abort the transfer if the server is silent for too long; end draining."""
         if self.deadline is None or now < self.deadline:
             return []
         if self._draining:
@@ -175,7 +173,7 @@ class SdoClient:
         self.deadline = now + self._timeout
 
     def _go(self, step: _Step) -> None:
-        """Set the next step, whose responses carry no index."""
+        """Set the next step, whose responses have no index."""
         self._step, self._matching = step, False
 
     def _end(self, outcome: bytes | SdoAbort) -> None:

@@ -29,21 +29,21 @@ class ObjectDictionary(Protocol):
         """Return the value as octets."""
 
     def writable_size(self, index: int, subindex: int) -> int:
-        """Maximum number of octets that may be written; called before any octets are accepted."""
+        """Return the maximum number of octets to write; called before any are accepted."""
 
     def write(self, index: int, subindex: int, value: bytes) -> None:
         """Write a value."""
 
 
 _Step: TypeAlias = Callable[[bytes], list[bytes]]
-"""Processes the next message of the current transfer; returns the responses."""
+"""Function that processes the next message of the current transfer; returns the responses."""
 
 
 class SdoServer:
-    """Answers one client; `poll` abandons the current transfer at `deadline`.
+    """Serves one client; `poll` abandons the current transfer at `deadline`.
 
-    A request that starts a transfer ends the previous one, which the client has abandoned.
-    Messages that do not have 8 octets are ignored.
+    A request that starts a transfer ends the previous one, which the client has abandoned. Messages
+    that do not have 8 octets are ignored.
     """
 
     def __init__(

@@ -66,8 +66,9 @@ def sync_counter(frame: Frame) -> int | None:
 
 
 def time_frame(now: int) -> Frame:
-    """Return the TIME message for a time in ns of UTC since 1970 (1984 to 2163, else
-    ValueError).
+    """Return the TIME message for a time in ns of UTC since 1970.
+
+    Raises ValueError outside of 1984 to 2163.
     """
     days, milliseconds = divmod(now // MILLISECOND - EPOCH, DAY)
     if not 0 <= days <= MAX_DAYS:

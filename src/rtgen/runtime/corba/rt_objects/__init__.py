@@ -1,4 +1,4 @@
-"""Components as RTObjects of OMG RTC 1.0 and SDO 1.1, as OpenRTM-aist 2.x has them over CORBA.
+"""Components as RTObjects (OMG RTC 1.0, SDO 1.1) over CORBA, compatible with OpenRTM-aist 2.x.
 
-System editors, rtshell and components of OpenRTM see, connect, configure and steer them.
+System editors, rtshell and components of OpenRTM can show, connect, configure and control them.
 """

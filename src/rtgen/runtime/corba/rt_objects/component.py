@@ -79,14 +79,14 @@ class ContextService:
         return self.context.get_kind()
 
     def add_component(self, reference: Any) -> ReturnCode_t:
-        """UNSUPPORTED for a component of another process."""
+        """Return UNSUPPORTED for a component of another process."""
         component = self._component(reference)
         return (
             UNSUPPORTED if component is None else self.context.add_component(component)
         )
 
     def remove_component(self, reference: Any) -> ReturnCode_t:
-        """BAD_PARAMETER for a component of another process."""
+        """Return BAD_PARAMETER for a component of another process."""
         component = self._component(reference)
         if component is None:
             return BAD_PARAMETER
@@ -138,8 +138,8 @@ class ContextService:
 class RtObject:
     """`OpenRTM::DataFlowComponent`: a component of this process with its ports.
 
-    Callbacks are for the middleware alone, and a component ends with the run: both are
-    UNSUPPORTED for others.
+    Only the middleware may call callbacks, and a component ends with the run: both are UNSUPPORTED
+    for clients.
     """
 
     def __init__(
@@ -155,7 +155,7 @@ class RtObject:
             port.owner = self.reference
 
     def close(self) -> None:
-        """End the connections to other processes, and serve no more."""
+        """Close the connections to other processes, and deactivate the objects."""
         for port in self.ports:
             port.close()
         for context in self._contexts.values():
@@ -196,25 +196,25 @@ class RtObject:
         )
 
     def get_ports(self) -> list[Any]:
-        """References to the port services."""
+        """Return references to the port services."""
         return [port.reference for port in self.ports]
 
     # LightweightRTObject
 
     def initialize(self) -> ReturnCode_t:
-        """PRECONDITION_NOT_MET: it is initialized."""
+        """Return PRECONDITION_NOT_MET: it is initialized."""
         return PRECONDITION_NOT_MET
 
     def finalize(self) -> ReturnCode_t:
-        """PRECONDITION_NOT_MET: it participates in its own context."""
+        """Return PRECONDITION_NOT_MET: it participates in its own context."""
         return PRECONDITION_NOT_MET
 
     def exit(self) -> ReturnCode_t:
-        """UNSUPPORTED: components end with their run."""
+        """Return UNSUPPORTED: components end with their run."""
         return UNSUPPORTED
 
     def is_alive(self, reference: Any) -> bool:
-        """Return whether it is initialized; with a context, whether it participates there."""
+        """Return whether it is initialized; with a context, whether it participates in it."""
         found = self._exported.local(reference)
         context = found.context if isinstance(found, ContextService) else None
         if context is None and reference is not None:
@@ -242,11 +242,11 @@ class RtObject:
         return self.component.get_context_handle(found.context)
 
     def attach_context(self, reference: Any) -> int:
-        """-1: `add_component` of a context attaches it."""
+        """Return -1: `add_component` of a context attaches it."""
         return _NO_HANDLE
 
     def detach_context(self, handle: int) -> ReturnCode_t:
-        """UNSUPPORTED: `remove_component` of a context detaches it."""
+        """Return UNSUPPORTED: `remove_component` of a context detaches it."""
         return UNSUPPORTED
 
     def _references(self, contexts: Sequence[Any]) -> list[Any]:
@@ -263,11 +263,11 @@ class RtObject:
     # SDO
 
     def get_owned_organizations(self) -> list[Any]:
-        """No organizations."""
+        """Return no organizations."""
         return []
 
     def get_organizations(self) -> list[Any]:
-        """No organizations."""
+        """Return no organizations."""
         return []
 
     def get_sdo_id(self) -> str:
@@ -283,7 +283,7 @@ class RtObject:
         return DeviceProfile()
 
     def get_service_profiles(self) -> list[ServiceProfile]:
-        """No services of SDO."""
+        """Return no services."""
         return []
 
     def get_service_profile(self, identity: str) -> ServiceProfile:

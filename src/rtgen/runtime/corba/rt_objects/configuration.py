@@ -19,7 +19,7 @@ from rtgen.runtime.rtc.component import Component
 
 
 class Configuration:
-    """Values are texts, as OpenRTM has them. A change takes effect between two cycles."""
+    """Configuration sets with texts as values, as in OpenRTM. Changes apply between two cycles."""
 
     def __init__(self, component: Component) -> None:
         self._sets = component.configuration_sets
@@ -66,7 +66,7 @@ class Configuration:
         return self._set(configuration_set.id, texts(given), count=len(given))
 
     def activate_configuration_set(self, config_id: str) -> bool:
-        """Make a set the active one. Raises InvalidParameter."""
+        """Activate a set. Raises InvalidParameter."""
         try:
             self._sets.activate(config_id)
         except RtcError as error:
@@ -74,27 +74,27 @@ class Configuration:
         return True
 
     def remove_configuration_set(self, config_id: str) -> bool:
-        """False: sets are not removed."""
+        """Return False: sets cannot be removed."""
         return False
 
     def set_device_profile(self, profile: object) -> bool:
-        """False: there are no devices."""
+        """Return False: there are no devices."""
         return False
 
     def add_service_profile(self, profile: object) -> bool:
-        """False: services of SDO, such as observers, are not called; tools look again instead."""
+        """Return False: services of SDO, such as observers, are not called; tools poll instead."""
         return False
 
     def remove_service_profile(self, identity: str) -> bool:
-        """False: see `add_service_profile`."""
+        """Return False: see `add_service_profile`."""
         return False
 
     def add_organization(self, organization: object) -> bool:
-        """False: there are no organizations."""
+        """Return False: there are no organizations."""
         return False
 
     def remove_organization(self, identity: str) -> bool:
-        """False: there are no organizations."""
+        """Return False: there are no organizations."""
         return False
 
     def _set(self, set_id: str, given: dict[str, str], count: int) -> bool:

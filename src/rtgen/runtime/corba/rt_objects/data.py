@@ -1,4 +1,4 @@
-"""Data connections by OpenRTM's interface type `corba_cdr`: octets of CDR, pushed or pulled."""
+"""Data connections with OpenRTM's interface type `corba_cdr`: octets of CDR, pushed or pulled."""
 
 from __future__ import annotations
 
@@ -25,17 +25,14 @@ INTERFACE_TYPE = "corba_cdr"
 _ENDIAN = "dataport.serializer.cdr.endian"
 _TYPE = "dataport.data_type"
 _SENDERS = ("dataport.subscription_type", "dataport.io_mode", "dataport.publisher.")
-"""Prefixes of properties that concern the sending end alone."""
+"""Properties that only concern the sending end, by prefix."""
 
 Lost = Callable[[], None]
-"""Called once, when the other end of a connection does not answer any more."""
+"""Function called once when the other end of a connection does not respond any more."""
 
 
 def settings_of(properties: Mapping[str, str], type_: type[DataType]) -> dict[str, str]:
-    """Return the properties that a connection understands.
-
-    Raises ConnectorPropertyError for another interface type, PortTypeError for another data type.
-    """
+    """Return the properties that a connection interprets."""
     interface = properties.get("dataport.interface_type", INTERFACE_TYPE)
     if interface.strip().lower() != INTERFACE_TYPE:
         raise ConnectorPropertyError(
@@ -43,7 +40,7 @@ def settings_of(properties: Mapping[str, str], type_: type[DataType]) -> dict[st
         )
     descriptor: Any = type_._descriptor_
     stated = properties.get(_TYPE, descriptor.repository_id).strip()
-    # OpenRTM 1 has the last part of the name.
+    # OpenRTM 1 only has the last part of the name.
     if stated not in (descriptor.repository_id, descriptor.name.rpartition("::")[2]):
         raise PortTypeError(f"samples of type {stated}, not {descriptor.repository_id}")
     kept = {key: text for key, text in properties.items() if key in EMBEDDED_DATA}
@@ -61,13 +58,13 @@ def is_pull(properties: Mapping[str, str]) -> bool:
 
 
 def is_little_endian(properties: Mapping[str, str]) -> bool:
-    """Return the byte order of a connection: the first of those that it names."""
+    """Return the byte order of a connection: the first one that it lists."""
     first = properties.get(_ENDIAN, "little").partition(",")[0]
     return first.strip().lower() != "big"
 
 
 class SentConnector(DataConnector[Any]):
-    """A connection from an OutPort of this process, whose samples are put into a foreign InPort."""
+    """A connection from an OutPort of this process, which sends samples to a foreign InPort."""
 
     def __init__(
         self,
@@ -106,7 +103,7 @@ class SentConnector(DataConnector[Any]):
 
 
 class _Put(RingBuffer[Any]):
-    """A foreign InPort's buffer: each `write` is a call of `InPortCdr::put`."""
+    """Buffer of a foreign InPort: each `write` calls `InPortCdr::put`."""
 
     __slots__ = ("_little", "_lost", "_objects", "_reference")
 
@@ -127,7 +124,7 @@ class _Put(RingBuffer[Any]):
         self._little = little
 
     def write(self, value: Any) -> PortStatus:
-        """Raises CdrError for a value that does not fit its type."""
+        """Send a sample. Raises CdrError for a value that is not of its type."""
         if self.closed:
             return PortStatus.CONNECTION_LOST
         octets = value.to_cdr(self._little)
@@ -147,14 +144,14 @@ class _Put(RingBuffer[Any]):
 
 
 class Receiver:
-    """`InPortCdr`: takes the samples of one connection."""
+    """`InPortCdr`: receives the samples of a connection."""
 
     def __init__(self, connector: DataConnector[Any], *, little: bool) -> None:
         self._connector = connector
         self._little = little
 
     def put(self, octets: bytes) -> PortStatus:
-        """Take a sample; PORT_ERROR if it cannot be decoded."""
+        """Process a sample; PORT_ERROR if it cannot be decoded."""
         connector = self._connector
         try:
             value = connector.target.type.from_cdr(octets, self._little)
@@ -172,9 +169,7 @@ def received(
     properties: Mapping[str, str],
     guard: Callable[[], Guard],
 ) -> DataConnector[Any]:
-    """Return a connection to an InPort of this process; buffers are at this end. Raises
-    ConnectError.
-    """
+    """Return a connection to an InPort here, with its buffers. Raises ConnectError."""
     kept = settings_of(properties, target.type)
     here = {key: text for key, text in kept.items() if not key.startswith(_SENDERS)}
     here["dataport.dataflow_type"] = Dataflow.PUSH
@@ -183,7 +178,7 @@ def received(
 
 
 class Source:
-    """`OutPortCdr`: gives the samples of one connection, which wait at the OutPort."""
+    """`OutPortCdr`: provides the samples of a connection, which are queued at the OutPort."""
 
     def __init__(
         self,
@@ -199,9 +194,7 @@ class Source:
         self.connector = DataConnector(name, source, self._waiting, kept, guard)
 
     def get(self) -> tuple[PortStatus, bytes]:
-        """Return the oldest sample; without one, by the empty policy, the last one or
-        BUFFER_EMPTY.
-        """
+        """Return the oldest sample; without one, by the policy, the last one or BUFFER_EMPTY."""
         if not self.connector.connected:
             return PortStatus.PORT_ERROR, b""
         value = self._waiting.read()
@@ -217,8 +210,8 @@ class Source:
 class Pulled(DataConnector[Any]):
     """A connection to an InPort of this process, which fetches from a foreign OutPort on demand.
 
-    OpenRTM gives its last sample again and does not say that it does, so octets that are equal to
-    the last ones are no new sample.
+    OpenRTM returns its last sample repeatedly without an indication, so octets equal to the last
+    ones are not a new sample.
     """
 
     def __init__(
@@ -267,7 +260,7 @@ class Pulled(DataConnector[Any]):
         try:
             status, octets = self._objects.call(self._reference, OUT_PORT_CDR, "get")
         except CORBA.SystemException as error:
-            # OpenRTM-aist-Python cannot marshal what it has while there is no sample.
+            # OpenRTM-aist-Python cannot marshal its value before there is a sample.
             if not is_silent(error):
                 return
             self._reference = None

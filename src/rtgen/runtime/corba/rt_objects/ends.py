@@ -1,4 +1,4 @@
-"""What is behind a port service: InPorts, OutPorts, and the interfaces of service ports."""
+"""Targets of port services: InPorts, OutPorts, and the interfaces of service ports."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ class InEnd:
         self._guard = guard
 
     def offer(self, name: str, properties: Mapping[str, str]) -> Offer:
-        """For pushed samples an `InPortCdr`. Raises ConnectError."""
+        """Offer an `InPortCdr` for pushed samples. Raises ConnectError."""
         if is_pull(properties):
             return Offer({})
         connector = received(name, self._port, properties, self._guard)
@@ -73,7 +73,7 @@ class InEnd:
     def accept(
         self, name: str, properties: Mapping[str, str], lost: Callable[[], None]
     ) -> Connector | None:
-        """For pulled samples a connection to the other end. Raises ConnectError."""
+        """Return a connection to the other end for pulled samples. Raises ConnectError."""
         if not is_pull(properties):
             return None
         reference = _reference(self._exported, properties, _OUT_IOR)
@@ -98,7 +98,7 @@ class OutEnd:
         self._guard = guard
 
     def offer(self, name: str, properties: Mapping[str, str]) -> Offer:
-        """For pulled samples an `OutPortCdr`. Raises ConnectError."""
+        """Offer an `OutPortCdr` for pulled samples. Raises ConnectError."""
         if not is_pull(properties):
             return Offer({})
         source = Source(name, self._port, properties, self._guard)
@@ -110,7 +110,7 @@ class OutEnd:
     def accept(
         self, name: str, properties: Mapping[str, str], lost: Callable[[], None]
     ) -> Connector | None:
-        """For pushed samples a connection to the other end. Raises ConnectError."""
+        """Return a connection to the other end for pushed samples. Raises ConnectError."""
         if is_pull(properties):
             return None
         reference = _reference(self._exported, properties, _IN_IOR)
@@ -151,7 +151,7 @@ class ServiceEnd:
         self._iors = {p: exported.text(references[p]) for p in port.providers}
 
     def offer(self, name: str, properties: Mapping[str, str]) -> Offer:
-        """Return the providers."""
+        """Offer the providers."""
         return Offer(offers(self._port.instance, self._known, self._iors))
 
     def accept(

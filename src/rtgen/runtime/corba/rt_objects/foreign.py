@@ -1,6 +1,6 @@
-"""Components that others run: looked up by their paths, configured, activated and watched.
+"""Foreign components, run by other programs: found by their paths, configured, activated, watched.
 
-`INSTANCE.rtc` of another rtgen process is found here, too; it configures and activates itself.
+`INSTANCE.rtc` of another rtgen process is also found here; it configures and activates itself.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ _ADDRESSES = ("corbaname:", "corbaloc:", "IOR:")
 _DEFAULT_SET = "default"
 
 Opened = Callable[[str], Naming]
-"""Makes a client of the naming service at `HOST[:PORT]`. Raises TransportError."""
+"""Function that returns a client of the naming service at `HOST[:PORT]`. Raises TransportError."""
 
 
 class Foreign:
@@ -45,9 +45,9 @@ class Foreign:
     def __init__(self, plan: ForeignComponent, exported: Exported) -> None:
         self.plan = plan
         self.reference: Any = None
-        """The component that was found last."""
+        """The component found last."""
         self.wanted = False
-        """Whether it is to be ACTIVE."""
+        """Whether it should be ACTIVE."""
         self._exported = exported
 
     @property
@@ -56,7 +56,7 @@ class Foreign:
         return self.plan.instance
 
     def configure(self) -> None:
-        """Set the configuration of the system. Raises ConfigurationError, TransportError."""
+        """Set the configuration given by the system. Raises ConfigurationError, TransportError."""
         if not self.plan.configuration:
             return
         try:
@@ -97,7 +97,7 @@ class Foreign:
         self._call(sets, CONFIGURATION, change, made)
 
     def activate(self) -> None:
-        """Request ACTIVE of its own context. Raises TransportError."""
+        """Request ACTIVE in its own context. Raises TransportError."""
         self.wanted = True
         try:
             context = self._context()
@@ -118,7 +118,7 @@ class Foreign:
 
     @property
     def state(self) -> LifeCycleState | None:
-        """Its state in its own context; None if it does not answer."""
+        """Its state in its own context; None if it does not respond."""
         try:
             return self._state(self._context())
         except (CORBA.SystemException, TransportError):
@@ -156,11 +156,11 @@ class Directory:
         self._services: dict[str, Naming] = {}
 
     def expect(self, plan: ForeignComponent) -> None:
-        """Look for a component by the path of its plan from now on."""
+        """Look for a component by the path in its plan from now on."""
         self.foreign[plan.instance] = Foreign(plan, self._exported)
 
     def find(self, instance: str) -> Any:
-        """Return a component that answers; None if there is none."""
+        """Return a component that responds; None if there is none."""
         foreign = self.foreign.get(instance)
         if foreign is None:
             found = self.naming.component(instance, KIND)
@@ -170,7 +170,7 @@ class Directory:
         return foreign.reference
 
     def where(self, instance: str) -> str:
-        """Return the places where a component is looked for, for messages."""
+        """Return the places searched for a component, for messages."""
         path = self.foreign[instance].plan.path if instance in self.foreign else ""
         if path.startswith(_ADDRESSES):
             return f"nothing answers at {path}"
@@ -193,7 +193,7 @@ class Directory:
         return next((found for each in candidates if is_alive(found := each())), None)
 
     def _elsewhere(self, address: str, path: list[tuple[str, str]]) -> Any:
-        """What the naming service of a path has; None if no service answers there."""
+        """Return the object of a path's naming service; None if the service does not respond."""
         try:
             if address not in self._services:
                 self._services[address] = self._opened(address)
@@ -204,21 +204,19 @@ class Directory:
 
 
 def _id_and_kind(name: str) -> tuple[str, str]:
-    """Return the id and kind of a name such as `rh3.host_cxt`."""
+    """Split a name such as `rh3.host_cxt` into id and kind."""
     identity, dot, kind = name.rpartition(".")
     return (identity, kind) if dot else (name, "")
 
 
 def is_place(path: str) -> bool:
-    """Return whether a text names a component by itself: an address of CORBA, or
-    `HOST[:PORT]/...`.
-    """
+    """Return whether a text is a place: an address of CORBA, or `HOST[:PORT]/...`."""
     host, _, names = path.partition("/")
     return path.startswith(_ADDRESSES) or bool(host and names)
 
 
 def located(path: str, exported: Exported, opened: Opened) -> Any:
-    """What is at a place; None if there is nothing. Raises TransportError."""
+    """Return the object at a place; None if there is none. Raises TransportError."""
     if path.startswith(_ADDRESSES):
         return exported.reference(path)
     address, *names = path.split("/")

@@ -1,4 +1,4 @@
-"""Looks after what other processes have: reports what is lost, and connects it again."""
+"""Monitors components of other processes: reports losses, and reconnects."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ Peer = PeerConnection | ServicePeer
 
 
 class Keeper:
-    """A thread that looks at foreign components and connections until `close`.
+    """A thread that monitors foreign components and connections until `close`.
 
-    A connection whose other process was started anew is made again; a foreign component is
-    configured, and activated if it was to be ACTIVE.
+    A connection is re-established after the other process was restarted; a foreign component is
+    configured, and activated if it should be ACTIVE.
     """
 
     def __init__(
@@ -38,7 +38,7 @@ class Keeper:
         self._thread.start()
 
     def close(self) -> None:
-        """End the thread, after the calls that it has made."""
+        """End the thread, after its current calls."""
         self._ended.set()
         self._thread.join()
 
@@ -71,7 +71,7 @@ class Keeper:
         (self._failed.add if failed else self._failed.discard)(instance)
 
     def _resume(self, foreign: Foreign) -> None:
-        """Bring a component that is there again to its former state."""
+        """Restore the former state of a component that is back."""
         foreign.configure()
         if foreign.wanted:
             foreign.activate()
@@ -79,7 +79,7 @@ class Keeper:
         log.log(NOTE, "%s is there again", foreign.instance)
 
     def _tried(self, what: str, action: Callable[[], object]) -> None:
-        """Carry out an action; a failure is reported once."""
+        """Execute an action; a failure is reported once."""
         try:
             action()
         except RtcError as error:

@@ -14,7 +14,7 @@ from rtgen.runtime.failures import log
 
 
 class Exported:
-    """Makes CORBA objects of Python objects that have the operations of an interface."""
+    """Creates CORBA objects for Python objects that implement an interface."""
 
     def __init__(self, orb: Orb) -> None:
         self._orb = orb
@@ -25,7 +25,7 @@ class Exported:
         return self._orb.poa.id_to_reference(self._orb.poa.activate_object(servant))
 
     def withdraw(self, reference: Any) -> None:
-        """Remove an object that `serve` has made."""
+        """Remove an object created by `serve`."""
         poa = self._orb.poa
         poa.deactivate_object(poa.reference_to_id(reference))
 

@@ -1,4 +1,4 @@
-"""Connections to components of other processes, rtgen's or OpenRTM's, found by their names."""
+"""Connections to components of other processes, rtgen's or OpenRTM's, found by name."""
 
 from __future__ import annotations
 
@@ -30,22 +30,22 @@ from rtgen.runtime.services.transports import RemotePort
 if TYPE_CHECKING:
     from rtgen.runtime.corba.rt_objects.publishing import RtObjects
 
-_LOOK_AGAIN = 0.05
+_POLL_INTERVAL = 0.05
 DATA_DEFAULTS = {
     "dataport.interface_type": "corba_cdr",
     "dataport.dataflow_type": "push",
     "dataport.subscription_type": "flush",
 }
-"""The properties of a connection of data ports that states none."""
+"""Default properties of a connection of data ports."""
 
 
 class _Peer:
-    """A connection of a port of this process and one of another, made by `establish`."""
+    """A connection between a port of this process and one of another, made by `establish`."""
 
     kind = ""
     """The type of the other port: `DataInPort`, `DataOutPort`, `CorbaPort`."""
     suffix = ""
-    """What OpenRTM's name of the other port may have at its end; see `registered_names`."""
+    """Possible suffix of OpenRTM's name of the other port; see `registered_names`."""
 
     def __init__(
         self,
@@ -64,7 +64,7 @@ class _Peer:
         self._component: Any = None
 
     def attach(self) -> None:
-        """Let `establish` make the connection."""
+        """Do nothing: `establish` makes the connection."""
         self.connected = True
 
     def detach(self) -> None:
@@ -76,21 +76,21 @@ class _Peer:
             port.leave(self.name)
 
     def establish(self, directory: Directory, deadline: float) -> None:
-        """Make the connection, once there is the other component.
+        """Make the connection, waiting for the other component.
 
-        Raises TransportError after an instant of `time.monotonic`, PortTypeError if the other
-        port is missing, has another type, or refuses.
+        Raises TransportError after a time of `time.monotonic`, PortTypeError if the other port is
+        missing, has another type, or refuses.
         """
         while not self.attempt(directory):
             if time.monotonic() > deadline:
                 where = directory.where(self.there.instance)
                 raise TransportError(f"{self.here} waits for {self.there}; {where}")
-            time.sleep(_LOOK_AGAIN)
+            time.sleep(_POLL_INTERVAL)
 
     def attempt(self, directory: Directory) -> bool:
-        """Make the connection; False if the other component is not there.
+        """Make the connection; False if the other component is missing.
 
-        Nothing happens if the connection stands. Raises TransportError, PortTypeError.
+        Does nothing if the connection exists. Raises TransportError, PortTypeError.
         """
         port = self._objects.port(self.here)
         component = None if port is None else directory.find(self.there.instance)
@@ -124,9 +124,9 @@ class _Peer:
         return True
 
     def renew(self, directory: Directory) -> None:
-        """Make the connection again if the other component was started anew, or stood still.
+        """Re-establish the connection if the other component was restarted, or did not respond.
 
-        One that somebody has cut stays cut. Raises as `attempt` does.
+        A connection that was removed on purpose is not re-established. Raises as `attempt` does.
         """
         if not self.connected:
             return
@@ -136,7 +136,7 @@ class _Peer:
             self.attempt(directory)
 
     def _is_known(self, component: Any) -> bool:
-        """Return whether a component is that of the last connection, not one started anew."""
+        """Return whether a component is that of the last connection, not a restarted one."""
         return self._component is not None and self._component._is_equivalent(component)
 
     def _found(self, profile: Any) -> Any:
@@ -193,17 +193,17 @@ class PeerConnection(_Peer):
         self.suffix = "_out"
 
     def ends(self, here: Any, there: Any) -> list[Any]:
-        """Return the OutPort first."""
+        """Return the port services, the OutPort first."""
         return [here, there] if self._sends else [there, here]
 
     def requested(self) -> dict[str, str]:
-        """With the defaults, and the type."""
+        """Return the properties with defaults and type."""
         descriptor: Any = self.here.type._descriptor_
         stated = DATA_DEFAULTS | {"dataport.data_type": descriptor.repository_id}
         return stated | self.properties
 
     def is_made_there(self, properties: Mapping[str, str]) -> bool:
-        """Return the process of the OutPort makes it, if that is rtgen's."""
+        """Return whether the process of the OutPort makes the connection, if that is rtgen's."""
         return not self._sends and RUNTIME in properties
 
     def check(self, found: PortProfile) -> None:
@@ -219,7 +219,7 @@ class PeerConnection(_Peer):
 
 
 class ServicePeer(_Peer):
-    """A connection of service ports, of which the other one is foreign."""
+    """A connection between a service port here and a foreign one."""
 
     here: ServicePort
     kind = "CorbaPort"
@@ -238,7 +238,7 @@ class ServicePeer(_Peer):
         self.target = there
 
     def check(self, found: PortProfile) -> None:
-        """Compare the types of interfaces: each has a partner if strict, else one has."""
+        """Compare the types of interfaces: each must have a partner if strict, else one of them."""
         ways = (
             (PortInterfacePolarity.PROVIDED, self.here.consumers, "provider"),
             (PortInterfacePolarity.REQUIRED, self.here.providers, "consumer"),

@@ -39,7 +39,7 @@ _ENDS = 2
 
 @dataclass
 class Offer:
-    """What a port adds to a connector: properties, its half if it is the first, what ends it."""
+    """A port's part of a connector: properties, its half of the connection, how to end it."""
 
     properties: Mapping[str, str]
     connector: Connector | None = None
@@ -47,19 +47,19 @@ class Offer:
 
 
 class End(Protocol):
-    """What is behind a port service: a data port, or the interfaces of a service port."""
+    """Target of a port service: a data port, or the interfaces of a service port."""
 
     port: str
     properties: dict[str, str]
     interfaces: list[PortInterfaceProfile]
 
     def offer(self, name: str, properties: Mapping[str, str]) -> Offer:
-        """What the port offers to a connection. Raises ConnectError."""
+        """Return the port's offer to a connection. Raises ConnectError."""
 
     def accept(
         self, name: str, properties: Mapping[str, str], lost: Callable[[], None]
     ) -> Connector | None:
-        """Return the connection to what the other end offers; None if `offer` has made it.
+        """Return the connection to the other end's offer; None if `offer` has made it.
 
         Raises ConnectError.
         """
@@ -83,14 +83,14 @@ class Ports(Protocol):
     exported: Exported
     system: System | None
     ids: dict[str, str]
-    """The ids of connections that others have made, by their names in the system."""
+    """Ids of connections made by other processes, by their names in the system."""
 
     def at(self, connector: Connector) -> list[PortService]:
         """Return the port services at which a connection ends."""
 
 
 class PortService:
-    """`RTC::PortService` of a port; connections of the system show here, too."""
+    """`RTC::PortService` of a port; it includes the system's own connections."""
 
     def __init__(self, ports: Ports, instance: str, name: str, end: End) -> None:
         self.end = end
@@ -100,7 +100,7 @@ class PortService:
         self._ports = ports
         self._links: dict[str, _Link] = {}
         self._lost_ids: set[str] = set()
-        """Connections that ended here because the other end did not answer."""
+        """Connections that ended here because the other end did not respond."""
         self._connecting = threading.Lock()
         self.reference: Any = ports.exported.serve(PORT_SERVICE, self)
 
@@ -130,7 +130,7 @@ class PortService:
         return ConnectorProfile("", "", [], [])
 
     def _inner(self) -> list[Connector]:
-        """Return the connections of the system that end here, but for those to foreign ports."""
+        """Return the system's connections that end here, except those to foreign ports."""
         system = self._ports.system
         if system is None:
             return []
@@ -161,7 +161,7 @@ class PortService:
     # Connections
 
     def connect(self, profile: ConnectorProfile) -> tuple[ReturnCode_t, Any]:
-        """See `RTC::PortService`. BAD_PARAMETER unless two ports fit, one of them this one."""
+        """See `RTC::PortService`. BAD_PARAMETER unless two ports fit, including this one."""
         if len(profile.ports) != _ENDS or None in profile.ports:
             log.warning("%s: a connection has two ports", self.name)
             return BAD_PARAMETER, profile
@@ -186,7 +186,7 @@ class PortService:
         return code, made
 
     def _named(self, system: System, profile: ConnectorProfile) -> str:
-        """Return the name of a connection in the system, where names are unique."""
+        """Return the connection's name in the system, where names are unique."""
         name = profile.name or profile.connector_id
         if any(connector.name == name for connector in system.connectors):
             name = f"{name} ({profile.connector_id})"
@@ -212,11 +212,11 @@ class PortService:
         return refused[0]
 
     def notify_connect(self, profile: ConnectorProfile) -> tuple[ReturnCode_t, Any]:
-        """See `RTC::PortService`: offer interfaces, let the next port do so, then take theirs."""
+        """See `RTC::PortService`: offer interfaces, call the next port, then accept its offers."""
         system = self._ports.system
         identity = profile.connector_id
         if identity in self._links and not self._is_same(identity, profile):
-            # The process of the other port was started anew.
+            # The process of the other port was restarted.
             self._forget(identity)
         if system is None or identity in self._links:
             return PRECONDITION_NOT_MET, profile
@@ -258,7 +258,7 @@ class PortService:
         return code, changed
 
     def _next(self, profile: ConnectorProfile) -> Any:
-        """Return the port after this one in a profile; None if this is the last."""
+        """Return the next port in a profile; None after the last."""
         mine = [port._is_equivalent(self.reference) for port in profile.ports]
         place = mine.index(True) if True in mine else len(mine)
         return next(iter(profile.ports[place + 1 :]), None)
@@ -271,9 +271,9 @@ class PortService:
         return self._cut(connector_id)
 
     def has_link(self, connector_id: str, other: Any) -> bool:
-        """Return whether there is a connection of an id to a port of another process.
+        """Return whether there is a connection with this id to a port of another process.
 
-        One of that id to another port, whose process has ended, is removed.
+        One with this id to another port, whose process has ended, is removed.
         """
         link = self._links.get(connector_id)
         if link is None:
@@ -284,15 +284,15 @@ class PortService:
         return False
 
     def has_lost(self, connector_id: str) -> bool:
-        """Return whether a connection has ended here because the other end did not answer."""
+        """Return whether a connection has ended here because the other end did not respond."""
         return connector_id in self._lost_ids and connector_id not in self._links
 
     def end_there(self, connector_id: str, other: Any) -> None:
-        """Let another port end a connection of which it does not know that it is lost."""
+        """Make another port end a connection that it does not know to be lost."""
         self._notify(other, connector_id)
 
     def leave(self, connector_id: str) -> None:
-        """End a connection here, then at the other end; it need not be there."""
+        """End a connection here, then at the other end, which may be gone."""
         self._lost_ids.discard(connector_id)
         link = self._forget(connector_id)
         for port in () if link is None else link.profile.ports:
@@ -300,7 +300,7 @@ class PortService:
                 self._notify(port, connector_id)
 
     def _forget(self, connector_id: str) -> _Link | None:
-        """End a connection here alone."""
+        """End a connection here only."""
         link = self._links.pop(connector_id, None)
         if link is not None:
             self._end(link)
@@ -323,7 +323,7 @@ class PortService:
         return next((code for code in codes if code is not RTC_OK), RTC_OK)
 
     def notify_disconnect(self, connector_id: str) -> ReturnCode_t:
-        """See `RTC::PortService`: let the next port end the connection, then end it here."""
+        """See `RTC::PortService`: call the next port, then end the connection here."""
         link = self._links.pop(connector_id, None)
         if link is None:
             return self._cut(connector_id)
@@ -334,7 +334,7 @@ class PortService:
         return RTC_OK
 
     def _notify_all(self, profile: ConnectorProfile) -> ReturnCode_t:
-        """Let the first port that answers end the connection; the others follow it."""
+        """Call the first port that responds to end the connection; the others follow it."""
         identity = profile.connector_id
         for port in profile.ports:
             if self._notify(port, identity):
@@ -358,11 +358,11 @@ class PortService:
         return True
 
     def _cut(self, connector_id: str) -> ReturnCode_t:
-        """Cut a connection within the system."""
+        """Remove a connection within the system."""
         system = self._ports.system
         for connector in self._inner():
             if self._profile(connector).connector_id == connector_id:
-                assert system is not None  # It has the connection.
+                assert system is not None  # it has the connection
                 with self._refusing() as refused:
                     system.disconnect(connector)
                 self._ports.ids.pop(connector.name, None)
@@ -379,10 +379,10 @@ class PortService:
         link.withdraw()
 
     def _lost(self, connector_id: str) -> Callable[[], None]:
-        """Return a function that ends a connection whose other end is silent, in a thread of its
-        own.
+        """Return a function that ends a connection to a silent peer, in a new thread.
 
-        The thread that notices sends or publishes samples, which ending a connection waits for.
+        The thread that detects it sends or publishes samples, and ending a connection waits for
+        that.
         """
 
         def end() -> None:
@@ -395,7 +395,7 @@ class PortService:
 
     @contextmanager
     def _refusing(self) -> Iterator[list[ReturnCode_t]]:
-        """The code for what is raised inside, which is logged."""
+        """Yield a list for the return code of an exception in the block, which is logged."""
         code = [RTC_OK]
         try:
             yield code
@@ -404,7 +404,7 @@ class PortService:
             code[0] = BAD_PARAMETER
 
     def close(self) -> None:
-        """End the connections to other processes, and serve no more."""
+        """Close the connections to other processes, and deactivate the objects."""
         for link in list(self._links.values()):
             self._notify_all(link.profile)
         self._ports.exported.withdraw(self.reference)

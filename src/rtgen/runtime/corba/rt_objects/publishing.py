@@ -1,4 +1,4 @@
-"""The RTObjects of a process, and their names in a naming service."""
+"""RTObjects of a process, and their names in a naming service."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class RtObjects:
         self._naming.bind_object((instance, KIND), made.reference)
 
     def withdraw(self, instance: str) -> None:
-        """Withdraw a component, after its name."""
+        """Withdraw a component's name, then the component."""
         made = self._published.pop(instance, None)
         if made is not None:
             try:
@@ -64,7 +64,7 @@ class RtObjects:
                 made.close()
 
     def port(self, end: InPort[Any] | OutPort[Any] | ServicePort) -> PortService | None:
-        """Return the port service of a port; None if it is withdrawn."""
+        """Return the port service of a port; None after it was withdrawn."""
         kind: type[End]
         if isinstance(end, ServicePort):
             kind, owner, name = ServiceEnd, end.instance, end.port
@@ -78,19 +78,17 @@ class RtObjects:
         )
 
     def own(self, reference: Any) -> RtObject | PortService | None:
-        """Return the component or port of this process to which a reference leads; None without
-        one.
-        """
+        """Return the component or port of this process for a reference; None if there is none."""
         found = self.exported.local(reference)
         return found if isinstance(found, RtObject | PortService) else None
 
     def ports_at(self, instance: str, port: str) -> list[PortService]:
-        """Return the ports of that name of a component; an InPort and an OutPort may share one."""
+        """Return a component's ports of that name; an InPort and an OutPort may share one."""
         made = self._published.get(instance)
         return [each for each in (made.ports if made else ()) if each.end.port == port]
 
     def at(self, connector: Connector) -> list[PortService]:
-        """See `Ports`; the OutPort, or the first port of a service connection, first."""
+        """See `Ports`; the OutPort, or the first port of a service connection, comes first."""
         found = [
             port
             for made in tuple(self._published.values())
@@ -100,13 +98,13 @@ class RtObjects:
         return sorted(found, key=lambda port: isinstance(port.end, InEnd))
 
     def _guard(self) -> Guard:
-        assert self.system is not None  # Connections are made while it runs.
+        assert self.system is not None  # connections are made while it runs
         return self.system.clock.guard()
 
     def _ends(
         self, component: Component, references: Mapping[Provider[Any], Any]
     ) -> list[tuple[str, End]]:
-        """Return the ports with their names on OpenRTM."""
+        """Return the ports with OpenRTM's names."""
         services = [port for port, _ in (*component.providers, *component.consumers)]
         keys = [
             *((IN, name) for name in component.in_ports),

@@ -1,4 +1,4 @@
-"""A component of another process, rtgen's or OpenRTM's, by the operations of its own objects."""
+"""A component of another process, rtgen's or OpenRTM's, through its CORBA objects."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ from rtgen.runtime.corba.rt_objects.wire import (
 from rtgen.runtime.return_codes import LifeCycleState
 
 _FOR_TOOLS = "__"
-"""How the ids of sets begin that inform tools: `__widget__`, `__constraints__`."""
+"""Prefix of the ids of sets that inform tools: `__widget__`, `__constraints__`."""
 
 
 class NilError(Exception):
-    """The component has given no reference where there must be one."""
+    """The component returned nil where a reference is required."""
 
 
 class RemoteRtc:
-    """A component that is called. Methods raise omniORB's exceptions and NilError."""
+    """A component to call. Methods raise omniORB's exceptions and NilError."""
 
     def __init__(self, reference: Any, exported: Exported) -> None:
         self.reference = reference
@@ -60,13 +60,13 @@ class RemoteRtc:
 
     @property
     def contexts(self) -> list[Any]:
-        """Its own contexts."""
+        """The contexts that it owns."""
         found: list[Any] = self.call("get_owned_contexts")
         return found
 
     @property
     def context(self) -> Any:
-        """Its own first context. Raises NilError."""
+        """The first context that it owns. Raises NilError."""
         for context in self.contexts:
             return context
         raise NilError("it owns no execution context")
@@ -74,14 +74,12 @@ class RemoteRtc:
     # Configuration
 
     def sets(self) -> dict[str, dict[str, str]]:
-        """Return the values of the configuration sets, but for those that inform tools."""
+        """Return the values of the configuration sets, except those that inform tools."""
         found = self.all_sets()
         return {k: v for k, v in found.items() if not k.startswith(_FOR_TOOLS)}
 
     def all_sets(self) -> dict[str, dict[str, str]]:
-        """Return the values of all sets, with those that inform tools: `__widget__`,
-        `__constraints__`.
-        """
+        """Return the values of all sets, including those that inform tools."""
         found = self.configure("get_configuration_sets")
         return {each.id: texts(each.configuration_data) for each in found}
 

@@ -1,4 +1,4 @@
-"""Service connections by IORs in the properties of a connector, as OpenRTM makes them."""
+"""Service connections by IORs in the properties of a connector, as in OpenRTM."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from rtgen.runtime.services.ports import Carrier, Consumer, Provider, ServicePor
 from rtgen.runtime.services.transports import RemotePort
 
 _NONE = ("nil", "null")
-"""Values of pairs that mean that a consumer stays without provider."""
+"""Values of pairs for a consumer without provider."""
 
 
 def type_names(end: Consumer[Any] | Provider[Any]) -> list[str]:
-    """Return the names by which others may know the type of an interface, its own first.
+    """Return the possible names of an interface's type in other processes, its own first.
 
-    Besides the scoped one there is that without its scope, by which authors of many components have
-    registered their interfaces.
+    Besides the scoped name there is the one without scope, under which many components register
+    interfaces.
     """
     scoped: str = end.interface._descriptor_.name
     return [*filter(None, (end._type_name, scoped, scoped.rpartition("::")[2]))]
@@ -38,9 +38,9 @@ def offers(
     port: str,
     providers: Mapping[Provider[Any], str],
 ) -> dict[str, str]:
-    """Return the properties of a connector that offer providers, given with their IORs.
+    """Return a connector's properties that offer providers, given with their IORs.
 
-    Besides OpenRTM's two names there are those of `type_names`.
+    Besides OpenRTM's two names they use those of `type_names`.
     """
     found: dict[str, str] = {}
     for provider, ior in providers.items():
@@ -53,7 +53,7 @@ def offers(
 
 
 class ServiceLink:
-    """A connection of a service port to a foreign one; `pairs` are consumers and what they call."""
+    """A connection of a service port to a foreign one; `pairs` are consumers with providers."""
 
     def __init__(
         self,
@@ -93,9 +93,9 @@ def link(
     exported: Exported,
     own: Callable[[str], bool],
 ) -> ServiceLink:
-    """Return the connection that a connector's properties describe for `port`, not established.
+    """Return the unestablished connection that a connector's properties describe for `port`.
 
-    `own` tells whether an IOR is one that this end offers. Raises PortTypeError for a strict one
+    `own` returns whether an IOR is one that this end offers. Raises PortTypeError for a strict one
     with a consumer that has no provider.
     """
     pairs: dict[Consumer[Any], Carrier] = {}
@@ -114,7 +114,7 @@ def link(
 def _offered(
     consumer: Consumer[Any], instance: str, port: str, properties: Mapping[str, str]
 ) -> str | None:
-    """What the properties name for a consumer: by a pair, else by equal names."""
+    """Return the IOR in the properties for a consumer: by a pair, else by equal names."""
     required = f"{instance}.port.{port}.required.{descriptor(consumer)}"
     selected = properties.get(required)
     if selected is not None:
@@ -129,7 +129,7 @@ def _only_one(
     exported: Exported,
     own: Callable[[str], bool],
 ) -> str | None:
-    """Return the only provider that the other end offers of the consumer's interface."""
+    """Return the only offered provider of the consumer's interface at the other end."""
     identity = consumer.interface._descriptor_.repository_id
     iors = {text for text in properties.values() if text.startswith("IOR:")}
     fitting = []

@@ -237,7 +237,7 @@ class Interface:
 
     @property
     def operations(self) -> dict[str, Any]:
-        """All operations, with those of the bases."""
+        """All operations, including inherited ones."""
         found: dict[str, Any] = {}
         for base in self.bases:
             found |= base.operations
@@ -379,7 +379,7 @@ OUT_PORT_CDR = Interface(
 
 
 def values(properties: Mapping[str, str]) -> list[NameValue]:
-    """Properties with texts as values."""
+    """Return properties with texts as values."""
     return [NameValue(name, anys.to_any(text)) for name, text in properties.items()]
 
 
