@@ -1,1 +1,1 @@
-"""The behaviours of the reference application, by hand on generated base classes."""
+"""Behaviours of the reference applications, written by hand on generated base classes."""

@@ -1,4 +1,4 @@
-"""A motor with its load: what current, voltage and inertia let it do. Units: SI, at the axis."""
+"""Physics of a motor with its load, from current, voltage and inertia. SI units, at the axis."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from math import inf, sqrt
 from typing import Final
 
 AMBIENT: Final = 25.0
-"""Temperature of a motor that has rested [degrees Celsius]."""
+"""Temperature of a motor at rest for a long time [degrees Celsius]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,9 +30,9 @@ class Motor:
 
 
 class Axis:
-    """Turns by the torque of its motor; `angle` [rad], `speed` [rad/s], `torque` [N m].
+    """An axis turned by its motor; `angle` [rad], `speed` [rad/s], `torque` [N m].
 
-    From outside come `voltage` [V] and `load`, a further torque [N m].
+    Inputs are `voltage` [V] and `load`, a further torque [N m].
     """
 
     def __init__(self, motor: Motor, voltage: float) -> None:
@@ -55,15 +55,15 @@ class Axis:
         return self.voltage * self.motor.speed_constant
 
     def torque_for(self, speed: float, dt: float) -> float:
-        """Return the torque by which an axis without load has this speed [rad/s] after `dt` [s]."""
+        """Return the torque that gives an axis without load this speed [rad/s] after `dt` [s]."""
         motor = self.motor
         return motor.inertia * (speed - self.speed) / dt + motor.friction * self.speed
 
     def turn(self, torque: float, dt: float) -> None:
-        """Turn on for `dt` [s]."""
+        """Simulate `dt` [s] with a torque."""
         motor = self.motor
         top = self.top_speed
-        # The motor's torque within its voltage; a load may turn it faster.
+        # The torque of the motor is limited by its voltage; a load may turn the axis faster.
         fastest, slowest = self.torque_for(top, dt), self.torque_for(-top, dt)
         torque = min(max(torque, min(slowest, 0.0)), max(fastest, 0.0))
         self.torque = torque
@@ -75,9 +75,9 @@ class Axis:
 
 
 def approach(distance: float, deceleration: float, dt: float) -> float:
-    """Return the speed at which a way of this length can be ended at rest, in steps of `dt` [s].
+    """Return the speed that allows to stop after `distance`, in steps of `dt` [s].
 
-    The signs are those of the way. Any units that fit each other.
+    The sign is that of the distance. Any consistent units.
     """
     way = abs(distance)
     if deceleration == inf:
@@ -90,9 +90,7 @@ def approach(distance: float, deceleration: float, dt: float) -> float:
 
 
 def ramped(value: float, target: float, gain: float, loss: float) -> float:
-    """Return the next speed on the way to `target`: `gain` and `loss` limit the change of its
-    amount.
-    """
+    """Return the next speed towards `target`; `gain` and `loss` limit the change of its amount."""
     if value * target < 0.0:
         target = 0.0
     step = gain if abs(target) > abs(value) else loss

@@ -1,4 +1,4 @@
-"""Base control independent of the wheels: commanded velocity, Stop and Go."""
+"""Control of a base with any kind of wheels: commanded velocity, Stop and Go."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from rtgen.runtime import InPort
 
 
 class TravelSwitch(RefHard):
-    """The switch of a user interface: its Go releases the base, whatever has stopped it.
+    """The switch of a user interface: its Go releases the base, whoever stopped it.
 
     `bumper` is the switch of a bumper, whose Go only cancels its own Stop.
     """
@@ -27,24 +27,24 @@ class TravelSwitch(RefHard):
         self._by_hand = False
 
     def Stop(self) -> None:
-        """Stop the travelling base."""
+        """Stop the base."""
         self.stopped = self._by_hand = True
 
     def Go(self) -> None:
-        """Let the stopped base travel."""
+        """Release the base."""
         self.stopped = self._by_hand = False
 
     @property
     def by_hand(self) -> bool:
-        """Whether the base is stopped by this switch itself."""
+        """Whether this switch itself stopped the base."""
         return self._by_hand
 
     def restore(self, *, stopped: bool, by_hand: bool) -> None:
-        """Set the state that the switch of a process before had."""
+        """Restore the state of the switch from a checkpoint."""
         self.stopped, self._by_hand = stopped, by_hand
 
     def release(self) -> None:
-        """Let the base travel, unless it was stopped by hand."""
+        """Release the base, unless it was stopped by hand."""
         self.stopped = self._by_hand
 
 
@@ -55,11 +55,11 @@ class Bumper(RefHard):
         self._switch = switch
 
     def Stop(self) -> None:
-        """Stop the travelling base."""
+        """Stop the base."""
         self._switch.stopped = True
 
     def Go(self) -> None:
-        """Let the base travel, unless it was stopped by hand."""
+        """Release the base, unless it was stopped by hand."""
         self._switch.release()
 
 
@@ -81,7 +81,7 @@ class PlantSizes(Protocol):
 
 
 class PlantStart(Protocol):
-    """The parameters that say where a simulated base stands at first [m, rad]."""
+    """The parameters of the start pose of a simulated base [m, rad]."""
 
     PlantStart_x: float
     PlantStart_y: float
@@ -89,14 +89,14 @@ class PlantStart(Protocol):
 
 
 class PlantRoom(Protocol):
-    """The parameters that say what a simulated base can touch [m]."""
+    """The parameters of the obstacles of a simulated base [m]."""
 
     PlantRoom: str
     PlantRadius: float
 
 
 def furnish(plant: Plant, parameters: PlantRoom, folder: Path) -> None:
-    """Put what stands in the room round the simulated base. Raises MapError."""
+    """Add the room of the parameters to the simulated base. Raises MapError."""
     plant.radius = parameters.PlantRadius
     name = parameters.PlantRoom
     plant.room = parse(text_of(folder, name), name) if name else Room(())
@@ -108,7 +108,7 @@ def contact(plant: Plant) -> str:
 
 
 def start_of(parameters: PlantStart) -> Pose:
-    """Where the simulated base stands when it is first activated."""
+    """Return the pose of the simulated base at its first activation."""
     return Pose(
         parameters.PlantStart_x, parameters.PlantStart_y, parameters.PlantStart_theta
     )
@@ -124,7 +124,7 @@ def true_wheels(parameters: PlantSizes) -> TwoWheels:
 
 
 class BaseControl:
-    """Makes wheel speeds of the newest velocity; of none, once none has come for too long."""
+    """Computes wheel speeds from the newest velocity; 0 once the velocity is too old."""
 
     def __init__(
         self,
@@ -140,14 +140,14 @@ class BaseControl:
         self.start(0)
 
     def start(self, now: int) -> None:
-        """At rest from now [ns] on, until a velocity comes."""
+        """Start at rest at the time `now` [ns], until a velocity arrives."""
         self._switch.Go()
         self._vx = 0.0
         self._va = 0.0
         self._command.start(now)
 
     def wheel_speeds(self, now: int) -> tuple[float, float]:
-        """Return the speeds that the left and the right wheel are to have now [ns]; in rad/s."""
+        """Return the target speeds of the left and the right wheel at `now` [ns]; in rad/s."""
         parameters = self._parameters
         if (command := self._command.read_newest(now)) is not None:
             self._vx = command.data.vx

@@ -1,4 +1,4 @@
-"""The body of a robot: simulated wheels, and what the robot knows of its motion by encoders."""
+"""The body of a robot: simulated wheels, and odometry from their encoders."""
 
 from __future__ import annotations
 
@@ -36,10 +36,9 @@ class OmniWheelSizes(WheelLimits, Protocol):
 
 
 class Body:
-    """Wheels driven by velocities of the body.
+    """A body moved by driven wheels.
 
-    `odometry` is the pose computed from the encoders. `goes_sideways`: the body can move
-    sideways.
+    `odometry` is the pose computed from the encoders. `goes_sideways`: the body can move sideways.
     """
 
     def __init__(
@@ -57,11 +56,11 @@ class Body:
         self.odometry = pose
 
     def halt(self) -> None:
-        """Hold all wheels at once."""
+        """Stop all wheels at once."""
         self.plant.halt()
 
     def roll(self, dt: float) -> tuple[float, float, float]:
-        """Run for `dt` [s] as the wheels turn now.
+        """Move for `dt` [s] at the present wheel speeds.
 
         Returns the motion by the encoders: forward and to the left [m], turned [rad].
         """
@@ -77,7 +76,7 @@ class Body:
         return motion
 
     def drive(self, vx: float, vy: float, va: float, dt: float) -> None:
-        """Bring the wheels nearer to a velocity of the body [m/s, m/s, rad/s], in `dt` [s]."""
+        """Accelerate the wheels for `dt` [s] towards a velocity of the body [m/s, m/s, rad/s]."""
         limits = self._limits
         self.plant.drive(
             self.plant.kinematics.speeds(vx, vy, va),

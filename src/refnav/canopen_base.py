@@ -1,4 +1,4 @@
-"""A base whose wheels hang on drives of CiA 402, reached through the ports of their proxies."""
+"""A base with CiA 402 drives, reached through the ports of their proxies."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from rtgen.runtime import SECOND, InPort, OutPort
 
 _FAULTS: Final = (PowerState.FAULT_REACTION_ACTIVE, PowerState.FAULT)
 _COASTING: Final = 1.0
-"""How long [s] a wheel may turn on when its drive is lost."""
+"""How long a wheel may coast after its drive is lost [s]."""
 
 
 class PlantParameters(BaseParameters, PlantSizes, PlantStart, Protocol):
@@ -35,9 +35,9 @@ class PlantParameters(BaseParameters, PlantSizes, PlantStart, Protocol):
 
 @dataclass(frozen=True, slots=True)
 class WheelPorts:
-    """The ports that lead to a drive's proxy, and the types of what goes out of them.
+    """The ports that lead to a drive's proxy, and the types of the commands sent through them.
 
-    `unit` is what 1 means in angles [rad] and speeds [rad/s] there.
+    `unit` is the unit of their angles [rad] and speeds [rad/s].
     """
 
     name: str
@@ -51,21 +51,21 @@ class WheelPorts:
 
 
 class Wheel:
-    """A wheel with its drive: `angle` [rad] since it was first heard of, `speed` [rad/s]."""
+    """A wheel with its drive: `angle` [rad] since the first position, `speed` [rad/s]."""
 
     def __init__(self, ports: WheelPorts) -> None:
         self.name = ports.name
         self.angle = 0.0
         self.speed = 0.0
         self.heard: int | None = None
-        """When its position last came [ns]; None while it never has."""
+        """Time of the last position [ns]; None before the first one."""
         self.master = DriveMaster()
         self._ports = ports
         self._position = 0.0
         self._lost = False
 
     def listen(self, now: int, parameters: PlantParameters) -> None:
-        """Take what has come from the drive."""
+        """Read the samples received from the drive."""
         status = (
             self._ports.status.read_newest() if self._ports.status.is_new() else None
         )
@@ -85,18 +85,18 @@ class Wheel:
             self._lost = True
 
     def there(self, now: int, timeout: float) -> bool:
-        """Return whether the drive was heard of within the last `timeout` [s]."""
+        """Return whether the drive sent a position within the last `timeout` [s]."""
         return self.heard is not None and now - self.heard <= timeout * SECOND
 
     def drive(self, speed: float) -> None:
-        """Bring the drive to operation, and gives it a speed [rad/s]."""
+        """Enable the drive step by step, and command a speed [rad/s]."""
         ports = self._ports
         self._command(self.master.controlword)
         target = speed / ports.unit if self.master.enabled else 0.0
         ports.target.write(ports.target_type(Target_velocity=target))
 
     def stop(self) -> None:
-        """Let the drive stop quickly."""
+        """Command a quick stop."""
         self._command(Command.QUICK_STOP)
 
     def _command(self, word: int) -> None:
@@ -111,7 +111,7 @@ class Wheel:
         if self.heard is None:
             moved = 0.0
         elif self._lost:
-            # A drive that was switched off counts from 0 again; the pose is kept.
+            # A drive that was switched off counts from 0 again; the angle is kept.
             most = limit * min((now - self.heard) / SECOND, _COASTING)
             if position == 0.0 or abs(moved) > most:
                 moved = 0.0
@@ -122,7 +122,7 @@ class Wheel:
 
 
 class CanopenBase:
-    """Drives the wheels of both sides, and moves the plant as their encoders tell."""
+    """Drives the wheels of both sides, and moves the simulated base by their encoders."""
 
     def __init__(
         self,
@@ -145,7 +145,7 @@ class CanopenBase:
         return tuple(wheel.speed for wheel in self._wheels)
 
     def start(self, now: int) -> None:
-        """At rest from now [ns] on; the base stays where it is."""
+        """Start at rest at the time `now` [ns]; the base stays at its place."""
         self.plant.start(start_of(self._parameters))
         self._running = False
         self._control.start(now)
@@ -156,7 +156,7 @@ class CanopenBase:
             wheel.stop()
 
     def step(self, now: int) -> tuple[float, float] | None:
-        """Drive on; the angles of both sides [rad], None while a drive is not there.
+        """Command the drives; return the angles of both sides [rad], None while a drive is missing.
 
         Raises RuntimeError if a drive has a fault while the base is driven.
         """
@@ -177,7 +177,7 @@ class CanopenBase:
         return self._turned() if whole else None
 
     def _check(self, wheels: Sequence[Wheel]) -> None:
-        """Reset faults that existed before; report a new one."""
+        """Reset the faults that existed before the start; report a new one."""
         for wheel in wheels:
             if self._running and wheel.master.state in _FAULTS:
                 self._running = False
@@ -196,5 +196,5 @@ def _mean(wheels: Sequence[Wheel]) -> float:
 
 
 def sample(angles: tuple[float, float]) -> rtc.TimedDoubleSeq:
-    """Wheel angles as they are sent."""
+    """Return a message with the wheel angles."""
     return rtc.TimedDoubleSeq(data=list(angles))

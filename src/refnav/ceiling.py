@@ -1,4 +1,4 @@
-"""The ceiling: lamps, pictures of them by a camera, and the pose computed from a picture.
+"""The ceiling: lamps, camera pictures of them, and the pose computed from a picture.
 
 A picture has one octet for each pixel, row by row; its upper edge is ahead of the base, its left
 edge to the left.
@@ -11,7 +11,7 @@ from math import atan2, ceil, cos, fsum, hypot, sin, sqrt
 from typing import NamedTuple
 
 from refnav.geometry import Pose
-from refnav.map_text import lines, mistake
+from refnav.map_text import lines, map_error
 
 BRIGHT = 255
 
@@ -35,7 +35,7 @@ class View(NamedTuple):
 
 
 class Blob(NamedTuple):
-    """A bright spot: its middle (column, row), pixels, and the box that it fills."""
+    """A bright spot: its centre (column, row), number of pixels, and bounding box."""
 
     column: float
     row: float
@@ -47,7 +47,7 @@ class Blob(NamedTuple):
 
     @property
     def coefficient(self) -> float:
-        """How much of the box is bright, 0 to 1."""
+        """The bright fraction of the bounding box, 0 to 1."""
         size = (self.right - self.left + 1) * (self.bottom - self.top + 1)
         return self.pixels / size
 
@@ -58,10 +58,10 @@ def parse(text: str, name: str) -> list[Lamp]:
     for line, _, values in lines(text, name, {"m": 3}):
         lamp = Lamp(*values)
         if lamp.radius <= 0.0:
-            raise mistake(name, line, "a lamp has a radius above 0")
+            raise map_error(name, line, "a lamp has a radius above 0")
         lamps.append(lamp)
     if not lamps:
-        raise mistake(name, 1, "no lamp")
+        raise map_error(name, 1, "no lamp")
     return lamps
 
 
@@ -94,9 +94,7 @@ def _draw(
 
 
 def blobs(image: bytes, view: View, brightness: int) -> list[Blob]:
-    """Return the spots of pixels that are at least so bright, but those cut by an edge of the
-    picture.
-    """
+    """Return the spots of at least that brightness, except those cut by an edge of the picture."""
     threshold = bytes(1 if value >= brightness else 0 for value in range(256))
     marks = image.translate(threshold)
     found: list[_Spot] = []
@@ -126,7 +124,7 @@ def blobs(image: bytes, view: View, brightness: int) -> list[Blob]:
 
 
 def _runs(marks: bytes, width: int) -> Iterator[tuple[int, int, int]]:
-    """Row, first and last column of each run of ones."""
+    """Yield row, first and last column of each run of ones."""
     place = marks.find(1)
     while place >= 0:
         row = place // width
@@ -138,7 +136,7 @@ def _runs(marks: bytes, width: int) -> Iterator[tuple[int, int, int]]:
 
 
 class _Spot:
-    """A spot that is still growing."""
+    """A spot under construction."""
 
     def __init__(self) -> None:
         self._columns = self._rows = self._pixels = 0
@@ -193,7 +191,7 @@ class _Spot:
 
 
 def in_body(blob: Blob, view: View) -> tuple[float, float]:
-    """Where the middle of a spot is from the base: ahead, to the left [m]."""
+    """Return the position of a spot's centre relative to the base: ahead, to the left [m]."""
     return (view.row - blob.row) * view.pixel, (view.column - blob.column) * view.pixel
 
 
@@ -203,9 +201,7 @@ def recognised(
     about: Pose,
     scope: float,
 ) -> list[tuple[tuple[float, float], Lamp]]:
-    """Return the lamp for each spot: the nearest, within `scope` diameters of where the spot should
-    be.
-    """
+    """Match spots with lamps: the nearest, within `scope` diameters of the expected spot."""
     along, across = cos(about.theta), sin(about.theta)
     pairs = []
     for ahead, left in seen:
@@ -218,9 +214,7 @@ def recognised(
 
 
 def fitted(pairs: Sequence[tuple[tuple[float, float], Lamp]]) -> Pose | None:
-    """Return the pose from which the lamps are seen there, by least squares; None for less than
-    two.
-    """
+    """Return the pose that fits the lamps best, by least squares; None for less than two lamps."""
     count = len(pairs)
     if count < 2:
         return None

@@ -13,10 +13,10 @@ from rtgen.runtime import RTC_OK, ReturnCode_t
 
 
 class CeilingCamera(CeilingCameraBase):
-    """One picture for each execution, once it is known where the base is."""
+    """One picture for each execution, once the pose of the base is known."""
 
     def on_activated(self, ec_id: int) -> ReturnCode_t:
-        """Look up."""
+        """Load the lamps."""
         name = self.config.ceiling_map
         try:
             self._lamps = parse(text_of(self.folder, name), name)

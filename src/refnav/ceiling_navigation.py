@@ -1,4 +1,4 @@
-"""CeilingNavigation: the pose of the base by the lamps in a picture of the ceiling."""
+"""CeilingNavigation: the pose of the base from a picture of the lamps on the ceiling."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from refrobots.components.ceiling_navigation import CeilingNavigationBase
 from rtgen.runtime import RTC_OK, ReturnCode_t
 
 CENTIMETRE = 0.01
-SPECK = 4
-"""Spots of fewer pixels are mistakes of the camera."""
+MIN_PIXELS = 4
+"""Spots of fewer pixels are noise."""
 
 
 class CeilingNavigation(CeilingNavigationBase):
-    """Tells where the base was when a picture was taken, if two lamps or more are recognised."""
+    """Sends the pose of the base at the time of a picture, if two lamps or more are recognised."""
 
     def on_initialize(self) -> ReturnCode_t:
         """Watch the age of both inputs."""
@@ -43,7 +43,7 @@ class CeilingNavigation(CeilingNavigationBase):
         return RTC_OK
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
-        """Look at the newest picture."""
+        """Evaluate the newest picture."""
         now = self.now()
         while self.LocalizedPosition.is_new():
             if (about := self._position.read(now)) is not None:
@@ -67,7 +67,7 @@ class CeilingNavigation(CeilingNavigationBase):
         seen = [
             in_body(blob, view)
             for blob in blobs(sample.data, view, config.BlackWhiteValue)
-            if blob.pixels >= SPECK and blob.coefficient >= config.BlockCoefficient
+            if blob.pixels >= MIN_PIXELS and blob.coefficient >= config.BlockCoefficient
         ]
         about_then = self._about.at(sample.tm)
         pose = fitted(recognised(seen, self._lamps, about_then, config.SearchScope))

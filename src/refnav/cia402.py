@@ -1,4 +1,4 @@
-"""CiA 402 as both ends of the bus see it: states, commands, bits, and how a master enables a drive.
+"""CiA 402 for both ends of the bus: states, commands, bits, and how a master enables a drive.
 
 Source: CiA 402-2, drive profile, finite state automaton and modes of operation.
 """
@@ -29,7 +29,7 @@ class PowerState(Enum):
 
 
 def state_of(statusword: int) -> PowerState | None:
-    """Return the state in a statusword; None if there is no such state."""
+    """Return the state in a statusword; None for an undefined combination of bits."""
     for state in PowerState:
         mask, value = state.value
         if statusword & mask == value:
@@ -65,7 +65,7 @@ class Control(IntFlag):
 
 
 class Command(IntEnum):
-    """The commands of the automaton, each with a controlword that gives it."""
+    """The commands of the automaton, each with its controlword."""
 
     DISABLE_VOLTAGE = 0x00
     QUICK_STOP = 0x02
@@ -84,7 +84,7 @@ _COMMANDS: Final = (
 
 
 def command_of(controlword: int) -> Command | None:
-    """Return the command that a controlword gives; None with the bit of a fault reset."""
+    """Return the command in a controlword; None if the fault reset bit is set."""
     for mask, command in _COMMANDS:
         if controlword & mask == command & mask:
             return command
@@ -113,13 +113,13 @@ class DriveMaster:
         PowerState.READY_TO_SWITCH_ON: Command.SWITCH_ON,
         PowerState.SWITCHED_ON: Command.ENABLE_OPERATION,
         PowerState.OPERATION_ENABLED: Command.ENABLE_OPERATION,
-        # From here the way leads through "switch on disabled".
+        # From these states, the transitions lead through "switch on disabled".
         PowerState.QUICK_STOP_ACTIVE: Command.DISABLE_VOLTAGE,
     }
 
     def __init__(self) -> None:
         self.state: PowerState | None = None
-        """The drive's state by its last statusword; None while nothing is known."""
+        """The drive's state by its last statusword; None before the first one."""
         self.controlword = int(Command.DISABLE_VOLTAGE)
         """The next controlword."""
 
@@ -129,15 +129,15 @@ class DriveMaster:
         return self.state is PowerState.OPERATION_ENABLED
 
     def forget(self) -> None:
-        """The drive has gone."""
+        """Forget the state of a drive that is lost."""
         self.state = None
         self.controlword = int(Command.DISABLE_VOLTAGE)
 
     def take(self, statusword: int) -> None:
-        """Take a statusword of the drive."""
+        """Evaluate a statusword of the drive."""
         state = self.state = state_of(statusword)
         if state is PowerState.FAULT:
-            # A rising edge resets: the bit goes up and down till the fault is gone.
+            # A rising edge resets: the bit toggles until the fault is gone.
             self.controlword = ~self.controlword & Control.FAULT_RESET
         elif state is not None:
             self.controlword = int(self._NEXT.get(state, Command.DISABLE_VOLTAGE))

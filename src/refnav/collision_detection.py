@@ -13,14 +13,14 @@ from rtgen.runtime import RTC_OK, ReturnCode_t, ServiceError
 
 
 class CollisionDetection(CollisionDetectionBase):
-    """Holds the base while its free way is too short, or surroundings or velocity are unknown.
+    """Stops the base while its free way is too short, or surroundings or velocity are unknown.
 
-    Deactivation while it holds the base does not release it: the base is held until this
-    component, or an operator, sends Go. Its observable `stopped` is 1 while it holds the base.
+    Deactivation does not release a stopped base: it stays stopped until this component, or an
+    operator, sends Go. The observable `stopped` is 1 while this component stops the base.
     """
 
     def on_initialize(self) -> ReturnCode_t:
-        """Show whether the base is held."""
+        """Publish whether the base is stopped."""
         config = self.config
         self._around = Surroundings(self.obstacles, lambda: config.ObstaclesTimeout)
         self._asked = Newest[iis.TimedVelocity2D](
@@ -31,7 +31,7 @@ class CollisionDetection(CollisionDetectionBase):
         return RTC_OK
 
     def on_activated(self, ec_id: int) -> ReturnCode_t:
-        """Start without data; a base that was held before is still held."""
+        """Start without data; a base that was stopped before stays stopped."""
         now = self.now()
         self._around.start(now)
         self._asked.start(now)
@@ -39,12 +39,12 @@ class CollisionDetection(CollisionDetectionBase):
         return RTC_OK
 
     def on_aborting(self, ec_id: int) -> ReturnCode_t:
-        """Hold the base, because collisions are no longer detected."""
+        """Stop the base, because collisions are no longer detected."""
         self._call(stop=True)
         return RTC_OK
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
-        """Stop the base when it must not go on, release it when it may again."""
+        """Stop the base before an obstacle, release it when the way is free."""
         now = self.now()
         v, w = (0.0, 0.0) if self._stopped else self._velocity
         fresh = self._around.look(now, v, w)
@@ -54,7 +54,7 @@ class CollisionDetection(CollisionDetectionBase):
         late = complaints(now, self._around.scan, self._asked)
         hold = bool(late) or self._is_too_near()
         failure = ""
-        # With each scan anew, and always without one: somebody else may have said Go.
+        # Repeat for each scan, and always without one: another client may have sent Go.
         if hold and (fresh or late or not self._stopped):
             failure = self._call(stop=True)
         elif self._stopped and not hold:
@@ -74,7 +74,7 @@ class CollisionDetection(CollisionDetectionBase):
         return free_way(w / v, self._around.points, body, inf) < way
 
     def _call(self, *, stop: bool) -> str:
-        """Stop or release the base; why that did not reach it, to be tried again."""
+        """Stop or release the base; return why the call failed, which is then repeated."""
         bumper = self.BumpRefHard
         try:
             if stop:

@@ -11,7 +11,7 @@ SYNTAX = "'goal X Y TH' or 'path X Y TH; X Y TH; ...' (m, m, rad)"
 
 
 class CommandError(ValueError):
-    """A command that is not understood; the message says why."""
+    """An invalid command; the message says why."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,12 +22,12 @@ class Command:
 
     @property
     def goal(self) -> Pose:
-        """Where the base is to end."""
+        """The final pose of the base."""
         return self.points[-1]
 
 
 def parse(line: str) -> Command | None:
-    """Return the command in one line of text; None if it holds nothing but a comment.
+    """Return the command in one line of text; None for an empty line or a comment.
 
     Raises CommandError.
     """

@@ -1,4 +1,4 @@
-"""A console that is read beside the control loop, so that no execution waits for a key."""
+"""Reads a console in a thread, so that no execution waits for a key."""
 
 from __future__ import annotations
 
@@ -33,11 +33,11 @@ class ConsoleReader:
 
     @property
     def ended(self) -> bool:
-        """Whether the stream is at its end and every line of it was taken."""
+        """Whether the stream is at its end and all its lines were taken."""
         return self._ended.is_set() and not self._lines
 
     def take(self) -> str | None:
-        """Return the oldest line that was not taken yet, without its end; None if there is none."""
+        """Remove and return the oldest line, without its end; None if there is none."""
         return self._lines.popleft() if self._lines else None
 
     def wait_for_end(self) -> None:
@@ -55,7 +55,7 @@ class ConsoleReader:
         try:
             read(stream)
         except (OSError, ValueError) as error:
-            # A terminal that hung up, or a stream that somebody else has closed.
+            # A terminal that hung up, or a stream closed by its owner.
             self.failure = str(error)
         self._ended.set()
 

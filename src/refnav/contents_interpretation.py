@@ -1,4 +1,4 @@
-"""ContentsInterpretation: what the records of ucodes mean. It runs on the small runtime, too."""
+"""ContentsInterpretation: the contents of the records of ucodes. Also for the small runtime."""
 
 from refnav.recent import Recent
 from refrobots import ucode
@@ -7,13 +7,13 @@ from rtgen.runtime import RTC_OK, ReturnCode_t
 
 
 class ContentsInterpretation(ContentsInterpretationBase):
-    """Contents for each record that is known and understood.
+    """Sends the contents of each record that can be interpreted.
 
-    Its observable `interpreted` is how often a record was not at hand.
+    Its observable `interpreted` counts the records that were not in the cache.
     """
 
     def on_initialize(self) -> ReturnCode_t:
-        """Show how often a record had to be interpreted."""
+        """Publish the number of interpreted records."""
         self._interpreted = 0
         self.observables["interpreted"] = lambda: (float(self._interpreted),)
         return RTC_OK
@@ -26,7 +26,7 @@ class ContentsInterpretation(ContentsInterpretationBase):
         return RTC_OK
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
-        """Interpret the records that have come."""
+        """Interpret the received records."""
         while self.record.is_new():
             record = self.record.read()
             if record is None or not record.known:

@@ -7,21 +7,21 @@ from collections import deque
 from refnav.geometry import Pose
 from refnav.map_text import MapError, text_of
 from refnav.messages import pose_of
-from refnav.picture import TRAIL, Picture, PictureError
+from refnav.picture import MAX_TRAIL, Picture, PictureError
 from refnav.route_map import RouteMap, parse
 from refrobots.components.disp_position import DispPositionBase
 from rtgen.runtime import RTC_OK, ReturnCode_t
 
 
 class DispPosition(DispPositionBase):
-    """Keeps the trail while it is active, and draws it at the end.
+    """Records the trail while it is active, and draws it on deactivation.
 
     Its observable `trail` is the newest pose (x, y, theta) [m, rad].
     """
 
     def on_initialize(self) -> ReturnCode_t:
-        """Show where the base is."""
-        self._trail: deque[Pose] = deque(maxlen=TRAIL)
+        """Publish the pose of the base."""
+        self._trail: deque[Pose] = deque(maxlen=MAX_TRAIL)
         self.observables["trail"] = lambda: self._trail[-1] if self._trail else ()
         return RTC_OK
 
@@ -42,14 +42,14 @@ class DispPosition(DispPositionBase):
         return RTC_OK
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
-        """Go on with the trail."""
+        """Add new poses to the trail."""
         sample = self.position.read_newest()
         if sample is not None:
             self._trail.append(pose_of(sample.data))
         return RTC_OK
 
     def on_deactivated(self, ec_id: int) -> ReturnCode_t:
-        """Draw."""
+        """Draw the trail."""
         if not self.config.picture:
             return RTC_OK
         picture = self._picture

@@ -1,4 +1,4 @@
-"""A simulated drive of CiA 402: its automaton, its modes of operation, and the axis it turns."""
+"""A simulated drive of CiA 402: its automaton, its modes of operation, and its axis."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ UNDER_VOLTAGE: Final = 0x3220
 TOO_HOT: Final = 0x4310
 FOLLOWING_ERROR: Final = 0x8611
 
-_WARM: Final = 85.0
-"""Degrees Celsius from which a drive warns."""
+_WARNING_TEMPERATURE: Final = 85.0
+"""Temperature from which a drive warns [degrees Celsius]."""
 _HOT: Final = 100.0
-_LONGEST: Final = 0.01
-"""A pause is stepped through in steps of this length [s]; of a long one the last are enough."""
-_STEPS: Final = 1000
+_MAX_STEP: Final = 0.01
+"""Maximum length of a step [s]; of a long pause only the last steps are simulated."""
+_MAX_STEPS: Final = 1000
 _KEPT: Final = 64
 
 
@@ -71,17 +71,17 @@ class Drive:
         self._publish()
 
     def run(self, seconds: float) -> None:
-        """Let time pass."""
-        steps = min(ceil(seconds / _LONGEST), _STEPS)
+        """Simulate the time since the last call [s]."""
+        steps = min(ceil(seconds / _MAX_STEP), _MAX_STEPS)
         for _ in range(steps):
-            self.step(min(seconds / steps, _LONGEST))
+            self.step(min(seconds / steps, _MAX_STEP))
 
     def take(self, controlword: int) -> None:
-        """A controlword has come: between two turns of the loop there may be several."""
+        """Store a controlword; several may arrive between two steps."""
         self._words.append(controlword)
 
     def restart(self) -> None:
-        """The drive's program starts anew; the axis is where it is, and turns as it turns."""
+        """Restart the drive's program; the axis keeps its angle and its speed."""
         self._words.clear()
         self._switch(Mode.NONE)
         self._objects.Error_code = 0
@@ -91,7 +91,7 @@ class Drive:
         self._publish()
 
     def leave(self) -> None:
-        """Nobody commands the drive any more: it brakes as for a quick stop."""
+        """Brake as for a quick stop, because the master is gone."""
         self.remote = False
         if self.machine.state is PowerState.OPERATION_ENABLED:
             self.machine.command(Command.QUICK_STOP)
@@ -107,7 +107,7 @@ class Drive:
             self.machine.fault()
 
     def step(self, dt: float) -> None:
-        """One turn of the drive's control loop, `dt` [s] after the previous one."""
+        """Execute the drive's control loop once, `dt` [s] after the previous step."""
         objects = self._objects
         machine = self.machine
         machine.quick_stop_code = objects.Quick_stop_option_code
@@ -128,7 +128,7 @@ class Drive:
         self._supervise(dt)
         self._publish()
 
-    # What the axis is to do.
+    # Set-points of the modes.
 
     def _wanted(self, dt: float) -> float:
         """Return the torque for the next step [N m]."""
@@ -151,14 +151,14 @@ class Drive:
         return self._modes[self._mode](dt)
 
     def _switch(self, mode: int) -> None:
-        """To another mode; one that the drive has not is not shown as being taken."""
+        """Switch to a mode; for an unsupported one, the displayed mode does not change."""
         if mode in self._modes or mode == Mode.NONE:
             self._mode = mode
             self._goal = self._next = None
             self._settled = 0.0
 
     def _follow_axis(self) -> None:
-        """Without power nothing is demanded: what is begins where the axis is."""
+        """Let the demand values follow the axis while the drive is disabled."""
         self._position = self.axis.angle
         self._speed = self.axis.speed
         self._torque = 0.0
@@ -176,7 +176,7 @@ class Drive:
         return self._turned(ramped(self._speed, 0.0, 0.0, deceleration * dt), dt)
 
     def _profile_position(self, dt: float) -> float:
-        """Mode 1: a trapezoidal profile to the set-point, with one more that waits."""
+        """Mode 1: a trapezoidal profile to the set-point; a second set-point may wait."""
         objects = self._objects
         control = objects.Controlword
         asked = bool(control & Control.NEW_SET_POINT)
@@ -276,28 +276,28 @@ class Drive:
             speed = min(max(speed, -fastest), fastest)
         return self._moved(self._position + speed * dt, speed, dt)
 
-    # From demands to torque.
+    # Torques from demand values.
 
     def _moved(self, position: float, speed: float, dt: float) -> float:
-        """Demand a position, to be passed at a speed."""
+        """Return the torque for a position that is passed at a speed."""
         self._position = position
         self._speed = speed
         axis = self.axis
         ahead = position - axis.angle - speed * dt
-        # The lag of an axis at its torque limit is made up without overshoot.
+        # Compensate the lag of an axis at its torque limit, without overshoot.
         strongest = 0.8 * self._strongest() / axis.motor.inertia
         return self._limit(
             axis.torque_for(speed + approach(ahead, strongest, dt), dt), dt
         )
 
     def _turned(self, speed: float, dt: float) -> float:
-        """Demand a speed."""
+        """Return the torque for a speed."""
         self._speed = speed
         self._position = self.axis.angle
         return self._limit(self.axis.torque_for(speed, dt), dt)
 
     def _given(self, torque: float, dt: float) -> float:
-        """Demand a torque, of an axis that must not be faster than it may."""
+        """Return a commanded torque, limited so that the axis keeps its maximum speed."""
         axis = self.axis
         self._position = axis.angle
         self._speed = axis.speed
@@ -335,10 +335,10 @@ class Drive:
         return min(max(angle, low), high)
 
     def _sign(self, bit: int) -> int:
-        """What the polarity makes of positions (80h) and velocities (40h)."""
+        """Return the sign that the polarity gives to positions (80h) or velocities (40h)."""
         return -1 if self._objects.Polarity & bit else 1
 
-    # What the drive sees of it.
+    # Actual values.
 
     @property
     def _measured(self) -> float:
@@ -354,7 +354,7 @@ class Drive:
         return self._settled * 1000.0 >= time and abs(away) <= window
 
     def _cause(self) -> int:
-        """Return the code of a fault that lasts, 0 for none."""
+        """Return the code of a present fault, 0 for none."""
         low, high = self.axis.motor.supply
         if self.axis.voltage > high:
             return OVER_VOLTAGE
@@ -381,7 +381,7 @@ class Drive:
             self._alarm(0)
 
     def _publish(self) -> None:
-        """Show it in the objects."""
+        """Write the actual values to the objects."""
         objects = self._objects
         units = self._units
         axis = self.axis
@@ -401,20 +401,20 @@ class Drive:
             axis.current / objects.Motor_rated_current * 1e6
         )
         low, high = axis.motor.supply
-        # A value outside the range of the drive's own meter is clipped.
+        # Values outside the range of the drive's own sensor are clipped.
         voltage = min(max(axis.voltage, low), high)
         objects.DC_link_circuit_voltage = round(voltage * 1000.0)
         objects.Modes_of_operation_display = self._mode
         status = self.machine.state.bits | self._bits
         status |= Status.VOLTAGE_ENABLED * (axis.voltage > 0.0)
         status |= Status.REMOTE * self.remote
-        status |= Status.WARNING * (axis.temperature >= _WARM)
+        status |= Status.WARNING * (axis.temperature >= _WARNING_TEMPERATURE)
         status |= Status.INTERNAL_LIMIT * self._limited
         objects.Statusword = int(status)
 
 
 class HomingDrive(Drive):
-    """With homing, where the axis is (methods 35 and 37)."""
+    """A drive with homing at the present position (methods 35 and 37)."""
 
     _objects: HomingObjects
 
@@ -450,7 +450,7 @@ class HomingDrive(Drive):
 
 
 class EposDrive(HomingDrive):
-    """With EPOS's own modes: position, velocity and current, each without a profile."""
+    """A drive with EPOS's own modes: position, velocity and current, each without a profile."""
 
     _objects: EposObjects
 
@@ -480,7 +480,7 @@ class EposDrive(HomingDrive):
 
 
 def wrapped(value: float) -> int:
-    """As INTEGER32, which goes round."""
+    """Return the value as INTEGER32, which wraps around."""
     return (round(value) + 0x8000_0000) % 0x1_0000_0000 - 0x8000_0000
 
 

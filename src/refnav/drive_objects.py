@@ -1,4 +1,4 @@
-"""The objects of CiA 402 that a drive's behaviour works on, and what their units are."""
+"""The objects of CiA 402 that a simulated drive uses, and their units."""
 
 from __future__ import annotations
 
@@ -61,14 +61,14 @@ class DriveObjects(Protocol):
 
 
 class HomingObjects(DriveObjects, Protocol):
-    """With homing."""
+    """The objects of homing."""
 
     Home_offset: int
     Homing_method: int
 
 
 class EposObjects(HomingObjects, Protocol):
-    """With EPOS's own modes: values in mA, increments and 0.001 rpm."""
+    """The objects of EPOS's own modes: values in mA, increments and 0.001 rpm."""
 
     Current_setting_value: int
     Position_mode_setting_value: int
@@ -84,7 +84,7 @@ _TIMES = {0x03: 1.0, 0x47: 60.0}
 
 
 class Units:
-    """Scales a drive's units to its axis, by 608Fh, 6091h, 60A8h and 60A9h.
+    """Converts between a drive's units and its axis, by 608Fh, 6091h, 60A8h and 60A9h.
 
     Increments are counted at the motor, which is the axis then; degrees are those of the axis
     behind the gear. `position` [rad], `velocity` [rad/s] and `count` [rad], one step of the
@@ -106,7 +106,7 @@ class Units:
 
 
 def _parts(code: int) -> tuple[float, int, int]:
-    """Prefix, numerator and denominator of an SI unit."""
+    """Return prefix, numerator and denominator of an SI unit."""
     exponent = code >> 24 & 0xFF
     prefix = 10.0 ** (exponent - 0x100 if exponent & 0x80 else exponent)
     return prefix, code >> 16 & 0xFF, code >> 8 & 0xFF

@@ -15,9 +15,9 @@ _CONTROLWORD: Final = 0x6040, 0
 
 
 class DriveRunner:
-    """Runs a drive with its device: it brakes when the node leaves operational.
+    """Runs a drive with its device: it brakes when the node leaves OPERATIONAL.
 
-    Time without callbacks is made up for.
+    Time between callbacks is simulated by the next one.
     """
 
     def __init__(
@@ -32,26 +32,26 @@ class DriveRunner:
             device.node.on_write(*_CONTROLWORD, self._commanded)
 
     def start(self) -> None:
-        """The node is operational."""
+        """Called when the node becomes OPERATIONAL."""
         self.run()
         self.drive.remote = True
 
     def run(self) -> None:
-        """Let the time since the last call pass."""
+        """Simulate the time since the last call."""
         for port in self._device.in_ports.values():
-            # Its objects have what came.
+            # Received values are written to objects first.
             port.read_newest()
         now = self._device.now()
         self.drive.run((now - self._ran) / SECOND)
         self._ran = now
 
     def leave(self) -> None:
-        """The node is operational no more."""
+        """Called when the node leaves OPERATIONAL."""
         self.run()
         self.drive.leave()
 
     def restart(self) -> None:
-        """The node was reset."""
+        """Called when the node was reset."""
         self.run()
         self.drive.restart()
 
@@ -70,7 +70,7 @@ class DriveRunner:
 
 
 class SimulatedDrive(CanopenDevice):
-    """The callbacks of a device that is a drive; `on_initialize` is to call `switch_on`.
+    """The callbacks of a device that is a drive; `on_initialize` must call `switch_on`.
 
     Its observables are `angle` [rad] and `speed` [rad/s] of the axis.
     """
@@ -84,11 +84,11 @@ class SimulatedDrive(CanopenDevice):
 
     @property
     def axis(self) -> Axis:
-        """The load of the drive."""
+        """The simulated axis of the drive."""
         return self._runner.drive.axis
 
     def on_activated(self, ec_id: int) -> ReturnCode_t:
-        """Obey from now on."""
+        """Obey the master from now on."""
         self._runner.start()
         return RTC_OK
 
@@ -103,16 +103,16 @@ class SimulatedDrive(CanopenDevice):
         return RTC_OK
 
     def on_error(self, ec_id: int) -> ReturnCode_t:
-        """Brake on."""
+        """Brake."""
         self._runner.run()
         return RTC_OK
 
     def on_reset(self, ec_id: int) -> ReturnCode_t:
-        """Start the drive's program anew."""
+        """Restart the drive's program."""
         self._runner.restart()
         return RTC_OK
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
-        """Return one turn of the drive's loop."""
+        """Execute the drive's control loop once."""
         self._runner.run()
         return RTC_OK

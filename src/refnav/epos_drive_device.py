@@ -10,7 +10,7 @@ from rtgen.runtime import RTC_OK, ReturnCode_t
 
 
 class EposDriveDevice(SimulatedDrive, EposDriveDeviceBase):
-    """A wheel of beego with its drive.
+    """A simulated wheel of beego with its drive.
 
     Its observables are `angle` [rad] and `speed` [rad/s] of the motor.
     """

@@ -13,7 +13,7 @@ from rtgen.runtime.canopen.description import ObjectNumber
 
 
 class FPaletteDevice(FPaletteDeviceBase):
-    """The board, with a further InPort `voltage` for what is connected to analogue input 1.
+    """The simulated board; its additional InPort `voltage` feeds analogue input 1.
 
     Its observables are `inputs` and `outputs`, the voltages there [V].
     """
@@ -53,5 +53,5 @@ class FPaletteDevice(FPaletteDeviceBase):
         return RTC_OK
 
     def _is_event(self, name: str) -> Callable[[bytes | None, bytes], bool]:
-        """Return a change alone is none: the board says when there is one."""
+        """Return the filter for a TPDO's events: the board decides, not a change of the value."""
         return lambda before, after: before is None and self._board.tells_first(name)

@@ -1,4 +1,4 @@
-"""Two ways of following a robot: along the track that it has left, or straight towards it."""
+"""Two ways to follow a robot: along the track that it has left, or straight towards it."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from typing import NamedTuple, Protocol
 from refnav.geometry import Pose, wrap
 
 SPACING = 0.05
-"""Points of a track lie this far apart [m]."""
+"""Distance of the points of a track [m]."""
 LOOKAHEAD = 0.35
-"""A follower heads for the first point of the track that is so far away [m]."""
-LONGEST_TRACK = 10_000
-"""So many points of a track are kept; older ones are given up."""
+"""Distance of the point of the track for which a follower heads [m]."""
+MAX_TRACK = 10_000
+"""Maximum number of points of a track; the oldest are dropped."""
 APPROACH = 1.5
-"""Speed for each metre too far [1/s]."""
+"""Speed for each metre beyond the distance [1/s]."""
 TURN = 2.0
-"""Angular speed for each rad off the way [1/s]."""
+"""Angular speed for each rad of deviation [1/s]."""
 
 
 class Command(NamedTuple):
@@ -44,29 +44,29 @@ class Follower(Protocol):
     """A way of following."""
 
     def observe(self, leader: Pose) -> None:
-        """Take where the leader is."""
+        """Store the leader's position."""
 
     def command(
         self, here: Pose, parameters: FollowingParameters, *, sideways: bool
     ) -> Command:
-        """Return the velocity that follows; `sideways` says whether the body can move so."""
+        """Return the velocity that follows; `sideways`: whether the body can move sideways."""
 
 
 class TrackFollower:
-    """Stores where the leader has been, and goes there; keeps its distance along the track."""
+    """Follows the leader's track; keeps its distance along the track."""
 
     def __init__(self) -> None:
         self._track: deque[Pose] = deque()
         self._length = 0.0
 
     def observe(self, leader: Pose) -> None:
-        """Prolong the track when the leader has moved on."""
+        """Append the leader's position to the track, if it moved."""
         track = self._track
         if track:
             step = _between(track[-1], leader)
             if step < SPACING:
                 return
-            if len(track) == LONGEST_TRACK:
+            if len(track) == MAX_TRACK:
                 self._pass()
             self._length += step
         track.append(leader)
@@ -74,7 +74,7 @@ class TrackFollower:
     def command(
         self, here: Pose, parameters: FollowingParameters, *, sideways: bool
     ) -> Command:
-        """Along the track, no nearer to its end than the distance."""
+        """Return the velocity along the track, which keeps the distance from its end."""
         track = self._track
         while len(track) > 1 and _between(here, track[0]) < LOOKAHEAD:
             self._pass()
@@ -88,23 +88,23 @@ class TrackFollower:
         passed = self._track.popleft()
         self._length -= _between(passed, self._track[0])
         if len(self._track) == 1:
-            self._length = 0.0  # what rounding has left
+            self._length = 0.0  # rounding errors
 
 
 class DistanceKeeper:
-    """Heads for where the leader is, and stops where the distance is reached."""
+    """Heads for the leader's present position, and stops at the distance."""
 
     def __init__(self) -> None:
         self._leader: Pose | None = None
 
     def observe(self, leader: Pose) -> None:
-        """Only the present position counts."""
+        """Store the leader's position."""
         self._leader = leader
 
     def command(
         self, here: Pose, parameters: FollowingParameters, *, sideways: bool
     ) -> Command:
-        """Straight towards the leader, never backward."""
+        """Return the velocity straight towards the leader, never backward."""
         if self._leader is None:
             return REST
         too_far = _between(here, self._leader) - parameters.distance

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from math import atan, copysign, inf, sqrt, tau
 
 STRAIGHT = 1e-6
-"""Arcs of less curvature are straight [1/m]."""
+"""Arcs of less curvature are treated as straight [1/m]."""
 
 Point = tuple[float, float]
 
@@ -14,7 +14,7 @@ Point = tuple[float, float]
 def free_way(
     curvature: float, points: Iterable[Point], radius: float, horizon: float
 ) -> float:
-    """Return the length of arc [m], at most `horizon`, that a body drives forward untouched.
+    """Return the length of arc [m], at most `horizon`, that a body can drive forward untouched.
 
     The body is a circle of `radius` [m] round the origin, heading along x; `curvature` [1/m] is
     positive to the left. A point within the circle stops only a body that drives towards it.
@@ -32,8 +32,8 @@ def free_way(
 
 
 def _way_to(curvature: float, x: float, y: float, apart: float) -> float:
-    """Return the way to the first touch of a point outside; inf if the arc passes it."""
-    # With s = 2 tan(way curvature / 2) / curvature touching means a s^2 - x s + apart = 0.
+    """Return the length of arc until a point outside is touched; inf if the arc passes it."""
+    # With s = 2 tan(way curvature / 2) / curvature, a touch means a s^2 - x s + apart = 0.
     a = 0.5 * (1.0 - y * curvature + 0.5 * apart * curvature * curvature)
     root = x * x - 4.0 * a * apart
     if root < 0.0:

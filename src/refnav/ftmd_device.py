@@ -10,7 +10,7 @@ from rtgen.runtime import RTC_OK, ReturnCode_t
 
 
 class FtmdDevice(SimulatedDrive, FtmdDeviceBase):
-    """A wheel of FourX with its FTMD 1 axis.
+    """A simulated wheel of FourX with its FTMD 1 axis.
 
     Its observables are `angle` [rad] and `speed` [rad/s] of the wheel.
     """
@@ -21,7 +21,7 @@ class FtmdDevice(SimulatedDrive, FtmdDeviceBase):
         return RTC_OK
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
-        """Return one turn of the drive's loop."""
+        """Execute the drive's control loop once."""
         code = super().on_execute(ec_id)
         celsius = self.axis.temperature
         self.objects.Driver_temperature = round(10.0 * celsius)

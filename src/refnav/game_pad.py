@@ -1,4 +1,4 @@
-"""GamePad: sticks and buttons as they are, and as velocities."""
+"""GamePad: positions of sticks and buttons, also as velocities."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from refrobots.components.game_pad import GamePadBase
 from rtgen.runtime import RTC_OK, SECOND, ReturnCode_t
 
 COLUMNS = 5
-MOST = 4095.0
-"""Twelve buttons as bits."""
+MAX_VALUE = 4095.0
+"""Greatest value of a script: twelve buttons as bits."""
 
 
 class GamePad(GamePadBase):
-    """Sends while the game pad is there; when it goes, once that the sticks are let go."""
+    """Sends while the game pad is connected; once disconnected, sends released sticks once."""
 
     def on_activated(self, ec_id: int) -> ReturnCode_t:
         """Open the game pad."""
@@ -26,7 +26,7 @@ class GamePad(GamePadBase):
         try:
             if config.script:
                 text = text_of(self.folder, config.script)
-                self._pad = ScriptedPad(parse(text, config.script, COLUMNS, MOST))
+                self._pad = ScriptedPad(parse(text, config.script, COLUMNS, MAX_VALUE))
             else:
                 self._pad = RealPad(config.str_port)
         except (MapError, ScriptError) as error:
@@ -46,7 +46,7 @@ class GamePad(GamePadBase):
         return RTC_OK
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
-        """Send where the sticks are."""
+        """Send the positions of the sticks."""
         assert self._pad is not None, "opened on activation"
         sticks = self._pad.read((self.now() - self._begin) / SECOND)
         if sticks is not None:

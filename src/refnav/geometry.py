@@ -1,4 +1,4 @@
-"""Poses in the plane: wrapped angles, motion along an arc.
+"""Poses in the plane: normalised angles, motion along an arc.
 
 Frames are right-handed, headings count counter-clockwise from the x axis. Units: m, rad.
 """
@@ -23,9 +23,9 @@ def wrap(angle: float) -> float:
 
 
 def wrap_positive(angle: float) -> float:
-    """Return the same angle within [0, 2 pi), as the third phase of the interfaces has it [rad]."""
+    """Return the same angle within [0, 2 pi) [rad], as in the interfaces of the third phase."""
     wrapped = angle % tau
-    return wrapped if wrapped < tau else 0.0  # of an angle a little below 0
+    return wrapped if wrapped < tau else 0.0  # for an angle a little below 0
 
 
 def advance(
@@ -36,14 +36,13 @@ def advance(
     turn: float,
     sideways: float = 0.0,
 ) -> tuple[float, float, float]:
-    """Return the pose (x, y, theta) after an arc of length `distance` [m] that turns by `turn`
-    [rad].
+    """Return the pose (x, y, theta) after an arc of `distance` [m] and `turn` [rad].
 
-    `sideways` [m] is what a base that can does to its left meanwhile. Exact for constant
-    velocities: the chord of the arc lies at its mean heading. The heading comes back wrapped.
+    `sideways` [m] is the motion to the left of a base that can move so. Exact for constant
+    velocities: the chord of the arc lies at its mean heading. The returned heading is normalised.
     """
     half = 0.5 * turn
-    # Below 1 mrad the next term of the series is lost in rounding.
+    # Below 1 mrad, the next term of the series is smaller than rounding errors.
     if -1e-3 < half < 1e-3:
         near = 1.0 - half * half / 6.0
         chord, side = distance * near, sideways * near

@@ -1,4 +1,4 @@
-"""HokuyoAist: a range finder on a small board. It runs on the small runtime, too."""
+"""HokuyoAist: a range finder on a small board. Also for the small runtime."""
 
 from math import cos, sin
 
@@ -7,15 +7,15 @@ from refrobots import rtc
 from refrobots.components.hokuyo_aist import HokuyoAistBase
 from rtgen.runtime import RTC_OK, ReturnCode_t
 
-NOTHING = 0.0
-"""The range where nothing was hit."""
+NO_HIT = 0.0
+"""The range sent if nothing was hit."""
 
 
 class HokuyoAist(HokuyoAistBase):
-    """One scan for each execution, once it is known where the range finder is."""
+    """One scan for each execution, once the pose of the range finder is known."""
 
     def on_activated(self, ec_id: int) -> ReturnCode_t:
-        """Take the room and the angles; what is sent is made once."""
+        """Read the room and the angles; the message is created once."""
         config = self.config
         if config.end_angle <= config.start_angle:
             return self.fail("end_angle is not above start_angle")
@@ -37,7 +37,7 @@ class HokuyoAist(HokuyoAistBase):
         return RTC_OK
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
-        """Scan."""
+        """Send a scan."""
         sample = self.pose.read_newest()
         if sample is None:
             return RTC_OK
@@ -58,4 +58,4 @@ class HokuyoAist(HokuyoAistBase):
     def _reach(self, x: float, y: float, dx: float, dy: float) -> float:
         nearest = nearest_wall(self._walls, x, y, dx, dy)
         config = self.config
-        return nearest if config.min_range <= nearest <= config.max_range else NOTHING
+        return nearest if config.min_range <= nearest <= config.max_range else NO_HIT

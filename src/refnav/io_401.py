@@ -1,4 +1,4 @@
-"""The f-palette board, simulated: inputs and outputs of CiA 401, and an angle reference.
+"""Simulation of the f-palette board: inputs and outputs of CiA 401, and an angle reference.
 
 Source: CiA 401-2, generic I/O modules; the angle reference is the board's own (2100h to 2103h).
 """
@@ -26,7 +26,7 @@ INPUTS: Final = (
 
 
 class Trigger(IntFlag):
-    """When an analogue input makes an event (6421h)."""
+    """The conditions on which an analogue input makes an event (6421h)."""
 
     UPPER_LIMIT = 1
     LOWER_LIMIT = 2
@@ -36,10 +36,10 @@ class Trigger(IntFlag):
 
 
 class Board:
-    """Works on the objects of `f_palette.eds`, by `step`.
+    """Reads and writes the objects of `f_palette.eds`, by `step`.
 
     `digital` are the levels at the inputs, a byte for each eight of them, `voltages` those at the
-    analogue inputs [V]; `levels` and `output_voltages` are what the outputs give. `events` are the
+    analogue inputs [V]; `levels` and `output_voltages` are those at the outputs. `events` are the
     names of the objects that made an event in the last step.
     """
 
@@ -55,7 +55,7 @@ class Board:
         self.step()
 
     def step(self) -> None:
-        """Read the inputs and drives the outputs."""
+        """Read the inputs and drive the outputs."""
         self.events.clear()
         self._read_digital()
         self._read_analogue()
@@ -71,7 +71,7 @@ class Board:
         return True
 
     def leave(self) -> None:
-        """Nobody commands the board: outputs with an error mode take their error values."""
+        """Set outputs with an error mode to their error values, because the master is gone."""
         objects = self._objects
         for place in _BITS:
             mode = getattr(objects, f"Error_mode_of_outputs_{place}")
@@ -111,14 +111,14 @@ class Board:
             setattr(objects, name, value)
 
     def _triggered(self, number: int, value: int) -> bool:
-        """Return whether the input makes an event; the first value after the enabling does."""
+        """Return whether the input makes an event; its first value once enabled does."""
         objects = self._objects
         transmitted = self._transmitted[number - 1]
         trigger = getattr(objects, f"Trigger_of_analogue_input_{number}")
         upper = getattr(objects, f"Upper_limit_of_analogue_input_{number}")
         lower = getattr(objects, f"Lower_limit_of_analogue_input_{number}")
         delta = getattr(objects, f"Delta_of_analogue_input_{number}")
-        # Limits that are both 0 are not set.
+        # Two limits of 0 mean no limits.
         over = trigger & Trigger.UPPER_LIMIT and value >= upper
         under = trigger & Trigger.LOWER_LIMIT and value < lower
         outside = bool((upper or lower) and (over or under))
@@ -134,7 +134,7 @@ class Board:
         )
 
     def _refer(self) -> None:
-        """Make the angle reference of its input."""
+        """Compute the angle reference from its input."""
         objects = self._objects
         value = getattr(objects, f"Analogue_input_{objects.Angle_reference_input}")
         angle = objects.Angle_reference_offset + round(

@@ -1,4 +1,4 @@
-"""Common base of the four joysticks, without their response to the hand."""
+"""Common base of the four joysticks, which differ in their response to the hand."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from rtgen.runtime import RTC_OK, SECOND, Component, OutPort, ReturnCode_t
 
 _COLUMNS = 3
 _LET_GO = (0.0, 0.0, 0.0)
-_LARGEST_FILE = 1024 * 1024
+_MAX_FILE = 1024 * 1024
 
 
 @dataclass(frozen=True, slots=True)
 class Response:
-    """How a stick answers: the deflection to this power, nothing below `dead`.
+    """Response of a stick: the deflection to this power, 0 below `dead`.
 
-    `digital`: full from half deflection on. `sideways`: it has an axis for that.
+    `digital`: full from half deflection on. `sideways`: there is an axis for it.
     """
 
     power: float = 1.0
@@ -47,7 +47,7 @@ P = TypeVar("P", bound=JoystickParameters)
 
 
 class Joystick(Component, Generic[P]):
-    """Sends what the script's hand does, in the interfaces of both phases."""
+    """Sends the scripted deflections, in the interfaces of both phases."""
 
     config: P
     velocity: OutPort[rtc.TimedVelocity]
@@ -56,7 +56,7 @@ class Joystick(Component, Generic[P]):
     response = Response()
 
     def on_initialize(self) -> ReturnCode_t:
-        """Make the messages that are sent again and again."""
+        """Create the messages, which are reused."""
         self._first = rtc.TimedVelocity()
         self._second = iis.TimedVelocity()
         return RTC_OK
@@ -70,7 +70,7 @@ class Joystick(Component, Generic[P]):
             file = self.folder / self.config.script
             try:
                 with file.open(encoding="utf-8") as stream:
-                    text = stream.read(_LARGEST_FILE)
+                    text = stream.read(_MAX_FILE)
                 self._script = parse(text, self.config.script, _COLUMNS)
             except (OSError, UnicodeDecodeError) as error:
                 return self.fail(f"script: cannot read {self.config.script}: {error}")
@@ -79,7 +79,7 @@ class Joystick(Component, Generic[P]):
         return RTC_OK
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
-        """Send the deflection, and once that the stick was let go."""
+        """Send the deflection, and once the release of the stick."""
         forward, left, turn = map(self.response, self._hand())
         if not self.response.sideways:
             left = 0.0

@@ -12,17 +12,17 @@ from typing import Protocol
 
 
 class Kinematics(Protocol):
-    """How wheels drive a base."""
+    """The relation between the speeds of wheels and the velocity of a base."""
 
     @property
     def wheels(self) -> int:
-        """How many wheels are driven."""
+        """Number of driven wheels."""
 
     def speeds(self, vx: float, vy: float, va: float) -> tuple[float, ...]:
         """Return the wheel speeds [rad/s] for a velocity of the body [m/s, m/s, rad/s]."""
 
     def motion(self, turns: Sequence[float]) -> tuple[float, float, float]:
-        """Return the way forward and to the left [m], and the turn [rad], as the wheels turn [rad].
+        """Return the motion forward and to the left [m] and the turn [rad] of turning wheels [rad].
 
         Speeds [rad/s] give the velocity of the body.
         """
@@ -41,12 +41,12 @@ class TwoWheels:
         self._tread = tread
 
     def speeds(self, vx: float, vy: float, va: float) -> tuple[float, ...]:
-        """Without regard to `vy`."""
+        """Return the wheel speeds; `vy` is ignored."""
         side = 0.5 * va * self._tread
         return (vx - side) / self._left, (vx + side) / self._right
 
     def motion(self, turns: Sequence[float]) -> tuple[float, float, float]:
-        """Never to the left."""
+        """Return the motion, which is never sideways."""
         left = turns[0] * self._left
         right = turns[1] * self._right
         return 0.5 * (left + right), 0.0, (right - left) / self._tread
@@ -71,14 +71,12 @@ class OmniWheels:
         ]
 
     def speeds(self, vx: float, vy: float, va: float) -> tuple[float, ...]:
-        """Return each wheel has the part of the velocity that is along its rolling direction."""
+        """Return for each wheel the component of the velocity along its rolling direction."""
         round_ = va * self._distance
         return tuple((x * vx + y * vy + round_) / self._radius for x, y in self._axes)
 
     def motion(self, turns: Sequence[float]) -> tuple[float, float, float]:
-        """Return the motion that fits best where the wheels contradict each other (four and
-        more).
-        """
+        """Return the motion by least squares: four wheels and more may contradict each other."""
         forward = sideways = total = 0.0
         for turn, (x, y) in zip(turns, self._axes, strict=True):
             forward += x * turn

@@ -1,4 +1,4 @@
-"""The limiter of speed and acceleration that the control law and the wheels share."""
+"""Limiter of speed and acceleration, shared by the control law and the wheels."""
 
 from __future__ import annotations
 

@@ -1,12 +1,12 @@
-"""The ways to travel: from where the base is to the velocity it should have.
+"""Travel modes: from the pose of the base to the velocity that it should have.
 
-Each class is one travel mode. `observe` takes a new pose of the base; `reference` gives the
-wanted speed [m/s] and angular speed [rad/s] for one execution, from the velocity (v, w) given
-out last. The caller limits the result, see `refnav.limiter`.
+Each class is one travel mode. `observe` takes a new pose of the base; `reference` returns the
+wanted speed [m/s] and angular speed [rad/s] for one execution, from the velocity (v, w) commanded
+last. The caller limits the result (`refnav.limiter`).
 
-The law is that of the University of Tsukuba's locomotion commands: an angular acceleration
-against the distance from the line, the angle to it and the angular velocity (Yuta and Kanayama
-1985; Iida and Yuta 1991), as the PathFollower of the RH2 modules applies it.
+The law is that of the University of Tsukuba's locomotion commands: an angular acceleration against
+the distance from the line, the angle to it and the angular velocity (Yuta and Kanayama 1985; Iida
+and Yuta 1991), as the PathFollower of the RH2 modules applies it.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from refnav.geometry import Pose
 
 
 class Gains(Protocol):
-    """The parameters of the laws; units as in PathFollower's definition."""
+    """The parameters of the control laws; units as in PathFollower's definition."""
 
     control_cycle: float
     line_Dist: float
@@ -32,10 +32,10 @@ class Motion(Protocol):
     """A travel mode."""
 
     def observe(self, pose: Pose) -> None:
-        """Take the newest pose of the base."""
+        """Store the newest pose of the base."""
 
     def reference(self, v: float, w: float, gains: Gains) -> tuple[float, float]:
-        """Wanted (v, w) [m/s, rad/s], where (v, w) was given out last."""
+        """Return the wanted (v, w) [m/s, rad/s]; the arguments are those commanded last."""
 
 
 def regulate(distance: float, angle: float, v: float, w: float, gains: Gains) -> float:
@@ -65,7 +65,7 @@ class Constant:
         self._reference = (v, w)
 
     def observe(self, pose: Pose) -> None:
-        """The pose does not matter."""
+        """Ignore the pose."""
 
     def reference(self, v: float, w: float, gains: Gains) -> tuple[float, float]:
         """Return the commanded speeds."""
@@ -91,7 +91,7 @@ class LineFollow:
         self._angle = 0.0
 
     def observe(self, pose: Pose) -> None:
-        """Distance from the line, and angle to it."""
+        """Compute the distance from the line, and the angle to it."""
         x, y, theta = pose
         self.distance = (y - self._y) * self._cos - (x - self._x) * self._sin
         self._angle = remainder(theta - self._heading, tau)
@@ -102,7 +102,7 @@ class LineFollow:
 
 
 class ToPoint(LineFollow):
-    """RUN_TO_POINT: along the same line, coming to rest at (x, y)."""
+    """RUN_TO_POINT: along the same line, to rest at (x, y)."""
 
     __slots__ = ("_remaining",)
 
@@ -111,14 +111,14 @@ class ToPoint(LineFollow):
         self._remaining = 0.0
 
     def observe(self, pose: Pose) -> None:
-        """Also what remains of the way, along the line."""
+        """Compute also the remaining distance along the line."""
         super().observe(pose)
         self._remaining = (self._x - pose.x) * self._cos + (
             self._y - pose.y
         ) * self._sin
 
     def reference(self, v: float, w: float, gains: Gains) -> tuple[float, float]:
-        """No faster than what remains, in one second; 0 when the point is passed."""
+        """Return at most the speed that covers the rest in one second; 0 beyond the point."""
         speed = max(0.0, min(self._speed, self._remaining))
         return speed, regulate(self.distance, self._angle, v, w, gains)
 
@@ -142,7 +142,7 @@ class CircleFollow:
         self._angle = 0.0
 
     def observe(self, pose: Pose) -> None:
-        """Distance from the circle, positive to the left of the way, and angle to it."""
+        """Compute angle and distance from the circle, the distance positive to the left."""
         x, y, theta = pose
         along = x - self._x
         across = y - self._y
@@ -159,11 +159,11 @@ class CircleFollow:
 
 
 SLOWEST_SPIN = pi / 90.0
-"""A spin that brakes goes no slower than 2 degrees a second [rad/s]."""
+"""A braking spin is not slower than 2 degrees a second [rad/s]."""
 
 
 class Spin:
-    """RUN_SPIN: turn on the spot to a heading, braking early enough to stop there."""
+    """RUN_SPIN: turn on the spot to a heading, braking in time."""
 
     __slots__ = ("_angle", "_heading", "_speed")
 
@@ -173,11 +173,11 @@ class Spin:
         self._angle = 0.0
 
     def observe(self, pose: Pose) -> None:
-        """The angle that is left to turn."""
+        """Compute the remaining angle."""
         self._angle = remainder(self._heading - pose.theta, tau)
 
     def reference(self, v: float, w: float, gains: Gains) -> tuple[float, float]:
-        """Return the commanded speed, or the one from which a tenth of `max_acc_w` still brakes."""
+        """Return the commanded speed, or that from which a tenth of `max_acc_w` still brakes."""
         angle = self._angle
         braking = sqrt(0.2 * gains.max_acc_w * abs(angle) / gains.control_cycle)
         speed = self._speed if self._speed < braking else max(braking, SLOWEST_SPIN)

@@ -11,7 +11,7 @@ from refrobots.components.localize_center import LocalizeCenterBase
 from rtgen.runtime import RTC_OK, ReturnCode_t
 
 ANNOUNCEMENTS = 20
-"""So many executions send the start pose."""
+"""Number of executions that send the start pose."""
 CEILING = 1.0 / 20.0
 """Weight of the ceiling: odometry has 19 times as much."""
 
@@ -19,11 +19,11 @@ CEILING = 1.0 / 20.0
 class LocalizeCenter(LocalizeCenterBase):
     """Moves the pose of odometry a twentieth of the way to that of the ceiling.
 
-    Activated again, it does not bring back an odometry that goes on to the start pose.
+    After another activation, it does not reset a running odometry to the start pose.
     """
 
     def on_initialize(self) -> ReturnCode_t:
-        """Nothing was sent so far."""
+        """Watch the age of both inputs."""
         config = self.config
         self._odometry = Newest[iis.TimedPose2D](
             self.dp_odmIn, lambda: config.PositionTimeout
@@ -44,7 +44,7 @@ class LocalizeCenter(LocalizeCenterBase):
         return RTC_OK
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
-        """Send the start pose at first, later the mean for a pose of the ceiling."""
+        """Send the start pose at first, later the mean for each pose of the ceiling."""
         now = self.now()
         self._remember(now)
         ceiling = self._ceiling.read_newest(now)
@@ -79,7 +79,7 @@ class LocalizeCenter(LocalizeCenterBase):
     def _correct(self, ceiling: iis.TimedPose2D) -> None:
         seen = pose_of(ceiling.data)
         then = self._history.at(ceiling.tm)
-        # All that is remembered moves, so that the next picture finds what was corrected already.
+        # All stored poses are corrected, so that the next picture is compared with corrected ones.
         self._history.move(
             CEILING * (seen.x - then.x),
             CEILING * (seen.y - then.y),

@@ -13,15 +13,15 @@ from refrobots import rtc
 from refrobots.components.lrf_capture_urg import LRFCapture_URGBase
 from rtgen.runtime import RTC_OK, ReturnCode_t
 
-NOTHING = 0.0
-"""The range where nothing was hit."""
+NO_HIT = 0.0
+"""The range sent if nothing was hit."""
 
 
 class LRFCapture_URG(LRFCapture_URGBase):
-    """One scan for each execution, once it is known where the base is."""
+    """One scan for each execution, once the pose of the base is known."""
 
     def on_activated(self, ec_id: int) -> ReturnCode_t:
-        """Look round the room."""
+        """Load the room."""
         config = self.config
         try:
             self._room = parse(text_of(self.folder, config.room), config.room)
@@ -43,7 +43,7 @@ class LRFCapture_URG(LRFCapture_URGBase):
         return RTC_OK
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
-        """Scan."""
+        """Send a scan."""
         sample = self.pose.read_newest()
         if sample is None:
             return RTC_OK
@@ -66,6 +66,6 @@ class LRFCapture_URG(LRFCapture_URGBase):
     def _measured(self, reach: float) -> float:
         config = self.config
         if reach == inf:
-            return NOTHING
+            return NO_HIT
         reach = round(self._chance.gauss(reach, config.noise), 3)
-        return reach if config.min_range <= reach <= config.max_range else NOTHING
+        return reach if config.min_range <= reach <= config.max_range else NO_HIT

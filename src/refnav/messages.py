@@ -7,17 +7,15 @@ from refrobots import rtc
 
 
 def pose_of(data: rtc.Pose2D) -> Pose:
-    """Return a pose, its heading as it came: any angle is understood."""
+    """Return the pose of a message, with its heading unchanged."""
     return Pose(data.position.x, data.position.y, data.heading)
 
 
 def pose_message(pose: Pose) -> rtc.Pose2D:
-    """Return a pose, its heading as it is."""
+    """Return a message with a pose, its heading unchanged."""
     return rtc.Pose2D(rtc.Point2D(pose.x, pose.y), pose.theta)
 
 
 def pose_2d(pose: Pose) -> rtc.Pose2D:
-    """Return a pose with its heading within 0..2 pi, for the third phase of the common
-    interfaces.
-    """
+    """Return a message with a heading within 0..2 pi, as in the interfaces of the third phase."""
     return rtc.Pose2D(rtc.Point2D(pose.x, pose.y), wrap_positive(pose.theta))

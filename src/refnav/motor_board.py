@@ -1,4 +1,4 @@
-"""The motor board of RH3 as a program: two wheels, their encoders, limits, and a watchdog."""
+"""Simulation of the motor board of RH3: two wheels, their encoders, limits, and a watchdog."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _MILLISECOND = 1_000_000
 
 
 class BoardParameters(PlantSizes, Protocol):
-    """Parameters of the board, and its watchdog [s]; geometry in m."""
+    """Parameters of the board; its watchdog in s, geometry in m."""
 
     watchdog: float
     GearRatio: float
@@ -31,7 +31,7 @@ class BoardParameters(PlantSizes, Protocol):
 
 
 class MotorBoard(MotorBoardTarget):
-    """Carries out the calls of board.cdl on a simulated base, by a clock of its own.
+    """Executes the calls of board.cdl on a simulated base, by a clock of its own.
 
     `now` is the clock [ns]; `tell` is called for each entry of the log, by whichever thread. Calls
     and `turn` may come from different threads.
@@ -59,10 +59,10 @@ class MotorBoard(MotorBoardTarget):
         self._most = 0.0
         self._acceleration = 0.0
 
-    # The board's own loop.
+    # The loop of the board.
 
     def turn(self) -> None:
-        """Let the wheels turn up to now, looks at the watchdog, and sets their speeds anew."""
+        """Simulate the wheels up to now, check the watchdog, and set their speeds."""
         parameters = self._parameters
         base = self.base
         with self._lock:
@@ -79,18 +79,18 @@ class MotorBoard(MotorBoardTarget):
                 base.drive(self._wanted, self._most, self._acceleration * dt)
 
     def note(self, kind: BoardEventKind) -> None:
-        """Make an entry in the log."""
+        """Add an entry to the log."""
         with self._lock:
             self._note(kind)
 
-    # The calls of the signature; their names are those of the CDL file.
+    # The calls of the signature, under the names of the CDL file.
 
     def identify(self) -> tuple[int, str]:
         """Return the name and the version of the board."""
         return E_OK, NAME
 
     def setLimits(self, speed: float, acceleration: float) -> int:
-        """Return the greatest speed [rad/s] and acceleration [rad/s^2] of a wheel."""
+        """Set the greatest speed [rad/s] and acceleration [rad/s^2] of a wheel."""
         if not (0.0 <= speed < tau * 1e6 and 0.0 <= acceleration < tau * 1e6):
             return E_PAR
         with self._lock:
@@ -99,7 +99,7 @@ class MotorBoard(MotorBoardTarget):
         return E_OK
 
     def drive(self, speed: Sequence[float], count: int) -> tuple[int, tagWheelState]:
-        """Give the speeds that the wheels are to have [rad/s], and feeds the watchdog."""
+        """Set the target speeds of the wheels [rad/s], and restart the watchdog."""
         with self._lock:
             if count != WHEELS or not all(map(isfinite, speed)):
                 return E_PAR, self._state()
@@ -112,7 +112,7 @@ class MotorBoard(MotorBoardTarget):
             return E_OK, self._state()
 
     def getState(self) -> tuple[int, tagWheelState]:
-        """Look at the wheels."""
+        """Return the state of the wheels."""
         with self._lock:
             return E_OK, self._state()
 
@@ -125,7 +125,7 @@ class MotorBoard(MotorBoardTarget):
                 self._note(BoardEventKind.STOPPED)
 
     def release(self) -> int:
-        """Let the stopped wheels turn again."""
+        """Release the stopped wheels."""
         with self._lock:
             if self._stopped:
                 self._stopped = False
@@ -162,5 +162,5 @@ def _time(instant: int) -> rtc.Time:
 
 
 def _wrapped(count: float) -> int:
-    """Return a counter of 32 bits goes round."""
+    """Return the value as a counter of 32 bits, which wraps around."""
     return (int(count) + 0x8000_0000) % 0x1_0000_0000 - 0x8000_0000

@@ -1,4 +1,4 @@
-"""MotorControl: wheel speeds for a base that is simulated elsewhere."""
+"""MotorControl: wheel speeds for a base that another component simulates."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class MotorControl(MotorControlBase):
         return RTC_OK
 
     def on_activated(self, ec_id: int) -> ReturnCode_t:
-        """At rest."""
+        """Start at rest."""
         self._control.start(self.now())
         return RTC_OK
 
@@ -36,7 +36,7 @@ class MotorControl(MotorControlBase):
         return RTC_OK
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
-        """Send the speeds that the wheels are to have, and pass on their angles."""
+        """Send the target speeds of the wheels, and pass on their angles."""
         self._send(self._control.wheel_speeds(self.now()))
         while self.InWheelAngle.is_new():
             if (angles := self.InWheelAngle.read()) is not None:

@@ -1,4 +1,4 @@
-"""MotorCoreUnitDevice: gear, motor, driver and encoders in one, simulated."""
+"""MotorCoreUnitDevice: simulation of a unit of gear, motor, driver and encoders."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _TURN: Final = 1 << 17
 
 
 class MotorCoreUnitDevice(SimulatedDrive, MotorCoreUnitDeviceBase):
-    """A motor core unit that turns an arm.
+    """A simulated motor core unit that turns an arm.
 
     Its observables are `angle` [rad] and `speed` [rad/s] of the gear axis.
     """
@@ -27,7 +27,7 @@ class MotorCoreUnitDevice(SimulatedDrive, MotorCoreUnitDeviceBase):
         return RTC_OK
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
-        """Return one turn of the drive's loop."""
+        """Execute the drive's control loop once."""
         code = super().on_execute(ec_id)
         objects = self.objects
         axis = self.axis

@@ -1,4 +1,4 @@
-"""The motors of the reference build's drives, each with the load that it has there."""
+"""The motors of the reference build's drives, each with its load."""
 
 from __future__ import annotations
 

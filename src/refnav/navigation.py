@@ -1,4 +1,4 @@
-"""Navigation: gives out the waypoints of a path one by one, as the base reaches them."""
+"""Navigation: sends the waypoints of a path one by one, as the base reaches them."""
 
 from __future__ import annotations
 
@@ -13,31 +13,31 @@ from refrobots.components.navigation import NavigationBase
 from rtgen.runtime import RTC_ERROR, RTC_OK, SECOND, ReturnCode_t
 
 TURN_FIRST = pi / 6
-"""A heading farther off than this is turned to before the base drives [rad]."""
+"""Before driving, the base turns to a heading that is farther off than this [rad]."""
 TURNED = pi / 20
-"""At a waypoint, a heading this near is good enough to drive [rad]."""
+"""At a waypoint, the heading is good enough to drive within this angle [rad]."""
 TURNED_AT_GOAL = 0.02
-"""At the goal, a heading this near is reached [rad]."""
-THERE = 0.05
-"""A waypoint this near is reached without driving [m]."""
-CRAWL = 0.1
+"""At the goal, the heading is reached within this angle [rad]."""
+REACHED = 0.05
+"""A waypoint within this distance is reached without driving [m]."""
+CRAWL_SPEED = 0.1
 """Speed just before a waypoint [m/s]."""
 SPIN_SPEED = 1.0
 """Commanded turning speed; PathFollower limits it [rad/s]."""
-REPEAT = SECOND // 10
-"""A waypoint is sent again after so long, for a follower that was restarted [ns]."""
+REPEAT_INTERVAL = SECOND // 10
+"""Interval of repeated waypoints, for a follower that was restarted [ns]."""
 PROGRESS = 0.05
-"""Least progress that counts as nearer to a waypoint [m, rad]."""
-APPROACHES = 10
-"""So often the base is turned and driven to a goal that it has missed."""
+"""Smallest change of the distance from a waypoint that counts as progress [m, rad]."""
+MAX_APPROACHES = 10
+"""Maximum number of further approaches to a missed goal."""
 STOP = iis.Path(type=iis.TravelMode.RUN_STOP)
 
 
 class Navigation(NavigationBase):
     """Decides the state of the travel, one step for each new pose.
 
-    Without a path it has no state to tell: FINISH follows upon a path that was run, and a planner
-    that hears nothing knows that its path is not there.
+    Without a path it sends no state: FINISH is only sent for a path that was run, and a planner
+    that receives no state knows that its path was lost.
     """
 
     def on_initialize(self) -> ReturnCode_t:
@@ -66,7 +66,7 @@ class Navigation(NavigationBase):
         return RTC_OK
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
-        """Take a new path, or one step along the path; send the state of the travel."""
+        """Take a new path, or do one step along the path; send the state of the travel."""
         now = self.now()
         sample = self._position.read_newest(now)
         new_path = self.min_path.read_newest()
@@ -77,7 +77,7 @@ class Navigation(NavigationBase):
                 return RTC_ERROR
             late = complaints(now, self._position)
             self.report(late or self._stuck(now))
-            if self._waypoint is not None and now - self._sent >= REPEAT:
+            if self._waypoint is not None and now - self._sent >= REPEAT_INTERVAL:
                 # Without a position the arrival at the waypoint would go unnoticed.
                 self._write(STOP if late else self._waypoint)
         if self._path:
@@ -101,7 +101,7 @@ class Navigation(NavigationBase):
     def _start(self, path: list[Pose]) -> None:
         self._clear()
         if path:
-            # The path starts where the base is, which the first step finds out.
+            # The path starts at the base's pose, which the first step determines.
             self._path = path if len(path) > 1 else [path[0], *path]
             self._state = iis.State.ANGLE_CHECK
         else:
@@ -113,7 +113,7 @@ class Navigation(NavigationBase):
         self._clear()
 
     def _stuck(self, now: int) -> str:
-        """Return the condition to report while the base gets no nearer to its waypoint."""
+        """Return the condition to report while the base does not approach its waypoint."""
         here, target = self._here, self._path[self._index]
         if here is None:
             return ""
@@ -133,7 +133,7 @@ class Navigation(NavigationBase):
         return ""
 
     def _step(self, here: Pose) -> bool:
-        """Go on from a new pose; False if the travel cannot go on."""
+        """Process a new pose; False if the travel cannot go on."""
         before, self._here = self._here, here
         if before is None:
             self._path[0] = here
@@ -160,7 +160,7 @@ class Navigation(NavigationBase):
                     self._pass(target)
             case iis.State.SPEED_DOWN:
                 if _along(here, target) > -self.config.judge_radius:
-                    crawl = min(CRAWL, self.config.max_vel)
+                    crawl = min(CRAWL_SPEED, self.config.max_vel)
                     self._send(iis.TravelMode.RUN_LINEFOLLOW, target, v=crawl)
                     self._state = iis.State.STOPPING
             case iis.State.STOPPING:
@@ -192,17 +192,17 @@ class Navigation(NavigationBase):
         self._send(iis.TravelMode.RUN_SPIN, target, w=SPIN_SPEED)
 
     def _has_missed(self, here: Pose, target: Pose) -> bool:
-        """Return whether a target has to be driven to; the goal is judged more strictly."""
+        """Return whether the base must drive to a target; the tolerance of the goal is smaller."""
         goal = self._path[-1]
         is_goal = target[:2] == goal[:2]
-        near = min(THERE, self.config.GoalTolerance) if is_goal else THERE
+        near = min(REACHED, self.config.GoalTolerance) if is_goal else REACHED
         return hypot(target.x - here.x, target.y - here.y) > near
 
     def _approach(self, here: Pose, goal: Pose) -> bool:
-        """Put a turn and a straight to the goal before its last turn; False after too many."""
-        if self._approaches == APPROACHES:
+        """Insert a turn and a straight to the goal before its last turn; False after too many."""
+        if self._approaches == MAX_APPROACHES:
             off = hypot(goal.x - here.x, goal.y - here.y)
-            self.fail(f"the goal is {off:.3f} m away after {APPROACHES} approaches")
+            self.fail(f"the goal is {off:.3f} m away after {MAX_APPROACHES} approaches")
             return False
         self._approaches += 1
         heading = atan2(goal.y - here.y, goal.x - here.x)
@@ -246,12 +246,12 @@ class Navigation(NavigationBase):
 
 
 def _turn(here: Pose, target: Pose) -> float:
-    """How far the heading is off [rad]."""
+    """Return the deviation from the heading of a target [rad]."""
     return abs(wrap(target.theta - here.theta))
 
 
 def _along(here: Pose, target: Pose) -> float:
-    """Position along the heading of the target, 0 at the target [m]."""
+    """Return the position along the heading of the target, 0 at the target [m]."""
     return (here.x - target.x) * cos(target.theta) + (here.y - target.y) * sin(
         target.theta
     )

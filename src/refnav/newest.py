@@ -1,4 +1,4 @@
-"""The newest sample of an InPort and its age: what a behaviour acts on, and for how long."""
+"""The newest sample of an InPort and its age, with the age up to which it may be used."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ T = TypeVar("T")
 
 
 class Newest(Generic[T]):
-    """Reads an InPort of samples with a time stamp, and knows how old the newest one is.
+    """Reads an InPort of samples with a time stamp, and watches the age of the newest one.
 
-    A sample is as old as its stamp says; without a stamp, or with one in the future, its age counts
-    from its arrival. `limit` gives the greatest age [s] at which it may be acted on; 0: any age.
+    The age counts from the time stamp; without a stamp, or with one in the future, from the
+    arrival. `limit` returns the greatest age [s] at which the sample may be used; 0: any age.
     """
 
     __slots__ = ("_limit", "_port", "_time")
@@ -25,21 +25,17 @@ class Newest(Generic[T]):
         self._time = 0
 
     def start(self, now: int) -> None:
-        """Wait for a sample from now [ns] on."""
+        """Start at the time `now` [ns], without a sample."""
         self._time = now
 
     def read(self, now: int) -> T | None:
-        """Return the oldest unread sample, None if there is none; one beyond the limit is
-        dropped.
-        """
+        """Return the oldest unread sample if it is within the limit, else None."""
         if not self._port.is_new():
             return None
         return self._checked(self._port.read(), now)
 
     def read_newest(self, now: int) -> T | None:
-        """Return the newest unread sample; older ones count as read, one beyond the limit is
-        dropped.
-        """
+        """Return the newest unread sample if it is within the limit; older ones count as read."""
         if not self._port.is_new():
             return None
         return self._checked(self._port.read_newest(), now)

@@ -1,4 +1,4 @@
-"""ObstacleMonitor: how near obstacles are, and a picture of them."""
+"""ObstacleMonitor: the distance of obstacles, and a picture of them."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from math import cos, hypot, sin
 from refnav.geometry import Pose
 from refnav.messages import pose_of
 from refnav.newest import Newest, all_in_time
-from refnav.picture import TRAIL, Picture, PictureError
+from refnav.picture import MAX_TRAIL, Picture, PictureError
 from refnav.pose_history import PoseHistory
 from refrobots import iis, rtc
 from refrobots.components.obstacle_monitor import ObstacleMonitorBase
@@ -16,14 +16,14 @@ from rtgen.runtime import RTC_OK, ReturnCode_t
 
 
 class ObstacleMonitor(ObstacleMonitorBase):
-    """Keeps what was seen while it is active, and draws it at the end.
+    """Records all scans while it is active, and draws them on deactivation.
 
-    Its observable `nearest` is the distance of the nearest point of the newest scan [m], none
-    before there is one.
+    Its observable `nearest` is the distance of the nearest point of the newest scan [m], empty
+    before the first scan.
     """
 
     def on_initialize(self) -> ReturnCode_t:
-        """Show how near the nearest obstacle is."""
+        """Publish the distance of the nearest obstacle."""
         config = self.config
         self._position = Newest[iis.TimedPose2D](
             self.position, lambda: config.PositionTimeout
@@ -36,13 +36,13 @@ class ObstacleMonitor(ObstacleMonitorBase):
         return RTC_OK
 
     def on_activated(self, ec_id: int) -> ReturnCode_t:
-        """Start anew."""
+        """Start an empty picture."""
         config = self.config
         self._position.start(self.now())
         self._scan.start(self.now())
         self._nearest = ()
         self._poses = PoseHistory()
-        self._trail: deque[Pose] = deque(maxlen=TRAIL)
+        self._trail: deque[Pose] = deque(maxlen=MAX_TRAIL)
         self._seen: deque[list[tuple[float, float]]] = deque(maxlen=config.scans)
         if config.picture:
             try:
@@ -52,7 +52,7 @@ class ObstacleMonitor(ObstacleMonitorBase):
         return RTC_OK
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
-        """Look at the scans that have come."""
+        """Process the received scans."""
         now = self.now()
         while self.position.is_new():
             if (pose := self._position.read(now)) is not None:
@@ -84,7 +84,7 @@ class ObstacleMonitor(ObstacleMonitorBase):
             self.nearest.write(rtc.TimedDouble(scan.tm, distance))
 
     def on_deactivated(self, ec_id: int) -> ReturnCode_t:
-        """Draw."""
+        """Draw the picture."""
         if not self.config.picture:
             return RTC_OK
         picture = self._picture

@@ -1,4 +1,4 @@
-"""ObstaclesAvoidance: changes the velocity so that the base passes what stands in its way."""
+"""ObstaclesAvoidance: changes the velocity so that the base passes obstacles."""
 
 from __future__ import annotations
 
@@ -12,28 +12,28 @@ from refrobots.components.obstacles_avoidance import ObstaclesAvoidanceBase
 from rtgen.runtime import RTC_OK, ReturnCode_t
 
 SIDE_STEPS = 10
-"""So many arcs are tried to either side."""
-DETOUR = 0.1
+"""Number of arcs tried on either side."""
+DETOUR_COST = 0.1
 """Cost of leaving the commanded arc, per 1/m; progress by the horizon is worth 1."""
-CHANGE = 0.05
+CHANGE_COST = 0.05
 """Cost of leaving the current arc, per 1/m."""
-ENOUGH = 0.3
-"""A way shorter than this is not worth driving while there is a better one to turn to [m]."""
+MIN_WAY = 0.3
+"""A free way shorter than this is left, if the base can turn to a longer one [m]."""
 TURN_STEP = pi / 12
-"""Directions this far apart are looked at for a way [rad]."""
+"""Angle between directions in which a way is searched [rad]."""
 MAX_TURNS = 8
-"""So many of them to either side: what lies behind the base no scan has seen."""
+"""Number of these directions on either side: no scan covers what is behind the base."""
 
 
 class ObstaclesAvoidance(ObstaclesAvoidanceBase):
     """Plans with each scan; between scans the points are moved by the commanded velocity.
 
-    If no arc makes progress, the base turns on the spot towards one that does. Its observable
-    `free` is the free way ahead [m].
+    If no arc makes progress, the base turns on the spot towards a direction that does. Its
+    observable `free` is the free way ahead [m].
     """
 
     def on_initialize(self) -> ReturnCode_t:
-        """Show the free way."""
+        """Publish the free way."""
         config = self.config
         self._around = Surroundings(self.obstacles, lambda: config.ObstaclesTimeout)
         self._free: tuple[float, ...] = ()
@@ -41,7 +41,7 @@ class ObstaclesAvoidance(ObstaclesAvoidanceBase):
         return RTC_OK
 
     def on_activated(self, ec_id: int) -> ReturnCode_t:
-        """Wait for a scan: nothing is known to be free before."""
+        """Start without a scan: nothing is known to be free."""
         now = self.now()
         self._around.start(now)
         self._driven = (0.0, 0.0)
@@ -50,17 +50,17 @@ class ObstaclesAvoidance(ObstaclesAvoidanceBase):
         return RTC_OK
 
     def on_deactivated(self, ec_id: int) -> ReturnCode_t:
-        """Do not leave the base running."""
+        """Stop the base."""
         self._send(iis.TimedVelocity2D())
         return RTC_OK
 
     def on_aborting(self, ec_id: int) -> ReturnCode_t:
-        """Do not leave the base running."""
+        """Stop the base."""
         self._send(iis.TimedVelocity2D())
         return RTC_OK
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
-        """Send what is to be driven, for a new velocity."""
+        """Send the velocity to drive, for each new commanded one."""
         config = self.config
         now = self.now()
         reach = config.horizon + config.radiusOfBodyArea + config.clearance
@@ -95,7 +95,7 @@ class ObstaclesAvoidance(ObstaclesAvoidanceBase):
     def _allowed(self, v: float, w: float, *, fresh: bool) -> tuple[float, float]:
         config = self.config
         if v <= 0.0:
-            # Turning does not move a circle, and backwards nothing is seen.
+            # Turning does not move a circle; what is behind the base is not scanned.
             self._follow()
             return v, w
         asked = w / v
@@ -107,8 +107,8 @@ class ObstaclesAvoidance(ObstaclesAvoidanceBase):
         if fresh or self._detour is None:
             self._detour = self._plan(asked)
             free = self._way(self._detour)
-            # Once it turns it turns on, until there is a way again that is worth it.
-            if free < ENOUGH and (self._turning or free == 0.0):
+            # The base turns until the way ahead is long enough.
+            if free < MIN_WAY and (self._turning or free == 0.0):
                 self._turning = self._direction(self._turning)
             else:
                 self._turning = 0.0
@@ -125,7 +125,7 @@ class ObstaclesAvoidance(ObstaclesAvoidanceBase):
         return speed, speed * curvature
 
     def _plan(self, asked: float) -> float:
-        """Return the curvature that gets on best, detours counted against it [1/m]."""
+        """Return the curvature with the best progress minus the cost of detours [1/m]."""
         config = self.config
         most = 1.0 / config.min_radius
         before = asked if self._detour is None else self._detour
@@ -135,8 +135,8 @@ class ObstaclesAvoidance(ObstaclesAvoidanceBase):
         def worth(curvature: float) -> float:
             return (
                 _ahead(self._way(curvature), curvature) / config.horizon
-                - DETOUR * abs(curvature - asked)
-                - CHANGE * abs(curvature - before)
+                - DETOUR_COST * abs(curvature - asked)
+                - CHANGE_COST * abs(curvature - before)
             )
 
         return max(tried, key=worth)
@@ -144,7 +144,7 @@ class ObstaclesAvoidance(ObstaclesAvoidanceBase):
     def _direction(self, turn: float) -> float:
         """Return the angular speed that turns to the nearest way; 0 if there is none to turn to.
 
-        A turn that is under way is not turned back, or the base would swing to and fro.
+        The direction of a turn is kept until it ends: otherwise the base would oscillate.
         """
         radius, points = self._radius, self._around.points
         for step in range(1, MAX_TURNS + 1):
@@ -155,7 +155,7 @@ class ObstaclesAvoidance(ObstaclesAvoidanceBase):
                 turned = [
                     (x * along + y * across, y * along - x * across) for x, y in points
                 ]
-                if free_way(0.0, turned, radius, self.config.horizon) >= ENOUGH:
+                if free_way(0.0, turned, radius, self.config.horizon) >= MIN_WAY:
                     return side * self.config.max_w
         return 0.0
 
@@ -170,7 +170,7 @@ class ObstaclesAvoidance(ObstaclesAvoidanceBase):
 
 
 def _ahead(way: float, curvature: float) -> float:
-    """How far an arc leads ahead [m]; a base that turns round gets on no further."""
+    """Return the progress of an arc in the forward direction [m]; none beyond a quarter turn."""
     if abs(curvature) < STRAIGHT:
         return way
     return sin(min(way * abs(curvature), pi / 2)) / abs(curvature)

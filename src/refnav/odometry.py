@@ -14,7 +14,7 @@ from rtgen.runtime import RTC_OK, Component, InPort, OutPort, ReturnCode_t
 
 
 class DeadReckoning:
-    """Adds up the way of a base with two driven wheels.
+    """Integrates the motion of a base with two driven wheels.
 
     Radii and axle in m; `left` and `right` are the indices of the wheels in the angles.
     """
@@ -31,7 +31,7 @@ class DeadReckoning:
         self._axle = axle
         self._left, self._right = wheels
         self.angles: tuple[float, float] | None = None
-        """Of the left and the right wheel, at the pose [rad]; None before the first ones."""
+        """Angles of the left and the right wheel at the pose [rad]; None before the first ones."""
 
     def update(self, angles: Sequence[float]) -> Pose:
         """Return the pose after the wheels have turned to new absolute angles [rad].
@@ -50,7 +50,7 @@ class DeadReckoning:
 
 
 class OdometryParameters(Protocol):
-    """The parameters that odometry has in any case [m]."""
+    """The parameters of every odometry component [m]."""
 
     leftWheelID: int
     rightWheelID: int
@@ -66,7 +66,8 @@ P = TypeVar("P", bound=OdometryParameters)
 class Odometer(Component, Generic[P]):
     """Estimates the pose from the newest wheel angles, which are absolute.
 
-    It goes on where a process that has died had come to, if the system keeps checkpoints.
+    After a restart of its process it continues from the checkpoint, if the system keeps
+    checkpoints.
     """
 
     config: P
@@ -86,7 +87,7 @@ class Odometer(Component, Generic[P]):
         return RTC_OK
 
     def on_activated(self, ec_id: int) -> ReturnCode_t:
-        """Take the parameters, and start from the initial pose."""
+        """Read the parameters, and start from the initial pose."""
         config = self.config
         self._wheels.start(self.now())
         self._reckoning = DeadReckoning(
@@ -102,9 +103,9 @@ class Odometer(Component, Generic[P]):
         return RTC_OK
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
-        """Send the pose for new wheel angles; angles that are not newer are refused.
+        """Send the pose for new wheel angles; angles that are not newer are ignored.
 
-        Without wheel angles there is no pose, and those who need one stop.
+        Without wheel angles no pose is sent, so that components that need one stop.
         """
         now = self.now()
         sample = self._wheels.read_newest(now)
@@ -132,12 +133,12 @@ class Odometer(Component, Generic[P]):
 
     @property
     def _inputs(self) -> tuple[Newest[Any], ...]:
-        """Whose age is watched."""
+        """The inputs whose age is watched."""
         return (self._wheels,)
 
     @property
     def _is_localized(self) -> bool:
-        """Whether the pose has a beginning."""
+        """Whether there is a pose to integrate from."""
         return True
 
 

@@ -19,7 +19,7 @@ from rtgen.runtime import ReturnCode_t
 class OdometryRh2(Odometer[OdometryRh2Configuration], OdometryRh2Base):
     """Adopts every pose of the localisation, and integrates from there.
 
-    It sends no pose before the first one, which would not be measured.
+    It sends no pose before the first one of the localisation.
     """
 
     def on_initialize(self) -> ReturnCode_t:
@@ -31,13 +31,13 @@ class OdometryRh2(Odometer[OdometryRh2Configuration], OdometryRh2Base):
         return super().on_initialize()
 
     def on_activated(self, ec_id: int) -> ReturnCode_t:
-        """Wait for a pose from outside."""
+        """Wait for a pose of the localisation."""
         self._localized.start(self.now())
         self._begun = False
         return super().on_activated(ec_id)
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
-        """Take over a pose from outside, then send the pose for new wheel angles."""
+        """Adopt a pose of the localisation, then send the pose for new wheel angles."""
         localized = self._localized.read_newest(self.now())
         if localized is not None:
             pose = pose_of(localized.data)

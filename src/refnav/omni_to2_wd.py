@@ -1,4 +1,4 @@
-"""OmniTo2WD: plans a path that a base with two driven wheels can run."""
+"""OmniTo2WD: plans a path for a base with two driven wheels."""
 
 from __future__ import annotations
 

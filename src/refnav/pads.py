@@ -12,11 +12,11 @@ BUTTONS = 12
 
 
 class PadError(Exception):
-    """A game pad that is not there, or not any more."""
+    """A game pad that is not connected."""
 
 
 class Sticks(NamedTuple):
-    """Sticks from -1 to 1, to the right and towards the hand positive; a bit for each button."""
+    """Sticks from -1 to 1, positive to the right and towards the hand; buttons as bits."""
 
     lx: float = 0.0
     ly: float = 0.0
@@ -29,20 +29,20 @@ class Pad(Protocol):
     """A game pad."""
 
     def read(self, seconds: float) -> Sticks | None:
-        """Where the sticks are so long after the start; None while the pad is not there."""
+        """Return the sticks at a time after the start [s]; None while the pad is disconnected."""
 
     def close(self) -> None:
         """Let go of the device."""
 
 
 class ScriptedPad:
-    """Does what a script says; behind its end the pad is not there."""
+    """Replays a script; after its end the pad is disconnected."""
 
     def __init__(self, script: Script) -> None:
         self._script = script
 
     def read(self, seconds: float) -> Sticks | None:
-        """As the script has it."""
+        """Return the sticks of the script."""
         held = self._script.at(seconds)
         if held is None:
             return None
@@ -50,7 +50,7 @@ class ScriptedPad:
         return Sticks(lx, ly, rx, ry, round(buttons))
 
     def close(self) -> None:
-        """Nothing to let go of."""
+        """Do nothing: there is no device."""
 
 
 class RealPad:
@@ -75,7 +75,7 @@ class RealPad:
         self._pad = pygame.joystick.Joystick(number)
 
     def read(self, seconds: float) -> Sticks | None:
-        """Where the sticks are now."""
+        """Return the present sticks."""
         pygame = self._pygame
         with suppress(pygame.error):
             pygame.event.pump()

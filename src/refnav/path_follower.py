@@ -1,4 +1,4 @@
-"""PathFollower: gives the base the velocity that makes it follow the waypoint."""
+"""PathFollower: computes the velocity of the base that follows the waypoint."""
 
 from __future__ import annotations
 
@@ -45,9 +45,9 @@ def motion(path: iis.Path) -> Motion:
 
 
 class PathFollower(PathFollowerBase):
-    """Follows one waypoint after the other, and rests until the first one comes.
+    """Follows one waypoint after the other, and rests until the first one arrives.
 
-    It stops, and says so, while position or waypoint are older than their limits.
+    It stops, and reports it, while position or waypoint are older than their limits.
     """
 
     _v: float
@@ -57,7 +57,7 @@ class PathFollower(PathFollowerBase):
     _target: Motion
 
     def on_initialize(self) -> ReturnCode_t:
-        """Make the message that is sent again and again."""
+        """Create the message, which is reused."""
         self._command = iis.TimedVelocity2D()
         config = self.config
         self._position = Newest[iis.TimedPose2D](
@@ -78,12 +78,12 @@ class PathFollower(PathFollowerBase):
         return RTC_OK
 
     def on_deactivated(self, ec_id: int) -> ReturnCode_t:
-        """Do not leave the base running."""
+        """Stop the base."""
         self._halt()
         return RTC_OK
 
     def on_aborting(self, ec_id: int) -> ReturnCode_t:
-        """Do not leave the base running."""
+        """Stop the base."""
         self._halt()
         return RTC_OK
 
@@ -114,10 +114,10 @@ class PathFollower(PathFollowerBase):
         return RTC_OK
 
     def _sees(self, now: int) -> bool:
-        """Return whether what the base moves by is young enough; at rest nothing is needed."""
+        """Return whether pose and waypoint are within their age limits; at rest none is needed."""
         if self._target is not STOP:
             return all_in_time(self, now, self._position, self._waypoint)
-        # A stop is sent once, and carried out with an eye on the position.
+        # A stop is sent once, and executed with the position watched.
         if self._v or self._w:
             return all_in_time(self, now, self._position)
         self.report("")
@@ -134,7 +134,7 @@ class PathFollower(PathFollowerBase):
         self._v = 0.0
         self._w = 0.0
         self._pose = None
-        # Without a pose the target waits and the base rests.
+        # Without a pose the waypoint waits and the base rests.
         self._motion = STOP
         self._target = STOP
 

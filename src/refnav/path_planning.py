@@ -18,13 +18,13 @@ from refrobots.components.path_planning import (
 from rtgen.runtime import RTC_OK, ReturnCode_t
 
 SPEED = 1.0
-"""Commanded forward speed of every path element; the navigation has its own [m/s]."""
+"""Commanded forward speed of every path element; the navigation has its own limit [m/s]."""
 OFF_THE_MAP = 0.3
-"""A base farther than this from its first node drives there first [m]."""
+"""A base farther than this from its first node drives to that node first [m]."""
 
 
 class PathPlanning(Planner[PathPlanningConfiguration], PathPlanningBase):
-    """The cheapest path from the node nearest to the base to that nearest to the goal."""
+    """Plans the cheapest path from the node nearest to the base to that nearest to the goal."""
 
     def on_activated(self, ec_id: int) -> ReturnCode_t:
         """Load the map."""
@@ -36,7 +36,7 @@ class PathPlanning(Planner[PathPlanningConfiguration], PathPlanningBase):
         return super().on_activated(ec_id)
 
     def on_deactivated(self, ec_id: int) -> ReturnCode_t:
-        """Free the map."""
+        """Delete the map."""
         self._map = None
         return RTC_OK
 
@@ -60,9 +60,9 @@ class PathPlanning(Planner[PathPlanningConfiguration], PathPlanningBase):
 
 
 def along(route: RouteMap, numbers: Sequence[int], start: Pose) -> list[Pose]:
-    """Nodes with the direction of travel that arrives there as heading.
+    """Return the nodes with the direction of arrival as heading.
 
-    That of the first is 0, unless `start` is away from it: then the path begins there.
+    The heading of the first is 0, unless `start` is away from it: then the path begins at `start`.
     """
     first = route.nodes[numbers[0]]
     path: list[Pose] = []

@@ -1,4 +1,4 @@
-"""PathTracking: gives the travel commands that keep a robot on its path."""
+"""PathTracking: sends the travel commands that keep a robot on its path."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from rtgen.runtime import RTC_OK, ReturnCode_t
 
 
 class PathTracking(PathTrackingBase):
-    """Follows the newest path, and rests without one, and while the position is too old."""
+    """Follows the newest path; rests without a path, and while the position is too old."""
 
     def on_initialize(self) -> ReturnCode_t:
         """Watch the age of the position."""
@@ -31,17 +31,17 @@ class PathTracking(PathTrackingBase):
         return RTC_OK
 
     def on_deactivated(self, ec_id: int) -> ReturnCode_t:
-        """Do not leave the robot running."""
+        """Stop the robot."""
         self._halt()
         return RTC_OK
 
     def on_aborting(self, ec_id: int) -> ReturnCode_t:
-        """Do not leave the robot running."""
+        """Stop the robot."""
         self._halt()
         return RTC_OK
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
-        """Take a new path and the newest position, and send command and state."""
+        """Read a new path and the newest position, and send command and state."""
         path = self.path.read_newest()
         if path is not None:
             if path.velocity and len(path.velocity) != len(path.pose):

@@ -11,8 +11,8 @@ from typing import Any
 from refnav.geometry import Pose
 
 KINDS = (".svg", ".png", ".pdf")
-TRAIL = 100_000
-"""No trail has more poses; the oldest go."""
+MAX_TRAIL = 100_000
+"""Maximum number of poses of a trail; the oldest are dropped."""
 ARROW = 0.4
 """Length of the arrow of a pose [m]."""
 
@@ -24,7 +24,7 @@ class PictureError(Exception):
 
 
 class Picture:
-    """A drawing to be written to a file, in order; coordinates in m, colours of matplotlib.
+    """A drawing for a file; coordinates in m, colours of matplotlib, drawn in order of the calls.
 
     Raises PictureError for an unknown kind of file, or without matplotlib.
     """
@@ -40,19 +40,19 @@ class Picture:
         self._items: list[tuple[str, Any, str, str]] = []
 
     def line(self, points: Sequence[Point], colour: str, name: str = "") -> None:
-        """A line through points; its name appears in the legend."""
+        """Draw a line through points; its name appears in the legend."""
         self._items.append(("line", list(points), colour, name))
 
     def points(self, points: Sequence[Point], colour: str, name: str = "") -> None:
-        """Dots."""
+        """Draw dots."""
         self._items.append(("points", list(points), colour, name))
 
     def arrow(self, pose: Pose, colour: str, name: str = "") -> None:
-        """A pose."""
+        """Draw a pose as an arrow."""
         self._items.append(("arrow", pose, colour, name))
 
     def label(self, x: float, y: float, text: str) -> None:
-        """A word at a point."""
+        """Draw a word at a point."""
         self._items.append(("label", (x, y, text), "0.3", ""))
 
     def save(self, title: str) -> None:

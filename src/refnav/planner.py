@@ -33,10 +33,10 @@ class UnreachableError(Exception):
 
 
 class Planner(Component, Generic[P]):
-    """Plans for each goal, and for each path once its last waypoint has come.
+    """Plans for each goal, and for each path once its last waypoint has arrived.
 
-    A goal is kept until its FINISH, also while the component is INACTIVE, and by a checkpoint while
-    its process is started again.
+    A goal is kept until its FINISH, also while the component is INACTIVE, and in a checkpoint while
+    its process is restarted.
     """
 
     config: P
@@ -54,7 +54,7 @@ class Planner(Component, Generic[P]):
         """
 
     def on_initialize(self) -> ReturnCode_t:
-        """No goal so far."""
+        """Start without a goal."""
         config = self.config
         self._position = Newest[iis.TimedPose2D](
             self.current_position, lambda: config.PositionTimeout
@@ -79,7 +79,7 @@ class Planner(Component, Generic[P]):
         return RTC_OK
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
-        """Take the pose and the goals, send the path for them, pass on its FINISH."""
+        """Read the pose and the goals, send a path for them, pass on its FINISH."""
         now = self.now()
         # States received until now belong to the path before the one sent in this execution.
         finish = self._follow_state(now)
@@ -101,7 +101,7 @@ class Planner(Component, Generic[P]):
             self._silence = ""
         silent = self._sent and self._status.is_late(now)
         if silent:
-            # The path is not there, perhaps since the navigation was restarted.
+            # The navigation has no path, perhaps since it was restarted.
             self._silence = self._status.complaint
         if self._sent and not silent and finish is None:
             self.report(self._silence)
@@ -115,7 +115,7 @@ class Planner(Component, Generic[P]):
 
     @property
     def _has_arrived(self) -> bool:
-        """Whether a FINISH can be true."""
+        """Whether the base is near enough to the goal for a FINISH."""
         here, goal = self._pose, self._wanted[-1]
         most = self.config.ArrivalRadius
         return here is not None and hypot(goal.x - here.x, goal.y - here.y) <= most
@@ -135,13 +135,13 @@ class Planner(Component, Generic[P]):
         return RTC_OK
 
     def _follow_state(self, now: int) -> iis.TimedState | None:
-        """Return the FINISH of the path that was sent, if it has come."""
+        """Return the FINISH of the sent path, if it has arrived."""
         finish = None
         while (state := self._status.read(now)) is not None:
             if state.data != iis.State.FINISH:
                 self._under_way = self._sent
             elif self._sent and self._under_way:
-                # A FINISH before any motion is left over from an earlier path.
+                # A FINISH before any motion belongs to an earlier path.
                 self._under_way = False
                 finish = state
         return finish
@@ -172,5 +172,5 @@ class Planner(Component, Generic[P]):
 
 
 def poses(path: Sequence[Pose]) -> list[rtc.Pose2D]:
-    """Poses as a path has them on its way."""
+    """Return the poses of a path as messages."""
     return [pose_message(pose) for pose in path]

@@ -1,4 +1,4 @@
-"""Paths for a base that can only drive forward and turn on the spot."""
+"""Plans paths for a base that can only drive forward and turn on the spot."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ from math import atan2, hypot
 from refnav.geometry import Pose
 
 SAME_PLACE = 1e-3
-"""Points nearer to each other than this have no direction between them [m]."""
+"""Points closer than this have no direction between them [m]."""
 
 
 def turn_straight_turn(start: Pose, waypoints: Sequence[Pose]) -> list[Pose]:
     """Return the path from `start` through the waypoints, one or more of them.
 
-    Towards each waypoint the base turns and drives straight forward; the heading of a waypoint is
-    that of the straight, but after the last one the base turns to the requested heading. For n
-    waypoints this gives 2 n + 2 poses, `start` the first.
+    The base turns to each waypoint and drives straight forward; the heading of a waypoint is that
+    of the straight, but after the last one the base turns to the requested heading. For n waypoints
+    this gives 2 n + 2 poses, `start` the first.
     """
     path = [start]
     here = start

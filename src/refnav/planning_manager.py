@@ -14,10 +14,10 @@ ARRIVED = 1
 
 
 class PlanningManager(PlanningManagerBase):
-    """Goes straight to the target, once more if the robot was stopped on its way.
+    """Goes straight to the target; plans again if the robot was stopped on its way.
 
-    Its observables are `goal`, the present target (x, y, theta) [m, rad], none without one, and
-    `travel`, the waypoint reached last and 1 when stopped, none before the first report.
+    Its observables are `goal`, the present target (x, y, theta) [m, rad], empty without one, and
+    `travel`, the waypoint reached last and 1 when stopped, empty before the first report.
     """
 
     _here: Pose | None
@@ -27,7 +27,7 @@ class PlanningManager(PlanningManagerBase):
     _reached = False
 
     def on_initialize(self) -> ReturnCode_t:
-        """Show what is managed."""
+        """Publish target and progress."""
         config = self.config
         self._position = Newest[iis.TimedPose2D](
             self.position, lambda: config.PositionTimeout
@@ -45,7 +45,7 @@ class PlanningManager(PlanningManagerBase):
         return RTC_OK
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
-        """Take a new target list, plan for it, and note the state of the travel."""
+        """Read a new target list, plan for it, and record the state of the travel."""
         now = self.now()
         sample = self._position.read_newest(now)
         if sample is not None:

@@ -1,4 +1,4 @@
-"""The simulated base: driven wheels with limits, their encoders, and where they carry the body."""
+"""Simulation of a base: driven wheels with limits, their encoders, and the resulting pose."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from refnav.room import Room
 class Plant:
     """A base on driven wheels; its pose is that of the centre of the drive.
 
-    `speeds` are those of the wheels [rad/s], `angles` what they have turned since the start [rad];
-    (x, y, theta) is the true pose [m, rad]. `kinematics` has the true sizes. A body of `radius` [m]
-    that comes up to something of the `room` stops there, and `touches` it.
+    `speeds` are those of the wheels [rad/s], `angles` their turns since the start [rad]; (x, y,
+    theta) is the true pose [m, rad]. `kinematics` has the true sizes. A body of `radius` [m] that
+    reaches something of the `room` stops there, and `touches` it.
     """
 
     __slots__ = (
@@ -59,21 +59,21 @@ class Plant:
         self.halt()
 
     def restore(self, pose: Pose, angles: Sequence[float]) -> None:
-        """Set the base down at rest, as its wheels have turned."""
+        """Set the base down at rest, with the angles of its wheels."""
         self.place(pose)
         self.angles = list(angles)
 
     def start(self, pose: Pose) -> None:
-        """Set the base down, unless it was before: then it stays where it is."""
+        """Set the base down the first time; later calls do nothing."""
         if not self._placed:
             self.place(pose)
 
     def halt(self) -> None:
-        """Hold all wheels at once."""
+        """Stop all wheels at once."""
         self.speeds = [0.0] * self.kinematics.wheels
 
     def drive(self, targets: Sequence[float], most: float, step: float) -> None:
-        """Bring each wheel nearer to its target speed [rad/s], within its limits.
+        """Accelerate each wheel towards its target speed [rad/s], within its limits.
 
         `most` is the greatest speed [rad/s], `step` the greatest change of it [rad/s].
         """
@@ -85,11 +85,11 @@ class Plant:
                 speeds[i] = limited(speeds[i], target, most, step)
 
     def roll(self, dt: float) -> None:
-        """Run for `dt` [s] at the present wheel speeds."""
+        """Move for `dt` [s] at the present wheel speeds."""
         self.turn([speed * dt for speed in self.speeds])
 
     def turn(self, turns: Sequence[float]) -> None:
-        """Move as the wheels turn by these angles [rad]."""
+        """Move by these turns of the wheels [rad]."""
         angles = self.angles
         for i, turn in enumerate(turns):
             angles[i] += turn
@@ -100,14 +100,14 @@ class Plant:
         way = abs(forward) + abs(sideways)
         self.touches = bool(self.room.things) and self._is_blocked(x, y, way)
         if self.touches:
-            # The wheels may have turned: encoders count, the body stays.
+            # Wheels of a blocked body slip: encoders count, the pose is unchanged.
             self.halt()
         else:
             self.x, self.y = x, y
 
     def _is_blocked(self, x: float, y: float, way: float) -> bool:
-        """Return whether the body cannot get to a point, which is at most `way` [m] away."""
-        # Nothing can be touched on a way shorter than the room left when it was last measured.
+        """Return whether the body cannot reach a point, at most `way` [m] away."""
+        # A way shorter than the clearance measured last is free.
         self._space -= way
         if self._space > 0.0:
             return False

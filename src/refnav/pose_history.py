@@ -1,4 +1,4 @@
-"""Recent poses of the base, for measurements that arrive late."""
+"""Recent poses of the base, for measurements with a delay."""
 
 from __future__ import annotations
 
@@ -9,14 +9,17 @@ from refnav.geometry import Pose, wrap
 from refnav.messages import pose_of
 from refrobots import iis, rtc
 
-REMEMBERED = 128
-"""How many poses are kept."""
+MAX_POSES = 128
+"""Number of poses kept."""
 TURN_JUMP = 0.6
-"""A heading this far from the one before is not a motion of the base [rad]."""
+"""A greater change of the heading than this is not a motion of the base [rad]."""
 
 
 def jumped(before: Pose, here: Pose, most: float) -> str:
-    """Why one pose cannot follow upon the other, by `most` [m]; empty if it can, or `most` is 0."""
+    """Return why two poses cannot be successive; empty if they can.
+
+    `most` is the greatest distance [m]; 0: any distance and turn.
+    """
     if most <= 0.0 or (
         hypot(here.x - before.x, here.y - before.y) <= most
         and abs(wrap(here.theta - before.theta)) <= TURN_JUMP
@@ -30,18 +33,18 @@ class PoseHistory:
     """The newest poses with their times, in order of arrival."""
 
     def __init__(self) -> None:
-        self._poses: deque[tuple[tuple[int, int], Pose]] = deque(maxlen=REMEMBERED)
+        self._poses: deque[tuple[tuple[int, int], Pose]] = deque(maxlen=MAX_POSES)
 
     def __bool__(self) -> bool:
         return bool(self._poses)
 
     def add(self, sample: iis.TimedPose2D) -> None:
-        """Note a pose."""
+        """Add a pose."""
         self._poses.append(((sample.tm.sec, sample.tm.nsec), pose_of(sample.data)))
 
     @property
     def newest(self) -> Pose:
-        """The pose noted last; IndexError if there is none."""
+        """The newest pose; IndexError if there is none."""
         return self._poses[-1][1]
 
     def at(self, time: rtc.Time) -> Pose:
@@ -51,15 +54,15 @@ class PoseHistory:
         return earlier[-1] if earlier else self._poses[0][1]
 
     def move(self, x: float, y: float, theta: float) -> None:
-        """Move every pose by so much [m, rad]: what was found out later was true before."""
+        """Move every pose [m, rad], for a correction that also holds for the past."""
         self._poses = deque(
             (
                 (time, Pose(pose.x + x, pose.y + y, wrap(pose.theta + theta)))
                 for time, pose in self._poses
             ),
-            maxlen=REMEMBERED,
+            maxlen=MAX_POSES,
         )
 
     def clear(self) -> None:
-        """Forget everything."""
+        """Remove all poses."""
         self._poses.clear()

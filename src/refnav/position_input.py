@@ -1,4 +1,4 @@
-"""PositionInput: takes goals and paths from an operator, and sends them one after the other."""
+"""PositionInput: reads goals and paths of an operator, and sends them one after the other."""
 
 from __future__ import annotations
 
@@ -28,10 +28,10 @@ class PositionInput(PositionInputBase):
     defined_path = Command(
         (Pose(2.0, 0.0, 0.0), Pose(2.0, 2.0, 0.0), Pose(0.0, 2.0, 3.14))
     )
-    """The path for `path` without waypoints, on the console."""
+    """The path of the command `path` without waypoints, on the console."""
 
     def on_initialize(self) -> ReturnCode_t:
-        """Publish the goal; it is empty until there is one."""
+        """Publish the goal, which is empty at first."""
         self.console: TextIO = sys.stdin
         self.console_reader: ConsoleReader | None = None
         self._goal: tuple[float, ...] = ()
@@ -74,7 +74,7 @@ class PositionInput(PositionInputBase):
         return RTC_OK
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
-        """Send what is left of a command, wait for its FINISH, then take the next one."""
+        """Send the rest of a command, wait for its FINISH, then take the next one."""
         if self._unsent:
             self._send()
             return RTC_OK
@@ -127,9 +127,7 @@ class PositionInput(PositionInputBase):
 
 
 def _messages(command: Command) -> list[iis.TimedPose2D]:
-    """Return the messages for a goal (its `id` empty) or for a path (place of each waypoint in
-    `id`).
-    """
+    """Return the messages for a goal (`id` empty) or for a path (`id` is the waypoint's place)."""
     points = command.points
     places: list[list[int]] = [[]]
     if len(points) > 1:
@@ -142,5 +140,5 @@ def _messages(command: Command) -> list[iis.TimedPose2D]:
 
 
 def _print(text: str) -> None:
-    # Standard output belongs to the report of a run.
+    # Standard output is for the report of a run.
     print(text, file=sys.stderr)

@@ -1,4 +1,4 @@
-"""Potentiometer: its voltage, still or turned to and fro."""
+"""Potentiometer: its voltage, constant or oscillating."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from rtgen.runtime import RTC_OK, SECOND, ReturnCode_t
 
 
 class Potentiometer(PotentiometerBase):
-    """Is turned from the moment on at which it is activated."""
+    """Oscillates from its activation on."""
 
     def on_activated(self, ec_id: int) -> ReturnCode_t:
-        """Begin in the middle."""
+        """Start in the middle."""
         self._begin = self.now()
         return RTC_OK
 

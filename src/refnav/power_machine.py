@@ -1,4 +1,4 @@
-"""The power drive's automaton of CiA 402, on the side of the drive."""
+"""The state machine of CiA 402 on the side of the drive."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ TRANSITIONS: Final = {
     15: (_S.FAULT, _S.SWITCH_ON_DISABLED),
     16: (_S.QUICK_STOP_ACTIVE, _S.OPERATION_ENABLED),
 }
-"""From which state to which each transition leads; None for any, or for none before."""
+"""The state before and after each transition; None for any, or for none before."""
 
 _BY_COMMAND: Final = {
     (_S.SWITCH_ON_DISABLED, Command.SHUTDOWN): 2,
@@ -51,7 +51,7 @@ _BY_COMMAND: Final = {
 
 
 class Braking(Enum):
-    """How the drive comes to rest before it goes on to another state."""
+    """How the drive brakes before it enters another state."""
 
     COAST = 0
     SLOW_DOWN = 1
@@ -63,8 +63,8 @@ class Braking(Enum):
 class PowerMachine:
     """State machine of a drive and its braking modes (CiA 402), without time.
 
-    `taken` is called for every transition. The codes are those of 605Ah, 605Ch and 605Eh; without
-    a 605Bh, a shutdown lets the axis coast.
+    `taken` is called for every transition. The codes are those of 605Ah, 605Ch and 605Eh; without a
+    605Bh, a shutdown lets the axis coast.
     """
 
     def __init__(self, taken: Callable[[int], None] = lambda number: None) -> None:
@@ -73,7 +73,7 @@ class PowerMachine:
         self.disable_code = 1
         self.fault_code = 2
         self.braking: Braking | None = None
-        """How to brake; None while the drive follows its target, or nothing at all."""
+        """How the drive brakes; None while it follows its target, or does nothing."""
         self._disabling = False
         self._reset = True
         self.state = PowerState.NOT_READY_TO_SWITCH_ON
@@ -81,13 +81,13 @@ class PowerMachine:
 
     @property
     def powered(self) -> bool:
-        """Whether the motor gets torque."""
+        """Whether the motor has torque."""
         state = self.state
         follows = state in (PowerState.OPERATION_ENABLED, PowerState.QUICK_STOP_ACTIVE)
         return follows or state is PowerState.FAULT_REACTION_ACTIVE
 
     def initialised(self) -> None:
-        """The drive has tested itself."""
+        """Called after the drive's self-test."""
         self._go(1)
 
     def command(self, controlword: int, *, faultless: bool = True) -> None:
@@ -115,7 +115,7 @@ class PowerMachine:
                 self._brake(self.quick_stop_code)
 
     def fault(self) -> None:
-        """Something is wrong: the drive brakes, if it has power, and stays in the fault state."""
+        """Enter the fault reaction: a powered drive brakes first, then stays in the fault state."""
         if self.state in (PowerState.FAULT_REACTION_ACTIVE, PowerState.FAULT):
             return
         powered = self.powered
@@ -126,7 +126,7 @@ class PowerMachine:
             self._go(14)
 
     def at_rest(self) -> None:
-        """The axis that had to brake stands."""
+        """Called when a braking axis has come to rest."""
         if self._disabling:
             self._go(5)
         elif self.state is PowerState.QUICK_STOP_ACTIVE and self.quick_stop_code < 5:
@@ -135,7 +135,7 @@ class PowerMachine:
             self._go(14)
 
     def _brake(self, code: int) -> None:
-        # 5 to 8 brake as 1 to 4, and hold the axis then.
+        # 5 to 8 brake as 1 to 4, then hold the axis.
         self.braking = Braking(code if code < 5 else code - 4)
         if self.braking is Braking.COAST:
             self.at_rest()

@@ -1,4 +1,4 @@
-"""Ray casting against walls and posts. It runs on the small runtime, too."""
+"""Ray casting against walls and posts. Also for the small runtime."""
 
 from math import inf
 
@@ -23,7 +23,7 @@ def nearest_wall(
     dx: float,
     dy: float,
 ) -> float:
-    """How far the first wall is from a point in the direction (dx, dy) [m]; inf without one."""
+    """Return the distance to the first wall in the direction (dx, dy) [m]; inf without one."""
     nearest = inf
     for wall in walls:
         reach = hit_wall(wall, x, y, dx, dy)
@@ -35,7 +35,7 @@ def nearest_wall(
 def hit_wall(
     wall: "tuple[float, float, float, float]", x: float, y: float, dx: float, dy: float
 ) -> float:
-    """How far a wall is from a point in the direction (dx, dy), of length 1; inf if never [m].
+    """Return the distance to a wall in a direction (dx, dy) of length 1; inf if not hit [m].
 
     `wall` goes from (x1, y1) to (x2, y2).
     """

@@ -1,8 +1,8 @@
-"""A cache of fixed size. It runs on small boards, too."""
+"""A cache of fixed size. Also for small boards."""
 
 
 class Recent:
-    """Places for what was needed lately, by key; their number never changes."""
+    """Slots for the recently used keys; their number is fixed."""
 
     def __init__(self, room: int) -> None:
         self._keys = [b""] * room
@@ -10,7 +10,7 @@ class Recent:
         self._clock = 0
 
     def find(self, key: bytes) -> int:
-        """Return the place of a key, -1 if it has none."""
+        """Return the slot of a key, -1 if it has none."""
         for place in range(len(self._keys)):
             if self._used[place] and self._keys[place] == key:
                 self._touch(place)
@@ -33,9 +33,7 @@ class Recent:
 
 
 def octets_of(digits: str) -> bytes:
-    """Return the 16 octets of a ucode in hexadecimal digits, the missing ones 0. Raises
-    ValueError.
-    """
+    """Return the 16 octets of a ucode in hexadecimal digits, padded with 0. Raises ValueError."""
     if not 0 < len(digits) <= 32:
         raise ValueError(digits + " is not a ucode of 1 to 32 hexadecimal digits")
     number = int(digits, 16)

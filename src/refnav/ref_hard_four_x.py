@@ -14,7 +14,7 @@ _DEGREE = pi / 180.0
 
 
 class RefHardFourX(RefHardFourXBase):
-    """A base with four driven wheels, those of a side at one speed.
+    """A base with four driven wheels; those of a side have one speed.
 
     Its observables are `truth`, the pose (x, y, theta) [m, rad] by the wheels' encoders and the
     plant's geometry, and `wheels`, the speeds of the wheels [rad/s]: front left, rear left, front
@@ -22,7 +22,7 @@ class RefHardFourX(RefHardFourXBase):
     """
 
     def on_initialize(self) -> ReturnCode_t:
-        """Put the base on the floor and offer its services."""
+        """Place the base and offer its services."""
         switch = TravelSwitch()
         self.InventGUIRefHard.set_servant(switch)
         self.BumpRefHard.set_servant(switch.bumper)
@@ -49,7 +49,7 @@ class RefHardFourX(RefHardFourXBase):
         )
 
     def on_activated(self, ec_id: int) -> ReturnCode_t:
-        """Start at rest; the drives need not be there yet."""
+        """Start at rest; the drives may be missing yet."""
         self._base.start(self.now())
         return RTC_OK
 
@@ -64,7 +64,7 @@ class RefHardFourX(RefHardFourXBase):
         return RTC_OK
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
-        """Command the drives, and send the wheel angles if all of them are there."""
+        """Command the drives, and send the wheel angles once all drives send theirs."""
         angles = self._base.step(self.now())
         if angles is not None:
             turned = sample(angles)

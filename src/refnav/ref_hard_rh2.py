@@ -1,4 +1,4 @@
-"""RefHardRh2: the base RH2, which has another gear than RH3."""
+"""RefHardRh2: the base of RH2, with another gear than that of RH3."""
 
 from __future__ import annotations
 

@@ -17,7 +17,7 @@ class RefHardRh3Canopen(RefHardRh3CanopenBase):
     """
 
     def on_initialize(self) -> ReturnCode_t:
-        """Put the base on the floor and offer its services."""
+        """Place the base and offer its services."""
         switch = TravelSwitch()
         self.InventGUIRefHard.set_servant(switch)
         self.BumpRefHard.set_servant(switch.bumper)
@@ -43,7 +43,7 @@ class RefHardRh3Canopen(RefHardRh3CanopenBase):
         )
 
     def on_activated(self, ec_id: int) -> ReturnCode_t:
-        """Start at rest; the drives need not be there yet."""
+        """Start at rest; the drives may be missing yet."""
         self._base.start(self.now())
         return RTC_OK
 
@@ -58,7 +58,7 @@ class RefHardRh3Canopen(RefHardRh3CanopenBase):
         return RTC_OK
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
-        """Command the drives, and send the wheel angles if all of them are there."""
+        """Command the drives, and send the wheel angles once all drives send theirs."""
         angles = self._base.step(self.now())
         if angles is not None:
             turned = sample(angles)

@@ -24,7 +24,7 @@ class RefHardRh3Tecs(RefHardRh3TecsBase, MotorBoardClientBase):
     """RefHardRh3 with the wheels on a board: the ports of both definitions.
 
     While the board is unreachable, no angles are sent, and the board itself holds the wheels. The
-    observable `calls` counts the answered and the unanswered exchanges.
+    observable `calls` counts the answered and the unanswered calls.
     """
 
     def on_initialize(self) -> ReturnCode_t:
@@ -39,7 +39,7 @@ class RefHardRh3Tecs(RefHardRh3TecsBase, MotorBoardClientBase):
         return RTC_OK
 
     def on_activated(self, ec_id: int) -> ReturnCode_t:
-        """Start at rest; the board need not be there yet."""
+        """Start at rest; the board may be missing yet."""
         self._control.start(self.now())
         self._met = False
         self._held = False
@@ -56,7 +56,7 @@ class RefHardRh3Tecs(RefHardRh3TecsBase, MotorBoardClientBase):
         return RTC_OK
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
-        """Give the board its wheel speeds, and send the angles that it answers with."""
+        """Send the board its wheel speeds, and send the angles of its answer."""
         left, right = self._control.wheel_speeds(self.now())
         try:
             if not self._met:
@@ -79,7 +79,7 @@ class RefHardRh3Tecs(RefHardRh3TecsBase, MotorBoardClientBase):
         return RTC_OK
 
     def _meet(self) -> None:
-        """A board that comes, or comes back, may be another one, or have been switched off."""
+        """Identify a board that is connected or reconnected, and set its limits."""
         config = self.config
         board = self.motor_board.object
         code, name = board.identify()
@@ -110,7 +110,7 @@ class RefHardRh3Tecs(RefHardRh3TecsBase, MotorBoardClientBase):
 
 
 def _check(function: str, code: int) -> None:
-    """Raises LinkError if the call did not get through, RuntimeError if the board refuses it."""
+    """Raise LinkError if the call did not get through, RuntimeError if the board refused it."""
     if code == E_OK:
         return
     if MERCD(code) == E_RPC:

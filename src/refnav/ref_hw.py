@@ -18,7 +18,7 @@ class RefHw(RefHwBase):
     """Its observables are `truth`, the true pose (x, y, theta) [m, rad], and `wheels` [rad/s]."""
 
     def on_initialize(self) -> ReturnCode_t:
-        """Put the base on the floor."""
+        """Place the base."""
         config = self.config
         self._plant = Plant(true_wheels(config))
         self._command = Newest[rtc.TimedDoubleSeq](
@@ -29,7 +29,7 @@ class RefHw(RefHwBase):
         return RTC_OK
 
     def on_activated(self, ec_id: int) -> ReturnCode_t:
-        """At rest, where it stood."""
+        """Start at rest at the place of the base."""
         config = self.config
         self._plant.kinematics = true_wheels(config)
         try:
@@ -53,7 +53,7 @@ class RefHw(RefHwBase):
         return RTC_OK
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
-        """Roll on, and send angles and pose."""
+        """Move on, and send angles and pose."""
         config, plant = self.config, self._plant
         now = self.now()
         dt = (now - self._now) / SECOND

@@ -1,4 +1,4 @@
-"""Common base of the control RTCs of the four robots, without the body."""
+"""Common base of the control components of the four robots; the subclasses have the body."""
 
 from __future__ import annotations
 
@@ -30,11 +30,10 @@ P = TypeVar("P", bound=RobotParameters)
 
 
 class Robot(Component, Generic[P]):
-    """Goes by travel commands of the first and second phase, or follows another robot.
+    """Executes travel commands of the first and second phase, or follows another robot.
 
     The newest input decides which. Its observables are `truth` and `odometry`, the true pose and
-    that by the encoders (x, y, theta) [m, rad], and `velocity`, that of the body
-    [m/s, m/s, rad/s].
+    that by the encoders (x, y, theta) [m, rad], and `velocity`, that of the body [m/s, m/s, rad/s].
     """
 
     config: P
@@ -48,7 +47,7 @@ class Robot(Component, Generic[P]):
         """Return the body, by the parameters."""
 
     def on_initialize(self) -> ReturnCode_t:
-        """Show where the robot is, once there is one."""
+        """Publish pose and velocity."""
         self._body: Body | None = None
         self._position = iis.TimedPosition()
         config = self.config
@@ -64,7 +63,7 @@ class Robot(Component, Generic[P]):
         return RTC_OK
 
     def on_activated(self, ec_id: int) -> ReturnCode_t:
-        """Wait for input. The robot is built and placed the first time, then stays where it is."""
+        """Wait for input. The first activation creates and places the robot."""
         config = self.config
         if self._body is None:
             self._body = self._make_body()
@@ -74,7 +73,7 @@ class Robot(Component, Generic[P]):
         return RTC_OK
 
     def on_deactivated(self, ec_id: int) -> ReturnCode_t:
-        """Brake: without the component nothing drives the wheels."""
+        """Brake: without the component the wheels are not driven."""
         return self._brake()
 
     def on_aborting(self, ec_id: int) -> ReturnCode_t:
@@ -82,7 +81,7 @@ class Robot(Component, Generic[P]):
         return self._brake()
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
-        """Drive on, and send the position."""
+        """Move on, and send the position."""
         body = self._body
         assert body is not None
         now = self.now()
@@ -136,7 +135,7 @@ class Robot(Component, Generic[P]):
             self._follower = None
 
     def _follow(self, target: iis.TimedPosition) -> None:
-        # The track of one robot is not a track of another, so a new leader is followed anew.
+        # The track of another robot cannot be continued, so a new leader gets a new follower.
         if self._follower is None or target.id != self._leader:
             self._follower = WAYS[self.config.following]()
             self._leader = list(target.id)

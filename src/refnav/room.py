@@ -1,4 +1,4 @@
-"""A plan of walls and posts: what rays hit, and how far something is from anything."""
+"""A plan of walls and posts: ray casting, and distances from anything."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from math import cos, hypot, inf, sin, sqrt
 from typing import NamedTuple
 
 from refnav.geometry import Pose
-from refnav.map_text import lines, mistake
+from refnav.map_text import lines, map_error
 from refnav.rays import hit_wall
 
 
@@ -20,14 +20,14 @@ class Wall(NamedTuple):
     y2: float
 
     def distance(self, x: float, y: float) -> float:
-        """How far a point is from it [m]."""
+        """Return the distance of a point from the wall [m]."""
         dx, dy = self.x2 - self.x1, self.y2 - self.y1
         part = ((x - self.x1) * dx + (y - self.y1) * dy) / (dx * dx + dy * dy)
         part = min(1.0, max(0.0, part))
         return hypot(self.x1 + part * dx - x, self.y1 + part * dy - y)
 
     def hit(self, x: float, y: float, dx: float, dy: float) -> float:
-        """How far it is from a point in the direction (dx, dy), of length 1; inf if never [m]."""
+        """Return the distance to the wall in a direction of length 1 [m]; inf if not hit."""
         return hit_wall(self, x, y, dx, dy)
 
 
@@ -39,11 +39,11 @@ class Post(NamedTuple):
     radius: float
 
     def distance(self, x: float, y: float) -> float:
-        """How far a point is from its surface, negative within it [m]."""
+        """Return the distance of a point from the surface, negative within [m]."""
         return hypot(self.x - x, self.y - y) - self.radius
 
     def hit(self, x: float, y: float, dx: float, dy: float) -> float:
-        """How far it is from a point in the direction (dx, dy), of length 1; inf if never [m]."""
+        """Return the distance to the post in a direction of length 1 [m]; inf if not hit."""
         to_x, to_y = self.x - x, self.y - y
         along = to_x * dx + to_y * dy
         beside = to_x * dy - to_y * dx
@@ -60,11 +60,11 @@ class Room:
         self.things = things
 
     def distance(self, x: float, y: float) -> float:
-        """How far a point is from the nearest thing; inf in an empty room [m]."""
+        """Return the distance of a point from the nearest thing [m]; inf in an empty room."""
         return min((thing.distance(x, y) for thing in self.things), default=inf)
 
     def ranges(self, pose: Pose, angles: Sequence[float], most: float) -> list[float]:
-        """Distances that a range finder at a pose measures at these angles [rad].
+        """Return the distances that a range finder at a pose measures at these angles [rad].
 
         Inf beyond `most` [m].
         """
@@ -88,11 +88,11 @@ def parse(text: str, name: str) -> Room:
         if letter == "w":
             wall = Wall(*values)
             if wall[:2] == wall[2:]:
-                raise mistake(name, line, "a wall has a length")
+                raise map_error(name, line, "a wall has a length")
             things.append(wall)
         else:
             post = Post(*values)
             if post.radius <= 0.0:
-                raise mistake(name, line, "a post has a radius above 0")
+                raise map_error(name, line, "a post has a radius above 0")
             things.append(post)
     return Room(things)

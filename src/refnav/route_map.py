@@ -1,4 +1,4 @@
-"""The map of the planner: nodes, and links between them that cost something."""
+"""The map of the planner: nodes, and links with costs between them."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from heapq import heappop, heappush
 from math import hypot
 
 from refnav.geometry import Pose
-from refnav.map_text import lines, mistake
+from refnav.map_text import lines, map_error
 
 
 class RouteMap:
-    """Nodes by number, and the cost of going to their neighbours."""
+    """Nodes by number, and the costs of the links to their neighbours."""
 
     def __init__(
         self, nodes: Mapping[int, Pose], links: Mapping[int, Mapping[int, float]]
@@ -59,18 +59,18 @@ def parse(text: str, name: str) -> RouteMap:
         if letter == "n":
             number = _node(name, line, values[0])
             if number in nodes:
-                raise mistake(name, line, f"node {number} is there already")
+                raise map_error(name, line, f"node {number} is there already")
             nodes[number] = Pose(*values[1:])
         else:
             first, second = (_node(name, line, value) for value in values[:2])
             links.append((line, first, second, values[2]))
     if not nodes:
-        raise mistake(name, 1, "no node")
+        raise map_error(name, 1, "no node")
     costs: dict[int, dict[int, float]] = {number: {} for number in nodes}
     for line, first, second, cost in links:
         for number in (first, second):
             if number not in nodes:
-                raise mistake(name, line, f"there is no node {number}")
+                raise map_error(name, line, f"there is no node {number}")
         a, b = nodes[first], nodes[second]
         worth = cost if cost > 0.0 else hypot(b.x - a.x, b.y - a.y)
         costs[first][second] = costs[second][first] = worth
@@ -79,7 +79,7 @@ def parse(text: str, name: str) -> RouteMap:
 
 def _node(name: str, line: int, value: float) -> int:
     if value != int(value):
-        raise mistake(name, line, f"{value} is not a number of a node")
+        raise map_error(name, line, f"{value} is not a number of a node")
     return int(value)
 
 

@@ -1,4 +1,4 @@
-"""SegwayJoystick: one stick, gentle round its middle."""
+"""SegwayJoystick: one stick, with small output near its centre."""
 
 from __future__ import annotations
 
@@ -10,6 +10,6 @@ from refrobots.components.segway_joystick import (
 
 
 class SegwayJoystick(Joystick[SegwayJoystickConfiguration], SegwayJoystickBase):
-    """one stick, gentle round its middle."""
+    """One stick, with small output near its centre."""
 
     response = Response(power=2.0)

@@ -1,4 +1,4 @@
-"""SimulatedMotorBoard: a motor board for systems without one, here or in another process."""
+"""SimulatedMotorBoard: a motor board for systems without a real one, in this process or another."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ class Server(Protocol):
 
 
 class SimulatedMotorBoard(SimulatedMotorBoardBase):
-    """A board that is switched on by the first activation, and reached while it is ACTIVE.
+    """A board switched on by the first activation, and reachable while ACTIVE.
 
     Its observables are `truth`, the true pose (x, y, theta) [m, rad], and `wheels`, the speeds of
     the left and the right wheel [rad/s]; both are empty if another process has the board.
     """
 
     def on_initialize(self) -> ReturnCode_t:
-        """Show where the base is."""
+        """Publish the pose of the base."""
         self._board: MotorBoard | None = None
         self._server: Server | None = None
         self._log: deque[BoardEvent] = deque()
@@ -43,7 +43,7 @@ class SimulatedMotorBoard(SimulatedMotorBoardBase):
         return RTC_OK
 
     def on_activated(self, ec_id: int) -> ReturnCode_t:
-        """Switch the board on, and listen."""
+        """Switch the board on, and accept connections."""
         config = self.config
         if config.transport == "none":
             return RTC_OK
@@ -54,17 +54,17 @@ class SimulatedMotorBoard(SimulatedMotorBoardBase):
         return self._listen(self._board) if config.link else RTC_OK
 
     def on_deactivated(self, ec_id: int) -> ReturnCode_t:
-        """Hold the wheels, and listen no more."""
+        """Hold the wheels, and close the connections."""
         self._leave()
         return RTC_OK
 
     def on_aborting(self, ec_id: int) -> ReturnCode_t:
-        """Hold the wheels, and listen no more."""
+        """Hold the wheels, and close the connections."""
         self._leave()
         return RTC_OK
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
-        """Cut or mend the line, let the board do its turn, and send its log."""
+        """Cut or restore the connection, run the board's loop, and send its log."""
         board = self._board
         if board is None:
             return RTC_OK

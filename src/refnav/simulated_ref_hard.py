@@ -1,4 +1,4 @@
-"""Common base of RefHardRh2 and RefHardRh3, without the gear."""
+"""Common base of RefHardRh2 and RefHardRh3, which differ in the gear."""
 
 from __future__ import annotations
 
@@ -48,8 +48,8 @@ P = TypeVar("P", bound=BaseSettings)
 class SimulatedRefHard(Component, Generic[P]):
     """The simulated base.
 
-    As hardware outlives its driver, it stays where it is, stopped by whom it is, and its encoders
-    count on when the component's process is started again, if the system keeps checkpoints.
+    Like hardware, it outlives its driver: if the system keeps checkpoints, the base keeps its
+    place, its stop and its encoders over a restart of the component's process.
 
     Its observables are `truth`, the true pose (x, y, theta) [m, rad], and `wheels`, the speeds of
     the left and the right wheel [rad/s].
@@ -63,7 +63,7 @@ class SimulatedRefHard(Component, Generic[P]):
     BumpRefHard: Provider[RefHard]
 
     def on_initialize(self) -> ReturnCode_t:
-        """Put the base on the floor and offer its services."""
+        """Place the base and offer its services."""
         self._base = Plant(true_wheels(self.config))
         self._angles = rtc.TimedDoubleSeq(data=[0.0, 0.0])
         self._switch = switch = TravelSwitch()
@@ -76,7 +76,7 @@ class SimulatedRefHard(Component, Generic[P]):
         return RTC_OK
 
     def on_activated(self, ec_id: int) -> ReturnCode_t:
-        """Switch the motors on, at rest; the base stays where it is."""
+        """Switch the motors on, at rest; the base stays at its place."""
         config = self.config
         self._base.kinematics = true_wheels(config)
         try:
@@ -94,14 +94,14 @@ class SimulatedRefHard(Component, Generic[P]):
         return self.on_rate_changed(ec_id)
 
     def on_rate_changed(self, ec_id: int) -> ReturnCode_t:
-        """Take the period of the executions."""
+        """Adopt the period of the executions."""
         context = self.get_context(ec_id)
         assert context is not None, "the component takes part in it"
         self._period = 1.0 / context.get_rate()
         return RTC_OK
 
     def on_deactivated(self, ec_id: int) -> ReturnCode_t:
-        """Brake: without the component nothing drives the wheels."""
+        """Brake: without the component the wheels are not driven."""
         self._base.halt()
         return RTC_OK
 
@@ -111,14 +111,15 @@ class SimulatedRefHard(Component, Generic[P]):
         return RTC_OK
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
-        """Drive the wheels on since the last execution, and send their angles."""
+        """Simulate the wheels since the last execution, and send their angles."""
         config = self.config
         base = self._base
         now = self.now()
-        # The base's controller ignores overruns: an overrun costs time, and bends no path.
+        # The base's controller ignores overruns: an overrun costs time, but does not change the
+        # path.
         dt = min((now - self._now) * 1e-9, self._period)
         self._now = now
-        # The wheels first run on at the speeds they had: a command acts from now on.
+        # First the wheels move at their previous speeds: a command acts from now on.
         base.roll(dt)
         if base.touches:
             return self.fail(contact(base))

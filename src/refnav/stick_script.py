@@ -6,12 +6,12 @@ from bisect import bisect_right
 from collections.abc import Sequence
 from math import isfinite
 
-LONGEST = 86_400.0
-"""Longest time that a value is held [s]."""
+MAX_HOLD = 86_400.0
+"""Maximum time for which a value is held [s]."""
 
 
 class ScriptError(ValueError):
-    """A script that is not understood; the message has the line and says why."""
+    """An invalid script; the message has the line and the reason."""
 
 
 class Script:
@@ -25,11 +25,11 @@ class Script:
 
     @property
     def end(self) -> float:
-        """How long it takes [s]."""
+        """The duration of the script [s]."""
         return self._ends[-1]
 
     def at(self, seconds: float) -> tuple[float, ...] | None:
-        """Return the values `seconds` after the start; None behind the end."""
+        """Return the values `seconds` after the start; None after the end."""
         place = bisect_right(self._ends, seconds)
         return self._values[place] if place < len(self._values) else None
 
@@ -42,7 +42,7 @@ def parse(text: str, name: str, columns: int, most: float = 1.0) -> Script:
     """
     ends: list[float] = []
     values: list[tuple[float, ...]] = []
-    # Seconds of a script are decimal: added up as milliseconds they stay what was written.
+    # Decimal seconds are added as milliseconds, without rounding errors.
     end = 0
     for number, line in enumerate(text.splitlines(), start=1):
         words = line.partition("#")[0].split()
@@ -59,7 +59,7 @@ def parse(text: str, name: str, columns: int, most: float = 1.0) -> Script:
                 f"{name}:{number}: SECONDS and {columns} values expected,"
                 f" {len(words)} numbers found"
             )
-        if not 0.0 < seconds <= LONGEST:
+        if not 0.0 < seconds <= MAX_HOLD:
             raise ScriptError(f"{name}:{number}: {words[0]} is not a duration [s]")
         if not all(isfinite(value) and abs(value) <= most for value in held):
             raise ScriptError(f"{name}:{number}: values go from {-most:g} to {most:g}")

@@ -13,20 +13,20 @@ from rtgen.runtime import SECOND, InPort
 
 
 class Surroundings:
-    """Points in the frame of the base [m], and how old their scan is.
+    """Points in the frame of the base [m], and the age of their scan.
 
-    `limit` gives the greatest age [s] at which the points may be relied on; 0: any age.
+    `limit` returns the greatest age [s] at which the points may be used; 0: any age.
     """
 
     def __init__(
         self, port: InPort[iis.TimedPoint2DSeq], limit: Callable[[], float]
     ) -> None:
         self.scan = Newest[iis.TimedPoint2DSeq](port, limit)
-        """The scans as they come."""
+        """The input of scans."""
         self.start(0)
 
     def start(self, now: int) -> None:
-        """Nothing is known from now [ns] on, until there is a scan."""
+        """Start at the time `now` [ns], without a scan."""
         self.scan.start(now)
         self.points: list[Point] = []
         self.seen = False
@@ -34,7 +34,7 @@ class Surroundings:
         self._now = now
 
     def look(self, now: int, v: float, w: float, reach: float = inf) -> bool:
-        """Move the points as the base has driven [m/s, rad/s]; take a new scan, whether it came.
+        """Move the points as the base has driven [m/s, rad/s]; return whether a new scan arrived.
 
         Points farther than `reach` [m] are left out.
         """
@@ -51,7 +51,7 @@ class Surroundings:
         return True
 
     def is_known(self, now: int) -> bool:
-        """Return whether there is a scan that is young enough."""
+        """Return whether there is a scan within the age limit."""
         return self.seen and not self.scan.is_late(now)
 
     def _move(self, dt: float, v: float, w: float) -> None:

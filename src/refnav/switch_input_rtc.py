@@ -5,20 +5,20 @@ from __future__ import annotations
 from refrobots.components.switch_input_rtc import SwitchInputRTCBase
 from rtgen.runtime import RTC_OK, SECOND, ReturnCode_t
 
-BY_HAND = SECOND // 2
-"""So long after the last sample of the game pad the navigation has to wait [ns]."""
+MANUAL_HOLD = SECOND // 2
+"""Time after the last sample of the game pad for which the navigation is blocked [ns]."""
 
 
 class SwitchInputRTC(SwitchInputRTCBase):
-    """The hand goes first."""
+    """The game pad has priority."""
 
     def on_activated(self, ec_id: int) -> ReturnCode_t:
-        """No hand was there yet."""
+        """Start without a sample of the game pad."""
         self._touched: int | None = None
         return RTC_OK
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
-        """Pass on what may be passed on."""
+        """Pass the selected velocity on."""
         now = self.now()
         by_hand = self.inVelJoy.read_newest()
         by_itself = self.inVelAuto.read_newest()
@@ -26,7 +26,7 @@ class SwitchInputRTC(SwitchInputRTCBase):
             self._touched = now
             self.outVel.write(by_hand)
         elif by_itself is not None and (
-            self._touched is None or now - self._touched > BY_HAND
+            self._touched is None or now - self._touched > MANUAL_HOLD
         ):
             self.outVel.write(by_itself)
         return RTC_OK

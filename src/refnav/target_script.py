@@ -11,7 +11,7 @@ SYNTAX = "'AT X Y THETA; X Y THETA; ...' or 'AT clear' (s, m, m, rad)"
 
 
 class ScriptError(ValueError):
-    """A script that is not understood; the message has the line and says why."""
+    """An invalid script; the message has the line and the reason."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""Following a path of waypoints: the law behind PathTracking."""
+"""Control law of PathTracking: follows a path of waypoints."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from typing import Protocol
 from refnav.geometry import Pose, wrap
 
 PASSED = 0.05
-"""A waypoint before the last one is passed this near, along the leg [m]."""
+"""Distance along the leg at which a waypoint before the last one counts as passed [m]."""
 APPROACH = 1.0
 """Greatest speed for each metre to the last waypoint [1/s]."""
 SLOWEST = 0.02
-"""The last waypoint is not approached slower than this [m/s]."""
+"""Least speed of the approach to the last waypoint [m/s]."""
 TURN = 2.0
-"""Angular speed for each rad off the way [1/s]."""
+"""Angular speed for each rad of deviation [1/s]."""
 SLOWEST_TURN = 0.05
-"""The last heading is not approached slower than this [rad/s]."""
-STILL = 1e-4
-"""A robot that moves less than this between two positions has stopped [m, rad]."""
+"""Least angular speed of the turn to the last heading [rad/s]."""
+MIN_MOTION = 1e-4
+"""A robot that moved less than this between two positions has stopped [m, rad]."""
 
 
 class TrackingParameters(Protocol):
@@ -45,8 +45,8 @@ class Progress:
 class Tracker:
     """Leads a robot along one path, leg by leg, and turns it at the end.
 
-    `speeds` are those of the legs, that of leg i ends at waypoint i: negative backward, 0 as
-    fast as allowed. Less than two waypoints ask for no motion.
+    `speeds` are those of the legs; leg i ends at waypoint i: negative backward, 0 as fast as
+    allowed. Less than two waypoints mean no motion.
     """
 
     def __init__(self, path: Sequence[Pose], speeds: Sequence[float]) -> None:
@@ -59,20 +59,20 @@ class Tracker:
 
     @property
     def is_under_way(self) -> bool:
-        """Whether something is left of the path."""
+        """Whether some of the path is left."""
         return not self._resting
 
     def interrupted(self) -> Progress:
-        """Return the path is given up: the waypoint reached last, stopped."""
+        """Return the progress of a path that is given up: the waypoint reached last, stopped."""
         self._resting = self._reported = True
         return self._progress(stopped=True)
 
     def stop(self) -> None:
-        """Stop at the spot, whatever is left of the path."""
+        """Stop at the present place."""
         self._resting = True
 
     def step(self, here: Pose, parameters: TrackingParameters) -> Iterator[Progress]:
-        """Take a new position; what there is to tell."""
+        """Process a new position; yield changes of the progress."""
         while not self._resting and self._reaches(here, parameters):
             self._target += 1
             yield self._progress(stopped=False)
@@ -87,7 +87,7 @@ class Tracker:
     def command(
         self, here: Pose, parameters: TrackingParameters
     ) -> tuple[float, float]:
-        """Speed and angular speed [m/s, rad/s]."""
+        """Return speed and angular speed [m/s, rad/s]."""
         if self._resting:
             return 0.0, 0.0
         if self._target == len(self._path):
@@ -114,13 +114,13 @@ class Tracker:
         return Progress(number, stopped, self._path[number])
 
     def _reaches(self, here: Pose, parameters: TrackingParameters) -> bool:
-        """Return whether the end of the present leg is reached, if there is a leg left."""
+        """Return whether the end of the present leg is reached; False without a leg."""
         if self._target == len(self._path):
             return False
         return self._left(here) < (parameters.near if self._last_leg else PASSED)
 
     def _direction(self) -> tuple[float, float, float]:
-        """Of the present leg, as a unit vector and its length [m]."""
+        """Return the direction of the present leg as a unit vector, and its length [m]."""
         begin, end = self._path[self._target - 1], self._path[self._target]
         length = hypot(end.x - begin.x, end.y - begin.y)
         if length == 0.0:
@@ -134,11 +134,11 @@ class Tracker:
         return (end.x - here.x) * x + (end.y - here.y) * y
 
     def _ahead(self, here: Pose, lookahead: float) -> Pose:
-        """Return the point of the present leg that the robot heads for."""
+        """Return the point of the present leg for which the robot heads."""
         x, y, length = self._direction()
         begin = self._path[self._target - 1]
         along = (here.x - begin.x) * x + (here.y - begin.y) * y + lookahead
-        # Beyond its end the last leg goes on as a line: a point reached has no direction.
+        # The last leg is extended as a line beyond its end: a reached point has no direction.
         most = along if self._last_leg else length
         along = min(max(along, 0.0), most)
         return Pose(begin.x + along * x, begin.y + along * y, 0.0)
@@ -146,6 +146,6 @@ class Tracker:
     def _is_still(self, here: Pose) -> bool:
         before = self._before
         return before is not None and (
-            hypot(here.x - before.x, here.y - before.y) < STILL
-            and abs(wrap(here.theta - before.theta)) < STILL
+            hypot(here.x - before.x, here.y - before.y) < MIN_MOTION
+            and abs(wrap(here.theta - before.theta)) < MIN_MOTION
         )

@@ -21,17 +21,17 @@ BODIES: dict[str, Callable[[], Body]] = {
     "BlackShip": lambda: on_two_wheels(BlackShipControlConfiguration()),
     "OmniWheel": lambda: on_omni_wheels(OmniWheelControlConfiguration()),
 }
-"""The robots, as large and as strong as their own control RTCs have them by default."""
+"""The robots, with the default parameters of their own control components."""
 
 
 class TravelControl(TravelControlBase):
-    """Carries out the newest command, and sends the velocity by the encoders.
+    """Executes the newest command, and sends the velocity by the encoders.
 
     Its observable `truth` is the true pose (x, y, theta) [m, rad].
     """
 
     def on_initialize(self) -> ReturnCode_t:
-        """Show where the robot is."""
+        """Publish the pose of the robot."""
         self._body: Body | None = None
         self._information = iis.TimedVelocity2D()
         config = self.config
@@ -44,7 +44,7 @@ class TravelControl(TravelControlBase):
         return RTC_OK
 
     def on_activated(self, ec_id: int) -> ReturnCode_t:
-        """At rest; the robot stays where it is."""
+        """Start at rest; the robot stays at its place."""
         config = self.config
         if self._body is None:
             self._body = BODIES[config.robot]()
@@ -55,7 +55,7 @@ class TravelControl(TravelControlBase):
         return RTC_OK
 
     def on_deactivated(self, ec_id: int) -> ReturnCode_t:
-        """Brake: without the component nothing drives the wheels."""
+        """Brake: without the component the wheels are not driven."""
         return self._brake()
 
     def on_aborting(self, ec_id: int) -> ReturnCode_t:
@@ -63,7 +63,7 @@ class TravelControl(TravelControlBase):
         return self._brake()
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
-        """Drive on, and report the motion since the last execution."""
+        """Move on, and report the motion since the last execution."""
         assert self._body is not None
         now = self.now()
         dt = (now - self._now) / SECOND

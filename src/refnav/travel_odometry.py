@@ -10,7 +10,7 @@ from rtgen.runtime import RTC_OK, SECOND, ReturnCode_t
 
 
 class TravelOdometry(TravelOdometryBase):
-    """Adds up all samples; each velocity holds since the sample before."""
+    """Integrates all samples; each velocity holds since the sample before."""
 
     def on_activated(self, ec_id: int) -> ReturnCode_t:
         """Start from the pose of the parameters."""
@@ -21,7 +21,7 @@ class TravelOdometry(TravelOdometryBase):
         return RTC_OK
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
-        """Send the position for new information; samples that are not newer are refused."""
+        """Send the position for new information; samples that are not newer are ignored."""
         newest = None
         while self.information.is_new() and (sample := self.information.read()):
             time = sample.tm.sec * SECOND + sample.tm.nsec

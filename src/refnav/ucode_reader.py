@@ -1,4 +1,4 @@
-"""UcodeReader: the infra-red markers in view. It runs on the small runtime, too."""
+"""UcodeReader: the infra-red markers in view. Also for the small runtime."""
 
 from math import atan2, pi, sqrt
 
@@ -9,16 +9,16 @@ from refrobots.components.ucode_reader import UcodeReaderBase
 from rtgen.runtime import RTC_OK, ReturnCode_t
 
 ON_THE_WALL = 0.01
-"""A marker this far behind the surface of a wall is on it [m]."""
-MOST = 8
+"""A marker within this distance behind the surface of a wall is on the wall [m]."""
+MAX_MARKERS = 8
 """Maximum number of reported markers; the farthest are left out."""
 
 
 class UcodeReader(UcodeReaderBase):
-    """One reading for each execution that sees a marker."""
+    """Sends one reading for each execution that sees a marker."""
 
     def on_activated(self, ec_id: int) -> ReturnCode_t:
-        """Take the markers."""
+        """Read the markers."""
         markers = []
         for words in entries(self.config.markers):
             if len(words) != 3:
@@ -33,7 +33,7 @@ class UcodeReader(UcodeReaderBase):
         return RTC_OK
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
-        """Read."""
+        """Send a reading."""
         sample = self.pose.read_newest()
         if sample is None:
             return RTC_OK
@@ -45,7 +45,7 @@ class UcodeReader(UcodeReaderBase):
             bearing = _wrapped(atan2(dy, dx) - here.heading)
             if distance > self.config.reach or abs(bearing) > self.config.angle:
                 continue
-            # A marker on a wall is in front of it.
+            # A marker on a wall is visible in front of it.
             if distance == 0.0 or distance <= ON_THE_WALL + nearest_wall(
                 self._walls,
                 here.position.x,
@@ -61,7 +61,7 @@ class UcodeReader(UcodeReaderBase):
         reading.tm.sec = sample.tm.sec
         reading.tm.nsec = sample.tm.nsec
         reading.data.clear()
-        for distance, bearing, code in seen[:MOST]:
+        for distance, bearing, code in seen[:MAX_MARKERS]:
             reading.data.append(ucode.Sighting(code, distance, bearing))
         self.sightings.write(reading)
         return RTC_OK

@@ -1,4 +1,4 @@
-"""UcodeSettlement: the records of ucodes, with a cache. It runs on the small runtime, too."""
+"""UcodeSettlement: the records of ucodes, with a cache. Also for the small runtime."""
 
 from refnav.recent import Recent, entries, octets_of
 from refrobots import ucode
@@ -7,13 +7,13 @@ from rtgen.runtime import RTC_OK, ReturnCode_t
 
 
 class UcodeSettlement(UcodeSettlementBase):
-    """One record for each reading, of the nearest marker; requests to the server take a while.
+    """Sends the record of the nearest marker for each reading; the server answers with a delay.
 
     Its observable `asked` counts the requests.
     """
 
     def on_initialize(self) -> ReturnCode_t:
-        """Show the number of requests."""
+        """Publish the number of requests."""
         self._asked = 0
         self.observables["asked"] = lambda: (float(self._asked),)
         return RTC_OK
@@ -31,7 +31,7 @@ class UcodeSettlement(UcodeSettlementBase):
         return RTC_OK
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
-        """Go on waiting for the server, or settle the newest reading."""
+        """Wait for the server, or look up the newest reading."""
         if self._waiting > 0:
             self._waiting -= 1
             if self._waiting == 0:

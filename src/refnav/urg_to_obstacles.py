@@ -1,4 +1,4 @@
-"""Urg_to_Obstacles: makes points of a scan, in the frame of the base."""
+"""Urg_to_Obstacles: converts scans to points, in the frame of the base."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from rtgen.runtime import RTC_OK, ReturnCode_t
 
 
 class Urg_to_Obstacles(Urg_to_ObstaclesBase):
-    """Every scan gives one list of points, which may be empty."""
+    """Sends one list of points for each scan, which may be empty."""
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
-        """Convert the scans that have come."""
+        """Convert the received scans."""
         while self.range.is_new() and (scan := self.range.read()) is not None:
             points = points_of(scan, self.config.spacing)
             self.obstacles.write(iis.TimedPoint2DSeq(scan.tm, [], points, []))
@@ -21,8 +21,7 @@ class Urg_to_Obstacles(Urg_to_ObstaclesBase):
 
 
 def points_of(scan: rtc.RangeData, spacing: float) -> list[rtc.Point2D]:
-    """Return the points of a scan, in the frame of the base [m]; those nearer than `spacing`
-    thinned.
+    """Return the points of a scan, in the frame of the base [m], at least `spacing` apart.
 
     A range of 0 is not a point, whatever the least range: nothing was hit.
     """

@@ -1,4 +1,4 @@
-"""UserInterface: sends target lists when the script says so."""
+"""UserInterface: sends scripted target lists."""
 
 from __future__ import annotations
 
@@ -8,21 +8,21 @@ from refrobots import iis
 from refrobots.components.user_interface import UserInterfaceBase
 from rtgen.runtime import RTC_OK, SECOND, ReturnCode_t
 
-_LARGEST_FILE = 1024 * 1024
+_MAX_FILE = 1024 * 1024
 
 
 class UserInterface(UserInterfaceBase):
     """Sends each list once, at its time."""
 
     def on_activated(self, ec_id: int) -> ReturnCode_t:
-        """Begin the script; without one there is nothing to send."""
+        """Start the script; without one nothing is sent."""
         self._begin = self.now()
         self._waiting: list[TargetList] = []
         name = self.config.script
         if name:
             try:
                 with (self.folder / name).open(encoding="utf-8") as stream:
-                    self._waiting = [*parse(stream.read(_LARGEST_FILE), name)]
+                    self._waiting = [*parse(stream.read(_MAX_FILE), name)]
             except (OSError, UnicodeDecodeError) as error:
                 return self.fail(f"script: cannot read {name}: {error}")
             except ScriptError as error:
@@ -30,7 +30,7 @@ class UserInterface(UserInterfaceBase):
         return RTC_OK
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
-        """Send what is due."""
+        """Send the target lists that are due."""
         seconds = (self.now() - self._begin) / SECOND
         while self._waiting and self._waiting[0].at <= seconds:
             due = self._waiting.pop(0)

@@ -87,7 +87,7 @@ def test_a_follower_keeps_its_limits(make: type[Follower]) -> None:
 
 
 def test_a_track_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(following, "LONGEST_TRACK", 10)
+    monkeypatch.setattr(following, "MAX_TRACK", 10)
     follower = TrackFollower()
     for i in range(100):
         follower.observe(Pose(0.1 * i, 0.0, 0.0))

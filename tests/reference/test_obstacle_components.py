@@ -185,7 +185,7 @@ def test_a_scan_is_that_of_an_urg() -> None:
 def test_of_a_long_way_the_end_is_kept(
     module: ModuleType, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(module, "TRAIL", 2)
+    monkeypatch.setattr(module, "MAX_TRAIL", 2)
     shown = (
         ObstacleMonitor("Shown0")
         if module is obstacle_monitor

@@ -12,12 +12,12 @@ from msgspec.structs import replace
 
 from rtgen.diagnostics import Diagnostic
 
-if TYPE_CHECKING:  # a run from the cache makes artifacts without the model
+if TYPE_CHECKING:  # the cache reuses artifacts without a model
     from rtgen.model import Model, Package
 
 
 class Owner(StrEnum):
-    """The owner of a file: rtgen overwrites its own files, and creates a user's once."""
+    """Owner of a file: rtgen overwrites its own files, and creates a user's once."""
 
     RTGEN = "rtgen"
     USER = "user"
@@ -42,14 +42,13 @@ class Options(msgspec.Struct, frozen=True):
     `representation` (`cdr` or `xcdr2`) is the format of `to_cdr`, `extensibility` (`final`,
     `appendable`, `mutable`) the default for structs and unions without an annotation. `external`
     maps the displayed path of a file to the Python package with its declarations, if that is not
-    the generated package. `factories` has `module:name` of the factories of component types set
-    by the project; `skeleton_path` leads from the output folder to the one that makes skeletons
-    importable. `small` is the capacity of unbounded sequences and strings, and of InPorts, on the
+    the generated package. `factories` has `module:name` of the factories of component types set by
+    the project; `skeleton_path` is the path from the output folder to the one from which skeletons
+    are imported. `small` is the capacity of unbounded sequences and strings, and of InPorts, on the
     target small. `marshalled`: whether calls of interfaces, and sequences by themselves, have
-    codecs; `tecs_corba`: whether those of TECS boards have them without OpenRTM, too. `lazy`:
-    packages import their modules on demand. `ros_interfaces`: write interface files of ROS 2, too.
-    `plugins` has the table `[plugin.NAME]` of rtgen.toml
-    for each name.
+    codecs; `tecs_corba`: whether those of TECS boards also have them without OpenRTM. `lazy`:
+    packages import their modules on demand. `ros_interfaces`: also write ROS 2 interface files.
+    `plugins` has the table `[plugin.NAME]` of rtgen.toml for each name.
     """
 
     package: str
@@ -76,7 +75,7 @@ class Options(msgspec.Struct, frozen=True):
     def inside(self, package: Package) -> Options:
         """Return the options for a package below the project's own.
 
-        Its values are marshalled only where CORBA or an `any` carries them.
+        Its values are only marshalled if sent over CORBA or in an `any`.
         """
         return replace(
             self,
@@ -93,17 +92,17 @@ class Options(msgspec.Struct, frozen=True):
 
     @property
     def skeleton_prefix(self) -> str:
-        """The prefix of a skeleton's module when it is imported."""
+        """The prefix of a skeleton's module name."""
         return f"{self.skeleton_package}." if self.skeleton_package else ""
 
 
 class Part(msgspec.Struct, frozen=True):
-    """A generated Python package: the project's own, or one of those below it.
+    """A generated Python package: the project's own, or one below it.
 
-    `model` has all that its declarations use, `own` what the package itself has. `origin` are the
-    keys of the inputs that decide a package below; None for the project's own, whose files have
-    the origins of their declarations. `profiles` has the paths of profiles in the package's folder,
-    by the names of components whose profiles are not beside them.
+    `model` has everything that its declarations use, `own` what the package itself contains.
+    `origin` are the keys of the inputs of a package below; None for the project's own, whose files
+    have the origins of their declarations. `profiles` has the paths of profiles in the package's
+    folder, by names of components; other profiles are beside their components.
     """
 
     model: Model
@@ -114,7 +113,7 @@ class Part(msgspec.Struct, frozen=True):
 
 
 def parts(model: Model, options: Options) -> Iterator[Part]:
-    """Yield the project's own package, and those that lowerings put below it."""
+    """Yield the project's own package, and those that lowerings add below it."""
     yield Part(model, model, options)
     for package in model.packages:
         origin = tuple(source.key for source in package.sources)
@@ -130,7 +129,7 @@ class Emission(msgspec.Struct, frozen=True):
 
 
 class Backend(Protocol):
-    """A back end, built in or announced under the entry point `rtgen.backends`."""
+    """A back end, built in or from an entry point `rtgen.backends`."""
 
     @property
     def name(self) -> str:
@@ -143,7 +142,7 @@ class Backend(Protocol):
 
 
 class DeferredBackend(msgspec.Struct, frozen=True):
-    """A back end whose module, which has `BACKEND`, is imported when there is something to emit."""
+    """A back end in a module with an attribute `BACKEND`, imported when it has output."""
 
     name: str
     module: str

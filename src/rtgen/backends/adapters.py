@@ -34,7 +34,7 @@ class AdaptersBackend:
     name = "adapters"
 
     def emit(self, model: Model, options: Options) -> Emission:
-        """Return all files of all adapters. The model has been checked."""
+        """Return the modules of all adapters. The model has been checked."""
         return Emission(tuple(_artifacts(model, options)))
 
 
@@ -153,7 +153,7 @@ def _doc(adapter: Adapter) -> str:
 def _path(
     model: Model, names: PythonNames, struct: ScopedName, path: tuple[str, ...]
 ) -> str:
-    """Return the members of a path as Python names them."""
+    """Return a path of members by their Python names."""
     name, *rest = path
     declaration = model.find(struct)
     assert isinstance(declaration, Struct)

@@ -1,6 +1,6 @@
-"""The IDL files of ROS 2 interfaces, for definitions that include them: `std_msgs/msg/Header.idl`.
+"""IDL files of ROS 2 interfaces, for definitions that include them: `std_msgs/msg/Header.idl`.
 
-They declare what rosidl_adapter makes of the same files.
+They contain the same declarations as rosidl_adapter's output.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ def idl_names(model: Model) -> dict[str, str]:
 
 
 def idl_files(model: Model) -> dict[str, Callable[[], str]]:
-    """Return the texts of the IDL files of a model's interfaces, by the name that includes them."""
+    """Return the texts of the IDL files of a model's interfaces, by the name in `#include`."""
     return {name: partial(idl_of, model, name) for name in idl_names(model)}
 
 

@@ -55,7 +55,7 @@ _COMPARISONS = {
 
 
 class _Node(msgspec.Struct, frozen=True):
-    """A constraint as the profile nests it; a leaf has texts, the rest children."""
+    """A constraint, nested as in the profile; a leaf has texts, others have children."""
 
     kind: str
     texts: tuple[str, ...] = ()
@@ -213,7 +213,7 @@ def _data_port(model: Model, port: Port) -> _DataPort:
 
 
 def _service_ports(model: Model, component: Component) -> list[_ServicePort]:
-    """Interfaces by the service port that they share, in the order of their first ones."""
+    """Return interfaces by service port, in the order of their first ones."""
     return [
         _ServicePort(
             name=name,
@@ -228,7 +228,7 @@ def _service_ports(model: Model, component: Component) -> list[_ServicePort]:
 
 
 def _of_interfaces(ports: Sequence[Port]) -> profile_facts.Facts:
-    """Return the facts of the interfaces of a service port, by their identifiers."""
+    """Return the facts of a service port's interfaces, by identifier."""
     found = {port.identifier: profile_facts.of_port(port) for port in ports}
     return {identifier: facts for identifier, facts in found.items() if facts}
 

@@ -60,7 +60,7 @@ BUILT_IN: Final = (
         lambda _, options: options.target == "typescript",
     ),
 )
-"""The built-in back ends, in the order of their artifacts, with what makes each necessary."""
+"""The built-in back ends, in the order of their artifacts, with predicates of their necessity."""
 
 
 def backends() -> Iterator[Backend]:
@@ -71,9 +71,7 @@ def backends() -> Iterator[Backend]:
 
 
 def printed_idl(model: Model) -> dict[str, Callable[[], str]]:
-    """Return the IDL files that back ends print and definitions may include: their texts by
-    name.
-    """
+    """Return the texts of IDL files that back ends print and definitions may include, by name."""
     found: dict[str, Callable[[], str]] = {}
     if model.devices or model.buses:
         from rtgen.backends.canopen import idl_file

@@ -1,1 +1,1 @@
-"""What back ends share: rendering of templates, quoting, text of Python and of IDL."""
+"""Shared parts of back ends: rendering of templates, quoting, text of Python and IDL."""

@@ -1,7 +1,7 @@
-"""Compiled templates beside their sources, as Python keeps compiled modules.
+"""Cache of compiled templates beside their sources, as Python caches compiled modules.
 
-A template that is compiled anew in each run costs more than it takes to render. Nothing is
-written where Python would write no bytecode either; a folder that is not writable is ignored.
+Compiling a template takes longer than rendering it. Nothing is written if Python would not write
+bytecode; a read-only folder is ignored.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ _QUOTING = Path(__file__).parent / "quoting"
 class CompiledTemplates(BytecodeCache):
     """The compiled templates of one environment.
 
-    Jinja compares the text of a template itself; `environment` stands for what else the code
-    depends on.
+    Jinja compares the text of a template itself; `environment` identifies everything else that the
+    code depends on.
     """
 
     def __init__(self, folder: Path, environment: str) -> None:
@@ -53,7 +53,7 @@ class CompiledTemplates(BytecodeCache):
 
 
 def _stamps() -> Iterator[tuple[str, int, int]]:
-    """Name, time and size of the files that determine the code of a template."""
+    """Yield name, time and size of the files that determine the code of a template."""
     here = Path(__file__)
     files = (here, here.with_name("rendering.py"), *sorted(_QUOTING.glob("*.py")))
     for file in (Path(jinja2.compiler.__file__), *files):

@@ -1,10 +1,10 @@
-"""Prints Python in black's format: line fitting, module header.
+"""Prints Python in black's format: line splitting, module header.
 
-A statement is written on one line; `fit` splits it if it is longer than 88 columns, as black
-would: a bracket pair is opened, one item a line with a trailing comma (which keeps black from
-joining them again), starting with the last pair (in a `def`, a `class` and a tuple of targets
-with the first). A statement without a bracket to open, because its names are too long, is marked
-with `# fmt: skip`.
+A statement is written on one line; `fit` splits it if it is longer than 88 columns, as black would:
+a bracket pair is opened, with one item per line and a trailing comma (which keeps black from
+joining them again), starting with the last pair (in a `def`, a `class` and a tuple of targets with
+the first). A statement without a bracket to open, because its names are too long, is marked with `#
+fmt: skip`.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ SKIPPED = "  # fmt: skip"
 
 _OFF, _ON = "# fmt: off", "# fmt: on"
 _SWITCH = "# fmt: o"
-"""The beginning of both."""
+"""Common start of both comments."""
 _STEP = 4
 _MARK = re.compile(
     r""""(?:[^"\\]|\\.)*"|'(?:[^'\\]|\\.)*'|[()\[\]{}]|, ?| for | = | else """
@@ -50,8 +50,8 @@ def _split(text: str, separator: str, most: int = -1) -> list[str]:
 class _Group(msgspec.Struct):
     """A bracket pair of a statement.
 
-    `separators` are places between items: where one ends, and where the next begins.
-    `comma`: the items are separated by commas, and a trailing one is legal.
+    `separators` are places between items: the end of one and the start of the next. `comma`: the
+    items are separated by commas, and a trailing comma is allowed.
     """
 
     start: int
@@ -61,16 +61,16 @@ class _Group(msgspec.Struct):
     inner: list[_Group] = []
 
     def items(self) -> list[tuple[int, int]]:
-        """Where items begin and end; none of them is empty."""
+        """Return start and end of the items; none of them is empty."""
         begins = [self.start + 1, *[begin for _, begin in self.separators]]
         ends = [*[end for end, _ in self.separators], self.end - 1]
         return [(b, e) for b, e in zip(begins, ends, strict=True) if b < e]
 
 
 def fit(statement: str, indent: int = 0) -> str:
-    """Return the statement, written on one line, indented and split if it is too long.
+    """Return a one-line statement indented, and split if it is too long.
 
-    `indent` is in columns; the first line is indented too. No newline at the end.
+    `indent` is in columns and includes the first line. No newline at the end.
     """
     if indent + len(statement) <= WIDTH:
         return " " * indent + statement
@@ -84,10 +84,10 @@ def fit(statement: str, indent: int = 0) -> str:
 
 
 class Bracketed:
-    """Items in a bracket pair behind a text, such as `head(item, item)`; an item can be one, too.
+    """Items in a bracket pair after a text, such as `head(item, item)`; items can be nested.
 
-    `head` ends with the opening bracket; `closing` is `,)` behind the only item of a tuple. `flat`
-    is all of it on one line.
+    `head` ends with the opening bracket; `closing` is `,)` after the only item of a tuple. `flat`
+    is the text on one line.
     """
 
     __slots__ = ("_closing", "_head", "_items", "flat")
@@ -100,7 +100,7 @@ class Bracketed:
         self.flat: str = f"{head}{', '.join(texts)}{closing}"
 
     def lines(self, indent: int, ending: str = "") -> list[str]:
-        """It as lines, with brackets opened where a line would be too long, `ending` after it."""
+        """Return the lines with `ending` appended; brackets are opened if a line is too long."""
         margin = " " * indent
         if indent + len(self.flat) + len(ending) <= WIDTH or not self._items:
             return [f"{margin}{self.flat}{ending}"]
@@ -114,14 +114,14 @@ class Bracketed:
 
 
 def tuple_of(items: Sequence[str | Bracketed], head: str = "") -> Bracketed:
-    """Return the tuple of the items, behind a text."""
+    """Return a tuple of the items, after a text."""
     return Bracketed(f"{head}(", items, ",)" if len(items) == 1 else ")")
 
 
 def fit_bracketed(statement: Bracketed, indent: int) -> str:
-    """Return the statement indented and split as `fit` would, without a search.
+    """Return the statement indented and split as by `fit`, without a search.
 
-    Where a head or an item has to be split too, all is one line, for `fit_text`.
+    If a head or an item must be split, too, the result is one line, for `fit_text`.
     """
     lines = statement.lines(indent)
     if any(len(line) > WIDTH and not _LONE_LITERAL.fullmatch(line) for line in lines):
@@ -130,10 +130,10 @@ def fit_bracketed(statement: Bracketed, indent: int) -> str:
 
 
 def fit_text(text: str) -> str:
-    """Return a module with its long statements split; docstrings and comments stay as they are.
+    """Return a module with its long statements split; docstrings and comments are unchanged.
 
-    So does a line that is marked, and what is between `# fmt: off` and `# fmt: on`. A docstring has
-    to begin and to end at a line of its own, as `docstring` makes them.
+    Also unchanged are marked lines, and text between `# fmt: off` and `# fmt: on`. A docstring must
+    start and end on lines of its own, as `docstring` writes it.
     """
     lines: list[str] = []
     inside = off = False
@@ -158,9 +158,7 @@ def fit_text(text: str) -> str:
 
 
 def _with_result_wrapped(lines: list[str], indent: int) -> list[str]:
-    """Return the last line of a `def` that is too long: its annotation in brackets, if that
-    helps.
-    """
+    """Return a long last line of a `def` with its annotation in brackets, if that helps."""
     margin = " " * indent
     result = (
         lines[-1].removeprefix(f"{margin}) -> ").removesuffix(": ...").removesuffix(":")
@@ -181,7 +179,7 @@ def _with_result_wrapped(lines: list[str], indent: int) -> list[str]:
 
 
 def _open_choice(target: str, value: str, indent: int) -> list[str]:
-    """`target = (` a conditional expression `)`, the expression in three lines if need be."""
+    """Return `target = (` a conditional expression `)`, on three lines if necessary."""
     margin = " " * (indent + _STEP)
     body = [margin + value]
     if len(body[0]) > WIDTH:
@@ -192,7 +190,7 @@ def _open_choice(target: str, value: str, indent: int) -> list[str]:
 
 
 def _union(text: str, indent: int, ending: str) -> list[str]:
-    """Return an item `A | None`, or `name: A | None`, whose type black splits before each `|`."""
+    """Return an item `A | None` or `name: A | None`, whose type black splits before each `|`."""
     margin = " " * indent
     name, *annotations = _split(text, ": ", 1)
     if not annotations:
@@ -214,11 +212,11 @@ class _Statement:
     def __init__(self, text: str) -> None:
         self._text = text
         self._sign = -1
-        """Where the first ` = ` outside of brackets stands, else -1."""
+        """Offset of the first ` = ` outside of brackets, else -1."""
         self._targets = False
         """Whether there is a comma before the sign."""
         self._choice = False
-        """Whether there is an `else` behind the sign."""
+        """Whether there is an `else` after the sign."""
         self._groups = self._outermost()
 
     def _outermost(self) -> list[_Group]:
@@ -244,7 +242,7 @@ class _Statement:
         return outermost
 
     def _outside(self, mark: str, place: int) -> None:
-        """Note a mark outside of brackets."""
+        """Record an operator outside of brackets."""
         if mark == " = " and self._sign < 0:
             self._sign = place
         elif mark == " else ":
@@ -253,9 +251,7 @@ class _Statement:
             self._targets |= self._sign < 0
 
     def opened(self, indent: int) -> list[str] | None:
-        """Return the statement as lines with a bracket pair opened; None if there is none to
-        open.
-        """
+        """Return the statement with an opened bracket pair; None if there is none to open."""
         text, sign = self._text, self._sign
         if self._choice:
             return _open_choice(text[:sign], text[sign + 3 :], indent)
@@ -288,9 +284,7 @@ class _Statement:
         indent: int,
         ending: str,
     ) -> list[str]:
-        """Return the text between two places as lines with one of its groups opened, `ending` after
-        it.
-        """
+        """Return the text between two offsets as lines with a group opened, then `ending`."""
         lines = self._lines(siblings, begin, group.start + 1, indent, "")
         items, inner, comma = group.items(), indent + _STEP, ","
         if not group.comma:
@@ -308,7 +302,7 @@ class _Statement:
     def _lines(
         self, groups: list[_Group], begin: int, end: int, indent: int, ending: str
     ) -> list[str]:
-        """Return an item, or the head or the end of a statement, as lines, `ending` after it."""
+        """Return an item, or the head or end of a statement, as lines, then `ending`."""
         flat = " " * indent + self._text[begin:end] + ending
         if len(flat) > WIDTH:
             for group in reversed(groups):
@@ -331,8 +325,8 @@ def header(
 ) -> tuple[str, ...]:
     """Return the lines of a generated file's header, without comment marks.
 
-    `sources` are the keys of the inputs, each named once. Their digests are only in the manifest,
-    so that a change of an input only changes affected files.
+    `sources` are the keys of the inputs, each once. Their digests are only in the manifest, so that
+    a change of an input only changes affected files.
     """
     named = [comment_text(key) for key in dict.fromkeys(sources)]
     if owner is Owner.USER:
@@ -355,6 +349,6 @@ def header(
 def header_comment(
     version: str, sources: Iterable[str], owner: Owner = Owner.RTGEN
 ) -> HashComment:
-    """Return the header as a comment of Python and the like, with the newline at its end."""
+    """Return the header as `#` comment, with a final newline."""
     lines = header(version, sources, owner)
     return HashComment("".join(f"# {text}\n" for text in lines))

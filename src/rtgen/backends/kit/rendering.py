@@ -1,9 +1,8 @@
-"""Jinja environments, one for each output language, strict about missing names.
+"""Jinja environments, one per output language, strict about missing names.
 
-The suffix of a template's file before `.j2` determines the language, and how inserted values are
-treated: `Code` of the language is inserted unchanged, other text is quoted, or rejected where
-only code or a name is allowed. So a text of a definition cannot become code because of a
-forgotten filter.
+The suffix of a template's file before `.j2` determines the language, and the treatment of inserted
+values: `Code` of the language is inserted unchanged, other text is quoted, or rejected if only code
+or a name is allowed. So a text of a definition cannot become code because of a forgotten filter.
 """
 
 from __future__ import annotations
@@ -33,9 +32,7 @@ class Language:
     filters: Mapping[str, Callable[..., str]] = field(default_factory=dict)
 
     def join(self, values: Iterable[object], separator: str = "") -> str:
-        """Return the filter `join`: the values are quoted, the separator belongs to the
-        template.
-        """
+        """Implement the filter `join`: values are quoted, the separator belongs to the template."""
         return self.code(separator.join(map(self.quote, values)))
 
 
@@ -77,10 +74,7 @@ LANGUAGES: Mapping[str, Language] = {
 
 
 def render(template: str, **values: object) -> str:
-    """Render a template below `rtgen/templates`; returns code of the template's language.
-
-    Raises UnquotableError for a text that the language cannot represent at its place.
-    """
+    """Render a template below `rtgen/templates`; return code of the template's language."""
     found, language = _template(template)
     return language.code(found.render(values))
 
@@ -103,14 +97,14 @@ def _environment(suffix: str) -> Environment:
         bytecode_cache=CompiledTemplates(_FOLDER / "__pycache__", suffix),
         auto_reload=False,
         undefined=StrictUndefined,
-        # Macros give markup then, which is not quoted again.
+        # Macros then return markup, which is not quoted again.
         autoescape=language.code is Markup,
         finalize=language.quote,
         trim_blocks=True,
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    # Templates use none of them, and each call of one would copy them.
+    # Templates use none of them, and each call of a template would copy them.
     environment.globals.clear()
     environment.filters |= {"length_text": _length_text, "join": language.join}
     environment.filters |= language.filters

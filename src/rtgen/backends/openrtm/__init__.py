@@ -1,1 +1,1 @@
-"""Back end for OpenRTM-aist-Python: a module for its manager for each component."""
+"""Back end for OpenRTM-aist-Python: a module of OpenRTM's manager for each component."""

@@ -22,7 +22,7 @@ class OpenRtmBackend:
     name = "openrtm"
 
     def emit(self, model: Model, options: Options) -> Emission:
-        """Return all files of all components; nothing where anything is wrong."""
+        """Return all files of all components; none if there are errors."""
         if has_errors(check(model)):
             return Emission()
         units = list(_units(model, options))

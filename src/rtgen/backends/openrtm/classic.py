@@ -1,4 +1,7 @@
-"""The part of a model that classic IDL (CORBA 2.6 without `long double`) and omniORBpy support."""
+"""Selects the part of a model supported by classic IDL (CORBA 2.6) and omniORBpy.
+
+`long double` is not supported.
+"""
 
 from __future__ import annotations
 
@@ -61,7 +64,7 @@ class Classic:
     def reason(self, name: ScopedName) -> str:
         """Return the reason why a type or interface is unsupported; empty if it is supported.
 
-        A placeholder for an unknown type becomes a placeholder there, too.
+        A placeholder for an unknown type becomes a placeholder in classic IDL, too.
         """
         if name in self._reasons:
             return self._reasons[name]
@@ -73,20 +76,18 @@ class Classic:
         if found:
             self._reasons[name] = found
         if first:
-            # Types may need each other: nothing is known to be right before all of it is.
+            # Types may depend on each other: none is supported before all have been checked.
             if not found:
                 self._reasons.update(dict.fromkeys(self._visited, ""))
             self._visited.clear()
         return found
 
     def holds_values(self, type_: Type) -> bool:
-        """Return whether the data contain valuetypes, which may be shared, so that a value is a
-        graph.
-        """
+        """Return whether the data contain valuetypes, whose sharing makes a value a graph."""
         return not self._names_in(type_).isdisjoint(self._with_values)
 
     def members(self, struct: Struct) -> list[tuple[Struct, int]]:
-        """Return the members including inherited ones, each with its struct and index there."""
+        """Return the members including inherited ones, each with its struct and index in it."""
         found: list[tuple[Struct, int]] = []
         if struct.base is not None:
             base = self._model.find(struct.base)

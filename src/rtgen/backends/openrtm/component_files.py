@@ -15,7 +15,7 @@ from rtgen.typemap.parameters import Parameters
 
 
 def component_files(plan: ComponentPlan) -> Iterator[Artifact]:
-    """`<Component>.py`, `<Component>.conf`, `rtc.conf` and `RTC.xml`."""
+    """Yield `<Component>.py`, `<Component>.conf`, `rtc.conf` and `RTC.xml`."""
     component, options, source = plan.component, plan.unit.options, plan.source
     parameters = Parameters(plan.unit.model)
     values = {

@@ -25,7 +25,7 @@ from rtgen.typemap.component_actions import ACTIONS
 from rtgen.typemap.parameters import Parameters
 from rtgen.typemap.python_names import identifier
 
-_TAKEN = frozenset(
+_RESERVED = frozenset(
     {
         *("Any", "FOLDER", "Host", "MyModuleInit", "OpenRTM_aist", "Path", "RTC"),
         *("annotations", "instance_arguments", "main", "path", "place", "stubs", "sys"),
@@ -36,7 +36,7 @@ _TAKEN = frozenset(
 
 @dataclass(frozen=True, slots=True)
 class _Servant:
-    """The class that serves an interface: conversions, and omniORB's skeleton."""
+    """Class that serves an interface: conversions, and omniORB's skeleton."""
 
     name: str
     calls: str
@@ -45,7 +45,7 @@ class _Servant:
 
 
 def component_module(plan: ComponentPlan) -> str:
-    """Return the whole module."""
+    """Return the text of the module."""
     return _ComponentModule(plan).text()
 
 
@@ -54,8 +54,8 @@ class _ComponentModule:
         self._plan = plan
         self._wire = WireNames(plan.unit)
         self._parameters = Parameters(plan.unit.model)
-        self._class = identifier(plan.name, _TAKEN)
-        self._taken = {*_TAKEN, self._class}
+        self._class = identifier(plan.name, _RESERVED)
+        self._taken = {*_RESERVED, self._class}
         self._specification = self._own(f"{plan.name.lower()}_spec")
         self._own(f"{plan.name}Init")
         self._attributes: dict[tuple[str, str], str] = {}
@@ -64,7 +64,7 @@ class _ComponentModule:
         self._servants: dict[str, _Servant] = {}
 
     def _own(self, name: str) -> str:
-        """Return a unique name bound by the module."""
+        """Return a unique name for use in the module."""
         name = identifier(name, self._taken)
         self._taken.add(name)
         return name
@@ -129,7 +129,7 @@ class _ComponentModule:
         item = name if name == local else f"{name} as {local}"
         return import_from(package, [item])
 
-    # The module spec.
+    # Module spec
 
     def _entries(self) -> Iterator[tuple[str, str]]:
         component = self._plan.component
@@ -160,12 +160,10 @@ class _ComponentModule:
             yield f"conf.__constraints__.{name}", text_of(constraint)
         yield f"conf.__type__.{name}", self._parameters.profile_type(parameter.type)
 
-    # The attributes of the class: what differs in the definition differs here.
+    # Attributes of the class: items that differ in the definition have different names here
 
     def _attribute(self, kind: str, key: str, name: str) -> str:
-        """Return the attribute for an item, by kind and key: its name, with `_` appended if
-        taken.
-        """
+        """Return an item's attribute, by kind and key: its name, with `_` appended if necessary."""
         known = self._attributes.get((kind, key))
         if known is None:
             taken = self._attributes.values()
@@ -189,11 +187,11 @@ class _ComponentModule:
         return self._attribute("interface", attribute, f"_s_{attribute}")
 
     def _variable(self, planned: PlannedParameter) -> str:
-        # Not the tools' `_<name>`: OpenRTM's own members are called so, as `_properties`.
+        # Not `_<name>`, as tools write: OpenRTM's own members have such names, as `_properties`.
         attribute = planned.attribute
         return self._attribute("parameter", attribute, f"_c_{attribute}")
 
-    # What the constructor makes.
+    # Constructor
 
     def _members(self) -> Iterator[str]:
         plan = self._plan
@@ -222,7 +220,7 @@ class _ComponentModule:
         return f"{self._module(found.path)}.{getattr(found, which)}"
 
     def _module(self, path: str) -> str:
-        """Return a module of conversions, by its local name."""
+        """Return a module of conversions under its local name."""
         known = self._modules.get(path)
         if known is None:
             known = self._modules[path] = self._own(path.rpartition(".")[2])
@@ -257,7 +255,7 @@ class _ComponentModule:
             return text if word != "bool" else "False"
         return string_literal(text)
 
-    # What onInitialize does.
+    # onInitialize
 
     def _initialization(self) -> Iterator[str]:
         plan = self._plan

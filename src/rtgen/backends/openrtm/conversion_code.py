@@ -1,6 +1,6 @@
 """Prints code that converts values to omniORB's objects and back.
 
-Structs are filled field by field: a kept object, or a new one made without its constructor,
+Structs are filled field by field: a reused object, or a new one made without its constructor,
 because calls of constructors dominate the time. Nested structs are converted in place up to
 `_INLINE` fields; beyond that, and for the items of sequences, by calls.
 """
@@ -45,7 +45,7 @@ _INLINE = 48
 """Maximum number of fields, including those of nested structs, converted in one function."""
 
 STAND_IN = "opaque"
-"""The member, an octet, of the placeholder of an unknown struct."""
+"""The only member, an octet, of the placeholder of an unknown struct."""
 
 _BY_OCTETS = {
     Primitive.ANY: "ANYTHING",
@@ -69,7 +69,7 @@ class _Field:
 
 
 class ConversionCode:
-    """Writes conversions into one module."""
+    """Writes conversions into a module."""
 
     def __init__(
         self, model: Model, names: WireNames, classic: Classic, scope: WireScope
@@ -93,7 +93,7 @@ class ConversionCode:
         return lines or ["pass"]
 
     def to(self, declaration: Struct | Union | ExceptionDecl) -> list[str]:
-        """Return the body of the function that makes a wire object of `value`."""
+        """Return the body of the function that makes a wire object from `value`."""
         if self._holds_values(declaration):
             return [f"return {self._py.octets(declaration)}.to(value)"]
         class_ = self._py.wire_class(declaration)
@@ -113,7 +113,7 @@ class ConversionCode:
         return [*lines, "return wire"]
 
     def of(self, declaration: Struct | Union | ExceptionDecl) -> list[str]:
-        """Return the body of the function that makes a value of `wire`."""
+        """Return the body of the function that makes a value from `wire`."""
         ours = self._py.type(declaration.name)
         if self._holds_values(declaration):
             octets = self._py.octets(declaration)
@@ -182,7 +182,7 @@ class ConversionCode:
             yield f"{there} = {here}"
 
     def _kept_element(self, plain: Type) -> Struct | None:
-        """Return the struct of a list's items, if their wire objects are kept."""
+        """Return the struct of a list's items, if their wire objects are reused."""
         match plain:
             case SequenceType(element, numeric="list") | ArrayType(element, (_,)):
                 return self._struct(self._model.unalias(element))
@@ -261,7 +261,7 @@ class ConversionCode:
         yield f"return {ours}(made, part)"
 
     def _branches(self, union: Union, convert: _Convert) -> Iterator[str]:
-        """Yield the match arms for all branches; a discriminator without one has no value."""
+        """Yield the match arms of all branches; a discriminator without one has no value."""
         default: Case | None = None
         for case in union.cases:
             if case.default:
@@ -292,7 +292,7 @@ class ConversionCode:
     # Expressions.
 
     def outgoing(self, type_: Type, expression: str) -> str:
-        """Return an expression for the wire form of an argument or result: objects are
+        """Return an expression for the wire form of an argument or result; objects as
         references.
         """
         interface = self._interface(type_)
@@ -301,7 +301,7 @@ class ConversionCode:
         return f"{self._py.function('objects', interface.name)}.to({expression})"
 
     def incoming(self, type_: Type, expression: str) -> str:
-        """Return an expression for the value of an argument or result: objects are stubs."""
+        """Return an expression for the value of an argument or result; objects are stubs."""
         interface = self._interface(type_)
         if interface is None:
             return self._incoming(type_, expression)
@@ -386,7 +386,7 @@ class ConversionCode:
         depth: int,
         convert: _Convert,
     ) -> str:
-        """Numbers in another form than a list, which is omniORB's."""
+        """Return an expression for numbers in another form than a list, which omniORB uses."""
         element = self._model.unalias(type_.element)
         outgoing = convert == self._outgoing
         if isinstance(element, PrimitiveType):
@@ -419,7 +419,7 @@ class ConversionCode:
             case FixedType():
                 return False
             case SequenceType() | ArrayType():
-                # omniORBpy has lists where the definition has another name for octet or char.
+                # omniORBpy uses lists where the definition has an alias of octet or char.
                 direct = isinstance(_element(plain), PrimitiveType)
                 return direct and self._names.mapping.is_text(plain)
             case NamedType():
@@ -427,9 +427,7 @@ class ConversionCode:
         return True
 
     def _is_same(self, plain: Type) -> bool:
-        """Return whether omniORB marshals the value unconverted: immutable values, and lists of
-        them.
-        """
+        """Return whether omniORB marshals the value as is: immutable values and lists of them."""
         if self._is_immutable(plain):
             return True
         if isinstance(plain, SequenceType | ArrayType):
@@ -441,7 +439,7 @@ class ConversionCode:
 
 
 def _element(type_: SequenceType | ArrayType) -> Type:
-    """Return the type of a list's items: those of an array of arrays are arrays."""
+    """Return the type of a list's items; those of an array of arrays are arrays."""
     if isinstance(type_, ArrayType) and len(type_.dimensions) > 1:
         return ArrayType(type_.element, type_.dimensions[1:])
     return type_.element

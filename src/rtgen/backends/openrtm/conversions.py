@@ -60,7 +60,7 @@ def _header(unit: Unit, sources: Iterable[SourceFile]) -> str:
 
 
 class _Module:
-    """One module of conversions."""
+    """A module of conversions."""
 
     def __init__(
         self,

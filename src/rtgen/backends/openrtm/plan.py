@@ -47,7 +47,7 @@ STOCK = frozenset(
         *("RTC", "SDOPackage", "OpenRTM", "DataPort", "DataPort_OpenRTM", "Manager"),
     }
 )
-"""Stems of OpenRTM's own IDL files: included from its folder, never emitted."""
+"""Stems of OpenRTM's own IDL files: included from its folder, never generated."""
 
 _STOCK_STEMS = {stem.casefold(): "" for stem in STOCK}
 _NOT_IN_STEM = re.compile(r"\W", re.ASCII)
@@ -56,7 +56,7 @@ _NEEDED = sys.stdlib_module_names | {
     *("RTC", "OpenRTM", "OpenRTM_aist", "RTM", "SDOPackage", "rtgen"),
     *("omniORB", "omnipy", "CORBA", "CosNaming", "PortableServer"),
 }
-"""Modules that a component's module, first in the search path, must not hide."""
+"""Modules that a component's module, which precedes them in the search path, must not hide."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,9 +79,9 @@ class Unit:
     """A generated Python package: the project's own, or one of its TECS packages.
 
     `options.package` is the package. `external` maps the displayed path of a file to the absolute
-    name of the package with its conversions, if that is another one; `types` has the module that
-    provides the declarations of such a file, if the package does not. `factories` has
-    `module:name` for the component types whose behaviour is not in a skeleton.
+    name of the package with its conversions, if that is another one; `types` has the module with
+    the declarations of such a file, if that is not in the package. `factories` has `module:name`
+    for component types whose behaviour is not in a skeleton.
     """
 
     model: Model
@@ -137,16 +137,12 @@ class Unit:
         return next(f for f in self.idl_files if declaration.file in f.files)
 
     def needs(self, file: IdlFile) -> tuple[IdlFile, ...]:
-        """Return the other files that the declarations of a file refer to, in order of
-        `idl_files`.
-        """
+        """Return the files used by a file's declarations, in order of `idl_files`."""
         modules = self._needs[file.module]
         return tuple(each for each in self.idl_files if each.module in modules)
 
     def closure(self, names: Iterable[ScopedName]) -> tuple[IdlFile, ...]:
-        """Return the files needed for types and interfaces of these names, each after its
-        dependencies.
-        """
+        """Return the files for types and interfaces of these names, each after its dependencies."""
         modules = implementation_modules(self.model)
         waiting = [modules[self.model.find(name).file] for name in names]
         wanted: set[str] = set()
@@ -201,7 +197,7 @@ class ServiceInterface:
 
     @property
     def type_name(self) -> str:
-        """The type name that the interface is registered with."""
+        """The name under which the interface's type is registered."""
         return self.port.type_name or self.type.scoped
 
     @property
@@ -250,7 +246,7 @@ class ComponentPlan:
 
     @property
     def source(self) -> SourceFile:
-        """The file that it is defined in."""
+        """The file that defines it."""
         return source_of(self.unit.model, self.component)
 
     @property
@@ -276,7 +272,7 @@ class ComponentPlan:
 
     @property
     def own_idl_files(self) -> tuple[IdlFile, ...]:
-        """The IDL files that are not among those of OpenRTM."""
+        """The IDL files except those of OpenRTM."""
         return tuple(file for file in self.idl_files if not file.stock)
 
     @cached_property
@@ -357,7 +353,7 @@ def _plan(unit: Unit, component: Component) -> ComponentPlan:
 
 
 def _text_findings(component: Component) -> Iterator[Diagnostic]:
-    """Diagnostics for texts that configuration files cannot represent."""
+    """Yield diagnostics for texts that configuration files cannot represent."""
     for what, text, fits in (
         ("category", component.category, is_conf_key),
         ("kind of execution context", component.execution, is_conf_value),

@@ -1,4 +1,4 @@
-"""The rules of the target openrtm: `RTC0560` to `RTC0589`."""
+"""Rules of the target openrtm (RTC0560 to RTC0589)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The rules of systems on the target openrtm."""
+"""Rules of systems on the target openrtm."""
 
 from __future__ import annotations
 

@@ -50,7 +50,7 @@ from rtgen.typemap.openrtm_ports import key_of, names_of
 from rtgen.typemap.parameters import Parameters
 
 PER_CYCLE = "rtgen.openrtm.per_cycle"
-"""The property of a system that lists parameters in units of one execution."""
+"""Property of a system that lists parameters in units of one execution."""
 
 _DEFAULTS = {
     "dataport.dataflow_type": "push",
@@ -64,7 +64,7 @@ _DEFAULTS = {
     "dataport.buffer.read.empty_policy": "readback",
     "dataport.buffer.read.timeout": "1.0",
 }
-"""All properties are given explicitly: OpenRTM reuses those of earlier connections of a port."""
+"""Properties given explicitly: OpenRTM would reuse those of a port's earlier connections."""
 
 _STEM = re.compile(r"[^/\\:\x00-\x1f]+")
 
@@ -259,7 +259,7 @@ class _Writer:
         return replace(end, port=known_name(registered))
 
     def _interface_key(self, end: PortReference, port: Port) -> str:
-        """OpenRTM's name of an interface in the properties of a connector."""
+        """Return OpenRTM's name of an interface in the properties of a connector."""
         [interface] = [
             interface
             for service in self._plans[end.instance].service_ports
@@ -286,7 +286,7 @@ class _Writer:
         ordered: list[Activation] = []
         while waiting:
             pending = set(waiting)
-            # Components that call each other in a ring go by the system's order.
+            # Components that call each other in a cycle are in the system's order.
             ready = next(
                 (i for i in waiting if not needs[i] & (pending - {i})), waiting[0]
             )
@@ -306,7 +306,7 @@ class _Writer:
     def _per_cycle(
         self, plans: Mapping[str, ComponentPlan]
     ) -> dict[str, dict[str, float]]:
-        """Return the parameters that the system lists, with their values in it."""
+        """Return the parameters listed by the system, with their values in it."""
         listed = dict(self._system.properties).get(PER_CYCLE, "")
         components = {c.instance: c for c in self._system.components}
         found: dict[str, dict[str, float]] = {}
@@ -354,7 +354,7 @@ class _Writer:
             header=self._header_comment(),
             instance=c.instance,
             rate=number_literal(instance.rate),
-            # Modules are started in their own folders.
+            # modules are started in their own folders
             folder=f"../../{self._system.folder}" if self._system.folder else "",
             beside=[
                 Conf(line) for line in _LINE_END.split(c.conf.strip()) if c.conf.strip()
@@ -412,7 +412,7 @@ class _Writer:
 
 
 def _value(c: SystemComponent, plan: ComponentPlan, name: str) -> float | None:
-    """Return the number of a parameter, from the system, a conf file, or the definition."""
+    """Return the number of a parameter: from the system, a conf file, or the definition."""
     parameter = next((p for p in plan.component.configuration if p.name == name), None)
     if parameter is None:
         return None

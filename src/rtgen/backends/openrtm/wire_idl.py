@@ -32,7 +32,7 @@ from rtgen.model.declarations import OPAQUE
 
 
 class WireIdl:
-    """Prints the IDL files of a unit."""
+    """Prints the IDL files of a package."""
 
     def __init__(self, unit: Unit) -> None:
         self._unit = unit
@@ -40,9 +40,7 @@ class WireIdl:
         self._warned: set[str] = set()
 
     def artifacts(self, plan: ComponentPlan) -> Iterator[Artifact]:
-        """Yield the IDL files of a component except OpenRTM's own, and the script that compiles
-        them.
-        """
+        """Yield a component's IDL files except OpenRTM's own, and the script to compile them."""
         for file in plan.own_idl_files:
             sources = [f for f in self._unit.model.files if f.name in file.files]
             keys = tuple(dict.fromkeys(source.key for source in sources))
@@ -63,7 +61,10 @@ class WireIdl:
             yield Artifact(f"{plan.folder}/{name}", text, (source.key,))
 
     def findings(self, plan: ComponentPlan) -> Iterator[Diagnostic]:
-        """Diagnostics for port types without classic IDL, and for IDL modules hiding Python's."""
+        """Yield diagnostics for port types without classic IDL, and for hidden Python modules.
+
+        IDL modules can hide those of Python.
+        """
         data = [(port.port, port.type) for port in (*plan.in_ports, *plan.out_ports)]
         services = [
             (interface.port, interface.type)

@@ -18,10 +18,10 @@ CORBA_PACKAGE = "_corba"
 
 @dataclass(frozen=True, slots=True)
 class Conversions:
-    """The names for a declared type or interface.
+    """Names of the conversions of a declared type or interface.
 
-    `package` is the absolute name of its package, `module` the implementation module there,
-    `name` the class of the type in it.
+    `package` is the absolute name of its package, `module` the implementation module in it, `name`
+    the class of the type in that.
     """
 
     package: str
@@ -45,12 +45,12 @@ class Conversions:
 
     @property
     def to(self) -> str:
-        """The function that makes a new wire object of a value."""
+        """The function that makes a new wire object from a value."""
         return f"to_{self.name}"
 
     @property
     def of(self) -> str:
-        """The function that makes a value of a wire object."""
+        """The function that makes a value from a wire object."""
         return f"from_{self.name}"
 
     @property
@@ -73,7 +73,7 @@ class Conversions:
 
 
 class WireNames:
-    """The names of a unit's types in generated code and in omniORB's stubs."""
+    """Names of a package's types in generated code and in omniORB's stubs."""
 
     def __init__(self, unit: Unit) -> None:
         self._unit = unit
@@ -92,7 +92,7 @@ class WireNames:
         return ".".join(map(mangled, (*scope, *name)))
 
     def skeleton_path(self, interface: Interface) -> str:
-        """Return the class that a servant derives from: `_GlobalIDL__POA.RefHard`."""
+        """Return the base class of a servant: `_GlobalIDL__POA.RefHard`."""
         package, _, rest = self.stub_path(interface.name).partition(".")
         return f"{package}__POA.{rest}"
 

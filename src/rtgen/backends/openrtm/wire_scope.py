@@ -1,4 +1,4 @@
-"""Names and imports of one module of conversions."""
+"""Names and imports of a module of conversions."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from rtgen.model import Declaration, Enum, ExceptionDecl, ScopedName
 from rtgen.typemap.python_names import identifier
 
 WIRE = "rtgen.runtime.openrtm.wire"
-"""The module of the runtime that conversions use."""
+"""The runtime module used by conversions."""
 
 _VARIABLE = re.compile("(value|wire|item|part|state|made|error|result|context)(_.*)?")
-"""The names of variables in the functions."""
+"""Names of variables in the functions."""
 
 
 class WireScope:
-    """Allocates names, and collects the imports and lookups at the top of the module.
+    """Allocates names, and collects imports and lookups at the top of the module.
 
     `defined` are the names defined by the module itself, `parameters` those of variables in its
     functions.
@@ -41,10 +41,10 @@ class WireScope:
         self._imports: dict[tuple[str, str], str] = {}
         self._constants: dict[tuple[str, ScopedName], tuple[str, str]] = {}
 
-    # What is imported.
+    # Imports
 
     def helper(self, name: str, module: str = WIRE) -> str:
-        """Return a name of the runtime or of the standard library."""
+        """Return a name of the runtime or the standard library."""
         return self._imported(module, name)
 
     def spell(self, module: str, name: str) -> str:
@@ -52,9 +52,7 @@ class WireScope:
         return self._imported(module, name) if module else name
 
     def type(self, name: ScopedName) -> str:
-        """Return the generated class of a declared type or interface:
-        `extended_data_types.Point2D`.
-        """
+        """Return the generated class of a type or interface: `extended_data_types.Point2D`."""
         declaration = self._unit.model.find(name)
         elsewhere = self._unit.types.get(declaration.file)
         if elsewhere is not None:
@@ -76,7 +74,7 @@ class WireScope:
         return self._imported(f"{home}{joint}{known.module}", function)
 
     def _relative(self, package: str, inner: str) -> str:
-        """Return a package of rtgen as this module imports it."""
+        """Return a package of rtgen in the form of this module's imports."""
         if package != self._unit.options.package:
             return f"{package}.{inner}"
         return "." if inner == CORBA_PACKAGE else f"..{inner}"
@@ -87,15 +85,15 @@ class WireScope:
             self._imports[key] = self._free(name)
         return self._imports[key]
 
-    # What is looked up at import.
+    # Lookups at import
 
     def wire_class(self, declaration: Declaration) -> str:
-        """omniORB's class of a struct, union or exception: `_Point2D`."""
+        """Return omniORB's class of a struct, union or exception: `_Point2D`."""
         made = f"{self.helper('class_of')}({self._id(declaration)})"
         return self._constant(declaration, "", made)
 
     def items(self, enum: Enum) -> str:
-        """omniORB's enumerators of an enum, by number."""
+        """Return omniORB's enumerators of an enum, by number."""
         made = f"{self.helper('items_of')}({self._id(enum)})"
         return self._constant(enum, "_items", made)
 
@@ -105,7 +103,7 @@ class WireScope:
         return self._constant(enum, "_members", made)
 
     def octets(self, declaration: Declaration) -> str:
-        """Return the conversion of a declared type through CDR."""
+        """Return the conversion of a declared type via CDR."""
         ours = f"{self.type(declaration.name)}._descriptor_"
         is_raised = isinstance(declaration, ExceptionDecl)
         way = self.helper("ExceptionOctets" if is_raised else "Octets")
@@ -152,6 +150,6 @@ class WireScope:
 
 
 def _order(name: str) -> tuple[int, str]:
-    """Constants, classes, functions, as isort has them."""
+    """Return the sort key of isort: constants, classes, functions."""
     bare = name.partition(" ")[0]
     return (0 if bare.isupper() else 1 if bare[0].isupper() else 2, name)

@@ -1,4 +1,4 @@
-"""Prints servants for omniORB that delegate to ours, and stubs that call omniORB's objects."""
+"""Prints servants for omniORB that call rtgen's, and stubs that call omniORB's objects."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class _Operation:
 
 
 class WireServices:
-    """Writes the two classes of an interface."""
+    """Generates the two classes of an interface."""
 
     def __init__(
         self, model: Model, names: WireNames, scope: WireScope, code: ConversionCode

@@ -1,4 +1,4 @@
-"""Back end for interface files of ROS 2: a `.msg` for each struct, a `.srv` for each operation."""
+"""Back end for ROS 2 interface files: a `.msg` for each struct, a `.srv` for each operation."""
 
 from rtgen.backends.ros_interfaces.backend import BACKEND
 

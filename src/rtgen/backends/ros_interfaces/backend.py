@@ -1,7 +1,8 @@
-"""Writes interface files of ROS 2: `ros2/PACKAGE/msg/Name.msg`, `ros2/PACKAGE/srv/Name.srv`.
+"""Writes ROS 2 interface files: `ros2/PACKAGE/msg/Name.msg`, `ros2/PACKAGE/srv/Name.srv`.
 
-A module is a package, a struct a message, an operation a service. What ROS 2 cannot express is
-reported and left out, with what contains it. Their octets are those of the IDL types in CDR.
+A module is a package, a struct a message, an operation a service. Declarations that ROS 2 cannot
+express are reported and omitted, with those that contain them. The octets are those of the IDL
+types in CDR.
 """
 
 from __future__ import annotations
@@ -43,7 +44,7 @@ class RosInterfacesBackend:
     name = "ros-interfaces"
 
     def emit(self, model: Model, options: Options) -> Emission:
-        """Return the files, and a warning for each declaration that is left out."""
+        """Return the files, and a warning for each omitted declaration."""
         return _Writer(model).emission()
 
 
@@ -57,7 +58,7 @@ class _Writer:
         self._found: list[Diagnostic] = []
         self._artifacts: dict[str, Artifact] = {}
         self._written: dict[ScopedName, bool] = {}
-        """Structs by name: whether they have a message, False as long as that is open."""
+        """Structs by name: whether they have a message, False until that is known."""
 
     def emission(self) -> Emission:
         for declaration in self._model.declarations:
@@ -71,7 +72,7 @@ class _Writer:
         return Emission(tuple(self._artifacts.values()), tuple(self._found))
 
     def _has_message(self, name: ScopedName) -> bool:
-        """Return whether a struct has a message, which is written now if it can be."""
+        """Return whether a struct has a message, which is written first if necessary."""
         if is_interface(name):
             return name[1] == "msg"
         if name not in self._written:
@@ -116,7 +117,7 @@ class _Writer:
         yield from struct.members
 
     def _lines(self, members: Sequence[Member], doc: str) -> Iterator[str]:
-        """Comment, constants of enums, and fields. Raises _At."""
+        """Yield comment, constants of enums, and fields. Raises _At."""
         if doc:
             yield from (f"# {line}".rstrip() for line in doc.splitlines())
             yield ""

@@ -1,4 +1,4 @@
-"""Names and types of IDL as interface files of ROS 2 write them."""
+"""Names and types of IDL in ROS 2 interface files."""
 
 from __future__ import annotations
 
@@ -38,11 +38,11 @@ _PRIMITIVES: Final[Mapping[str, str]] = {
     Primitive.DOUBLE: "float64",
 }
 _GLOBAL: Final = "interfaces"
-"""The package of declarations outside of modules."""
+"""The package of declarations in the global scope."""
 
 
 class InexpressibleError(Exception):
-    """ROS 2 has no form for something; the message says for what."""
+    """ROS 2 cannot express a part of a declaration; the message names it."""
 
 
 def package_name(scope: ScopedName) -> str:
@@ -66,17 +66,14 @@ def _words(text: str) -> str:
 
 
 def reference(name: ScopedName) -> str:
-    """How a field names a message."""
+    """Return the name of a message in a field."""
     if is_interface(name):
         return f"{name[0]}/{name[2]}"
     return f"{package_name(name[:-1])}/{message_name(name[-1])}"
 
 
 def field_type(model: Model, type_: Type, written: Callable[[ScopedName], bool]) -> str:
-    """Return the type of a field; `written` says which structs have a message.
-
-    Raises InexpressibleError.
-    """
+    """Return the type of a field; `written` returns whether a struct has a message."""
     type_ = model.unalias(type_)
     if isinstance(type_, SequenceType):
         bound = "" if type_.bound is None else f"<={type_.bound}"

@@ -1,4 +1,4 @@
-"""The rule of interface files of ROS 2 that cannot be written."""
+"""The rule of ROS 2 interface files that cannot be written."""
 
 from __future__ import annotations
 

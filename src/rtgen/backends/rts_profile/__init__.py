@@ -1,6 +1,6 @@
 """Prints systems as RtsProfile: the XML of RT System Editor and rtshell, format version 0.2.
 
-What the file of the system had besides is written again (`rtgen.backends.rts_profile.kept`).
+Further content of the system's file is preserved (`rtgen.backends.rts_profile.kept`).
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ def system_text(
     """Return the system as XML; `ports` by instance, by default the connected ones.
 
     Connectors and components keep the order of the system. The activation order is written
-    separately; the steps of one instance after another follow it. Raises UnquotableError for
-    characters that XML cannot hold.
+    separately; several steps of an instance follow it. Raises UnquotableError for characters that
+    XML cannot represent.
     """
     root = profile_element(system, ports)
     if system.document is not None:

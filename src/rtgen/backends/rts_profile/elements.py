@@ -1,8 +1,7 @@
 """The elements of an RtsProfile.
 
-Element and attribute order are those of the schema. Elements required by rtsprofile 4.1 are
-always present: an abstract, dates, an execution context for each component, composite type
-`None`.
+Element and attribute order are those of the schema. Elements required by rtsprofile 4.1 are always
+present: an abstract, dates, an execution context for each component, composite type `None`.
 """
 
 from __future__ import annotations
@@ -33,7 +32,7 @@ _COLUMNS, _STEP = 4, (240, 160)
 
 @dataclass(frozen=True, slots=True)
 class InstancePorts:
-    """The names of an instance's ports, without the instance."""
+    """An instance's port names, without the instance."""
 
     data: tuple[str, ...] = ()
     service: tuple[str, ...] = ()
@@ -205,7 +204,7 @@ def _steps(
 
 
 def _connected_ports(system: System) -> dict[str, InstancePorts]:
-    """Return the ports that the connectors name, by instance."""
+    """Return the ports in connectors, by instance."""
     found: dict[str, tuple[dict[str, None], dict[str, None]]] = {
         c.instance: ({}, {}) for c in system.components
     }

@@ -1,8 +1,8 @@
-"""What the file of a system holds beyond the model, put into its elements.
+"""Preserves content of a system's file that the model does not represent.
 
-Kept are elements, attributes and properties that rtgen gives no meaning, and what it would only
-write for the schema's sake, such as `visible`. Dropped is what names a component that the system
-no longer has, and object references of connectors.
+Preserved are elements, attributes and properties that rtgen does not interpret, and the file's
+values of what rtgen only writes for the schema, such as `visible`. Dropped are references to
+components that the system no longer has, and object references of connectors.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ _OF_THE_MODEL = frozenset(
         *("targets", "WaitTime", "Preceding", "PrecedingComponents"),
     }
 )
-"""Elements that are there only if the model has them."""
+"""Elements that are only written if the model has them."""
 _FOR_THE_SCHEMA: Mapping[str, frozenset[Name]] = {
     "Components": frozenset({(RTS, "compositeType"), (RTS_EXT, "visible")}),
     "DataPorts": frozenset({(RTS_EXT, "visible")}),
@@ -50,7 +50,7 @@ _FOR_THE_SCHEMA: Mapping[str, frozenset[Name]] = {
     "TargetComponent": frozenset({(RTS, "id")}),
     "PrecedingComponents": frozenset({(RTS, "id")}),
 }
-"""Attributes without a field of the model: the file's value counts, if it has one."""
+"""Attributes without a field of the model: the file's value is used, if there is one."""
 _EMPTY_WITHOUT = {
     "Groups": "Members",
     "Participants": "Participant",
@@ -61,15 +61,15 @@ _EMPTY_WITHOUT = {
     ),
     **dict.fromkeys(("Initializing", "Finalizing"), "targets"),
 }
-"""Elements that say nothing without a child of this name."""
+"""Elements without meaning if they have no child of this name."""
 
 
 def with_kept(
     made: ProfileElement, document: ProfileElement, *, all_ports: bool
 ) -> ProfileElement:
-    """Return the root of a profile with what the file's root holds besides.
+    """Return the root of a profile, completed by the content of the file's root.
 
-    `all_ports`: the elements made have every port of the components, not the connected ones only.
+    `all_ports`: the elements made have every port of the components, not only connected ones.
     """
     instances = frozenset(
         each.get(RTS, "instanceName") for each in made.all("Components")
@@ -83,9 +83,7 @@ def with_kept(
 
 
 def _is_default(root: ProfileElement) -> bool:
-    """Return whether the activation is that of a file without one: the required components
-    first.
-    """
+    """Return whether the activation is the default: the required components first."""
     components = sorted(
         root.all("Components"), key=lambda c: c.get(RTS, "isRequired") != "true"
     )
@@ -106,7 +104,7 @@ class _Merge:
     all_ports: bool
 
     def element(self, made: ProfileElement, old: ProfileElement) -> ProfileElement:
-        """Return an element of the model with what the file's element holds besides."""
+        """Return an element of the model, completed by the content of the file's element."""
         first = _FOR_THE_SCHEMA.get(made.name[1], frozenset())
         attributes = {
             name: (
@@ -119,7 +117,7 @@ class _Merge:
         for name, text in old.attributes.items():
             attributes.setdefault(name, text)
         if _DIRECTION in attributes:
-            # rtsprofile writes it in lower case, which the schema does not allow.
+            # rtsprofile writes it in lower case, which violates the schema.
             attributes[_DIRECTION] = attributes[_DIRECTION].upper()
         return replace(
             made,
@@ -148,7 +146,7 @@ class _Merge:
     def _is_kept(self, child: ProfileElement, parent: ProfileElement) -> bool:
         kind, inside = child.name[1], parent.name[1]
         if kind == "Properties" and inside in _CONNECTORS:
-            # The value of an attribute, written as a property too.
+            # the value of an attribute, also written as a property
             attribute = PROFILE_ATTRIBUTES.get(child.get(RTS_EXT, "name"))
             value = child.get(RTS_EXT, "value")
             return attribute is not None and parent.get(RTS, attribute) == value
@@ -159,7 +157,7 @@ class _Merge:
         return kind not in _OF_THE_MODEL
 
     def _without_lost(self, element: ProfileElement) -> list[ProfileElement]:
-        """Return the element without what names other instances; none if nothing remains of it."""
+        """Return the element without references to other instances; none if nothing remains."""
         instance = element.get(RTS, "instanceName")
         if instance and instance not in self.instances:
             return []
@@ -172,7 +170,7 @@ class _Merge:
 
 
 def _key(element: ProfileElement) -> str:
-    """What an element is found by among its siblings of one name."""
+    """Return the identity of an element among siblings of the same name."""
     match element.name[1]:
         case "Components" | "PrecedingComponents" | "TargetComponent":
             return element.get(RTS, "instanceName")
@@ -204,7 +202,7 @@ def _ends(connector: ProfileElement) -> Iterator[str]:
 
 
 def _spelled(text: str, old: str | None) -> str:
-    """Return the file's spelling of a number that has not changed."""
+    """Return a number in the file's spelling, if its value is unchanged."""
     try:
         return old if old is not None and float(old) == float(text) else text
     except ValueError:

@@ -28,7 +28,7 @@ from rtgen.typemap.idl_python_names import PythonNames, package_path
 from rtgen.typemap.python_names import module_name
 
 ROOT = "small"
-"""The folder that is copied to a board, below the output folder."""
+"""Folder below the output folder, to be copied to a board."""
 RUNTIME = (
     *("__init__.py", "codes.py", "components.py", "ports.py", "sequences.py"),
     *("system.py", "wire.py"),
@@ -61,7 +61,7 @@ BACKEND = SmallBackend()
 def _fit(
     model: Model, names: PythonNames, limits: Limits
 ) -> tuple[list[Component], list[Diagnostic]]:
-    """Return the components with a small form, and the reasons why the others have none."""
+    """Return the components with a small form, and the reasons why others have none."""
     fitting: list[Component] = []
     findings: list[Diagnostic] = []
     for component in components_of(model):
@@ -112,7 +112,7 @@ class _Tree:
     components: Sequence[Component]
 
     def artifacts(self) -> Iterator[Artifact]:
-        """Runtime, types, packages, components."""
+        """Yield runtime, types, packages, components."""
         used = self._used()
         classes = modules.type_names(self.model, self.names, used)
         root = f"{ROOT}/{self.options.folder}"
@@ -143,7 +143,7 @@ class _Tree:
                 type_ = self.model.unalias(port.type)
                 assert isinstance(type_, NamedType), "checked before"
                 wanted.update(dict.fromkeys(reachable(self.model, type_.name)))
-        # Enums and constants of the same IDL modules are what behaviours compare with.
+        # Enums and constants of the same IDL modules, for comparisons in behaviours.
         scopes = {name[:-1] for name in wanted}
         for declaration in self.model.declarations:
             if declaration.name[:-1] in scopes and isinstance(declaration, Enum):

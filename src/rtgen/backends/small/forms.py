@@ -1,4 +1,4 @@
-"""Small forms of types: which types have one, and the code of their members."""
+"""Small forms of types: which types have one, and the code of members."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Limits:
 class Form:
     """Code for a member; `{0}` is the attribute, `{1}` that of the source.
 
-    `made` is the initial value of a new object; into a mutable one an argument is copied.
+    `made` is the initial value of a new object; an argument is copied into a mutable one.
     """
 
     made: str
@@ -52,7 +52,7 @@ class Form:
 
 
 class Forms:
-    """The forms of a model's types. `class_name` gives the class of a struct or enum."""
+    """The forms of a model's types. `class_name` returns the class of a struct or enum."""
 
     def __init__(
         self, model: Model, limits: Limits, class_names: dict[ScopedName, str]
@@ -217,8 +217,9 @@ def members_of(model: Model, struct: Struct) -> list[Member]:
 
 
 def reachable(model: Model, name: ScopedName) -> list[ScopedName]:
-    """Return the structs and enums that a type needs, itself last. Raises NoFormError for
-    recursion.
+    """Return the structs and enums used by a type, itself last. Raises NoFormError.
+
+    Recursive types have no form.
     """
     found: dict[ScopedName, bool] = {}
     _reach(model, name, found)
@@ -226,7 +227,7 @@ def reachable(model: Model, name: ScopedName) -> list[ScopedName]:
 
 
 def _reach(model: Model, name: ScopedName, found: dict[ScopedName, bool]) -> None:
-    """Add a type behind what it needs; those that are being looked at are False."""
+    """Add a type after those that it uses; types in progress are False."""
     if found.get(name) is False:
         raise NoFormError(f"{'::'.join(name)}, which holds itself")
     if name in found:

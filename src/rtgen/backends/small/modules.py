@@ -29,18 +29,16 @@ from rtgen.typemap.idl_python_names import PythonNames, package_path
 from rtgen.typemap.python_names import identifier
 
 _HELPERS = (*("Numbers", "Values", "bounded", "copy_array", "copy_items", "exactly"),)
-"""Names imported with a leading `_`, which no name of a definition has."""
+"""Names imported with a leading `_`, which names of definitions never have."""
 _USED = frozenset({"bytes", "chr", "len", "ord", "range"})
-"""Names of Python that the methods use, and that no class can have."""
+"""Python names used by the methods, which classes cannot have."""
 _FLOATING = (PrimitiveType(Primitive.FLOAT), PrimitiveType(Primitive.DOUBLE))
 
 
 def type_names(
     model: Model, names: PythonNames, used: Sequence[ScopedName]
 ) -> dict[ScopedName, str]:
-    """Return the classes of all types: no two the same, none like a parameter that would hide
-    it.
-    """
+    """Return the classes of all types: unique, and not hidden by parameters."""
     taken = set(_USED)
     for name in used:
         declaration = model.find(name)
@@ -65,7 +63,7 @@ def types_module(
     classes: Mapping[ScopedName, str],
     forms: Forms,
 ) -> str:
-    """Return all structs and enums that the components need, in order of declaration."""
+    """Return the module of all structs and enums of the components, in order of declaration."""
     bodies = []
     for name in used:
         declaration = model.find(name)
@@ -227,7 +225,7 @@ def component_module(
 
 
 class _PackageImports:
-    """The imports of the types of ports, under names that hide no other."""
+    """Imports of the types of ports, under names that hide no others."""
 
     def __init__(self, taken: set[str]) -> None:
         self._taken = taken

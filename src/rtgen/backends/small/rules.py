@@ -1,4 +1,4 @@
-"""The rules of the target small."""
+"""Rules of the target small."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""The target typescript: types of IDL for a browser, with their codecs."""
+"""Back end for the target typescript: IDL types for a browser, with their codecs."""

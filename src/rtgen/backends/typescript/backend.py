@@ -1,7 +1,7 @@
 """Writes `typescript/`: a module for each scope of IDL, and the codecs that they share.
 
-`_idl/FILE.ts` has the declarations of an IDL file, `A/B.ts` what stands in the scope `A::B`,
-`index.ts` what stands in none, `_cdr.ts` the codecs.
+`_idl/FILE.ts` has the declarations of an IDL file, `A/B.ts` those in the scope `A::B`, `index.ts`
+those in the global scope, `_cdr.ts` the codecs.
 """
 
 from __future__ import annotations
@@ -38,12 +38,12 @@ _TYPES = Struct | Union | ExceptionDecl | Enum | Bitmask | Typedef
 
 
 class TypescriptBackend:
-    """Emits the types of a project for a browser."""
+    """Generates the types of a project for a browser."""
 
     name = "typescript"
 
     def emit(self, model: Model, options: Options) -> Emission:
-        """Return all modules; what TypeScript has no codec for is reported and left out."""
+        """Return all modules; declarations without a TypeScript codec are reported and omitted."""
         xcdr2 = options.representation == "xcdr2"
         representations = Representations(model, xcdr2, options.extensibility)
         types = Types(model, representations)
@@ -70,9 +70,7 @@ BACKEND = TypescriptBackend()
 
 
 def _has_literal(model: Model, constant: Const) -> bool:
-    """Return whether a constant is a number, text or truth value, not an enumerator of a missing
-    enum.
-    """
+    """Return whether a constant is a number, text or boolean, or a known enumerator."""
     type_ = constant.type
     if isinstance(type_, NamedType):
         return isinstance(model.find(type_.name), Typedef | Enum)

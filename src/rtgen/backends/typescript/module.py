@@ -53,7 +53,7 @@ class TypesModule:
         self._done: set[ScopedName] = set()
         self._imported: dict[str, dict[str, None]] = {}
         self._words: set[str] = set()
-        """What codecs consist of, the names of the runtime among them."""
+        """Words in codecs, including names of the runtime."""
 
     def text(self, header: str, declarations: Sequence[Declaration]) -> str:
         """Return the module's text."""
@@ -112,7 +112,7 @@ class TypesModule:
         yield self._constant(name, _call("struct", scoped, fields, appendable))
 
     def _members(self, struct: Struct) -> list[Member]:
-        """Return all members, those of the bases first."""
+        """Return all members, inherited ones first."""
         inherited: list[Member] = []
         if struct.base is not None:
             base = self._model.find(struct.base)
@@ -129,7 +129,8 @@ class TypesModule:
             yield from quoting.comment(_described(case), "  ")
             label = quoting.string(case.name)
             value = self._value(case.type)
-            # A value has the first label of its branch, which one without a label lacks.
+            # The discriminator defaults to the first label of the branch; without labels it is
+            # required.
             mark = "" if not case.labels else "?"
             yield f"  | {{ case: {label}; value: {value}; discriminator{mark}: {switch} }}"
         if not self._is_complete(union):

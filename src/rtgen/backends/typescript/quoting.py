@@ -17,7 +17,7 @@ def string(text: str) -> str:
 
 
 def constant(value: ConstantValue, *, is_64_bit: bool) -> str:
-    """Return the literal of a number, text or truth value; of 64 bits: a bigint."""
+    """Return the literal of a number, text or boolean; 64-bit numbers are bigints."""
     match value:
         case bool():
             return "true" if value else "false"

@@ -1,4 +1,4 @@
-"""The rule of declarations that have no codec in TypeScript."""
+"""The rule of declarations without a codec in TypeScript."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Types of IDL in TypeScript: the type of values, and the expression of the codec."""
+"""IDL types in TypeScript: the type of values, and the expression of the codec."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ BIG: Final = frozenset((Primitive.LONG_LONG, Primitive.UNSIGNED_LONG_LONG))
 
 
 def identifier(name: ScopedName) -> str:
-    """Return the name of a declaration in its module; no word of the language has a `$`."""
+    """Return the name of a declaration in its module; the `$` prevents clashes with keywords."""
     return "$".join(name) if len(name) > 1 else f"{name[0]}$"
 
 
@@ -64,7 +64,7 @@ class Types:
         self._representations = representations
         self._missing: dict[ScopedName, str] = {}
         settled = False
-        while not settled:  # Once more only after types that contain each other.
+        while not settled:  # Repeated only for types that contain each other.
             settled = True
             for declaration in model.declarations:
                 if declaration.name not in self._missing:
@@ -74,7 +74,7 @@ class Types:
                         settled = False
 
     def missing(self, declaration: Declaration) -> str | None:
-        """What of a declaration has no codec; None if it has one."""
+        """Return the part of a declaration that has no codec; None if it has one."""
         return self._missing.get(declaration.name)
 
     def _missing_in(self, declaration: Declaration) -> str | None:
@@ -145,7 +145,8 @@ class Types:
     def codec(self, type_: Type, refer: Callable[[ScopedName], bool]) -> str:
         """Return the expression of the codec.
 
-        `refer` is called with each name that it uses, and returns whether that is defined there.
+        `refer` is called with each name that it uses, and returns whether the name is already
+        defined.
         """
         match type_:
             case PrimitiveType(kind):
@@ -177,14 +178,14 @@ class Types:
         return f"array<{self.value(type_)}>({inner}, {sizes})"
 
     def _flat(self, type_: ArrayType) -> tuple[Type, tuple[int, ...]]:
-        """Element and dimensions, without typedefs of arrays between."""
+        """Return element and dimensions, resolving typedefs of arrays."""
         element, dimensions = type_.element, type_.dimensions
         while isinstance(plain := self._model.unalias(element), ArrayType):
             element, dimensions = plain.element, dimensions + plain.dimensions
         return element, dimensions
 
     def _special(self, element: Type) -> tuple[str, str] | None:
-        """Codec and type of a sequence of octets or characters."""
+        """Return codec and type of a sequence of octets or characters."""
         plain = self._model.unalias(element)
         if isinstance(plain, PrimitiveType):
             if plain.kind in OCTET_TYPES:

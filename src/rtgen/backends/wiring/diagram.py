@@ -17,7 +17,7 @@ _MAX_IDLE = 3
 
 @dataclass(frozen=True, slots=True)
 class PortView:
-    """A port as seen from outside. For an interface, `port` is the service port it belongs to."""
+    """A port in the diagram. For an interface, `port` is the service port it belongs to."""
 
     name: str
     kind: PortKind
@@ -27,7 +27,7 @@ class PortView:
 
 @dataclass(frozen=True, slots=True)
 class ComponentView:
-    """A component type as seen from outside; `parameters` maps names to default texts."""
+    """A component type in the diagram; `parameters` maps names to default texts."""
 
     name: str
     ports: tuple[PortView, ...]
@@ -35,7 +35,7 @@ class ComponentView:
 
 
 def view_of(component: Component) -> ComponentView:
-    """Return the view of a component that was defined."""
+    """Return the view of a defined component."""
     ports = (PortView(p.name, p.kind, str(p.type), p.port) for p in component.ports)
     parameters = {
         p.name: "" if p.default is None else str(p.default)
@@ -46,7 +46,7 @@ def view_of(component: Component) -> ComponentView:
 
 @dataclass(frozen=True, slots=True)
 class TimedConnection:
-    """A connection that a timeline makes, `time` seconds after the start of the run."""
+    """A connection made by a timeline, `time` seconds after the start of the run."""
 
     source: PortReference
     target: PortReference
@@ -97,14 +97,14 @@ class Box:
     media: list[tuple[Medium, str]] = field(default_factory=list)
 
     def add(self, view: PortView) -> Tab:
-        """Return a new tab for the port, below those of its side."""
+        """Add a tab for the port below those of its side, and return it."""
         left = view.kind in _LEFT
         tab = Tab(view, self, sum(each.is_left is left for each in self.tabs))
         self.tabs.append(tab)
         return tab
 
     def collapse(self) -> None:
-        """Replace many unconnected ports of a side by one tab."""
+        """Replace several unconnected ports of a side by one tab."""
         for left in (True, False):
             side = [tab for tab in self.tabs if tab.is_left is left]
             idle = [tab for tab in side if not tab.connected]
@@ -120,7 +120,7 @@ class Box:
 
     @property
     def rows(self) -> int:
-        """How many tabs the fuller side has."""
+        """Number of tabs on the side with more tabs."""
         return max((tab.row + 1 for tab in self.tabs), default=0)
 
 
@@ -140,7 +140,7 @@ class Link:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Medium:
-    """A bus or line that carries data between components, and their names on it."""
+    """A bus or line that transports data between components, and the data's names on it."""
 
     label: str
     number: int
@@ -232,7 +232,7 @@ def _unqualified(type_: str) -> str:
 
 
 def _type_of_id(repository_id: str) -> str:
-    """`IDL:RTC/TimedLong:1.0` to `RTC::TimedLong`."""
+    """Convert `IDL:RTC/TimedLong:1.0` to `RTC::TimedLong`."""
     return repository_id.removeprefix("IDL:").rpartition(":")[0].replace("/", "::")
 
 
@@ -246,7 +246,7 @@ def _data_tab(box: Box, name: str, kind: PortKind, type_: str) -> Tab:
 def _service_pairs(
     source: Box, source_end: PortReference, target: Box, target_end: PortReference
 ) -> list[tuple[Tab, Tab]]:
-    """Consumer and provider of each interface that the two service ports share."""
+    """Return consumer and provider of each interface common to the two service ports."""
     ends = (_interfaces(source, source_end.port), _interfaces(target, target_end.port))
     pairs = [
         (consumer, provider)

@@ -93,10 +93,10 @@ def render(
 ) -> str:
     """Draw a system as SVG: data flow from left to right, feedback returns around the boxes.
 
-    `profiles` maps a component type to its ports; those of a type without profile are taken from
+    `profiles` maps a component type to its ports; those of a type without profile are derived from
     the connectors. `timeline` has the connections made during a run, `buses` the networks of the
-    project, with bit rates and PDO links. `links` maps component types to the addresses that
-    their boxes lead to.
+    project, with bit rates and PDO links. `links` maps component types to the link targets of their
+    boxes.
     """
     diagram = with_media(
         diagram_of(system, profiles, timeline),

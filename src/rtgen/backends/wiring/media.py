@@ -1,8 +1,8 @@
-"""Media that carry data outside of connections: CAN buses, TCP and serial lines.
+"""Media that transport data outside of connections: CAN buses, TCP and serial lines.
 
-A component is attached to a medium by its configuration parameters; which ones is stated once, in
-the functions below. Parameters of the active configuration set of a system win over the defaults of
-the component's definition.
+A component is attached to a medium by its configuration parameters, which the functions below
+define. Parameters of a system's active configuration set override the defaults of the component's
+definition.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ def with_media(
 ) -> Diagram:
     """Return the diagram with the media of the system and the PDO links of its CAN buses.
 
-    Ports that carry nothing are collapsed where there are many.
+    Many unconnected ports are collapsed.
 
     `defaults` maps a component type to the defaults of its parameters.
     """
@@ -110,7 +110,7 @@ def _can(values: Mapping[str, str], networks: Mapping[str, Bus]) -> _Attachment:
 
 
 def _pdo_links(bus: Bus, nodes: Sequence[tuple[Box, int]]) -> Iterator[Link]:
-    """Yield the PDOs which one node of the bus file sends and another one takes."""
+    """Yield the PDOs sent by one node of the bus file and received by another one."""
     ids = {node.name: node.id for node in bus.nodes}
     for link in bus.links:
         ends = _ends(link, ids, nodes)
@@ -124,8 +124,9 @@ def _pdo_links(bus: Bus, nodes: Sequence[tuple[Box, int]]) -> Iterator[Link]:
 def _ends(
     link: PdoLink, ids: Mapping[str, int], nodes: Sequence[tuple[Box, int]]
 ) -> tuple[Tab, Tab] | None:
-    """Return the tabs of the two devices; their proxies have the same ports, but send no such
-    frame.
+    """Return the tabs of the two devices.
+
+    Their proxies have the same ports, but do not send such frames.
     """
     (sender, sent), (taker, taken) = link.source, link.target
     source = _tab(nodes, ids.get(sender), PortKind.OUTPORT, f"tpdo{sent}")

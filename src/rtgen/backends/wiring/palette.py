@@ -1,6 +1,6 @@
-"""Colours of wiring diagrams, for light and dark surroundings.
+"""Colours of wiring diagrams, for light and dark backgrounds.
 
-Each colour of text has a contrast of at least 4.5:1 to what it stands on (WCAG 2.1, 1.4.3).
+Text has a contrast of at least 4.5:1 to its background (WCAG 2.1, 1.4.3).
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Scheme:
-    """Colours as #rrggbb; `links` are given to types in the order of their first connection."""
+    """Colours as #rrggbb; `links` are assigned to types in the order of their first connection."""
 
     page: str
     box: str

@@ -1,4 +1,4 @@
-"""Places boxes in columns and rows, by the editor's coordinates or by layers."""
+"""Places boxes in columns and rows, by an editor's coordinates or by layers."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _SWEEPS = 6
 
 
 def place(diagram: Diagram) -> dict[Box, Cell]:
-    """Return the cell of each box; no two share one."""
+    """Return the cell of each box; cells are distinct."""
     return _by_location(diagram.boxes) or _by_layers(diagram)
 
 
@@ -76,7 +76,7 @@ def _ranks(values: Sequence[int]) -> dict[int, int]:
 
 
 def _by_layers(diagram: Diagram) -> dict[Box, Cell]:
-    """Sugiyama's steps: break cycles, layer, order each layer with few crossings."""
+    """Sugiyama's method: break cycles, assign layers, order each layer with few crossings."""
     boxes = list(diagram.boxes)
     number = {box: index for index, box in enumerate(boxes)}
     edges = [
@@ -94,7 +94,7 @@ def _by_layers(diagram: Diagram) -> dict[Box, Cell]:
 
 
 def _order_without_cycles(count: int, edges: Sequence[tuple[int, int]]) -> list[int]:
-    """Order the boxes such that few edges go back (Eades, Lin, Smyth 1993)."""
+    """Order the boxes such that few edges point backward (Eades, Lin, Smyth 1993)."""
     left = list(range(count))
     placed: set[int] = set()
     head: list[int] = []
@@ -123,8 +123,9 @@ def _order_without_cycles(count: int, edges: Sequence[tuple[int, int]]) -> list[
 def _layers(
     count: int, forward: Sequence[tuple[int, int]], order: Sequence[int]
 ) -> list[int]:
-    """Return the column of each box: one after its last predecessor; sources next to their
-    successors.
+    """Return the column of each box: one after its last predecessor.
+
+    Sources are next to their successors.
     """
     columns = [0] * count
     for node in order:
@@ -139,7 +140,7 @@ def _layers(
 
 
 def _rows(columns: Sequence[int], edges: Sequence[tuple[int, int]]) -> list[int]:
-    """Return the row of each box: in each column by the mean row of its neighbours."""
+    """Return the row of each box: by the mean row of its neighbours in each column."""
     layers = [
         [node for node, column in enumerate(columns) if column == index]
         for index in range(max(columns, default=-1) + 1)
@@ -177,7 +178,7 @@ def _reorder(
 def _crossings(
     columns: Sequence[int], rows: Sequence[int], edges: Sequence[tuple[int, int]]
 ) -> tuple[int, int]:
-    """Cost of an order: pairs of crossing edges, then the total height of all edges."""
+    """Return the cost of an order: pairs of crossing edges, then the total height of edges."""
     spans = [
         (
             ((columns[a], rows[a]), (columns[b], rows[b]))

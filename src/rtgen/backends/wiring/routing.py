@@ -32,10 +32,10 @@ TEXT_SIZE = 12
 README_WIDTH = 830
 """Width in px of the column in which a code host shows a picture of a page."""
 
-_LEGIBLE = 9
-"""The smallest text in px that a picture may have in that column."""
+_MIN_TEXT = 9
+"""Minimum size of text in px that a picture must have in that column."""
 
-MAX_WIDTH = README_WIDTH * TEXT_SIZE // _LEGIBLE
+MAX_WIDTH = README_WIDTH * TEXT_SIZE // _MIN_TEXT
 
 _MIN_BOX = 130
 _TRUNK = 34
@@ -80,13 +80,13 @@ class Geometry:
         return x, frame.y + HEADER + (tab.row + 0.5) * ROW
 
     def media_row(self, box: Box, index: int) -> float:
-        """Return the height of the row for a medium of a box."""
+        """Return the height of the row for a box's medium."""
         return self.frames[box].y + HEADER + box.rows * ROW + (index + 0.5) * MEDIUM_ROW
 
 
 def text_width(text: str, size: float) -> float:
-    """Approximate width of a text in a usual sans-serif font."""
-    # What `sum` gives depends on the version of Python.
+    """Approximate the width of a text in a usual sans-serif font."""
+    # The result of `sum` depends on the version of Python.
     return size * fsum(_share(character) for character in text)
 
 
@@ -99,7 +99,7 @@ def _share(character: str) -> float:
 
 
 def box_width(box: Box) -> float:
-    """Return the width at which title and ports of a box do not run into each other."""
+    """Return the width at which title and ports of a box do not overlap."""
     header = (
         text_width(box.instance, NAME_SIZE),
         text_width(subtitle(box), TEXT_SIZE),
@@ -130,12 +130,12 @@ def notes(diagram: Diagram) -> dict[Tab, str]:
 
 
 def subtitle(box: Box) -> str:
-    """Type and rate of a box."""
+    """Return type and rate of a box."""
     return box.type if box.rate is None else f"{box.type} · {box.rate:g} Hz"
 
 
 def lay_out(diagram: Diagram) -> Geometry:
-    """Return the layout in at most MAX_WIDTH, if boxes in one column fit there."""
+    """Return the layout in at most MAX_WIDTH, if boxes in one column fit."""
     cells = place(diagram)
     most = max((column for column, _ in cells.values()), default=0) + 1
     geometry = route(diagram, cells)
@@ -153,7 +153,7 @@ def route(diagram: Diagram, cells: Mapping[Box, Cell]) -> Geometry:
 
 @dataclass(frozen=True, slots=True)
 class _Detour:
-    """A link by way of a lane; the keys say with which others it shares lane and tracks."""
+    """A link through a lane; the keys identify the links with which it shares lane and tracks."""
 
     link: Link
     gap: int
@@ -222,7 +222,7 @@ class _Router:
         )
 
     def _note_widths(self) -> dict[int, float]:
-        """By column, the width of the longest note of times at a port there."""
+        """Return the width of the longest note of times at a port, by column."""
         widths: dict[int, float] = defaultdict(float)
         for tab, note in notes(self._diagram).items():
             column = self._cells[tab.box][0]
@@ -237,7 +237,7 @@ class _Router:
         return attached
 
     def _inset(self, column: int) -> float:
-        """Return the part of a channel next to the boxes that notes and risers take."""
+        """Return the part of a channel next to the boxes, which notes and risers need."""
         risers = len(self._attached[column])
         return self._notes[column] + (risers * _STEP + _CLEAR / 2 if risers else 0)
 
@@ -250,9 +250,7 @@ class _Router:
         return [self._riser_x(medium, column) for column in sorted(columns)]
 
     def _risers(self, medium: Medium, geometry: Geometry) -> str:
-        """Return a vertical line for each column with boxes on the medium, and a stub to each
-        box.
-        """
+        """Return vertical lines for the columns with boxes on the medium, and stubs to them."""
         down = geometry.trunks[medium][2]
         tops: dict[float, float] = {}
         stubs = []
@@ -273,7 +271,7 @@ class _Router:
         return target > column and not any((c, row) in self._taken for c in between)
 
     def _gap_for(self, link: Link) -> int:
-        """Return the gap with the smallest detour: 0 above the first row, and so on."""
+        """Return the gap with the smallest detour, counted from 0 above the first row."""
         ends = [
             self._cells[tab.box][1] + self._depth(tab)
             for tab in (link.source, link.target)
@@ -293,7 +291,7 @@ class _Router:
         return (HEADER + (tab.row + 0.5) * ROW) / self._tallest[row]
 
     def _assign_lanes(self) -> dict[tuple[Tab, int], int]:
-        """Return a lane of its gap for each net: short ones inside, none overlapping."""
+        """Assign each net a lane of its gap: short ones inside, without overlaps."""
         reach: dict[tuple[Tab, int], set[int]] = defaultdict(set)
         for detour in self._detours.values():
             start = self._cells[detour.link.source.box][0] + 1
@@ -312,7 +310,7 @@ class _Router:
     def _assign_tracks(
         self, ends: Iterable[tuple[Tab, int]]
     ) -> dict[tuple[Tab, int], int]:
-        """Return a vertical track in front of its box for each end: near ones to the gap inside."""
+        """Assign each end a vertical track before its box, inner ones for ends near the gap."""
         columns: dict[int, dict[tuple[Tab, int], float]] = defaultdict(dict)
         for tab, gap in ends:
             column, row = self._cells[tab.box]
@@ -401,7 +399,7 @@ class _Router:
         )
 
     def _direct(self, link: Link, start: Point, end: Point) -> str:
-        """Straight along the source's row, then one curve through the last channel."""
+        """Return a straight line along the source's row, then a curve through the last channel."""
         column = self._cells[link.target.box][0]
         previous = column - 1
         turn = max(start[0], self._xs[previous] + self._widths[previous] + TAB)
@@ -435,7 +433,7 @@ def _distance(a: Point, b: Point) -> float:
 
 
 def _towards(start: Point, end: Point, length: float) -> Point:
-    """Return the point at that distance from `start` on an axis-parallel line to `end`."""
+    """Return the point at a distance from `start` on an axis-parallel line to `end`."""
     whole = _distance(start, end)
     share = length / whole if whole else 0.0
     return (

@@ -20,7 +20,7 @@ from rtgen.typemap.idl_keywords import escaped
 
 
 def literal(model: Model, type_: Type, value: ConstantValue) -> str:
-    """Return a constant's value as IDL writes it for that type."""
+    """Return a constant's value as an IDL literal of the type."""
     type_ = model.unalias(type_)
     wide = type_ == PrimitiveType(Primitive.WCHAR)
     wide |= isinstance(type_, StringType) and type_.wide

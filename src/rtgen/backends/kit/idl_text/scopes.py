@@ -1,4 +1,4 @@
-"""Scoped names in IDL text: what is declared, and how a name is written in a scope."""
+"""Scoped names in IDL text: declared names, and the form of a name in a scope."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from rtgen.typemap.idl_keywords import escaped
 
 
 class ScopedNames:
-    """The names of a model, of which only some declarations are printed, in order."""
+    """The names of a model, of which some declarations are printed, in order."""
 
     def __init__(self, model: Model, printed: Iterable[Declaration]) -> None:
         self.done: set[ScopedName] = set()
@@ -41,14 +41,14 @@ class ScopedNames:
         return self._inside.get(scope, ())
 
     def is_written(self, name: ScopedName) -> bool:
-        """Return whether it is declared already: printed, or in a file that is included."""
+        """Return whether a name is already declared: printed, or in an included file."""
         prefixes = (name[:depth] for depth in range(1, len(name) + 1))
         return name in self.done or (
             name in self._names and self._own.isdisjoint(prefixes)
         )
 
     def is_inner(self, declaration: Declaration) -> bool:
-        """Return whether it is nested in another declaration."""
+        """Return whether a declaration is nested in another one."""
         return declaration.name[:-1] in self._names
 
     def text(
@@ -66,7 +66,7 @@ class ScopedNames:
         return f"::{text}" if taken else text
 
     def _bound(self, scope: ScopedName) -> frozenset[str]:
-        """Return the names, in lower case, that a scope binds."""
+        """Return the names bound in a scope, in lower case."""
         found = self._bound_names.get(scope)
         if found is None:
             depth = len(scope)

@@ -85,7 +85,7 @@ class Writer:
         yield _indented(lines, depth)
 
     def _forward(self, declaration: Declaration) -> Iterator[ScopedName]:
-        """Dependencies in the same module that have not been printed yet."""
+        """Yield dependencies in the same module that have not been printed yet."""
         inner = self._names.inside(declaration.name)
         for name in dict.fromkeys(
             n for d in (declaration, *inner) for n in referred(d)
@@ -246,7 +246,7 @@ class Writer:
         yield from self._braced(head, self._items(component))
 
     def _items(self, component: Component) -> Iterator[str]:
-        """Ports and parameters, without inherited ones."""
+        """Yield ports and parameters, without inherited ones."""
         inherited: frozenset[Port | ConfigurationParameter] = frozenset()
         if component.base is not None:
             base = self._model.find(component.base)
@@ -328,7 +328,7 @@ class Writer:
         listed = ", ".join(self._names.text(name, scope) for name in names)
         return f"({listed})" if listed else ""
 
-    # What stands above a declaration or member.
+    # Lines above a declaration or member
 
     def _above(self, entry: Documented) -> Iterator[str]:
         doc = comment_lines(entry.doc)
@@ -353,7 +353,7 @@ class Writer:
         return f"@{annotation.name}({inside})" if inside else f"@{annotation.name}"
 
     def _argument(self, value: ConstantValue, type_: Type | None) -> str:
-        """Return an argument of an annotation, as its own kind of value or as one of the type."""
+        """Return an argument of an annotation, as a value of its own kind or of the type."""
         plain = None if type_ is None else self._model.unalias(type_)
         if isinstance(value, str):
             wide = plain in (StringType(wide=True), PrimitiveType(Primitive.WCHAR))
@@ -369,7 +369,7 @@ class Writer:
     # Types.
 
     def _declarator(self, type_: Type, name: str, scope: ScopedName) -> str:
-        """`type name`, with the dimensions of an array behind the name."""
+        """Return `type name`, with an array's dimensions after the name."""
         if isinstance(type_, ArrayType):
             dimensions = "".join(f"[{size}]" for size in type_.dimensions)
             return f"{self._type(type_.element, scope)} {name}{dimensions}"
@@ -378,7 +378,7 @@ class Writer:
     def _type(
         self, type_: Type, scope: ScopedName, beside: Collection[str] = ()
     ) -> str:
-        """Return a type where `beside` is the name of what has it."""
+        """Return a type; `beside` is the name of the item that has it."""
         match type_:
             case PrimitiveType(kind):
                 return kind.value
@@ -405,7 +405,9 @@ class Writer:
     def _reference(
         self, name: ScopedName, scope: ScopedName, beside: Collection[str]
     ) -> str:
-        """Return a use of a type, or its definition at its first use if it is declared in place."""
+        """Return the name of a type, or at its first use the definition of one declared in
+        place.
+        """
         holder = self._model.find(scope) if scope in self._names else None
         if (
             isinstance(holder, _INLINE)
@@ -423,7 +425,7 @@ def _default_id(name: ScopedName) -> str:
 
 
 def _indented(lines: Iterable[str], depth: int) -> str:
-    """Return the lines at the depth of their module, with an empty one behind."""
+    """Return the lines, indented for their module, and an empty line."""
     text = "\n".join(lines)
     margin = STEP * depth
     indented = (

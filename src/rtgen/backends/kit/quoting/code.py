@@ -21,7 +21,7 @@ class HashComment(Code):
 
 
 class UnquotableError(ValueError):
-    """The output language cannot represent a text at its place.
+    """The output language cannot represent a text at this place.
 
     Back ends report a diagnostic before this can happen.
     """

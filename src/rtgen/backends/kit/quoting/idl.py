@@ -34,7 +34,7 @@ def repository_id(name: str, text: str) -> str:
 
 
 def comment_lines(text: str) -> list[str]:
-    """Lines of a text inside a block comment; none for a blank text."""
+    """Return the lines of a text inside a block comment; none for a blank text."""
     text = _CONTROL.sub(" ", text).replace("*/", "* /")
     return text.split("\n") if text.strip() else []
 

@@ -1,7 +1,7 @@
-"""Markdown: text that is nothing but text, as CommonMark and Python-Markdown read it.
+"""Quoting for Markdown (CommonMark and Python-Markdown): texts are inserted without markup.
 
-What could be markup becomes a character reference, which both leave alone in paragraphs, tables
-and headings alike.
+Characters that could be markup become character references, which both leave unchanged in
+paragraphs, tables and headings.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ def _reference(found: re.Match[str]) -> str:
 
 
 def text(value: object) -> Markdown:
-    """Return the text in one line, as a part of a paragraph, a cell of a table or a heading."""
+    """Return the text on one line, for a paragraph, a table cell or a heading."""
     if isinstance(value, Markdown):
         return value
     line = _MARKUP.sub(_reference, comment_text(str(value)))
@@ -35,26 +35,24 @@ def text(value: object) -> Markdown:
 
 
 def code(value: object) -> Markdown:
-    """Return the text in one line, in a typewriter face; nothing for an empty one."""
+    """Return the text on one line in a typewriter face; empty for an empty text."""
     inner = text(value)
     return Markdown(f"<code>{inner}</code>" if inner else "")
 
 
 def link(target: str, label: object) -> Markdown:
-    """Return a link to a page of the same site, with a path of plain ASCII."""
+    """Return a link to a page of the same site, whose path is ASCII."""
     return Markdown(f"[{text(label)}]({target})")
 
 
 def paragraphs(value: str) -> Markdown:
-    """Return a description: its paragraphs, each in one line."""
+    """Return a description: its paragraphs, each on one line."""
     parts = re.split(r"\n[ \t]*\n", value.strip())
     return Markdown("\n\n".join(line for part in parts if (line := text(part))))
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> Markdown:
-    """Return a table; cells that are not Markdown are quoted. Columns that are empty are left
-    out.
-    """
+    """Return a table; cells that are not Markdown are quoted, empty columns omitted."""
     cells = [[text(cell) for cell in row] for row in rows]
     if not cells:
         return Markdown("")

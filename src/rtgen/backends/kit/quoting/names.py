@@ -1,4 +1,4 @@
-"""Files in which templates insert names alone: IDL, CDL, C, EDS, TOML, Markdown of `rtgen new`."""
+"""Files in which templates only insert names: IDL, CDL, C, EDS, TOML, Markdown of `rtgen new`."""
 
 from __future__ import annotations
 

@@ -33,14 +33,12 @@ class Entries(Code):
 
 
 def is_conf_value(text: str) -> bool:
-    """Return whether a configuration file can represent the text as a value."""
+    """Return whether the text can be a value in a configuration file."""
     return _is_one_line(text) and _VALUE.fullmatch(text) is not None
 
 
 def is_conf_key(text: str) -> bool:
-    """Return whether a configuration file can represent the text as a part of a key, possibly
-    empty.
-    """
+    """Return whether the text, possibly empty, can be a part of a key in a configuration file."""
     return _is_one_line(text) and _KEY.fullmatch(text) is not None
 
 
@@ -92,5 +90,5 @@ def quote_entry(value: object) -> str:
 
 
 def language_entry(language: str) -> Entries:
-    """Return the name of a programming language as the value of an entry, if it can be one."""
+    """Return the name of a programming language as the value of an entry, if it is valid."""
     return Entries(language if _LANGUAGE.fullmatch(language) else "another language")

@@ -1,4 +1,4 @@
-"""Python: string literals, numbers, docstrings, comments; names and types as they are."""
+"""Quoting for Python: string literals, numbers, docstrings, comments; names and types unchanged."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ _CONTROL = re.compile(
     r"[\x00-\x09\x0b-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff\ufeff"
     r"\u200e\u200f\u202a-\u202e\u2066-\u2069]"
 )
-"""Line ends, and characters that change the appearance of text: control and direction."""
+"""Line ends, and control and direction characters, which change the appearance of text."""
 
 _QUOTES = re.compile('"{3,}')
 _STEP = 4
@@ -26,7 +26,7 @@ class Python(Code):
 
 _NOTHING = Python("")
 _INSERTED = (Python, HashComment)
-"""What templates insert unchanged."""
+"""Types that templates insert unchanged."""
 
 
 def quote(value: object) -> str:
@@ -43,7 +43,7 @@ def quote(value: object) -> str:
 
 
 def string_literal(value: str) -> Python:
-    """Return a string literal as black leaves it: double quotes unless that needs more escapes."""
+    """Return a string literal in black's form: double quotes unless they need more escapes."""
     if _is_plain(value):
         return Python(f'"{value}"')
     body = repr(value + '"' + "'")[1:-4].replace("\\'", "'")
@@ -53,14 +53,14 @@ def string_literal(value: str) -> Python:
 
 
 def number_literal(value: float) -> Python:
-    """Return a number as black leaves it: no plus sign in an exponent."""
+    """Return a number in black's form: no plus sign in an exponent."""
     return Python(repr(value).replace("e+", "e"))
 
 
 def docstring(text: str, indent: int, otherwise: str = "") -> Python:
     """Return the text as a docstring with this indent, with a final newline.
 
-    `otherwise` replaces a blank text; without it a blank text gives nothing.
+    `otherwise` replaces a blank text; without it, a blank text gives nothing.
     """
     if not text:
         return docstring(otherwise, indent) if otherwise else _NOTHING
@@ -85,25 +85,23 @@ def docstring(text: str, indent: int, otherwise: str = "") -> Python:
 
 
 def in_docstring(text: str) -> Python:
-    """Return the text in one line, for a place inside of a docstring but not at its end."""
+    """Return the text on one line, for use inside a docstring, but not at its end."""
     return Python(" ".join(_escaped(text).split()))
 
 
 def comment_text(text: str) -> Python:
-    """Return the text in one line, for a comment: control characters and line ends become
-    spaces.
-    """
+    """Return the text on one line, for a comment: control characters become spaces."""
     return Python(" ".join(_CONTROL.sub(" ", text).split()))
 
 
 def _is_plain(text: str) -> bool:
-    """Return whether the text is one line in which nothing needs an escape; most texts are."""
+    """Return whether the text is one line without escapes, as most texts are."""
     return (
         text.isascii() and text.isprintable() and '"' not in text and "\\" not in text
     )
 
 
 def _escaped(text: str) -> str:
-    """Return the text for between triple quotes."""
+    """Escape the text for use in triple quotes."""
     text = _CONTROL.sub(" ", text.replace("\\", "\\\\"))
     return _QUOTES.sub(lambda found: '\\"' * len(found[0]), text)

@@ -32,7 +32,7 @@ class Ruby(Code):
 
 
 def shell_word(value: object) -> Shell:
-    """Return one word of a shell, whatever is in it. Raises UnquotableError for a NUL."""
+    """Quote any text as one word of a shell. Raises UnquotableError for a NUL."""
     text = str(value)
     if "\0" in text:
         raise UnquotableError(text, "a shell")
@@ -40,7 +40,7 @@ def shell_word(value: object) -> Shell:
 
 
 def shell_comment(text: str) -> Shell:
-    """Return the text in one line, behind a `#`."""
+    """Return the text on one line, for a `#` comment."""
     return Shell(comment_text(text))
 
 
@@ -50,7 +50,7 @@ def quote_shell(value: object) -> str:
 
 
 def batch_comment(text: str) -> Batch:
-    """Return the text behind a `rem`: what the command processor expands or joins becomes `_`."""
+    """Return the text for `rem`: characters that the command processor interprets become `_`."""
     return Batch(_NOT_IN_REM.sub("_", text))
 
 
@@ -74,7 +74,7 @@ def ruby_string(value: object) -> Ruby:
 
 
 def ruby_comment(text: str) -> Ruby:
-    """Return the text in one line, behind a `#`."""
+    """Return the text on one line, for a `#` comment."""
     return Ruby(comment_text(text))
 
 

@@ -11,7 +11,7 @@ from rtgen.xml_text import NOT_IN_XML
 
 _SPACE = str.maketrans({"\t": "&#9;", "\n": "&#10;", "\r": "&#13;"})
 _QUOTED = re.compile(f"""[&<>"'\t\n\r]|{NOT_IN_XML.pattern}""")
-"""What is not inserted as it is."""
+"""Characters that are quoted."""
 _HYPHENS = re.compile("-(?=-|$)")
 
 
@@ -31,5 +31,5 @@ def quote_xml(value: object) -> Markup:
 
 
 def xml_comment(text: str) -> Markup:
-    """Return the text inside of a comment: no two hyphens, none at the end."""
+    """Return the text for a comment: no double hyphens, none at the end."""
     return Markup(escape(_HYPHENS.sub("- ", NOT_IN_XML.sub(" ", text))))
