@@ -24,9 +24,9 @@ def bare_reader(
     taken: Callable[[bool], None],
     depth: int | None = None,
 ) -> Any:
-    """What reads the samples of the library alone, as `rtgen.runtime` takes those of ours.
+    """Return a reader of the library alone, with the same interface as rtgen's.
 
-    `taken` hears of each sample whether it is the last of its round.
+    `taken` is called for each sample, with True for the last of its round.
     """
     if hasattr(medium, "bare_reader"):
         return medium.bare_reader(name, lambda v: taken(v.tm.nsec == LAST_NUMBER))
@@ -51,7 +51,7 @@ def bare_reader(
 def bare_ends(
     participant: Any, name: str, type_: type[Any], depth: int | None
 ) -> tuple[Any, Any]:
-    """Writer and reader of cyclonedds-python's class for a type; without `depth` they keep all."""
+    """Return writer and reader of cyclonedds-python's class; without `depth` they keep all."""
     from cyclonedds.core import Policy
     from cyclonedds.core import Qos as TheirQos
     from cyclonedds.pub import DataWriter
@@ -75,7 +75,7 @@ def bare_ends(
 def bare_writer(
     medium: Any, name: str, type_: type[Any]
 ) -> Iterator[tuple[Callable[[Any], Any], Callable[[Any], object]]]:
-    """What makes a sample of the library alone out of ours, and what writes it."""
+    """Yield a converter from rtgen's samples to the library's, and a writer of these."""
     encode = encoder(type_)
     if hasattr(medium, "bare_writer"):
         yield medium.bare_writer(name, type_)
@@ -101,10 +101,10 @@ def bare_writer(
     yield lambda value: idl_class(type_).deserialize(encode(value)), writer.write
 
 
-# The writers of TimedPose2D alone: what the goals are about.
+# The writers of TimedPose2D alone, for which there are limits.
 
 
 def await_match(matched: Callable[[], object]) -> None:
-    """Wait until the reader is known."""
+    """Wait until the reader is discovered."""
     while not matched():
         time.sleep(0.01)

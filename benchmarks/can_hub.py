@@ -1,13 +1,13 @@
-"""`rtgen can hub` beside python-can's virtual bus and beside TCP without a hub.
+"""`rtgen can hub` compared with python-can's virtual bus and with TCP without a hub.
 
     python benchmarks/can_hub.py
 
-First the round trip of a frame of eight octets to another process that sends it back, over the
-hub: by rtgen's client, and by python-can's interface `socketcand`; beside it a ping-pong of the
-same texts over TCP, and python-can's `virtual` to a thread. Then frames per second from another
-process: to a client that only reads text, to python-can over the hub, to python-can from a server
-that sends it the texts without a hub, and over `virtual`. Medians of interleaved rounds, with
-ratios. All processes are on one processor: what wakes up late is not up to chance.
+First the round trip of a frame of eight octets to another process that sends it back, over the hub:
+by rtgen's client, and by python-can's interface `socketcand`; beside it a ping-pong of the same
+texts over TCP, and python-can's `virtual` to a thread. Then frames per second from another process:
+to a client that only reads text, to python-can over the hub, to python-can from a server that sends
+it the texts without a hub, and over `virtual`. Medians of interleaved rounds, with ratios. All
+processes are on one processor, so that wake-up times do not vary.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ CARRIED = b"< frame 123 1700000000.000000 0102030405060708 >"
 
 
 def connected(port: int, channel: str) -> socket.socket:
-    """A connection to a hub in raw mode."""
+    """Return a connection to a hub in raw mode."""
     end = socket.create_connection((HOST, port))
     end.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
     end.recv(256)
@@ -48,23 +48,23 @@ def connected(port: int, channel: str) -> socket.socket:
 
 
 def link_of(port: int, channel: str) -> OpenBus:
-    """rtgen's client."""
+    """Return rtgen's client."""
     options = (("host", HOST), ("port", port))
     return open_bus(BusAddress("socketcand", channel, options=options))
 
 
 def bus_of(port: int, channel: str) -> can.BusABC:
-    """python-can's client."""
+    """Return python-can's client."""
     return can.Bus(
         interface="socketcand", channel=channel, host=HOST, port=port, tcp_tune=True
     )
 
 
-# What runs in other processes.
+# Programs of other processes.
 
 
 def echo(port: int) -> None:
-    """Sends every frame back."""
+    """Send every frame back."""
     bus = bus_of(port, "trip")
     print("ready", flush=True)
     while True:
@@ -73,7 +73,7 @@ def echo(port: int) -> None:
 
 
 def echo_frames(port: int) -> None:
-    """Sends every frame back, by rtgen's client."""
+    """Send every frame back, by rtgen's client."""
     bus = link_of(port, "frames")
     print("ready", flush=True)
     while True:
@@ -83,7 +83,7 @@ def echo_frames(port: int) -> None:
 
 
 def ping_pong() -> None:
-    """Sends back the text of a frame for that of another."""
+    """Send the text of a frame back for that of another."""
     with socket.create_server((HOST, 0)) as server:
         print(server.getsockname()[1], flush=True)
         end, _ = server.accept()
@@ -93,7 +93,7 @@ def ping_pong() -> None:
 
 
 def flood(port: int) -> None:
-    """Sends so many frames as each line of standard input says."""
+    """Send as many frames as each line of standard input says."""
     with connected(port, "flood") as end:
         print("ready", flush=True)
         for line in sys.stdin:
@@ -101,7 +101,7 @@ def flood(port: int) -> None:
 
 
 def serve_texts() -> None:
-    """Stands in for a hub that has nothing to do: sends texts of frames."""
+    """Send texts of frames, as a hub without other work would."""
     with socket.create_server((HOST, 0)) as server:
         print(server.getsockname()[1], flush=True)
         end, _ = server.accept()
@@ -118,7 +118,7 @@ PROGRAMS = {f.__name__: f for f in (echo, echo_frames, ping_pong, flood, serve_t
 
 @contextmanager
 def process(*command: str) -> Iterator[tuple[str, Callable[[int], None]]]:
-    """A program: the first line that it prints, and what writes a number to it."""
+    """Start a program; yield its first line, and a function that writes a number to it."""
     with subprocess.Popen(
         command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
     ) as program:
@@ -137,7 +137,7 @@ def process(*command: str) -> Iterator[tuple[str, Callable[[int], None]]]:
 
 
 def own(name: str, *arguments: object) -> tuple[str, ...]:
-    """The command of a program of this file."""
+    """Return the command for a program of this file."""
     return (sys.executable, __file__, name, *map(str, arguments))
 
 
@@ -207,7 +207,7 @@ def virtual_echo(bus: can.BusABC) -> None:
 
 
 def median_of(cases: dict[str, Callable[[], float]]) -> dict[str, float]:
-    """The median of each case; rounds are interleaved."""
+    """Return the median of each case; rounds are interleaved."""
     found: dict[str, list[float]] = {name: [] for name in cases}
     for _ in range(ROUNDS):
         for name, case in cases.items():
@@ -216,7 +216,7 @@ def median_of(cases: dict[str, Callable[[], float]]) -> dict[str, float]:
 
 
 def main() -> None:
-    """Prints both tables."""
+    """Print both tables."""
     logging.getLogger("can").setLevel(logging.CRITICAL)
     if sys.platform == "linux":
         os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})

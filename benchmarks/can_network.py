@@ -1,9 +1,9 @@
-"""A full CANopen bus in simulated time: 126 slaves and the manager, 1 Mbit/s, SYNC each 100 ms.
+"""Simulation of a full CANopen bus: 126 slaves and the manager, 1 Mbit/s, SYNC each 100 ms.
 
     python benchmarks/can_network.py [SECONDS]
 
-Every slave sends a PDO at each SYNC and takes that of another slave; heartbeats are each second.
-Printed are simulated seconds for each second of processor time, for booting and for running.
+Every slave sends a PDO at each SYNC and receives that of another slave; heartbeats are each second.
+The output is simulated seconds for each second of processor time, for booting and for running.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ BOOTED = 3.0
 
 
 def main() -> None:
-    """Run a minute, or as long as told."""
+    """Run for the given time, by default a minute."""
     seconds = float(sys.argv[1]) if len(sys.argv) > 1 else 60.0
     network = FullNetwork()
     print(f"{'':10}{'simulated [s]':>14}{'frames':>10}{'ratio':>8}{'us/frame':>10}")

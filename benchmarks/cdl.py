@@ -1,9 +1,9 @@
-"""`rtgen inspect` of large CDL files beside tecsgen: processor time of whole processes.
+"""`rtgen inspect` of large CDL files compared with tecsgen: processor time of whole processes.
 
 Signatures: 300 of 20 functions with a server, a client and a join each. Cells: 10 small signatures,
 1,500 cells in 30 regions, each joined to the one before, with a comment of three lines above. rtgen
-without its cache; tecsgen 1.7 where RTGEN_TECSGEN or the path names one, its generation of code
-included. The runs are interleaved, the least of each counts.
+runs without its cache; tecsgen 1.7, found by RTGEN_TECSGEN or the path, includes its generation of
+code. The runs are interleaved, the least of each counts.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from pathlib import Path
 ROUNDS = 5
 SIGNATURES, FUNCTIONS = 300, 20
 LIMIT = 0.5
-"""How much of tecsgen's processor time a run may take."""
+"""Maximum ratio to tecsgen's processor time."""
 
 PARAMETERS = (
     "[in] int32_t a",
@@ -33,7 +33,7 @@ PARAMETERS = (
 
 
 def synthetic() -> Iterator[str]:
-    """The lines of the CDL file."""
+    """Yield the lines of the CDL file."""
     yield "struct tagItem { int32_t id; float32_t w[4]; bool_t on; };"
     for i in range(SIGNATURES):
         yield f"signature sBig{i} {{"
@@ -48,7 +48,7 @@ def synthetic() -> Iterator[str]:
 
 
 def cells() -> Iterator[str]:
-    """The lines of a file of many cells."""
+    """Yield the lines of a file of many cells."""
     for i in range(10):
         yield f"signature sLink{i} {{ int32_t get( [in] int32_t index ); }};"
         yield f"celltype tFirst{i} {{ entry sLink{i} eP; attr {{ int32_t k = {i}; }}; }};"
@@ -74,7 +74,7 @@ SHAPES = {"signatures": synthetic, "cells": cells}
 
 
 def processor_time(command: Sequence[str], folder: Path) -> float:
-    """User and system time [s] of a process that succeeds."""
+    """Return user and system time [s] of a process, which must succeed."""
 
     def total() -> float:
         used = resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -86,7 +86,7 @@ def processor_time(command: Sequence[str], folder: Path) -> float:
 
 
 def main() -> int:
-    """Print the times; 1 if rtgen takes more than its share of tecsgen's for the first file."""
+    """Print the times; return 1 if rtgen exceeds the limit for the first file."""
     tecsgen = os.environ.get("RTGEN_TECSGEN") or shutil.which("tecsgen")
     rtgen = str(Path(sys.executable).with_name("rtgen"))
     commands = {"rtgen": [rtgen, "inspect", "--no-cache", "big.cdl"]}

@@ -1,4 +1,4 @@
-"""CDR of small messages: our codecs beside omniORBpy, cyclonedds-python, protobuf and msgpack.
+"""CDR of small messages: rtgen's codecs compared with omniORBpy, cyclonedds, protobuf, msgpack.
 
     python benchmarks/cdr.py
 
@@ -47,7 +47,7 @@ class Case:
 
 
 def generated(folder: Path) -> Any:
-    """The generated packages."""
+    """Return the generated packages."""
     from rtgen.backends import Options
     from rtgen.backends.types import BACKEND
     from rtgen.frontends.idl import load
@@ -67,7 +67,7 @@ def generated(folder: Path) -> Any:
 
 
 def values(types: Any) -> Iterator[tuple[str, Any]]:
-    """What is measured: a title and a value."""
+    """Yield a title and a value for each measurement."""
     rtc, iis, bench = types.rtc, types.iis, types.bench
     tm, point = rtc.Time(1, 2), rtc.Point2D(1.0, 2.0)
     pose, velocity = rtc.Pose2D(point, 0.5), rtc.Velocity2D(0.3, 0.0, 0.1)
@@ -92,7 +92,7 @@ def values(types: Any) -> Iterator[tuple[str, Any]]:
 
 
 def cases(value: Any, cyclone: CycloneDds, protobuf: Protobuf) -> list[Case]:
-    """All candidates for a value."""
+    """Return all candidates for a value."""
     import msgspec
     import omniORB
 
@@ -156,7 +156,7 @@ def cases(value: Any, cyclone: CycloneDds, protobuf: Protobuf) -> list[Case]:
 
 
 def least_times(tasks: list[Task], rounds: int = ROUNDS) -> list[float]:
-    """Nanoseconds of processor time of each task: the least of interleaved rounds."""
+    """Return nanoseconds of processor time of each task: the least of interleaved rounds."""
     clock = time.process_time_ns
     numbers = []
     for task in tasks:
@@ -191,7 +191,7 @@ def report(all_cases: list[Case]) -> None:
 
 
 def main() -> None:
-    """Prints times and ratios (the other's time over ours) for each value."""
+    """Print times and ratios (the other's time over rtgen's) for each value."""
     with tempfile.TemporaryDirectory() as one, tempfile.TemporaryDirectory() as two:
         types = generated(Path(one))
         load_omniorb(Path(two), OWN)

@@ -1,4 +1,4 @@
-"""Types and values of cyclonedds-python, protobuf and omniORBpy, made of descriptors of ours."""
+"""Types and values of cyclonedds-python, protobuf and omniORBpy, from rtgen's descriptors."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class CycloneDds:
         self._made: dict[str, Any] = {}
 
     def type(self, descriptor: Any) -> Any:
-        """The type of a descriptor."""
+        """Return the type for a descriptor."""
         from cyclonedds.idl import types
 
         match plain(descriptor):
@@ -81,7 +81,7 @@ class CycloneDds:
         return new_class(name, (IdlUnion,), keywords, lambda body: body.update(parts))
 
     def value(self, descriptor: Any, value: Any) -> Any:
-        """The value as an instance of its type."""
+        """Return the value as an instance of its type."""
         match plain(descriptor):
             case StructDescriptor(members=members):
                 parts = [
@@ -162,12 +162,12 @@ class Protobuf:
 
 @dataclass
 class Texts:
-    """Source texts that build a value, and that read every field of one: `made`."""
+    """Source texts that build a value, and that read all its fields: `made`."""
 
     constants: dict[str, Any]
 
     def ours(self, descriptor: Any, value: Any) -> str:
-        """The expression that builds a value of ours."""
+        """Return the expression that builds a value of rtgen's type."""
         match plain(descriptor):
             case StructDescriptor(members=members):
                 parts = (
@@ -183,7 +183,7 @@ class Texts:
         return f"{self._constant(type(value))}({', '.join(parts)})"
 
     def theirs(self, descriptor: Any, value: Any, classes: dict[str, Any]) -> str:
-        """The expression that builds a message of protobuf."""
+        """Return the expression that builds a message of protobuf."""
         found = plain(descriptor)
         match found:
             case StructDescriptor(members=members):
@@ -201,7 +201,7 @@ class Texts:
         return f"{made}({', '.join(parts)})"
 
     def read(self, descriptor: Any, value: Any, place: str, theirs: bool) -> list[str]:
-        """The expressions of all scalars of a value, in order."""
+        """Return the expressions of all scalars of a value, in order."""
         match plain(descriptor):
             case StructDescriptor(members=members):
                 pairs = [
@@ -228,14 +228,14 @@ class Texts:
         return name
 
     def function(self, arguments: str, expression: str) -> Callable[..., Any]:
-        """A function of an expression."""
+        """Return a function that evaluates an expression."""
         text = f"lambda {arguments}: {expression}"
         function: Callable[..., Any] = eval(text, self.constants)
         return function
 
 
 def load_omniorb(folder: Path, idl: Path) -> None:
-    """Generates and imports omniORBpy's stubs of an IDL file and what it includes."""
+    """Generate and import omniORBpy's stubs of an IDL file and its includes."""
     import importlib
 
     from omniORB import CORBA
@@ -250,14 +250,14 @@ def load_omniorb(folder: Path, idl: Path) -> None:
 
 
 def omniorb_type(descriptor: Any) -> Any:
-    """omniORBpy's type code."""
+    """Return omniORBpy's type code."""
     import omniORB
 
     return omniORB.findTypeCode(descriptor.repository_id)
 
 
 def omniorb_value(descriptor: Any, value: Any) -> Any:
-    """The value as an object of omniORBpy."""
+    """Return the value as an object of omniORBpy."""
     import omniORB
 
     found = plain(descriptor)

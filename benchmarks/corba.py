@@ -1,11 +1,11 @@
-"""Calls between two processes by `--transport corba` beside omniidl's stubs, over one ORB.
+"""Calls between two processes by `--transport corba` compared with omniidl's stubs, on one ORB.
 
     python benchmarks/corba.py
 
 One server process has a component with a provider and a servant of omniidl's skeleton; the client
-calls both by the same ORB, so only what stands before and behind omniORB differs. Batches of 100
-calls of a peer and of ours alternate; the ratio is the median of those of 200 such pairs. All
-processes are kept on one processor where the system can do that (see `rpc.py`).
+calls both by the same ORB, so only the code around omniORB differs. Batches of 100 calls of both
+alternate; the ratio is the median of those of 200 such pairs. All processes are bound to one
+processor if the system can do that (see `rpc.py`).
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from typing import Any
 from rpc import PAIRS, compared, ratio, shown
 
 LIMIT = 1.5
-"""How many times as long as a call by omniidl's stubs a call may take."""
+"""Maximum ratio to a call by omniidl's stubs."""
 SECOND = 1_000_000_000
 IDL = """
 module Bench {
@@ -46,7 +46,7 @@ PROJECT = '[sources]\npaths = ["bench.idl"]\n[output]\npackage = "ours"\n'
 
 
 def prepare(folder: Path) -> None:
-    """Generates the code of both."""
+    """Generate the code of both."""
     (folder / "bench.idl").write_text(IDL, encoding="utf-8")
     (folder / "rtgen.toml").write_text(PROJECT, encoding="utf-8")
     command = [sys.executable, "-m", "rtgen", "generate", "-q"]
@@ -59,7 +59,7 @@ def prepare(folder: Path) -> None:
 
 @contextmanager
 def system(folder: Path, names: str, kind: str) -> Iterator[tuple[Any, Any, Any]]:
-    """A system with one component that provides or uses `Bench::Calls`, and its ORB."""
+    """Yield a system with one component that provides or uses `Bench::Calls`, and its ORB."""
     sys.path[:0] = [str(folder), str(folder / "generated")]
     from rtgen.runtime import Component, ComponentProfile, RealClock, System
     from rtgen.runtime.corba.transport import CorbaTransport
@@ -87,7 +87,7 @@ def system(folder: Path, names: str, kind: str) -> Iterator[tuple[Any, Any, Any]
 
 
 def servant(base: Any) -> Any:
-    """A servant, the same on both sides."""
+    """Return a servant, the same on both sides."""
     methods = {
         "nothing": lambda self: None,
         "move": lambda self, pose, distance: pose,
@@ -99,7 +99,7 @@ def servant(base: Any) -> Any:
 
 
 def serve(folder: Path, names: str) -> None:
-    """The server process."""
+    """Run the server process."""
     with system(folder, names, "Server") as (running, node, _):
         running.activate(node.instance_name)
         running.run(until=lambda _: node.is_active)
@@ -112,7 +112,7 @@ def serve(folder: Path, names: str) -> None:
 
 
 def cases(side: Any, corba: Any, node: bool) -> dict[str, tuple[str, tuple[Any, ...]]]:
-    """Operation and arguments of each case."""
+    """Return operation and arguments of each case."""
     pose = side.Pose(1.0, 2.0, 0.5, side.HIGH)
     path = [side.Pose(float(i), 2.0, 0.5, side.LOW) for i in range(50)]
     if node:
@@ -131,7 +131,7 @@ def cases(side: Any, corba: Any, node: bool) -> dict[str, tuple[str, tuple[Any, 
 
 
 def main() -> int:
-    """Prints the figures; 1 if a limit is passed."""
+    """Print the figures; return 1 if a limit is exceeded."""
     try:
         from rtgen.runtime.corba.name_server import NameServer
     except ImportError as error:
@@ -155,7 +155,7 @@ def main() -> int:
 
 
 def measured(folder: Path, names: str, reference: str) -> int:
-    """Calls all cases on both sides."""
+    """Measure all cases on both sides; return 1 if a limit is exceeded."""
     slow = False
     with system(folder, names, "Client") as (running, node, transport):
         running.connect(("Client0", "calls"), ("Server0", "calls"))
@@ -193,7 +193,7 @@ def measured(folder: Path, names: str, reference: str) -> int:
 def bound(
     stub: Any, operation: str, arguments: tuple[Any, ...]
 ) -> Callable[[], object]:
-    """A call with its arguments."""
+    """Return a call with its arguments."""
     method = getattr(stub, operation)
     return lambda: method(*arguments)
 

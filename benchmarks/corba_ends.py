@@ -1,6 +1,6 @@
-"""Samples over CORBA for the benchmark `transports.py`: ours, and by omniORBpy's stubs alone.
+"""Samples over CORBA for the benchmark `transports.py`: by rtgen, and by omniORBpy's stubs alone.
 
-A topic is the object of its one reader, found by a naming service; a write is a call of
+A topic is the object of its only reader, found by a naming service; a write is a call of
 `InPortCdr::put`, as `rtgen.runtime.corba` makes it for connections with the interface type
 `corba_cdr`, with encoding.
 """
@@ -41,7 +41,7 @@ TIMEOUT = 60.0
 
 
 class CorbaEnds:
-    """Publishers and subscriptions of one process, as far as the benchmark needs a `Medium`."""
+    """Publishers and subscriptions of one process: the used part of a `Medium`."""
 
     def __init__(self, name_server: str) -> None:
         self._orb = Orb(timeout=TIMEOUT)
@@ -49,19 +49,19 @@ class CorbaEnds:
         self._naming = Naming(self._orb.orb, name_server)
 
     def publisher(self, topic: Topic, qos: Qos) -> CorbaPublisher:
-        """Calls the reader of a topic."""
+        """Return a publisher that calls the reader of a topic."""
         return CorbaPublisher(self._exported, lambda: self._found(topic.name))
 
     def subscribe(
         self, topic: Topic, qos: Qos, on_sample: Callable[[Sample], None]
     ) -> Any:
-        """Is the reader of a topic."""
+        """Register the reader of a topic."""
         reference = self._exported.serve(IN_PORT_CDR, _Reader(on_sample))
         self._bind(topic.name, reference)
         return _Closing(lambda: self._exported.withdraw(reference))
 
     def bare_reader(self, name: str, taken: Callable[[Any], None]) -> Any:
-        """A servant of omniidl's skeleton."""
+        """Return a servant of omniidl's skeleton."""
         skeletons = _stubs("Bare__POA")
 
         class Sink(skeletons.Sink):  # type: ignore[name-defined, misc]
@@ -78,7 +78,7 @@ class CorbaEnds:
     def bare_writer(
         self, name: str, type_: type[Any]
     ) -> tuple[Callable[[Any], Any], Any]:
-        """What makes a value of omniidl's class out of ours, and the operation of its stub."""
+        """Return a converter from rtgen's values to omniidl's, and the operation of its stub."""
         classes = _stubs("Bare")
         reference = self._found(name)
         assert reference is not None
@@ -87,7 +87,7 @@ class CorbaEnds:
         return lambda value: _made(classes, value), getattr(sink, type_.__name__)
 
     def close(self) -> None:
-        """Ends the ORB."""
+        """End the ORB."""
         self._orb.close()
 
     def _found(self, name: str) -> Any:
@@ -112,13 +112,13 @@ class CorbaPublisher:
         return self._reference is not None
 
     def publish(self, octets: bytes, sequence: int) -> None:
-        """Call the reader, which was found before."""
+        """Call the reader, which was looked up before."""
         if self._reference is None:
             self._reference = self._find()
         self._call(self._reference, IN_PORT_CDR, "put", octets)
 
     def close(self) -> None:
-        """Nothing is open."""
+        """Do nothing: nothing is open."""
 
 
 class _Reader:
@@ -136,7 +136,7 @@ class _Closing:
 
 
 def _stubs(name: str) -> Any:
-    """A module that omniidl makes."""
+    """Return a module that omniidl generated."""
     if "Bare" not in sys.modules:
         scripts = sysconfig.get_path("scripts")
         os.environ["PATH"] = f"{scripts}{os.pathsep}{os.environ['PATH']}"

@@ -1,4 +1,4 @@
-"""IIS::TimedPose2D for cyclonedds-python; its annotations have to be evaluated, not postponed."""
+"""IIS::TimedPose2D for cyclonedds-python; its annotations must be evaluated, not postponed."""
 
 from dataclasses import dataclass
 

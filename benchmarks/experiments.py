@@ -1,4 +1,4 @@
-"""How much faster than real time the joint experiments run in simulated time.
+"""Speed of the joint experiments in simulated time, relative to real time.
 
     python benchmarks/experiments.py
 
@@ -27,7 +27,7 @@ ROUNDS = 3
 
 
 def ratio(name: str) -> tuple[float, float]:
-    """Simulated seconds, and how many of them in each second, of one experiment."""
+    """Return the simulated seconds of one experiment, and how many of them ran in each second."""
     folder = EXPERIMENTS / name
     profile, diagnostics, _ = read_file(folder / "system.xml")
     if profile is None:
@@ -47,7 +47,7 @@ def ratio(name: str) -> tuple[float, float]:
 
 
 def main() -> None:
-    """Prints the ratios; ends with 1 if one is below the bound."""
+    """Print the ratios; exit with 1 if one is below the bound."""
     os.chdir(ROOT)
     slow = False
     print(f"{'experiment':16}{'simulated [s]':>14}{'ratio':>8}  (bound {BOUND:g})")

@@ -1,10 +1,11 @@
-"""What each engine costs by the number of processes and readers, and what a fleet costs by that.
+"""Costs of each engine by the number of processes and readers, and the costs of a fleet.
 
     python benchmarks/fleet.py [dds] [zenoh] [zenoh-router]
 
-Each process has five topics of its own and reads five of its neighbour. Counted are the octets of
-the loopback interface (run nothing else that uses it), memory and processor time of the processes.
-The constants are fitted to 2, 4 and 8 processes; 12 are measured to see how far that carries.
+Each process has five topics of its own and reads five of its neighbour. The figures are the octets
+of the loopback interface (run nothing else that uses it), memory and processor time of the
+processes. The constants are fitted to 2, 4 and 8 processes; 12 are measured to check the
+extrapolation.
 """
 
 from __future__ import annotations
@@ -38,7 +39,7 @@ SAMPLES = 2000
 
 
 def serve(address: str, place: int, count: int) -> None:
-    """One process: its topics, and those of its neighbour; says how many samples came."""
+    """Run one process with its topics and those of its neighbour; print the number of samples."""
     medium = medium_at(address)
     came = [0]
     publishers = [
@@ -65,7 +66,7 @@ def serve(address: str, place: int, count: int) -> None:
 
 
 def octets() -> int:
-    """The octets that the loopback interface has received."""
+    """Return the number of octets received by the loopback interface."""
     for line in Path("/proc/net/dev").read_text().splitlines():
         name, _, rest = line.partition(":")
         if name.strip() == "lo":
@@ -74,7 +75,7 @@ def octets() -> int:
 
 
 def used(pid: int) -> tuple[float, float]:
-    """Memory in MiB and processor time in s."""
+    """Return memory in MiB and processor time in s."""
     status = Path(f"/proc/{pid}/status").read_text()
     memory = next(
         int(x.split()[1]) for x in status.splitlines() if x.startswith("VmRSS")
@@ -84,7 +85,7 @@ def used(pid: int) -> tuple[float, float]:
 
 
 def measured(name: str, count: int) -> dict[str, float]:
-    """Octets to join and in a second of silence; memory and processor of a process."""
+    """Return octets to join and in an idle second; memory and processor time of a process."""
     with ExitStack() as stack:
         network = stack.enter_context(engine(name))
         first = network.medium() if name == "zenoh" else None
@@ -113,7 +114,7 @@ def measured(name: str, count: int) -> dict[str, float]:
 
 
 def fan_out(name: str, readers: int) -> float:
-    """Samples per second of a writer that all readers get."""
+    """Return samples per second of a writer that all readers receive."""
     with ExitStack() as stack:
         network = stack.enter_context(engine(name))
         medium = network.medium()
@@ -137,7 +138,7 @@ def fan_out(name: str, readers: int) -> float:
 
 
 def asked(process: subprocess.Popen[str]) -> int:
-    """How many samples have come."""
+    """Return the number of samples received."""
     assert process.stdin is not None
     assert process.stdout is not None
     process.stdin.write("\n")
@@ -146,7 +147,7 @@ def asked(process: subprocess.Popen[str]) -> int:
 
 
 def started(stack: ExitStack, address: str, count: int) -> list[subprocess.Popen[str]]:
-    """The processes, once each of them has found its neighbours."""
+    """Start the processes; return them once each has discovered its neighbours."""
     made = []
     for place in range(count):
         command = [sys.executable, __file__, "--serve", address, str(place), str(count)]
@@ -162,7 +163,7 @@ def started(stack: ExitStack, address: str, count: int) -> list[subprocess.Popen
 
 
 def ended(process: subprocess.Popen[str]) -> None:
-    """Ends a process."""
+    """End a process."""
     try:
         process.communicate(timeout=20)
     except subprocess.TimeoutExpired:
@@ -171,7 +172,7 @@ def ended(process: subprocess.Popen[str]) -> None:
 
 
 def constants(name: str) -> Constants:
-    """Measures an engine, prints it, and fits the constants."""
+    """Measure an engine, print the figures, and fit the constants."""
     rows = {count: measured(name, count) for count in (*FITTED, CHECKED)}
     print(f"\n{name}: processes, KiB to join, KiB/s idle, MiB and % processor of one")
     for count, row in rows.items():
@@ -195,7 +196,7 @@ def constants(name: str) -> Constants:
 
 
 def printed(fleets: tuple[int, ...], found: dict[str, Constants]) -> None:
-    """The table of fleets."""
+    """Print the table of fleets."""
     print(
         "\nrobots of 3 processes: MiB to join, KiB/s idle, sessions and MiB of the busiest"
     )

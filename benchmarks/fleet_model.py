@@ -1,10 +1,10 @@
-"""What a fleet costs on the network: a simulation of robots that join, with measured constants.
+"""Network load of a fleet: a simulation of robots that join, with measured constants.
 
-Robots join one after the other. Who learns of whom is simulated by the rules of each engine:
-participants of a DDS domain announce themselves and all their endpoints to each other; Zenoh peers
-open a session to each other; a client of a Zenoh router has one session, and hears of the processes
-of its robot alone. `Constants` are the octets of each of these,
-fitted by `fleet.py` to runs of up to some ten processes.
+Robots join one after the other. Discovery is simulated by the rules of each engine: participants of
+a DDS domain announce themselves and all their endpoints to each other; Zenoh peers open a session
+to each other; a client of a Zenoh router has one session, and discovers only the processes of its
+robot. `Constants` are the octets of each of these, fitted by `fleet.py` to runs of up to some ten
+processes.
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Constants:
-    """Octets on the network of one engine, where each of the processes has the same topics.
+    """Octets on the network of one engine, where each process has the same topics.
 
-    `join` are those of a process alone, `pair` those between two that learn of each other (both
-    ways); `idle` and `idle_pair` are the same for a second of silence. `memory` is that of a
-    process in MiB, `memory_pair` what each further one adds.
+    `join` are those of a process alone, `pair` those between two that discover each other (both
+    ways); `idle` and `idle_pair` are the same for a second without samples. `memory` is that of a
+    process in MiB, `memory_pair` that of each further one.
     """
 
     join: float
@@ -32,7 +32,7 @@ class Constants:
 
 @dataclass
 class Load:
-    """What is counted: octets to join, octets in a second of silence, by network."""
+    """Octets on the network: to join, and in a second without samples."""
 
     joined: float = 0.0
     idle: float = 0.0
@@ -43,14 +43,14 @@ class Load:
 
 
 class Segment:
-    """Processes that learn of each other: a domain of DDS, or Zenoh peers."""
+    """Processes that discover each other: a domain of DDS, or Zenoh peers."""
 
     def __init__(self, constants: Constants) -> None:
         self._constants = constants
         self.load = Load()
 
     def join(self, others: int = 1) -> None:
-        """Some processes join, one after the other."""
+        """Add processes, one after the other."""
         c, load = self._constants, self.load
         for _ in range(others):
             load.joined += c.join + load.processes * c.pair
@@ -64,7 +64,7 @@ class Segment:
 class Router:
     """A Zenoh router with clients.
 
-    A client hears of the clients of its partition (those of its robot) and of no others.
+    A client discovers the clients of its partition (those of its robot) and no others.
     """
 
     def __init__(self, constants: Constants) -> None:
@@ -73,7 +73,7 @@ class Router:
         self.partitions: dict[int, int] = {}
 
     def join(self, partition: int) -> None:
-        """A client joins."""
+        """Add a client."""
         known = self.partitions.get(partition, 0)
         c, load = self._constants, self.load
         load.joined += c.join + known * c.pair
@@ -94,24 +94,24 @@ class Fleet:
 
 
 def flat(fleet: Fleet, constants: Constants) -> Load:
-    """All processes of all robots in one DDS domain, or as Zenoh peers of each other."""
+    """Return the load if all processes are in one DDS domain, or Zenoh peers of each other."""
     segment = Segment(constants)
     segment.join(fleet.robots * fleet.processes)
     return segment.load
 
 
 def by_robot(fleet: Fleet, constants: Constants) -> Load:
-    """A domain for each robot: the load of one; nothing of it leaves the robot."""
+    """Return the load of one robot, if each robot has a domain of its own."""
     segment = Segment(constants)
     segment.join(fleet.processes)
     return segment.load
 
 
 def by_site(fleet: Fleet, constants: Constants) -> tuple[list[Load], int]:
-    """A router for each site, all robots' processes its clients: their loads, and the links.
+    """Return the loads with a router for each site, and the largest number of links of a router.
 
-    Routers are joined in a star: each has a link to the first, so that the most links of one
-    grow with the sites and not with the robots.
+    Routers are joined in a star: each has a link to the first, so that the links of one grow with
+    the sites and not with the robots.
     """
     routers: list[Router] = []
     for robot in range(fleet.robots):
@@ -124,7 +124,7 @@ def by_site(fleet: Fleet, constants: Constants) -> tuple[list[Load], int]:
 
 
 def fitted(points: Iterable[tuple[int, float]]) -> tuple[float, float]:
-    """Cost of one and of a pair, by least squares: cost(n) = one * n + pair * n (n - 1) / 2.
+    """Fit cost(n) = one * n + pair * n (n - 1) / 2 by least squares; return `one` and `pair`.
 
     Negative values are noise of a small cost, and count as 0. Raises ValueError for less than two
     numbers of processes.

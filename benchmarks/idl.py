@@ -1,9 +1,9 @@
-"""`rtgen inspect --json` beside `omniidl -bdump`: whole processes, interleaved, medians.
+"""`rtgen inspect --json` compared with `omniidl -bdump`: whole processes, interleaved, medians.
 
-A large synthetic file, and the small ones of OpenRTM. Cold: no cache, bytecode there. Cached: the
-same run again, nothing changed. Then `inspect` and `generate` without cache, beside `omniidl
--bdump` and `-bpython`, of files of several shapes (`idl_shapes.py`): least processor times. Below,
-where the time of a cold run of the large file goes.
+A large synthetic file, and the small ones of OpenRTM. Cold: without cache, with bytecode. Cached:
+the same run again, nothing changed. Then `inspect` and `generate` without cache, beside `omniidl
+-bdump` and `-bpython`, of files of several shapes (`idl_shapes.py`): least processor times. Last, a
+profile of a cold run of the large file.
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ ROUNDS = 5
 BIG = "synthetic.idl"
 SMALL = ("BasicDataType.idl", "ExtendedDataTypes.idl", "InterfaceDataTypes.idl")
 LIMITS = {"cold": 3.0, "cached": 1.0, "small": 10.0}
-"""How many times as long as omniidl a run may take."""
+"""Maximum ratio of a run to omniidl."""
 COLD_LIMITS = {"inspect": 1.2, "generate": 2.0}
-"""How many times omniidl's processor time a run without cache may take, of the large file."""
+"""Maximum ratio to omniidl's processor time of a run of the large file without cache."""
 
 
 @dataclass(slots=True)
@@ -53,7 +53,7 @@ Case = Callable[[], tuple[list[str], Mapping[str, str]]]
 def measure(
     command: list[str], environment: Mapping[str, str]
 ) -> tuple[float, float, float]:
-    """The wall and processor time and the memory of a process; a failure ends the benchmark."""
+    """Return wall and processor time and memory of a process. Raises for a failure."""
     nowhere = [(os.POSIX_SPAWN_OPEN, fd, os.devnull, os.O_WRONLY, 0) for fd in (1, 2)]
     start = time.perf_counter()
     process = os.posix_spawn(command[0], command, environment, file_actions=nowhere)
@@ -65,7 +65,7 @@ def measure(
 
 
 def cases(file: str, omniidl: str, folder: Path) -> dict[str, Case]:
-    """What is measured of a file: name to a command and its environment."""
+    """Return the measurements of a file: name to a command and its environment."""
     rtgen = [sys.executable, "-m", "rtgen", "inspect", "--json", file]
     kept = os.environ | {"RTGEN_CACHE_DIR": str(folder / "cache")}
     return {
@@ -76,7 +76,7 @@ def cases(file: str, omniidl: str, folder: Path) -> dict[str, Case]:
 
 
 def figures(measured: Mapping[str, Case]) -> dict[str, Figures]:
-    """The figures of interleaved rounds, after one that warms up."""
+    """Return the figures of interleaved rounds, after one that warms up."""
     found = {name: Figures() for name in measured}
     for number in range(-1, ROUNDS):
         for name, case in measured.items():
@@ -150,12 +150,12 @@ def shapes(omniidl: str) -> None:
 
 
 def stages(file: Path) -> dict[str, float]:
-    """Processor time of each stage of a cold run, in this process."""
+    """Return the processor time of each stage of a cold run, in this process."""
     spent: dict[str, float] = {}
     within = [0.0]
 
     def timed(name: str, function: Callable[..., Any]) -> Callable[..., Any]:
-        """The function, with its time noted, less that of stages within it."""
+        """Return a function that records its time, less that of nested stages."""
 
         def wrapped(*args: Any, **kwargs: Any) -> Any:
             within.append(0.0)
@@ -202,8 +202,8 @@ def stages(file: Path) -> dict[str, float]:
 
 
 def main() -> None:
-    """Prints times, ratios and the profile."""
-    # Without bytecode most of a start would be the compiler of Python.
+    """Print times, ratios and the profile."""
+    # Without bytecode most of a start would be Python's compiler.
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     omniidl = shutil.which(
         "omniidl", path=f"{Path(sys.executable).parent}:{os.environ['PATH']}"

@@ -1,6 +1,6 @@
-"""The IDL files that `idl.py` measures: the large one, and others of different shapes.
+"""IDL files for `idl.py`: a large one, and others of different shapes.
 
-Each is a dict of file names and texts; the first file is the one that is read.
+Each is a dict of file names and texts; the first file is read.
 """
 
 from __future__ import annotations
@@ -15,7 +15,10 @@ TYPES = (
 
 
 def synthetic() -> str:
-    """One module of 2,000 structs of 8 members, 200 enums, 100 exceptions and 100 interfaces."""
+    """Return a module of 2,000 structs, 200 enums, 100 exceptions and 100 interfaces.
+
+    Structs have 8 members.
+    """
     lines = ["module Synthetic {"]
     for number in range(STRUCTS):
         if number % (STRUCTS // ENUMS) == 0:
@@ -67,7 +70,7 @@ DEPTH, EACH = 90, 20
 
 
 def deep_includes() -> dict[str, str]:
-    """90 files, each of which includes the next and the one behind that; 20 structs in each."""
+    """Return 90 files, each of which includes the next two; 20 structs in each."""
     return {f"deep{n}.idl": "\n".join(_included(n)) for n in range(DEPTH)}
 
 
@@ -91,7 +94,7 @@ def _included(number: int) -> Iterator[str]:
 
 
 def comments() -> dict[str, str]:
-    """600 structs of 6 members; a comment of five lines above each, one behind each member."""
+    """Return 600 structs of 6 members, with comments of five lines above and one behind members."""
     lines = ["module Spoken {"]
     for number in range(600):
         lines += ["  /**", f"   * The record of number {number}."]
@@ -107,7 +110,7 @@ def comments() -> dict[str, str]:
 
 
 def long_structs() -> dict[str, str]:
-    """20 structs of 500 members."""
+    """Return 20 structs of 500 members."""
     lines = ["module Wide {"]
     for number in range(20):
         lines.append(f"  struct Table{number} {{")
@@ -119,7 +122,7 @@ def long_structs() -> dict[str, str]:
 
 
 def services() -> dict[str, str]:
-    """300 interfaces of 10 operations with an exception each, and no struct."""
+    """Return 300 interfaces of 10 operations with an exception each, and no struct."""
     lines = ["module Services {"]
     for number in range(300):
         lines += [f"  exception Failed{number} {{ string reason; }};"]

@@ -1,8 +1,8 @@
-"""How long the language server takes to answer after an edit of a file of 5,000 lines.
+"""Response times of the language server after an edit of a file of 5,000 lines.
 
     python benchmarks/lsp.py
 
-A server as an editor starts it, driven over its pipes. Each request follows at once on an edit, so
+The server runs as an editor starts it, over pipes. Each request follows immediately on an edit, so
 the server answers while it waits for the next edit, or analyses. Wall time from the request to the
 answer as parsed JSON, and from the last edit of five to its findings.
 """
@@ -23,11 +23,11 @@ from typing import Any
 LINES = 5000
 ROUNDS = 25
 LIMIT = 0.1
-"""Seconds for the median of each request."""
+"""Maximum median of each request [s]."""
 
 
 def definitions(lines: int) -> str:
-    """IDL of so many lines: structs of structs, enums, sequences, an interface for each tenth."""
+    """Return IDL with structs of structs, enums, sequences; each tenth is an interface."""
     out = ["module Large {"]
     number = 0
     while len(out) < lines - 12:
@@ -127,7 +127,7 @@ class Session:
         client.notify("textDocument/didOpen", {"textDocument": item})
 
     def edit(self) -> int:
-        """Add a comment or a member to a struct; the line of the struct's name."""
+        """Add a comment or a member to a struct; return the line of the struct's name."""
         numbers = [i for i, line in enumerate(self.lines) if "long count" in line]
         line = self._draw.choice(numbers)
         self.version += 1
@@ -146,7 +146,7 @@ class Session:
         return line - 1
 
     def requests(self, line: int) -> dict[str, tuple[str, dict[str, Any]]]:
-        """The requests of an editor about the name of a struct."""
+        """Return the requests of an editor about the name of a struct."""
         document = {"textDocument": self.document}
         there = document | {"position": {"line": line, "character": 10}}
         inside = document | {"position": {"line": line + 1, "character": 4}}
@@ -177,7 +177,7 @@ class Session:
 
 
 def measured(folder: Path) -> bool:
-    """Measure all requests and print them; whether each keeps to the limit."""
+    """Measure and print all requests; return whether all are within the limit."""
     path = folder / "large.idl"
     text = definitions(LINES)
     path.write_text(text, encoding="utf-8")
@@ -215,7 +215,7 @@ def measured(folder: Path) -> bool:
 
 
 def main() -> None:
-    """Exit code 1 where a median is beyond the limit."""
+    """Return 1 if a median is above the limit."""
     with tempfile.TemporaryDirectory() as folder:
         fine = measured(Path(folder))
     print(f"each median at most {1000 * LIMIT:.0f} ms: {'yes' if fine else 'no'}")

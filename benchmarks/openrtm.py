@@ -1,20 +1,20 @@
-"""OpenRTM: conversions beside omniORBpy's marshalling, data connections beside OpenRTM's own.
+"""OpenRTM: conversions compared with omniORBpy's marshalling, connections with OpenRTM's own.
 
     python benchmarks/openrtm.py [--all]
 
-Conversions: for each type of OpenRTM and of the reference build, what it takes to fill the kept
-wire object of an OutPort, over cdrMarshal of it; and to make a value of a wire object, over
-cdrUnmarshal, which made that. Rounds of all tasks alternate, on one processor, whose time is taken;
-the medians are compared. Sequences have 0, 4 and 64 items, where there are any. Printed are the
-types with the highest ratios, with `--all` each type; beside them a new wire object (`to_...`, for
-service calls and `direct` connectors). Limits: 1.0 outgoing, 1.2 incoming.
+Conversions: for each type of OpenRTM and of the reference build, the time to fill the reused wire
+object of an OutPort relative to its cdrMarshal, and to make a value of a wire object relative to
+its cdrUnmarshal. Rounds of all tasks alternate, on one processor, whose time is measured; the
+medians are compared. Sequences have 0, 4 and 64 items. The output has the types with the highest
+ratios, with `--all` each type; beside them a new wire object (`to_...`, for service calls and
+`direct` connectors). Limits: 1.0 outgoing, 1.2 incoming.
 
 Connections: samples by `corba_cdr` between two processes, from and to the runtime (as `rtgen run
---transport corba`) and OpenRTM-aist-Python (see `openrtm_ends.py`), where that is installed. Rounds
-of the four connections alternate; compared are the medians of their ratios to that of OpenRTM with
-itself in the same round. Limit: 1.0 for the processor time of both ends for a sample.
+--transport corba`) and OpenRTM-aist-Python (see `openrtm_ends.py`), if that is installed. Rounds of
+the four connections alternate; the result is the median of the ratios to OpenRTM with itself in the
+same round. Limit: 1.0 for the processor time of both ends for a sample.
 
-Ends with 1 where a ratio is above its limit.
+The exit code is 1 if a ratio is above its limit.
 """
 
 from __future__ import annotations
@@ -45,10 +45,10 @@ ROUNDS = 11
 SECONDS_PER_ROUND = 0.001
 SHOWN = 12
 BATCHES = {"TimedPose2D": (500, 0.002), "TimedDoubleSeq": (6, 0.08)}
-"""Samples of a batch, and the pause [s] before each where latency is measured."""
+"""Number of samples of a batch, and the pause [s] before each if latency is measured."""
 KINDS = ("sample", "processor", "latency")
-ROOM = 5
-"""Latency takes so many times fewer samples."""
+LATENCY_DIVISOR = 5
+"""Divisor of the number of samples if latency is measured."""
 
 Task = Callable[[], object]
 
@@ -65,7 +65,7 @@ class Case:
 class Result:
     """Medians in ns: filled, marshalled, made of, unmarshalled, made new.
 
-    Nothing can be said of unmarshalling a wchar: omniORBpy 4.3.3 cannot read what it wrote.
+    A wchar has no unmarshalling time: omniORBpy 4.3.3 cannot read what it wrote.
     """
 
     name: str
@@ -78,7 +78,7 @@ class Result:
 
 
 def generate(folder: Path) -> list[str]:
-    """Makes the reference build for OpenRTM, and its stubs; gives their names."""
+    """Generate the reference build for OpenRTM, and its stubs; return their names."""
     specs = ROOT / "specs"
     files = [str(p) for p in sorted(specs.glob("*/*")) if p.suffix in DEFINITIONS]
     command = [sys.executable, "-m", "rtgen", "generate", *files, "-q"]
@@ -99,7 +99,7 @@ def generate(folder: Path) -> list[str]:
 
 
 def conversions(folder: Path) -> Iterator[tuple[type[Any], Any]]:
-    """Our classes of structs, each with the module of its conversions."""
+    """Yield rtgen's classes of structs, each with the module of its conversions."""
     for file in sorted((folder / "generated").rglob("_corba/[a-z]*.py")):
         if not (file.parents[1] / "_idl" / file.name).is_file():
             continue  # OpaqueRpc, whose types are the runtime's; it has no struct.
@@ -113,7 +113,7 @@ def conversions(folder: Path) -> Iterator[tuple[type[Any], Any]]:
 
 
 def example(descriptor: Any, types: dict[str, type[Any]], length: int) -> Any:
-    """A value of the type whose sequences have that many items."""
+    """Return a value of the type whose sequences have that many items."""
     from rtgen.runtime.marshalling.descriptors import (
         ArrayDescriptor,
         EnumDescriptor,
@@ -156,14 +156,14 @@ def example(descriptor: Any, types: dict[str, type[Any]], length: int) -> Any:
 
 
 def default(descriptor: Any) -> Any:
-    """The initial value of what is not plain data."""
+    """Return the initial value of a class."""
     from rtgen.runtime.values import AnyValue
 
     return AnyValue() if getattr(descriptor, "name", "") == "any" else None
 
 
 def joined(items: list[Any], element: Any) -> Any:
-    """The items as `bytes` or `str`, where that is how such a sequence is written."""
+    """Return the items as `bytes` or `str` if such a sequence is represented so."""
     from rtgen.runtime.marshalling.descriptors import plain
 
     name = getattr(plain(element), "name", "")
@@ -173,7 +173,7 @@ def joined(items: list[Any], element: Any) -> Any:
 
 
 def cases(folder: Path) -> Iterator[Case]:
-    """Every struct, with sequences of all lengths."""
+    """Yield every struct, with sequences of all lengths."""
     import omniORB
 
     known = list(conversions(folder))
@@ -197,11 +197,11 @@ def cases(folder: Path) -> Iterator[Case]:
 
 
 def nothing() -> None:
-    """Stands for what cannot be measured."""
+    """Do nothing, for a task that cannot be measured."""
 
 
 def tasks(kind: type[Any], module: Any, code: Any, value: Any) -> Any:
-    """The five tasks of a value."""
+    """Return the five tasks of a value."""
     import omniORB
 
     fill, to, of, new = (
@@ -225,7 +225,7 @@ def tasks(kind: type[Any], module: Any, code: Any, value: Any) -> Any:
 
 
 def measured(case: Case) -> Result:
-    """The medians of rounds that alternate between the tasks."""
+    """Return the medians of rounds that alternate between the tasks."""
     clock = time.process_time_ns
     numbers = []
     for task in case.tasks:
@@ -249,7 +249,7 @@ def measured(case: Case) -> Result:
 
 
 def table(title: str, results: list[Result]) -> None:
-    """Times in ns and ratios, a line for each result."""
+    """Print times in ns and ratios, a line for each result."""
     print(f"{title}\n")
     columns = ("fill", "marshal", "ratio", "from", "unmarshal", "ratio", "to", "ratio")
     print(f"{'type':34}" + "".join(f"{column:>10}" for column in columns))
@@ -275,32 +275,32 @@ class End:
         self._process = subprocess.Popen(command, stdin=pipe, stdout=pipe, text=True)
 
     def ask(self, *words: object) -> Any:
-        """The answer to a command."""
+        """Send a command; return its answer."""
         assert self._process.stdin is not None
         print(*words, file=self._process.stdin, flush=True)
         return self.answer()
 
     def answer(self) -> Any:
-        """The next line."""
+        """Return the next line."""
         assert self._process.stdout is not None
         line = self._process.stdout.readline()
         assert line, "a process has ended"
         return json.loads(line)
 
     def close(self) -> None:
-        """End it."""
+        """End the process."""
         assert self._process.stdin is not None
         self._process.stdin.close()
         self._process.wait()
 
 
 def batch(ends: dict[str, End], way: tuple[str, str], type_: str) -> tuple[float, ...]:
-    """Times of a sample in us: in a row, of the processor, from the write to the reader."""
+    """Return times of a sample in us: in a row, of the processor, from the write to the reader."""
     sender, receiver = ends[f"{way[0]} Sender"], ends[f"{way[1]} Receiver"]
     there, here = f"{type_}_{way[1]}", f"{type_}_{way[0]}"
     times = []
     count, pause = BATCHES[type_]
-    for number, wait in ((count, 0), (max(2, count // ROOM), pause)):
+    for number, wait in ((count, 0), (max(2, count // LATENCY_DIVISOR), pause)):
         receiver.ask("receive", here, number)
         begun, sending = sender.ask("send", there, number, wait)
         ended, reading, late = receiver.answer()
@@ -309,7 +309,7 @@ def batch(ends: dict[str, End], way: tuple[str, str], type_: str) -> tuple[float
 
 
 def connections(names: str) -> bool:
-    """Prints the tables of the connections; whether all are within the limit."""
+    """Print the tables of the connections; return whether all are within the limit."""
     ways = [(source, target) for source in SIDES for target in SIDES]
     found: dict[tuple[str, tuple[str, str]], list[tuple[float, ...]]] = {}
     with ExitStack() as closing:
@@ -351,7 +351,7 @@ def connections(names: str) -> bool:
 
 
 def main() -> int:
-    """Prints the tables; 1 if a ratio is above its limit."""
+    """Print the tables; return 1 if a ratio is above its limit."""
     if hasattr(os, "sched_setaffinity"):
         os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
     good = True
@@ -366,7 +366,7 @@ def main() -> int:
 
 
 def converted() -> bool:
-    """Prints the tables of the conversions; whether all are within the limits."""
+    """Print the tables of the conversions; return whether all are within the limits."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         stems = generate(folder)

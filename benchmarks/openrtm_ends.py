@@ -1,15 +1,14 @@
-"""A component of the runtime or of OpenRTM for the benchmark `openrtm.py`, in a process of its own.
+"""A process with a component of rtgen's runtime or of OpenRTM, for the benchmark `openrtm.py`.
 
     python benchmarks/openrtm_ends.py rtgen|openrtm Sender|Receiver NAMESERVER
 
-Each has a data port for each type of samples and each side, called as these. A command is a line
-of the input; so is its answer of the output.
+Each component has a data port for each type of samples and each side, named after these. A command
+is a line of the input, its answer a line of the output.
 
-`send PORT COUNT PAUSE`: write samples, as soon as the one before was taken, after a pause in
-seconds. The answer is when that began, and processor time in ns.
-`receive PORT COUNT`: read so many samples by a port that blocks, after an answer that reading
-begins. The second answer is when the last one was read, processor time, and how long after it was
-written each sample was there. All are in ns of the system's monotonic clock.
+`send PORT COUNT PAUSE`: write samples, each as soon as the previous one was taken, after a pause in
+seconds. The answer is the start, and processor time in ns. `receive PORT COUNT`: read samples by a
+port that blocks, after an answer that reading begins. The second answer is the time of the last
+read, processor time, and the latency of each sample. All are in ns of the system's monotonic clock.
 `connect SENDER RECEIVER PORT PORT`: of OpenRTM alone, by its own function.
 """
 
@@ -29,7 +28,7 @@ from typing import Any
 SIDES = ("openrtm", "rtgen")
 TYPES = ("TimedPose2D", "TimedDoubleSeq")
 NUMBERS = 100_000
-"""Those of a TimedDoubleSeq: 0.8 MB."""
+"""Number of doubles of a TimedDoubleSeq: 0.8 MB."""
 PORTS = tuple(f"{type_}_{side}" for type_ in TYPES for side in SIDES)
 CONNECTOR = {
     "interface_type": "corba_cdr",
@@ -41,13 +40,13 @@ CONNECTOR = {
 }
 SECOND = 1_000_000_000
 RATE = 10.0
-PATIENCE = 60.0
+TIMEOUT = 60.0
 
 Ports = dict[str, Any]
 
 
 def sample_of(classes: Any, port: str) -> Any:
-    """A sample of the port's type, of `RTC` of OpenRTM or of ours."""
+    """Return a sample of the port's type, of `RTC` of OpenRTM or of rtgen."""
     tm = classes.Time(0, 0)
     if port.startswith("TimedPose2D"):
         pose = classes.Pose2D(classes.Point2D(1.0, 2.0), 3.0)
@@ -56,7 +55,7 @@ def sample_of(classes: Any, port: str) -> Any:
 
 
 def send(port: Any, sample: Any, taken: object, count: int, pause: float) -> list[int]:
-    """See `send` above; RuntimeError unless each write answers `taken`."""
+    """Execute `send`; RuntimeError unless each write returns `taken`."""
     begun, busy = time.monotonic_ns(), time.process_time_ns()
     for _ in range(count):
         time.sleep(pause)
@@ -67,13 +66,13 @@ def send(port: Any, sample: Any, taken: object, count: int, pause: float) -> lis
 
 
 def receive(port: Any, count: int) -> list[Any]:
-    """See `receive` above; TimeoutError if samples do not come.
+    """Execute `receive`; TimeoutError if samples do not arrive.
 
     When a read gives up, both sides return the sample before.
     """
     late: list[int] = []
     busy = time.process_time_ns()
-    end = time.monotonic() + PATIENCE
+    end = time.monotonic() + TIMEOUT
     before = port.last_read
     while len(late) < count:
         sample = port.read()
@@ -89,7 +88,7 @@ def receive(port: Any, count: int) -> list[Any]:
 
 
 class Reader:
-    """A port that is read, and when its last sample was written."""
+    """A port that is read, and the time of its last sample."""
 
     def __init__(self, port: Any) -> None:
         self.read = port.read
@@ -98,9 +97,9 @@ class Reader:
 
 @contextmanager
 def ours(kind: str, names: str) -> Iterator[tuple[Ports, Any, object, Any]]:
-    """A system with one component.
+    """Yield a system with one component.
 
-    Its ports, our types, what `write` answers, and nothing to connect with.
+    Its ports, rtgen's types, the result of `write`, and nothing to connect with.
     """
     sys.path.insert(0, str(Path(__file__).parents[1] / "generated"))
     from rtgen.runtime import PORT_OK, Component, ComponentProfile, RealClock, System
@@ -120,7 +119,7 @@ def ours(kind: str, names: str) -> Iterator[tuple[Ports, Any, object, Any]]:
             }
 
     with (
-        CorbaTransport(name_server=names, timeout=PATIENCE) as transport,
+        CorbaTransport(name_server=names, timeout=TIMEOUT) as transport,
         System(RealClock(), transport) as system,
     ):
         node = Node()
@@ -139,9 +138,9 @@ def ours(kind: str, names: str) -> Iterator[tuple[Ports, Any, object, Any]]:
 
 @contextmanager
 def theirs(kind: str, names: str) -> Iterator[tuple[Ports, Any, object, Any]]:
-    """A manager with one component.
+    """Yield a manager with one component.
 
-    Its ports, OpenRTM's types, what `write` answers, and what connects.
+    Its ports, OpenRTM's types, the result of `write`, and a function that connects.
     """
     rtm: Any = importlib.import_module("OpenRTM_aist")
     rtc: Any = importlib.import_module("RTC")
@@ -195,7 +194,7 @@ def theirs(kind: str, names: str) -> Iterator[tuple[Ports, Any, object, Any]]:
 
 
 def main(side: str, kind: str, names: str) -> None:
-    """Carry out commands until the input ends."""
+    """Execute commands until the input ends."""
     made: Callable[..., Any] = ours if side == "rtgen" else theirs
     with made(kind, names) as (ports, classes, taken, connect):
         ready = {

@@ -1,11 +1,11 @@
-"""Large payloads: scans, images and point clouds as CDR, beside copies, numpy and other libraries.
+"""CDR of large payloads (scans, images, point clouds) compared with copies and other libraries.
 
     python benchmarks/payload.py
 
-Least processor time of a call in microseconds, rounds interleaved, and how many copies of the
-octets take as long in the same run. Scans of 100 to 1,000,000 doubles are members in each form of
-numbers in Python, an image is 1 MB of octets, clouds are structs of four doubles as structured
-arrays. cyclonedds-python and omniORBpy have lists of numbers and of objects.
+Least processor time of a call in microseconds, rounds interleaved, and its ratio to a copy of the
+octets in the same run. Scans of 100 to 1,000,000 doubles are members in each form of numbers in
+Python, an image is 1 MB of octets, clouds are structs of four doubles as structured arrays.
+cyclonedds-python and omniORBpy have lists of numbers and of objects.
 """
 
 from __future__ import annotations
@@ -42,11 +42,11 @@ module payload {
 """
 
 Row = tuple[str, Callable[[], object], Callable[[], object]]
-"""A title, what encodes, what decodes."""
+"""A title, the encoder, the decoder."""
 
 
 def generated(folder: Path) -> Any:
-    """The generated package, and omniORBpy's stubs of the same types."""
+    """Return the generated package, and omniORBpy's stubs of the same types."""
     from rtgen.backends import Options
     from rtgen.backends.types import BACKEND
     from rtgen.frontends.idl import load
@@ -69,7 +69,7 @@ def generated(folder: Path) -> Any:
 
 
 def ours(name: str, value: Any) -> Iterator[Row]:
-    """Both byte orders."""
+    """Yield the codecs of both byte orders."""
     for order, little in (("little-endian", True), ("big-endian", False)):
         octets = value.to_cdr(little)
         yield (
@@ -80,7 +80,7 @@ def ours(name: str, value: Any) -> Iterator[Row]:
 
 
 def peers(value: Any) -> Iterator[Row]:
-    """The same value, of lists, in cyclonedds-python and omniORBpy."""
+    """Yield cyclonedds-python and omniORBpy for the same value, of lists."""
     import omniORB
 
     described = type(value)._descriptor_
@@ -103,7 +103,7 @@ def peers(value: Any) -> Iterator[Row]:
 
 
 def copies(items: Any) -> Iterator[Row]:
-    """The bounds: a copy of the octets, and numpy."""
+    """Yield the bounds: a copy of the octets, and numpy."""
     octets, dtype = items.tobytes(), items.dtype
     yield (
         "a copy of the octets",

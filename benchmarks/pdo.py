@@ -1,4 +1,4 @@
-"""PDOs: the generated codec beside the `canopen` package, a proxy beside python-can's reader.
+"""PDOs: the generated codec compared with the `canopen` package, a proxy with python-can.
 
     python benchmarks/pdo.py
 
@@ -6,8 +6,8 @@ First the coding of four INTEGER16, then of eight BOOLEAN and a 24-bit integer, 
 package's access to PDO variables: the median of a call in nanoseconds, with its ratio to ours.
 
 Then frames of four INTEGER16 from another process, over python-can's interface `socketcand`: how
-many in a second a loop around `recv` takes, and how many reach a port behind the OutPort of a
-generated proxy, in the same run. Rounds are interleaved.
+many a second a loop around `recv` receives, and how many reach a port connected with the OutPort of
+a generated proxy, in the same run. Rounds are interleaved.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ MAPPINGS: dict[str, tuple[list[Mapped], tuple[int, ...]]] = {
 
 
 def ours(mapped: Sequence[Mapped], values: tuple[int, ...]) -> list[Callable[[], Any]]:
-    """Encode and decode with the generated codec."""
+    """Return encoding and decoding with the generated codec."""
     module = ModuleType("codec")
     imports = "".join(f"from {home} import {name}\n" for home, name in IMPORTS)
     codecs = [PdoCodec("tpdo1", "TPDO 1", layout(mapped))]
@@ -76,7 +76,7 @@ def ours(mapped: Sequence[Mapped], values: tuple[int, ...]) -> list[Callable[[],
 def theirs(
     mapped: Sequence[Mapped], values: tuple[int, ...]
 ) -> list[Callable[[], Any]]:
-    """The same through a PdoMap of the package."""
+    """Return the same through a PdoMap of the package."""
     node = canopen.RemoteNode(1, canopen.ObjectDictionary())
     canopen.Network().add_node(node)
     pdo = canopen.pdo.base.PdoMap(node.tpdo, None, None)
@@ -100,7 +100,7 @@ def theirs(
 
 
 def seconds_per_call(task: Callable[[], object]) -> float:
-    """The time of a call, over a round."""
+    """Return the time of a call, over a round."""
     calls, start = 0, time.perf_counter()
     while (taken := time.perf_counter() - start) < SECONDS_PER_ROUND:
         for _ in range(20):
@@ -111,16 +111,16 @@ def seconds_per_call(task: Callable[[], object]) -> float:
 
 FRAMES = 20_000
 CHUNK = 1_000
-AHEAD = 3
-"""Chunks that may be on their way: fewer frames than a proxy's queue holds, so none is lost."""
+CHUNKS_AHEAD = 3
+"""Chunks that may be under way: fewer frames than a proxy's queue holds, so none is lost."""
 READ_ROUNDS = 7
-SETTLED = 10.0
-"""Seconds that anything may take."""
+TIMEOUT = 10.0
+"""Time-out of all steps [s]."""
 
 
 @contextmanager
 def peer() -> Iterator[tuple[int, Callable[[int], None]]]:
-    """Another process that sends PDOs: its port, and what has it send so many."""
+    """Start a process that sends PDOs; yield its port, and a function that requests frames."""
     program = Path(__file__).with_name("pdo_peer.py")
     with subprocess.Popen(
         [sys.executable, str(program), "serve"],
@@ -143,22 +143,22 @@ def peer() -> Iterator[tuple[int, Callable[[int], None]]]:
 
 
 class Feed:
-    """Has frames sent, a few chunks ahead of what was taken; the same for both readers."""
+    """Requests frames a few chunks ahead of the received ones; the same for both readers."""
 
     def __init__(self, send: Callable[[int], None]) -> None:
         self._send = send
-        self._sent = AHEAD * CHUNK
+        self._sent = CHUNKS_AHEAD * CHUNK
         send(self._sent)
 
     def taken(self, count: int) -> None:
-        """So many were taken so far."""
-        while self._sent < min(FRAMES, count + (AHEAD - 1) * CHUNK + 1):
+        """Set the number of received frames."""
+        while self._sent < min(FRAMES, count + (CHUNKS_AHEAD - 1) * CHUNK + 1):
             self._send(CHUNK)
             self._sent += CHUNK
 
 
 def bare(port: int, send: Callable[[int], None]) -> float:
-    """Frames per second of a loop around `recv`."""
+    """Return frames per second of a loop around `recv`."""
     bus = can.Bus(
         interface="socketcand",
         host="127.0.0.1",
@@ -169,10 +169,10 @@ def bare(port: int, send: Callable[[int], None]) -> float:
     try:
         time.sleep(0.1)
         feed = Feed(send)
-        assert bus.recv(SETTLED) is not None
+        assert bus.recv(TIMEOUT) is not None
         start = time.perf_counter()
         for number in range(2, FRAMES + 1):
-            assert bus.recv(SETTLED) is not None
+            assert bus.recv(TIMEOUT) is not None
             if not number % CHUNK:
                 feed.taken(number)
         return (FRAMES - 1) / (time.perf_counter() - start)
@@ -181,7 +181,7 @@ def bare(port: int, send: Callable[[int], None]) -> float:
 
 
 class Sink(Component):
-    """Counts the samples that come to its port."""
+    """Counts the samples that its port receives."""
 
     profile = ComponentProfile("Sink", rate=1000.0)
 
@@ -205,7 +205,7 @@ class Sink(Component):
 
 
 def generated(folder: Path) -> type[Component]:
-    """The proxy of a device with one TPDO of four INTEGER16."""
+    """Return the proxy of a device with one TPDO of four INTEGER16."""
     shutil.copy(Path(__file__).with_name("pdo_meter.eds"), folder / "meter.eds")
     text = '[sources]\npaths = ["meter.eds"]\n[output]\npackage = "metered"\n'
     (folder / "rtgen.toml").write_text(text, encoding="utf-8")
@@ -223,7 +223,7 @@ def generated(folder: Path) -> type[Component]:
 
 
 def proxied(proxy: Component, port: int, send: Callable[[int], None]) -> float:
-    """Frames per second that reach a port behind the OutPort of a proxy."""
+    """Return frames per second that reach a port connected with the OutPort of a proxy."""
     sink = Sink()
     sink.add_in_port("samples", proxy.out_ports["tpdo1"].type)
     settings = {
@@ -252,8 +252,8 @@ def proxied(proxy: Component, port: int, send: Callable[[int], None]) -> float:
 
 
 def wait(system: System, until: Callable[[], bool], proxy: Component) -> None:
-    """Runs the system till it is so."""
-    end = time.monotonic() + SETTLED
+    """Run the system until the condition holds."""
+    end = time.monotonic() + TIMEOUT
     while not until():
         if time.monotonic() > end:
             raise SystemExit(f"it does not come to that: {proxy.reason}")
@@ -261,8 +261,8 @@ def wait(system: System, until: Callable[[], bool], proxy: Component) -> None:
 
 
 def reading() -> None:
-    """Frames per second, bare and through a proxy."""
-    # python-can warns whenever a frame comes in two pieces.
+    """Return frames per second, bare and through a proxy."""
+    # python-can warns whenever a frame arrives in two pieces.
     logging.getLogger("can").setLevel(logging.ERROR)
     with tempfile.TemporaryDirectory() as folder, peer() as (port, send):
         type_ = generated(Path(folder))

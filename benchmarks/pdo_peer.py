@@ -1,8 +1,8 @@
-"""A device behind a socketcand server of its own, which sends PDOs as fast as they are taken.
+"""A device behind a socketcand server of its own, which sends PDOs as fast as possible.
 
-`benchmarks/pdo.py` starts it: it prints its port, serves one connection after another, and for
-each number in its standard input sends that many frames of TPDO 1. It answers what a proxy asks
-when it is activated: SDO uploads and NMT commands.
+`benchmarks/pdo.py` starts it: it prints its port, serves one connection after another, and for each
+number in its standard input sends that many frames of TPDO 1. It answers the requests of a proxy's
+activation: SDO uploads and NMT commands.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ def frame(identifier: int, data: bytes) -> bytes:
 
 
 def answer(text: str) -> bytes:
-    """What the device sends because of a frame."""
+    """Return the device's answer to a frame."""
     words = text.split()
     identifier, data = int(words[1], 16), bytes(int(w, 16) for w in words[3:])
     if identifier == 0x000 and data[1] in (0, NODE) and data[0] in STATES:
@@ -39,7 +39,7 @@ def answer(text: str) -> bytes:
 
 
 class Peer:
-    """The server, and the connection that it has."""
+    """The server, and its connection."""
 
     def __init__(self) -> None:
         self._server = socket.create_server(("127.0.0.1", 0))
@@ -72,7 +72,7 @@ class Peer:
                         connection.sendall(answer(words))
 
     def send(self, count: int) -> None:
-        """Sends so many PDOs; the counter is in the first two octets."""
+        """Send PDOs; the counter is in the first two octets."""
         connection = self._connection
         assert connection is not None
         for first in range(0, count, PER_WRITE):

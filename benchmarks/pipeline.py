@@ -1,9 +1,9 @@
-"""How much faster than real time the navigation pipeline runs in simulated time.
+"""Speed of the navigation pipeline in simulated time, relative to real time.
 
-Five figures: the system as specified; the same system with behaviours that do nothing (ports,
-rates and connections as they are), which is the runtime's share; the difference, which is that of
-the behaviours with their ports' traffic; and the system as specified with a log of all samples, as
-`rtgen run --log` writes it, and with a recording, as `--record` writes it.
+Five figures: the system as specified; the same system with empty behaviours (same ports, rates and
+connections), which is the runtime's share; the difference, which is the share of the behaviours
+with their ports' traffic; and the system as specified with a log of all samples, as `rtgen run
+--log` writes it, and with a recording, as `--record` writes it.
 """
 
 from __future__ import annotations
@@ -31,19 +31,19 @@ SYSTEM = Path("specs/navigation/rh3_goal.xml")
 GOAL = 100.0
 ROUNDS = 5
 SECONDS = 10
-"""Simulated time of a round; the robot is under way all the while."""
+"""Simulated time of a round [s]; the robot is under way throughout."""
 LOGGED = "with a log"
 RECORDED = "with a recording"
 
 
 class IdleFactories(Factories):
-    """The same components with callbacks that do nothing."""
+    """The same components with empty callbacks."""
 
     def __getitem__(self, type_name: str) -> Callable[[str], Component]:
         kind = super().__getitem__(type_name)
         assert isinstance(kind, type)
         callbacks = [name for name in vars(Component) if name.startswith("on_")]
-        # A callback that a component leaves out is not called at all.
+        # A callback that a component does not define is not called.
         own = [n for n in callbacks if getattr(kind, n) is not getattr(Component, n)]
         body = dict.fromkeys(own, _nothing)
         return type(type_name, (kind,), {**body, "on_initialize": lambda self: RTC_OK})
@@ -54,7 +54,7 @@ def _nothing(self: Component, *ec_id: int) -> ReturnCode_t:
 
 
 def ratio(profile: System, factories: Factories, form: str = "") -> float:
-    """Simulated over real time of one run."""
+    """Return simulated over real time of one run."""
     with (
         TemporaryDirectory() as folder,
         McapWriter(Path(folder, "run.mcap")) as recording,
@@ -71,7 +71,7 @@ def ratio(profile: System, factories: Factories, form: str = "") -> float:
 
 
 def main() -> None:
-    """Prints the ratios and shares."""
+    """Print the ratios and shares."""
     os.chdir(ROOT)
     profile, diagnostics, _ = read_file(SYSTEM)
     if profile is None:

@@ -1,7 +1,7 @@
-"""A data port's write and read in one process, beside `collections.deque` append and popleft.
+"""A data port's write and read in one process, compared with `collections.deque`.
 
-Run: `python benchmarks/ports.py`. Rounds are interleaved; medians and ratios are printed. The
-deque passes a reference; the port passes a snapshot, through a ring buffer that counts losses.
+Run: `python benchmarks/ports.py`. Rounds are interleaved; medians and ratios are printed. The deque
+passes a reference; the port passes a snapshot, through a ring buffer that counts losses.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ CALLS = 20_000
 
 
 class Idle(Component):
-    """A component whose tick does nothing."""
+    """A component without behaviour."""
 
     profile = ComponentProfile("Idle")
 
@@ -35,14 +35,14 @@ class Idle(Component):
 
 
 def per_call(function: Callable[[], None]) -> float:
-    """Nanoseconds that one of CALLS repetitions inside `function` takes."""
+    """Return nanoseconds of one of CALLS repetitions inside `function`."""
     start = time.perf_counter_ns()
     function()
     return (time.perf_counter_ns() - start) / CALLS
 
 
 def sample(elements: int) -> iis.TimedVelocity2D:
-    """A TimedVelocity2D with so many ids and errors."""
+    """Return a TimedVelocity2D with that many ids and errors."""
     value = iis.TimedVelocity2D(id=list(range(elements)), error=[0.5] * elements)
     value.data.vx = 0.3
     return value
@@ -51,7 +51,7 @@ def sample(elements: int) -> iis.TimedVelocity2D:
 def port_case(
     value: iis.TimedVelocity2D, properties: dict[str, str]
 ) -> Callable[[], None]:
-    """Write and read over a connection in simulated time."""
+    """Return write and read over a connection in simulated time."""
     system = System()
     writer, reader = Idle("writer"), Idle("reader")
     out = writer.add_out_port("velocity", iis.TimedVelocity2D)
@@ -70,7 +70,7 @@ def port_case(
 
 
 def snapshot_case(value: iis.TimedVelocity2D) -> Callable[[], None]:
-    """The snapshot alone."""
+    """Return the copying of a value alone."""
 
     def run() -> None:
         snapshot = value._snapshot_
@@ -81,7 +81,7 @@ def snapshot_case(value: iis.TimedVelocity2D) -> Callable[[], None]:
 
 
 def deque_case(value: iis.TimedVelocity2D) -> Callable[[], None]:
-    """The peer: a bounded deque."""
+    """Return the comparison: a bounded deque."""
     samples: deque[iis.TimedVelocity2D] = deque(maxlen=8)
 
     def run() -> None:
@@ -94,7 +94,7 @@ def deque_case(value: iis.TimedVelocity2D) -> Callable[[], None]:
 
 
 def scheduler_share() -> float:
-    """Nanoseconds of the scheduler for a tick: empty ticks less the calls of `on_execute`."""
+    """Return the scheduler's nanoseconds for a tick: empty ticks less calls of `on_execute`."""
     system = System()
     components = [Idle(f"Idle{number}") for number in range(6)]
     for component in components:
@@ -113,7 +113,7 @@ def scheduler_share() -> float:
 
 
 def main() -> None:
-    """Prints the table."""
+    """Print the table."""
     cases = {"deque append and popleft": deque_case(sample(0))}
     for elements in (0, 3):
         value = sample(elements)

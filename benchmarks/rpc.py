@@ -1,14 +1,14 @@
-"""Calls of an empty function: OpaqueRPC beside a raw ping-pong, omniORBpy and gRPC, over loopback.
+"""Calls of an empty function over loopback: OpaqueRPC compared with TCP, omniORBpy and gRPC.
 
     python benchmarks/rpc.py
 
-Each server is a process of its own, and all have a time-out armed; the raw one sends the same
-bytes. Batches of 100 calls of a peer and of ours alternate; the ratio is the median of those of 200
-such pairs. Then the procedure of the RTM-TECS paper, 100 calls, mean and spread; and a server that
-writes each scalar by itself, as C servers do.
+Each server is a process of its own, and all use a time-out; the raw one sends the same bytes.
+Batches of 100 calls of both alternate; the ratio is the median of those of 200 such pairs. Then the
+procedure of the RTM-TECS paper, 100 calls, mean and spread; and a server that writes each scalar by
+itself, as C servers do.
 
-All processes are kept on one processor where the system can do that: else it is up to chance which
-pairs wait for an idle processor to wake up, ten times as long as the call takes.
+All processes are bound to one processor if the system can do that: otherwise some pairs wait for an
+idle processor to wake up, ten times as long as the call takes.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from typing import Any
 PAIRS, WARM_UP, CALLS = 200, 20, 100
 SLOW_PAIRS = 5
 LIMITS = {"raw": 1.6, "omniORBpy": 1.0, "grpcio": 0.2}
-"""How many times as long as the peer a call may take."""
+"""Maximum ratios to the peers."""
 TIMEOUT = 1.0
 HOST = "127.0.0.1"
 REQUEST = bytes.fromhex("672a00015a3c")
@@ -53,7 +53,7 @@ IDL = "interface Empty { long nothing(); };"
 Call = Callable[[], object]
 
 
-# What the servers do; each prints the address of its own to standard output.
+# Programs of the servers; each prints its own address to standard output.
 
 
 def announced(address: object) -> None:
@@ -61,7 +61,7 @@ def announced(address: object) -> None:
 
 
 def armed(connection: socket.socket) -> socket.socket:
-    """A connection with the time-out of ours."""
+    """Return a connection with rtgen's time-out."""
     limit = struct.pack("@ll", int(TIMEOUT), 0)
     connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
     connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVTIMEO, limit)
@@ -150,7 +150,7 @@ SERVERS = {
 }
 
 
-# What the clients do.
+# Clients.
 
 
 def raw_call(port: str) -> Call:
@@ -165,7 +165,7 @@ def raw_call(port: str) -> Call:
 
 
 def ordinary_call(port: str) -> Call:
-    """A client that knows nothing of delayed acknowledgements."""
+    """Return a client that does not handle delayed acknowledgements."""
     connection = armed(socket.create_connection((HOST, int(port))))
 
     def call() -> None:
@@ -202,7 +202,7 @@ def grpc_call(port: str) -> Call:
 
 
 def generated(folder: Path, module: str) -> Any:
-    """A module that rtgen made of the CDL text."""
+    """Return a module that rtgen generated from the CDL text."""
     sys.path.insert(0, str(folder / "generated"))
     return importlib.import_module(f"bench.tecs.{module}")
 
@@ -215,7 +215,7 @@ def omniorb(folder: Path) -> Any:
 
 
 def prepare(folder: Path) -> None:
-    """Generates the code of all."""
+    """Generate the code of all."""
     (folder / "empty.cdl").write_text(CDL, encoding="utf-8")
     (folder / "rtgen.toml").write_text(PROJECT, encoding="utf-8")
     (folder / "empty.idl").write_text(IDL, encoding="utf-8")
@@ -229,7 +229,7 @@ def prepare(folder: Path) -> None:
 
 @contextmanager
 def server(name: str, folder: Path) -> Iterator[str]:
-    """A server in a process of its own; its address."""
+    """Start a server in a process of its own; yield its address."""
     command = [sys.executable, __file__, name, str(folder)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
@@ -240,7 +240,7 @@ def server(name: str, folder: Path) -> Iterator[str]:
 
 
 def batch(call: Call, calls: int = CALLS) -> float:
-    """Microseconds of each of so many calls."""
+    """Return microseconds of each of `calls` calls."""
     start = time.perf_counter_ns()
     for _ in range(calls):
         call()
@@ -248,7 +248,7 @@ def batch(call: Call, calls: int = CALLS) -> float:
 
 
 def compared(peer: Call, ours: Call, pairs: int) -> tuple[list[float], list[float]]:
-    """The times of both, from batches in turn."""
+    """Return the times of both, from alternating batches."""
     for _ in range(min(WARM_UP, pairs)):
         batch(peer)
         batch(ours)
@@ -266,12 +266,12 @@ def shown(name: str, times: list[float]) -> str:
 
 
 def ratio(peer: list[float], ours: list[float]) -> float:
-    """The median of the ratios of pairs."""
+    """Return the median of the ratios of pairs."""
     return statistics.median(b / a for a, b in zip(peer, ours, strict=True))
 
 
 def main() -> int:
-    """Prints the figures; 1 if a limit is passed."""
+    """Print the figures; return 1 if a limit is exceeded."""
     makers: dict[str, Callable[[str, Path], Call]] = {
         "raw": lambda address, _: raw_call(address),
         "omniORBpy": omniorb_call,
@@ -313,14 +313,14 @@ def main() -> int:
 
 
 def paper(ours: Call) -> None:
-    """The paper's procedure: 100 calls of an empty function, each timed."""
+    """Print the paper's procedure: 100 calls of an empty function, each timed."""
     times = [batch(ours, 1) for _ in range(CALLS)]
     spread = f"{min(times):.1f} to {max(times):.1f}"
     print(f"100 calls one by one: mean {statistics.mean(times):.1f} us, {spread} us")
 
 
 def scalars(folder: Path) -> None:
-    """A server that writes each scalar by itself, with Nagle's algorithm on."""
+    """Print the calls of a server that writes each scalar separately, with Nagle's algorithm on."""
     with server("scalars", folder) as address, server("raw", folder) as raw:
         ours = rtgen_call(address, folder)
         call = raw_call(raw)

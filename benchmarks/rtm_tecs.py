@@ -3,8 +3,8 @@
     python benchmarks/rtm_tecs.py
 
 RTM to RTM: an RTC calls another one by its service port in one process; the same between two
-processes is a call of omniORBpy. RTM to TECS: an RTC calls the marshaller RTC, that the
-communication RTC, and that a board in another process over TCP. The proxy alone is for comparison.
+processes is a call of omniORBpy. RTM to TECS: an RTC calls the marshaller RTC, the marshaller the
+communication RTC, and this a board in another process over TCP. The proxy alone is for comparison.
 Each call is timed by itself; mean, spread (standard deviation) and range are medians of 20 series.
 """
 
@@ -37,7 +37,7 @@ CALLS, SERIES = 100, 20
 
 @contextmanager
 def active(*components: Any, joined: list[tuple[Any, Any]]) -> Iterator[None]:
-    """A system of these components, ACTIVE in real time."""
+    """Yield while a system of these components is ACTIVE in real time."""
     with System(RealClock()) as system:
         for component in components:
             system.add(component, 10.0)
@@ -53,7 +53,7 @@ def active(*components: Any, joined: list[tuple[Any, Any]]) -> Iterator[None]:
 
 
 def series(call: Callable[[], object]) -> list[float]:
-    """The times of 100 calls in microseconds."""
+    """Return the times of 100 calls in microseconds."""
     times = []
     for _ in range(CALLS):
         begun = time.perf_counter_ns()
@@ -63,7 +63,7 @@ def series(call: Callable[[], object]) -> list[float]:
 
 
 def show(name: str, call: Callable[[], object]) -> float:
-    """Prints the figures of calls; their mean."""
+    """Print the figures of calls; return their mean."""
     series(call)
     runs = [series(call) for _ in range(SERIES)]
     figures = [
@@ -75,7 +75,7 @@ def show(name: str, call: Callable[[], object]) -> float:
 
 
 def main() -> int:
-    """Prints the table."""
+    """Print the table."""
     if sys.platform == "linux":
         os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
     with tempfile.TemporaryDirectory() as name:
@@ -124,7 +124,7 @@ def main() -> int:
 
 
 def provider(interface: Any) -> Any:
-    """The RTC that offers an interface."""
+    """Return the RTC that offers an interface."""
 
     class Server(Component):
         profile = ComponentProfile("Server", max_instances=0)

@@ -1,4 +1,4 @@
-"""What it takes to begin: imports of generated modules, and starts of the command line.
+"""Start-up time: imports of generated modules, and starts of the command line.
 
     python benchmarks/startup.py
 
@@ -45,7 +45,7 @@ LIMITS = {
     "import of the stock types": ("plain classes", 3.0),
     "rtgen --version": ("empty interpreter", 2.5),
 }
-"""At most so many times the yardstick."""
+"""Maximum ratios to the program compared with."""
 COLD = "rtgen generate, cold"
 UNCOMPILED = f"{COLD}, without bytecode"
 SECONDS = {"rtgen run, to the first tick": 0.35, COLD: 1.0}
@@ -60,10 +60,10 @@ class Measured:
     prints: bool = False
     seconds: list[float] = field(default_factory=list)
     peak: float = 0.0
-    """The most memory of a run in MB."""
+    """Peak memory of a run in MB."""
 
     def run(self, environment: Mapping[str, str]) -> float:
-        """The processor time in seconds of one run."""
+        """Return the processor time in seconds of one run."""
         with TemporaryFile("w+", encoding="utf-8") as output:
             process = subprocess.Popen(
                 self.command,
@@ -83,7 +83,7 @@ class Measured:
 
 
 def plain_classes(names: list[str]) -> str:
-    """A module of classes without a base, with the members of those of generated modules."""
+    """Return a module of classes without bases, with the members of generated modules."""
     lines: list[str] = []
     for name in names:
         module = import_module(name)
@@ -115,7 +115,7 @@ def _default(member: Any) -> str:
 
 
 def commands(folder: Path) -> dict[str, Measured]:
-    """What is measured, by name."""
+    """Return the measured commands by name."""
     plain = folder / "plain"
     plain.mkdir()
     (plain / "plain_classes.py").write_text(plain_classes(STOCK), encoding="utf-8")
@@ -154,22 +154,22 @@ def commands(folder: Path) -> dict[str, Measured]:
 
 
 def cold(folder: Path) -> dict[str, str]:
-    """An environment with an empty cache; nothing has been generated."""
+    """Return an environment without cache and bytecode."""
     for name in ("o", "cold", "bytecode"):
         shutil.rmtree(folder / name, ignore_errors=True)
     return {"RTGEN_CACHE_DIR": str(folder / "cold")}
 
 
 def main() -> None:
-    """Prints medians, least values, memory and ratios."""
-    # Without bytecode most of a start would be the compiler of Python.
+    """Print medians, least values, memory and ratios."""
+    # Without bytecode most of a start would be Python's compiler.
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     os.chdir(ROOT)
     sys.path.insert(0, "generated")
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary)
         measured = commands(folder)
-        for number in range(-1, ROUNDS):  # the first round makes cache and bytecode
+        for number in range(-1, ROUNDS):  # the first round creates cache and bytecode
             for name, each in measured.items():
                 environment = cold(folder) if name.startswith(COLD) else {}
                 if name == UNCOMPILED:

@@ -1,8 +1,8 @@
-"""A project of many joins: lines of Python, and processor time of `rtgen generate`.
+"""A project of many joins: lines of generated Python, and processor time of `rtgen generate`.
 
     python benchmarks/tecs_project.py [JOINS [FUNCTIONS]]
 
-Each join is of a signature of its own with so many functions (default: 100 joins of 20 functions).
+Each join has a signature of its own with that many functions (default: 100 joins of 20 functions).
 Their parameters are of six kinds: numbers, arrays, texts, a struct.
 """
 
@@ -24,11 +24,11 @@ PARAMETERS = (
     "[out,size_is(m)] int64_t *w, [in] int32_t m",
 )
 MAX_LINES = 25
-"""How many lines of Python a function may give in a project of 100 joins of 20 functions."""
+"""Maximum number of Python lines for each function in a project of 100 joins of 20 functions."""
 
 
 def project(joins: int, functions: int) -> str:
-    """The CDL file."""
+    """Return the CDL file."""
     lines = ["struct tagItem { int32_t id; float32_t w[4]; bool_t on; };"]
     for i in range(joins):
         lines.append(f"signature sBig{i} {{")
@@ -48,7 +48,7 @@ def project(joins: int, functions: int) -> str:
 
 
 def generate(folder: Path, joins: int, functions: int) -> tuple[int, float]:
-    """The lines of Python that the project gives, and the processor time in seconds."""
+    """Return the number of generated Python lines, and the processor time in seconds."""
     (folder / "big.cdl").write_text(project(joins, functions), encoding="utf-8")
     settings = '[sources]\npaths = ["big.cdl"]\n'
     (folder / "rtgen.toml").write_text(settings, encoding="utf-8")
@@ -63,7 +63,7 @@ def generate(folder: Path, joins: int, functions: int) -> tuple[int, float]:
 
 
 def importing(folder: Path) -> float:
-    """The processor time in seconds that importing one marshaller takes, the runtime apart."""
+    """Return the processor time of importing one marshaller in seconds, without the runtime."""
     code = (
         "import time, rtgen.runtime, rtgen.runtime.opaque_rpc; t = time.process_time();"
         "import robots.tecs.big.big7_marshaller; print(time.process_time() - t)"
@@ -81,7 +81,7 @@ def importing(folder: Path) -> float:
 
 
 def main() -> int:
-    """Prints the figures; 1 if there are too many lines."""
+    """Print the figures; return 1 if there are too many lines."""
     joins, functions = (*map(int, sys.argv[1:]), *(100, 20)[len(sys.argv) - 1 :])
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)

@@ -1,18 +1,18 @@
-"""Samples and calls over CORBA, DDS and Zenoh, between two processes, beside the libraries alone.
+"""Samples and calls over CORBA, DDS and Zenoh between two processes, compared with the libraries.
 
     python benchmarks/transports.py [ROUNDS | --writers [ROUNDS]]
 
-Samples: the writer of one process, the reader of another, that counts what arrives. `write` is
-the writer's path alone, per sample: ours (encoding, and the engine's publisher) beside
-cyclonedds-python's `write` of its own class, and Zenoh's `put` of octets that `struct` has packed,
-which is the least that a program has to do; until it returned, and processor time of the writing
-thread, since a writer whose reader is slow waits for room in the queue of its link. `arrives` are
-samples per second until the last one is there, `of` the share that arrived; `alone` are the same
-samples by cyclonedds-python's class and its `write`, by omniORBpy's class and a call of omniidl's
-stub, and by `put` of ready octets, between the same processes, with readers that keep all. Over
-CORBA a write is a call, which the reader answers (`corba_ends.py`). Latency is half of a round trip
-by two topics, one sample at a time. Calls have no arguments (over CORBA: `corba.py`).
-Rounds of ours and of a peer alternate; figures are medians of rounds.
+Samples: the writer of one process, the reader of another, which counts them. `write` is the
+writer's path alone, per sample: rtgen's (encoding, and the engine's publisher) compared with
+cyclonedds-python's `write` of its own class, and Zenoh's `put` of octets packed by `struct`, which
+is the minimum for a program; until it returned, and processor time of the writing thread, since a
+writer whose reader is slow waits for room in the queue of its link. `arrives` are samples per
+second until the last one is there, `of` the share that arrived; `alone` are the same samples by
+cyclonedds-python's class and its `write`, by omniORBpy's class and a call of omniidl's stub, and by
+`put` of ready octets, between the same processes, with readers that keep all. Over CORBA a write is
+a call, which the reader answers (`corba_ends.py`). Latency is half of a round trip by two topics,
+one sample at a time. Calls have no arguments (over CORBA: `corba.py`). Rounds of both alternate;
+figures are medians of rounds.
 """
 
 from __future__ import annotations
@@ -63,19 +63,19 @@ TRIPS = 400
 
 
 def value_of(size: int) -> Any:
-    """A sample."""
+    """Return a sample."""
     if size:
         return rtc.TimedOctetSeq(rtc.Time(1, 2), bytes(size))
     return rtc.TimedPose2D(rtc.Time(1, 2), rtc.Pose2D(rtc.Point2D(1.0, 2.0), 3.0))
 
 
 def topic_of(name: str, size: int) -> Topic:
-    """A topic of samples of this size."""
+    """Return a topic of samples of this size."""
     return Topic(f"{name}/{size}", type(value_of(size)))
 
 
 def count_of(size: int) -> int:
-    """How many samples a round has."""
+    """Return the number of samples in a round."""
     return max(16, min(20_000, BUDGET // max(size, 40)))
 
 
@@ -83,12 +83,12 @@ def count_of(size: int) -> int:
 
 
 def serve(medium: Any) -> None:
-    """Counts samples, and says so when the last is there; sends pings back; answers calls."""
+    """Count samples, and report the last one; send pings back; answer calls."""
     kept: list[Any] = []
     encode = encoder(rtc.TimedLong)
 
     def counter(name: str) -> Callable[[bool], None]:
-        """What counts the samples of a round, and sends the count after the last."""
+        """Return a function that counts a round's samples, and sends the count after the last."""
         done = medium.publisher(Topic(name, rtc.TimedLong), Qos(depth=None))
         kept.append(done)
         counted = [0, 0]
@@ -131,7 +131,7 @@ def serve(medium: Any) -> None:
         serve_octets(medium, "empty", lambda octets, reply: reply(octets))
     print("ready", flush=True)
     sys.stdin.read()
-    # Zenoh can wait for Python's threads for ever if its session is open at exit.
+    # Zenoh can wait for Python's threads forever if its session is open at exit.
     medium.close()
 
 
@@ -148,7 +148,7 @@ class Pair:
         self.arrived: dict[int, Any] = {}
 
     def prepare(self, size: int) -> None:
-        """Publisher and subscription of a size, once known to both."""
+        """Create publisher and subscription of a size, once known to both."""
         event = threading.Event()
         numbers: list[int] = []
 
@@ -169,7 +169,7 @@ class Pair:
         self.sent[size] = 0
 
     def flood(self, size: int) -> tuple[float, float, int]:
-        """Seconds of a write, samples per second until the last is there, how many arrived."""
+        """Return seconds of a write, samples per second until the last, and their number."""
         publisher, (event, numbers) = self.ports[size]
         encode = encoder(type(value_of(size)))
         value, count = value_of(size), count_of(size)
@@ -192,7 +192,7 @@ class Pair:
         )
 
     def alone(self, size: int, rounds: int) -> tuple[float, float, float]:
-        """Medians of what `flood` gives, by the library alone."""
+        """Return medians of the figures of `flood`, by the library alone."""
         event = threading.Event()
         numbers: list[int] = []
 
@@ -229,7 +229,7 @@ class Pair:
         return write_, rate, arrived
 
     def latency(self, size: int) -> list[float]:
-        """Halves of round trips in seconds, sorted."""
+        """Return halves of round trips in seconds, sorted."""
         event = threading.Event()
         subscription = self.medium.subscribe(
             topic_of("pong", size), Qos(depth=None), lambda _: event.set()
@@ -252,7 +252,7 @@ class Pair:
         return sorted(found)
 
     def calls(self) -> list[float]:
-        """Seconds of an empty call, sorted."""
+        """Return seconds of an empty call, sorted."""
         client = OctetsClient(self.medium, "empty")
         found = []
         for number in range(TRIPS):
@@ -266,7 +266,7 @@ class Pair:
 
 @contextmanager
 def other(address: str) -> Iterator[None]:
-    """The process that reads."""
+    """Start the process that reads."""
     process = subprocess.Popen(
         [sys.executable, __file__, "--serve", address],
         stdin=subprocess.PIPE,
@@ -287,7 +287,7 @@ def other(address: str) -> Iterator[None]:
 
 @contextmanager
 def joined(kind: str) -> Iterator[tuple[Any, str]]:
-    """The medium of this process, and the address for the other."""
+    """Yield the medium of this process, and the address for the other."""
     if kind != "corba":
         with engine(kind) as network, closing(network.medium()) as medium:
             yield medium, str(network.address)
@@ -297,13 +297,13 @@ def joined(kind: str) -> Iterator[tuple[Any, str]]:
 
 
 def ends_at(address: str) -> Any:
-    """What joins a process with the other one."""
+    """Return the medium at an address, for the other process."""
     place = json.loads(address).get("corba")
     return medium_at(address) if place is None else CorbaEnds(place)
 
 
 def direct(size: int) -> float:
-    """Seconds of a write and a read within a process."""
+    """Return seconds of a write and a read within a process."""
     value = value_of(size)
     out_port: Any = OutPort("o", type(value), "a")
     in_port: Any = InPort("i", type(value), "b")
@@ -326,13 +326,13 @@ class Cost(NamedTuple):
         return f"{_us(self.wall).strip()} ({_us(self.thread).strip()} of processor)"
 
     def by(self, other: Cost) -> str:
-        """How many times that of another."""
+        """Return the ratio to another cost."""
         wall, thread = self.wall / other.wall, self.thread / other.thread
         return f"{wall:.2f} ({thread:.2f} of processor)"
 
 
 def timed(action: Callable[[], object], count: int) -> Cost:
-    """The cost of one of so many actions."""
+    """Return the cost of one of `count` actions."""
     begun, busy = time.perf_counter(), time.thread_time()
     for _ in range(count):
         action()
@@ -341,7 +341,7 @@ def timed(action: Callable[[], object], count: int) -> Cost:
 
 
 def dds_writers(rounds: int) -> list[Cost]:
-    """Costs of a write: our path, and cyclonedds-python's own; each has a reader elsewhere."""
+    """Return costs of a write: rtgen's, and cyclonedds-python's; each has a reader elsewhere."""
     from cyclonedds.domain import DomainParticipant
 
     from rtgen.runtime.dds.types import idl_class
@@ -369,7 +369,7 @@ def dds_writers(rounds: int) -> list[Cost]:
 
 
 def zenoh_writers(rounds: int) -> list[Cost]:
-    """Costs of a write: our path; `put` of octets that `struct` packs; the same of ready ones."""
+    """Return costs of a write: rtgen's; `put` of octets that `struct` packs; of ready octets."""
     import zenoh
 
     value = value_of(0)
@@ -401,7 +401,7 @@ def zenoh_writers(rounds: int) -> list[Cost]:
 
 
 def interleaved(rounds: int, *actions: Callable[[], object]) -> list[Cost]:
-    """The cost of each action, medians of turns; each turn begins when the last one's has left."""
+    """Return the median cost of each action; a turn starts when the previous samples have left."""
     found: list[list[Cost]] = [[] for _ in actions]
     for _ in range(5 * rounds):
         for costs, action in zip(found, actions, strict=True):

@@ -1,12 +1,12 @@
-"""What pages of `rtgen ui` cost a run: 60 components, 200 connections, 50 ports at 100 Hz.
+"""Cost of pages of `rtgen ui` for a run: 60 components, 200 connections, 50 ports at 100 Hz.
 
     python benchmarks/ui.py [SECONDS]
     python benchmarks/ui.py --browser CHROMIUM [SECONDS]
 
 A system in real time without a page, with one that reads, with one that reads nothing, and with one
-of each. `ticks` are those of all components beside those that were due; `overruns` and `lost` are
-counted by the runtime; `samples` are those that the reading page got beside those that were
-written, `less` those that it was told it did not get.
+of each. `ticks` are those of all components and those that were due; `overruns` and `lost` are
+counted by the runtime; `samples` are those that the reading page received and those that were
+written, `less` those reported to it as omitted.
 
 With `--browser` the built page is open in that browser, headless and without a GPU: its frames per
 second, of the wiring alone, and with a map that watches all ports, whose samples it draws.
@@ -43,7 +43,7 @@ COMPONENTS, WRITERS, CONNECTIONS, RATE = 60, 50, 200, 100.0
 
 
 class Node(runtime.Component):
-    """Writes a sample each tick, if it is a writer, and reads what it got."""
+    """Writes a sample each tick, if it is a writer, and reads what it received."""
 
     profile: ClassVar = ComponentProfile(
         "Node",
@@ -72,24 +72,24 @@ class Node(runtime.Component):
 
 
 class Network:
-    """The project of a session: the system is made, not read."""
+    """The project of a session, with a system that is constructed instead of read."""
 
     systems: Sequence[str] = ("network",)
 
     def read(self, file: str) -> System:
-        """An empty profile."""
+        """Return an empty profile."""
         return System(
             name=file, id="", file=file, abstract="", components=(), connections=()
         )
 
     def write(self, file: str, text: str) -> None:
-        """Nothing is saved."""
+        """Do nothing."""
 
     def add(self, system: runtime.System, component: SystemComponent) -> None:
-        """Nothing is added."""
+        """Do nothing."""
 
     def describer(self, bus: str) -> Describer:
-        """There is no bus."""
+        """Return nothing to describe: there is no bus."""
         raise LookupError(bus)
 
     def palette(self) -> Sequence[ComponentProfile]:
@@ -99,7 +99,7 @@ class Network:
     def assemble(
         self, profile: System, clock: runtime.Clock, failed: Callable[[Failure], None]
     ) -> runtime.System:
-        """The components, each writer connected with four others."""
+        """Return the components, each writer connected with four others."""
         system = runtime.System(clock)
         for i in range(COMPONENTS):
             system.add(Node(f"Node{i}", writes=i < WRITERS))
@@ -150,7 +150,7 @@ def watch(socket: ClientConnection) -> None:
 
 
 def measure(seconds: float, *, reads: bool, stalls: bool) -> dict[str, Any]:
-    """One run with these pages."""
+    """Return one run with these pages."""
     session = Session(Network(), "network", runtime.RealClock)
     server = Server(session, "127.0.0.1", 0)
     ready = threading.Event()
@@ -209,7 +209,7 @@ _FRAMES = """async (seconds) => {
 
 
 def browse(program: str, seconds: float) -> dict[str, dict[str, Any]]:
-    """The frames of the page in a browser, and what the run has lost meanwhile."""
+    """Return the frame rates of the page in a browser, and the losses of the run meanwhile."""
     from playwright.sync_api import sync_playwright
 
     session = Session(Network(), "network", runtime.RealClock)

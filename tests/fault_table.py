@@ -1,9 +1,9 @@
-"""The faults that are tried, each with its outcome, its bound in time, and its tests.
+"""The tested faults, each with its outcome, its time bound, and its tests.
 
     python tests/fault_table.py > docs/faults.md
 
-`bound(name)` is what tests compare with; `test_table_of_faults.py` checks that each test exists and
-that the page is this table.
+Tests compare with `bound(name)`; `test_table_of_faults.py` checks that each test exists and that
+the page is up to date.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ This page is made from `tests/faults.toml` by `python tests/fault_table.py`.
 
 @dataclass(frozen=True, slots=True)
 class Fault:
-    """A row. `seconds` is the bound where it is a number that tests compare with."""
+    """A row. `seconds` is the bound if tests compare with it."""
 
     section: str
     fault: str
@@ -39,7 +39,7 @@ class Fault:
 
 
 def faults() -> list[Fault]:
-    """All rows, in the order of the page."""
+    """Return all rows, in the order of the page."""
     sections = tomllib.loads(_TABLE.read_text("utf-8"))["section"]
     return [
         Fault(
@@ -52,14 +52,14 @@ def faults() -> list[Fault]:
 
 
 def bound(name: str) -> int:
-    """The bound of the row of that name [ns]."""
+    """Return the bound of the row of that name [ns]."""
     [seconds] = [row.seconds for row in faults() if row.name == name]
     assert seconds is not None
     return round(seconds * 1e9)
 
 
 def page() -> str:
-    """The text of docs/faults.md."""
+    """Return the text of docs/faults.md."""
     lines = [_HEAD]
     section = ""
     for row in faults():

@@ -1,4 +1,4 @@
-"""Validates output for programs against the schemas in rtgen's wheel."""
+"""Validates JSON output against the schemas in rtgen's wheel."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ SCHEMAS = Path(__file__).parents[1] / "src" / "rtgen" / "schemas"
 
 @cache
 def validator(name: str, part: str | None = None) -> Draft202012Validator:
-    """The validator of a schema file, or of one of its definitions."""
+    """Return the validator of a schema file, or of one of its definitions."""
     schemas = {path.name: json.loads(path.read_text()) for path in SCHEMAS.iterdir()}
     for schema in schemas.values():
         Draft202012Validator.check_schema(schema)
@@ -25,7 +25,7 @@ def validator(name: str, part: str | None = None) -> Draft202012Validator:
 
 
 def valid(text: str, name: str, part: str | None = None) -> Any:
-    """The content of a JSON text. Raises jsonschema.ValidationError."""
+    """Return the content of a JSON text. Raises jsonschema.ValidationError."""
     content = json.loads(text)
     validator(name, part).validate(content)
     return content

@@ -11,7 +11,7 @@ STATES = {"CREATED", "Alone", "INACTIVE", "ACTIVE", "ERROR"}
 
 @dataclass(frozen=True)
 class Row:
-    """What a request does in a state."""
+    """The effect of a request in a state."""
 
     state: str
     request: str
@@ -26,7 +26,7 @@ class Row:
 
 
 def read_table() -> list[Row]:
-    """All rows, in order."""
+    """Return all rows, in order."""
     rows = []
     for line in DOCUMENT.read_text(encoding="utf-8").splitlines():
         cells = [cell.strip() for cell in line.strip("|").split("|")]

@@ -1,4 +1,4 @@
-"""A process that a test starts, watches by what it prints, and ends."""
+"""A process that a test starts, observes by its output, and ends."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from patience import PATIENCE
 
 
 class LoggedProcess:
-    """Runs until its end; all that it prints goes to a file."""
+    """A process whose output goes to a file."""
 
     def __init__(
         self,
@@ -35,16 +35,16 @@ class LoggedProcess:
 
     @property
     def text(self) -> str:
-        """What it has printed."""
+        """The output so far."""
         return self._log.read_text(errors="replace")
 
     @property
     def runs(self) -> bool:
-        """Whether it has not ended."""
+        """Whether the process is running."""
         return self.process.poll() is None
 
     def wait_for(self, condition: Callable[[], object]) -> None:
-        """Wait for what happens while it runs, or has happened when it ends."""
+        """Wait for a condition, while the process runs or when it ends."""
         deadline = time.monotonic() + PATIENCE
         while not condition():
             if not self.runs:
@@ -53,14 +53,14 @@ class LoggedProcess:
             time.sleep(0.02)
 
     def says(self, text: str, times: int = 1) -> None:
-        """Wait until it has printed a text so many times."""
+        """Wait until the output has a text that many times."""
         self.wait_for(lambda: self.text.count(text) >= times)
 
     def end(self, number: signal.Signals = signal.SIGTERM) -> int:
-        """End it by a signal; its exit code."""
+        """End the process by a signal; return its exit code."""
         self.process.send_signal(number)
         return self.code()
 
     def code(self) -> int:
-        """Its exit code, once it has ended."""
+        """Return the exit code, once the process has ended."""
         return self.process.wait(PATIENCE)

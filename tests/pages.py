@@ -1,21 +1,22 @@
-"""Runs what a page of the documentation shows, and compares what it says is printed.
+"""Executes the code blocks of a page of the documentation, and compares their output.
 
-The info string of a fenced block says what it is:
+The info string of a fenced block is its kind:
 
-- `console`: commands after `$ `, each with what it prints, messages first. A line `...` stands for
-  any lines, `...` within a line for any text. Without output, the exit code must be 0.
-- `python`, `toml`, `json`, `xml`: parsed; the imports of Python are carried out.
+- `console`: commands after `$ `, each with its output, messages first. A line `...` stands for any
+  lines, `...` within a line for any text. Without output, the exit code must be 0.
+- `python`, `toml`, `json`, `xml`: parsed; the imports of Python are executed.
 - `idl`, `cdl`, `ini`, `text` and the like: shown only.
 
-Comments steer what happens, and are not rendered:
+Comments are directives, and are not rendered:
 
-- `<!-- page: in a new folder -->`, `<!-- page: in the repository -->`: where what follows is run;
-  the latter is a copy.
+- `<!-- page: in a new folder -->`, `<!-- page: in the repository -->`: the working folder of the
+  following blocks; the repository is a copy.
 - `<!-- page: file NAME -->`: the next block is written to that file.
-- `<!-- page: $ COMMAND -->`: a command that the page does not show; `$REPOSITORY` is this one.
+- `<!-- page: $ COMMAND -->`: a command that the page does not show; `$REPOSITORY` is the folder of
+  this repository.
 - `<!-- page: output varies -->`: for each line of output in the next block, a line with the same
   words is printed; numbers may differ, and there may be more lines.
-- `<!-- page: not run: REASON -->`: the next block needs what a test has not.
+- `<!-- page: not run: REASON -->`: the next block needs something that tests do not have.
 """
 
 from __future__ import annotations
@@ -48,7 +49,7 @@ ROOT = Path(__file__).resolve().parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 
 RUN_ELSEWHERE = frozenset({"gallery"})
-"""The systems of the gallery are run by the tests of the reference build."""
+"""The systems of the gallery, which are run by the tests of the reference build."""
 
 SHOWN_ONLY = frozenset(
     {"cdl", "dockerfile", "idl", "ini", "jsonl", "text", "typescript", "yaml"}
@@ -57,17 +58,17 @@ _COMMENT = re.compile(r"<!-- page: (.*?) -->", re.DOTALL)
 _VARYING = re.compile(r"^(wall \[s\]|ratio)( +)[\d.]+$", re.MULTILINE)
 _REPOSITORY = ("specs", "generated", "src/refnav", "rtgen.toml", "Makefile")
 _RUNS: dict[str, tuple[int, str]] = {}
-"""Simulated runs of systems of the repository, which repeat bit for bit, with their output."""
-_LONGEST = 300.0
-"""Seconds that a command may take."""
+"""Simulated runs of systems of the repository, whose output is reproducible."""
+_COMMAND_TIMEOUT = 300.0
+"""Maximum duration of a command [s]."""
 
 _HUB = "29536"
 _PORTS = (_HUB, "8931", "8940")
-"""Ports that pages name; free ones are used instead. The first is the default of the hub."""
+"""Ports in the pages, which are replaced by free ones. The first is the default of the hub."""
 
 
 class PageError(AssertionError):
-    """A page shows something else than what is there."""
+    """A page differs from the behaviour of the programs."""
 
 
 @dataclass(frozen=True)
@@ -81,7 +82,7 @@ class Block:
 
 @dataclass(frozen=True)
 class Directive:
-    """What a comment `<!-- page: ... -->` says."""
+    """The content of a comment `<!-- page: ... -->`."""
 
     text: str
     line: int
@@ -89,7 +90,7 @@ class Directive:
 
 @dataclass(frozen=True)
 class Command:
-    """A command of a `console` block and what the page says it prints."""
+    """A command of a `console` block with its expected output."""
 
     text: str
     output: str
@@ -97,12 +98,12 @@ class Command:
 
     @property
     def in_background(self) -> bool:
-        """Whether the page goes on while it runs."""
+        """Whether the page goes on while the command runs."""
         return self.text.endswith("&")
 
 
 def parts(page: Path) -> Iterator[Block | Directive]:
-    """The blocks and directives of a page, in order."""
+    """Yield the blocks and directives of a page, in order."""
     for token in MarkdownIt("commonmark").parse(page.read_text(encoding="utf-8")):
         line = (token.map or [0])[0] + 1
         if token.type == "fence":
@@ -113,7 +114,7 @@ def parts(page: Path) -> Iterator[Block | Directive]:
 
 
 def commands(block: Block) -> list[Command]:
-    """The commands of a `console` block; a backslash at the end of a line continues it."""
+    """Return the commands of a `console` block; a backslash at the end of a line joins lines."""
     found: list[Command] = []
     lines = block.text.splitlines()
     number = 0
@@ -138,14 +139,14 @@ def commands(block: Block) -> list[Command]:
 
 
 def matches(expected: str, printed: str) -> bool:
-    """Whether a text is as expected, where `...` stands for anything."""
+    """Return whether a text is as expected; `...` stands for any text."""
     pattern = re.escape(expected.strip("\n")).replace(r"\.\.\.", ".*")
     return re.fullmatch(pattern, printed.strip("\n"), re.DOTALL) is not None
 
 
 @dataclass
 class Runner:
-    """Carries out the parts of one page below `folder`."""
+    """Executes the blocks of one page below `folder`."""
 
     folder: Path
     _place: Path | None = None
@@ -158,7 +159,7 @@ class Runner:
     _ports: dict[str, str] = field(default_factory=dict)
 
     def run(self, page: Path) -> None:
-        """All parts of the page; PageError at the first that differs."""
+        """Execute all blocks of the page. Raises PageError at the first difference."""
         try:
             for part in parts(page):
                 try:
@@ -169,11 +170,11 @@ class Runner:
             self.close()
 
     def close(self) -> None:
-        """End what still runs."""
+        """End all running commands."""
         for process in self._background:
             if process.poll() is None:
                 os.killpg(process.pid, signal.SIGTERM)
-            process.communicate(timeout=_LONGEST)
+            process.communicate(timeout=_COMMAND_TIMEOUT)
         self._background.clear()
 
     def _carry_out(self, part: Block | Directive) -> None:
@@ -299,7 +300,7 @@ class Runner:
             env=self._environment(),
             capture_output=True,
             text=True,
-            timeout=_LONGEST,
+            timeout=_COMMAND_TIMEOUT,
             check=False,
         )
         return done.returncode, done.stderr + done.stdout
@@ -341,7 +342,7 @@ def _in_process(
 
 
 def _shape(line: str) -> str:
-    """The line without what varies: numbers, octets, blanks."""
+    """Return the line without its variable parts: numbers, octets, blanks."""
     words = re.sub(r"\b[0-9a-f]{2}\b|[-+]?\b[0-9][0-9a-zA-Z.]*\b", "", line)
     return " ".join(words.split())
 
@@ -359,7 +360,7 @@ def _difference(expected: str, printed: str) -> str:
 
 
 def _import(text: str) -> None:
-    """Carry out the imports of installed packages; SyntaxError if the text is not Python."""
+    """Execute the imports of installed packages. Raises SyntaxError for invalid Python."""
     for node in ast.parse(text).body:
         if isinstance(node, ast.Import | ast.ImportFrom):
             names = [alias.name for alias in node.names]

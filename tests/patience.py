@@ -1,4 +1,4 @@
-"""How long tests wait for what has to happen. It only matters where it does not happen."""
+"""Time-out of tests that wait for something. It is only reached if a test fails."""
 
 PATIENCE = 120.0
-"""In seconds: a loaded machine is slow."""
+"""In seconds; long, since a loaded machine is slow."""

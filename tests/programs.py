@@ -1,4 +1,4 @@
-"""Programs that tests run or compare with, if they are installed."""
+"""Installed programs that tests run or compare with."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pytest
 
 
 def find(name: str) -> str | None:
-    """The path of a program: that of the tests' environment, else that of the search path."""
+    """Return the path of a program in the tests' environment, else in the search path."""
     return shutil.which(name, path=sysconfig.get_path("scripts")) or shutil.which(name)
 
 
@@ -21,7 +21,7 @@ needs_omniidl = pytest.mark.skipif(
 
 
 def omniidl() -> str:
-    """The path of omniidl; the test that calls this is skipped if there is none."""
+    """Return the path of omniidl; without it the calling test is skipped."""
     if OMNIIDL is None:
         pytest.skip("omniidl (jeteve-omniorb) is missing")
     return OMNIIDL

@@ -1,7 +1,7 @@
-"""Whether Python files are in black's form: `python tests/python_form.py FOLDER_OR_FILE...`
+"""Checks that Python files are formatted by black: `python tests/python_form.py FOLDER_OR_FILE...`
 
-Ruff's formatter is thirty times as fast as black, and differs from black in a few constructs: what
-ruff would leave is in the form, what ruff would change is judged by black.
+Ruff's formatter is thirty times as fast as black, and differs from black in a few constructs: files
+that ruff would leave unchanged are in the form, files that ruff would change are checked by black.
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ from collections.abc import Sequence
 
 RUFF = ("-m", "ruff", "format", "--check", "--isolated", "--no-cache")
 LIKE_BLACK = ("--line-length=88", "--target-version=py311", "--exclude=*.md")
-"""Black's line length in pyproject.toml; Python in Markdown is not looked at by black."""
+"""Black's line length in pyproject.toml; black does not format Python in Markdown."""
 
 
 def doubtful(paths: Sequence[str]) -> list[str]:
-    """The files that ruff's formatter would change or cannot read.
+    """Return the files that ruff's formatter would change or cannot read.
 
     Raises RuntimeError with ruff's message if ruff does not run.
     """
@@ -33,7 +33,7 @@ def doubtful(paths: Sequence[str]) -> list[str]:
 
 
 def main(paths: Sequence[str]) -> int:
-    """Exit code 0 if all files are in the form, else black's, which names those that are not."""
+    """Return 0 if all files are formatted, else black's exit code; black prints their names."""
     files = doubtful(paths)
     if not files:
         return 0

@@ -1,4 +1,4 @@
-"""The rules of an RtsProfile, written from the description of its format: what a text breaks."""
+"""Validates an RtsProfile by rules written from the description of its format."""
 
 from __future__ import annotations
 
@@ -173,7 +173,7 @@ TYPES = {
 
 
 def broken_rules(text: str) -> list[str]:
-    """What is wrong with an RtsProfile, one line each; nothing for a valid one."""
+    """Return the violations of an RtsProfile, one line each; empty for a valid one."""
     root = etree.fromstring(text.encode())
     if named(root.tag) != "rts:RtsProfile":
         return [f"the root is {root.tag}"]
@@ -182,13 +182,13 @@ def broken_rules(text: str) -> list[str]:
 
 
 def named(tag: str) -> str:
-    """`{namespace}name` with the prefix that tools write."""
+    """Convert `{namespace}name` to the prefix that tools write."""
     name = etree.QName(tag)
     return f"{PREFIXES.get(name.namespace or '', '?')}:{name.localname}"
 
 
 def of(element: etree._Element) -> Iterator[str]:
-    """The rules of one element: prefix, attributes, type, children and their order."""
+    """Yield violations of one element: prefix, attributes, type, children and their order."""
     name = named(element.tag)
     if name not in ATTRIBUTES:
         yield f"unknown element {name}"
@@ -222,7 +222,7 @@ def of(element: etree._Element) -> Iterator[str]:
 
 
 def references(root: etree._Element) -> Iterator[str]:
-    """Every reference to a component is by the id and instance name of one that is there."""
+    """Yield violations of references: each needs the id and instance name of a component."""
     key: Callable[[etree._Element, str], str] = lambda e, name: e.get(  # noqa: E731
         f"{{{RTS}}}{name}", ""
     )

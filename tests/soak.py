@@ -1,4 +1,4 @@
-"""Long runs whose memory, descriptors and threads have to stay as they are.
+"""Long runs whose memory, descriptors and threads must not grow.
 
     python tests/soak.py [--share S] [calls|frames|rh3|network ...]
 
@@ -6,12 +6,12 @@
 10,000,000 frames through `rtgen can hub`, a process of its own. `rh3`: 24 hours of the navigation
 pipeline in simulated time. `network`: 24 hours of 126 CANopen slaves and their manager. `openrtm`:
 an hour of the navigation pipeline as six processes of OpenRTM-aist-Python, at a fifth of their
-rates; left out where that is not installed. A share of 0.01 does a hundredth of each. Numbers in
-calls and frames show what is lost or doubled.
+rates; left out if that is not installed. A share of 0.01 runs a hundredth of each. Numbers in calls
+and frames show losses and duplicates.
 
-A line for each gives the growth of the resident memory (by linear regression, behind the first
+A line for each gives the growth of the resident memory (by linear regression, after the first
 fifth), of descriptors and of threads. The exit code is 1 if the memory grows by more than 2 % of
-itself over the run, if descriptors or threads grow, or if something was lost or doubled.
+itself over the run, if descriptors or threads grow, or if something was lost or duplicated.
 """
 
 from __future__ import annotations
@@ -44,20 +44,20 @@ WARM = 0.2
 GROWTH = 0.02
 MILLION = 1_000_000
 HOUR = 3600
-WHOLE = {
+FULL = {
     "calls": 10 * MILLION,
     "frames": 10 * MILLION,
     "rh3": 24 * HOUR,
     "network": 24 * HOUR,
     "openrtm": HOUR,
 }
-"""Units of a whole soak: calls, frames, simulated seconds, and real ones of `openrtm`."""
+"""Units of a complete soak: calls, frames, simulated seconds, and real ones of `openrtm`."""
 
 CDL = "signature sSoak { int32_t next([in] int32_t number); };\n"
 _PAGE = os.sysconf("SC_PAGE_SIZE")
 
 Steps = Iterator[tuple[int, tuple[int, ...]]]
-"""How many units are done, and the processes that do them."""
+"""Yields the number of units done, and the processes that do them."""
 
 
 class WrongError(Exception):
@@ -66,7 +66,7 @@ class WrongError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Sample:
-    """What processes hold after a number of units."""
+    """Resources of processes after a number of units."""
 
     done: int
     memory: int
@@ -75,7 +75,7 @@ class Sample:
 
 
 def sample(done: int, processes: tuple[int, ...]) -> Sample:
-    """The sum over the processes."""
+    """Return the sum over the processes."""
     gc.collect()
     memory = descriptors = threads = 0
     for each in processes:
@@ -87,7 +87,7 @@ def sample(done: int, processes: tuple[int, ...]) -> Sample:
 
 
 def calls(count: int) -> Steps:
-    """Each call sends the number that the last one returned; the server returns the next one."""
+    """Make OpaqueRPC calls: each sends the previous result, the server returns it plus one."""
     from services import Generated
 
     from rtgen.cli.rpc.codecs import Service
@@ -123,7 +123,7 @@ def calls(count: int) -> Steps:
 
 
 def frames(count: int) -> Steps:
-    """Batches from one client to another; each frame has its number."""
+    """Send batches of numbered frames from one client to another."""
     from hub_process import HubProcess
 
     from rtgen.runtime.canopen.bus.python_can import BusAddress, open_bus
@@ -159,7 +159,7 @@ def frames(count: int) -> Steps:
 
 
 def rh3(seconds: int) -> Steps:
-    """The navigation pipeline: it drives to the goal and goes on to run there."""
+    """Run the navigation pipeline, which also goes on after it has reached the goal."""
     from rtgen import runtime
     from rtgen.cli.assembly import assemble
     from rtgen.cli.factories import Factories
@@ -179,7 +179,7 @@ def rh3(seconds: int) -> Steps:
 
 
 def network(seconds: int) -> Steps:
-    """126 slaves that listen to each other; samples are compared each ten seconds."""
+    """Run 126 slaves that listen to each other; samples are checked each ten seconds."""
     from full_network import FullNetwork
 
     whole = FullNetwork()
@@ -191,7 +191,7 @@ def network(seconds: int) -> Steps:
 
 
 def openrtm(seconds: int) -> Steps:
-    """The navigation pipeline, a process and a manager of OpenRTM for each component."""
+    """Run the navigation pipeline, with a process and a manager of OpenRTM for each component."""
     with tempfile.TemporaryDirectory() as out:
         command = [sys.executable, "-m", "rtgen", "generate", "-q", "-o", out]
         subprocess.run([*command, "--target", "openrtm"], cwd=ROOT, check=True)
@@ -216,7 +216,7 @@ def openrtm(seconds: int) -> Steps:
 
 
 def _require_running(naming_service: str, names: list[str]) -> None:
-    """Each component is ACTIVE but PositionInput, whose ERROR says that the goal is reached."""
+    """Check that components are ACTIVE, except PositionInput in ERROR after it reached the goal."""
     rtc, corba = (importlib.import_module(name) for name in ("RTC", "omniORB.CORBA"))
     orb = corba.ORB_init([], "omniORB4")
     for name in names:
@@ -245,7 +245,7 @@ def _script(file: Path, *arguments: str) -> None:
 
 
 def _forget(whole: FullNetwork) -> None:
-    """Compare what came with what was sent, and keep the last sample of each slave."""
+    """Check the received samples, and drop all but the last one of each slave."""
     if wrong := whole.lost_or_doubled():
         raise WrongError(f"{wrong} samples were lost or doubled")
     for samples in whole.collector.samples.values():
@@ -264,8 +264,8 @@ PARTS: dict[str, Callable[[int], Steps]] = {
 
 
 def soak(name: str, share: float) -> tuple[str, bool]:
-    """Run a part; its line, and whether all is flat."""
-    count = max(1, round(WHOLE[name] * share))
+    """Run a part; return a line about it, and whether nothing grew."""
+    count = max(1, round(FULL[name] * share))
     begun = time.perf_counter()
     found: list[Sample] = []
     due, wrong = 0.0, ""
@@ -299,7 +299,7 @@ def soak(name: str, share: float) -> tuple[str, bool]:
 
 
 def main() -> int:
-    """Run the parts that are named, or all."""
+    """Run the named parts, or all."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("parts", nargs="*", choices=[*PARTS, []], metavar="PART")
     parser.add_argument("--share", type=float, default=1.0)

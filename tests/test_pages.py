@@ -1,4 +1,4 @@
-"""Each page of the documentation shows what the programs do."""
+"""Each page of the documentation agrees with the programs."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def test_a_page_shows_what_happens(page: Path, tmp_path: Path) -> None:
 
 
 def anchors(page: Path) -> set[str]:
-    """The anchors that a code host gives the headings of a page."""
+    """Return the anchors that a code host creates for the headings of a page."""
     text = re.sub(r"```.*?```", "", page.read_text(encoding="utf-8"), flags=re.DOTALL)
     return {
         re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-")

@@ -1,4 +1,4 @@
-"""The soak finds what grows and what is lost; small shares of it run here."""
+"""The soak tests detect growth and loss; small shares of them run here."""
 
 import gc
 import importlib.util
@@ -27,24 +27,24 @@ def few_samples(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def running(monkeypatch: pytest.MonkeyPatch, steps: object) -> tuple[str, bool]:
     monkeypatch.setitem(soak.PARTS, "calls", steps)  # type: ignore[arg-type]
-    return soak.soak("calls", COUNT / soak.WHOLE["calls"])
+    return soak.soak("calls", COUNT / soak.FULL["calls"])
 
 
 def test_some_calls() -> None:
-    line, _ = soak.soak("calls", 2000 / soak.WHOLE["calls"])
-    # Of so few calls the memory says nothing.
+    line, _ = soak.soak("calls", 2000 / soak.FULL["calls"])
+    # With so few calls, the memory is not significant.
     found = re.search(r"descriptors \d+ ([+-]\d+), threads \d+ ([+-]\d+)$", line)
     assert found is not None, line
     assert all(int(growth) <= 0 for growth in found.groups()), line
 
 
 def test_some_seconds() -> None:
-    line, _ = soak.soak("rh3", 20 / soak.WHOLE["rh3"])
+    line, _ = soak.soak("rh3", 20 / soak.FULL["rh3"])
     assert line.startswith("rh3 ")
 
 
 def test_memory_that_grows(monkeypatch: pytest.MonkeyPatch) -> None:
-    # Pages that nobody has touched yet: a heap may have room for objects.
+    # Fresh pages: the heap may have room for objects.
     size = 4 * mmap.PAGESIZE
     with mmap.mmap(-1, (COUNT + 1) * size) as pages:
 

@@ -1,4 +1,4 @@
-"""The table of faults: its tests exist, and docs/faults.md is made from it."""
+"""The table of faults: its tests exist, and docs/faults.md is up to date."""
 
 import ast
 

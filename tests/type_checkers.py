@@ -1,6 +1,6 @@
-"""mypy and pyright on emitted text, for all tests that have some.
+"""Checks generated code with mypy and pyright.
 
-All runs of mypy in a process of pytest share a cache: what the texts import is read once.
+All runs of mypy in a process of pytest share a cache: imported modules are analysed once.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ def _mypy_cache() -> str:
 
 
 def check_by_mypy(paths: Iterable[Path], search: Iterable[Path]) -> None:
-    """Have mypy check files and packages strictly; `search` are the folders that packages are in.
+    """Check files and packages by mypy, strictly; `search` are the folders of packages.
 
     Raises AssertionError with mypy's output if it finds something.
     """
@@ -43,7 +43,7 @@ def check_by_mypy(paths: Iterable[Path], search: Iterable[Path]) -> None:
 
 
 def check_by_pyright(paths: Iterable[Path], folder: Path) -> None:
-    """Have pyright check packages, which find each other in `folder`.
+    """Check packages by pyright; they import each other from `folder`.
 
     Raises AssertionError with pyright's output if it finds something; skips if it cannot run.
     """

@@ -1,4 +1,4 @@
-"""Systems of one network, each with what a process of its own would have, over each medium."""
+"""Systems of one network, each like a separate process, over each medium."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def network(request: pytest.FixtureRequest) -> Iterator[media.Engine]:
 
 @pytest.fixture
 def start(network: media.Engine) -> Iterator[Callable[..., Process]]:
-    """Starts further systems, on the media of the network unless one is given."""
+    """Return a function that starts further systems, by default on the network's media."""
     with ExitStack() as stack:
 
         def started(*instances: str, medium: Medium | None = None) -> Process:

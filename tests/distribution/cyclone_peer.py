@@ -1,4 +1,4 @@
-"""A program of cyclonedds alone: types by hand, a reader of an OutPort, a writer to an InPort.
+"""A program of cyclonedds alone, with hand-written types: reads an OutPort, writes to an InPort.
 
 Arguments: domain, partition, configuration of Cyclone DDS. It writes 0.5, 1.5 ... to `a/in/in`, and
 prints as JSON the first five numbers that it reads from `a/out/out`.

@@ -1,7 +1,7 @@
-"""A program of cyclonedds alone that speaks DDS-RPC's basic mapping: types by hand.
+"""A program of cyclonedds alone that uses DDS-RPC's basic mapping, with hand-written types.
 
 Arguments: domain, partition, configuration of Cyclone DDS, `call` or `serve`: a client or the
-server of `OpaqueRpc` at `a/given/rpc`. A client prints what it got as JSON.
+server of `OpaqueRpc` at `a/given/rpc`. A client prints its results as JSON.
 """
 
 import hashlib

@@ -1,4 +1,4 @@
-"""Components of the tests, and a system as a process of its own would have it."""
+"""Components of the tests, and a system like that of a separate process."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ from rtgen.runtime.opaque_rpc.interface import OpaqueRpc, OpaqueRpcFailed
 
 
 def sample(number: float) -> TimedDouble:
-    """A sample with a number."""
+    """Return a sample with a number."""
     return TimedDouble(Time(1, 2), number)
 
 
 def wait_for(condition: Callable[[], object]) -> Any:
-    """What a condition gives, once it is true."""
+    """Return the value of a condition, once it is true."""
     deadline = time.monotonic() + PATIENCE
     while not (found := condition()):
         assert time.monotonic() < deadline
@@ -34,7 +34,7 @@ def wait_for(condition: Callable[[], object]) -> Any:
 
 
 class Servant(OpaqueRpc):
-    """Replies with what it is given; `wait` holds the operation `more`."""
+    """Replies with its argument; `wait` holds the operation `more`."""
 
     def __init__(self) -> None:
         self.calls: list[str] = []
@@ -96,7 +96,7 @@ class Node(runtime.Component):
         return self.fail("it is to fail") if self.fails else runtime.RTC_OK
 
     def take(self) -> list[float]:
-        """The numbers that have come so far."""
+        """Return the numbers received so far."""
         while self.inward.is_new():
             value = self.inward.read()
             assert value is not None
@@ -105,13 +105,13 @@ class Node(runtime.Component):
 
 
 def arrived(node: Node, numbers: list[float]) -> None:
-    """Waits until a component has received these numbers, and asserts that it got no others."""
+    """Wait until a component has received these numbers, and check that it received no others."""
     wait_for(lambda: len(node.take()) >= len(numbers))
     assert node.take() == numbers
 
 
 class Process:
-    """A system in real time over a medium; its components tick from `run` on."""
+    """A system in real time over a medium; its components tick after `run`."""
 
     def __init__(self, medium: Medium, *instances: str, timeout: float = 10.0) -> None:
         self._stack = ExitStack()
@@ -136,15 +136,15 @@ class Process:
         self.close()
 
     def close(self) -> None:
-        """Ends the system in order, then its transport."""
+        """End the system in order, then its transport."""
         self._stack.close()
 
     def node(self, name: str) -> Any:
-        """A component of this process."""
+        """Return a component of this process."""
         return self.nodes[name]
 
     def connect(self, source: str, target: str, **properties: str) -> Any:
-        """Connects two ports, `INSTANCE.PORT`; `__` stands for a dot in a property."""
+        """Connect two ports, `INSTANCE.PORT`; `__` stands for a dot in a property."""
         texts = {
             f"dataport.{key.replace('__', '.')}": value
             for key, value in properties.items()
@@ -153,11 +153,11 @@ class Process:
         return self.system.connect((one[0], one[1]), (other[0], other[1]), texts)
 
     def ready(self) -> None:
-        """Waits for the other processes."""
+        """Wait for the other processes."""
         self.transport.await_others(PATIENCE)
 
     def activate(self, instance: str) -> None:
-        """Makes a component ACTIVE."""
+        """Make a component ACTIVE."""
         self.system.activate(instance)
         active = runtime.LifeCycleState.ACTIVE_STATE
         self.system.run(PATIENCE * 1_000_000_000, lambda s: s.state(instance) is active)

@@ -20,7 +20,7 @@ ROBOT = "RefHardRh30,Odometry0"
 WAY = "PathFollower0,Navigation0"
 CONSOLE = "PositionInput0,OmniTo2WD0"
 GOAL = (0.5, 0.2, 0.4)
-"""x, y [m] and heading [rad]: near, since the way takes real time, and aside."""
+"""x, y [m] and heading [rad]: near, since the run is in real time, and to the side."""
 TO_GOAL = [
     option
     for name, value in zip(("x", "y", "th"), GOAL, strict=True)
@@ -29,7 +29,7 @@ TO_GOAL = [
 
 
 def leased(folder: Path, seconds: float) -> Path:
-    """The system with a lease of a connection."""
+    """Return the system with a lease for a connection."""
     first = '<rtsExt:Properties rtsExt:name="dataport.inport.buffer.length"'
     lease = first.replace("inport.buffer.length", "qos.lease")
     text = SYSTEM.read_text(encoding="utf-8")
@@ -42,7 +42,7 @@ def leased(folder: Path, seconds: float) -> Path:
 
 
 class Wheels:
-    """What the base was commanded and did, by the time stamps that the samples carry."""
+    """Commands and motion of the base, by the time stamps of the samples."""
 
     _STAMP = struct.Struct("<4x2I")
 
@@ -51,11 +51,11 @@ class Wheels:
         self._angles: deque[tuple[int, bytes]] = deque(maxlen=50_000)
 
     def on_command(self, octets: bytes) -> None:
-        """A sample of the velocity came."""
+        """Record a sample of the velocity."""
         self.commanded = self._stamp(octets)
 
     def on_angles(self, octets: bytes) -> None:
-        """A sample of the wheels' angles came."""
+        """Record a sample of the wheels' angles."""
         self._angles.append((self._stamp(octets), octets[self._STAMP.size :]))
 
     def _stamp(self, octets: bytes) -> int:
@@ -64,11 +64,11 @@ class Wheels:
 
     @property
     def turn(self) -> bool:
-        """Whether they have turned."""
+        """Whether the wheels have turned."""
         return len({angles for _, angles in self._angles.copy()}) > 10
 
     def after_bound(self) -> list[bytes]:
-        """The angles behind the bound of the last command.
+        """Return the angles after the bound of the last command.
 
         The first one may still have the turn of a tick that began before the bound.
         """
@@ -102,7 +102,7 @@ class Run:
         return self._errors.read_text(encoding="utf-8")
 
     def wait_for(self, text: str) -> None:
-        """Waits until it wrote that."""
+        """Wait until standard error has a text."""
         deadline = time.monotonic() + PATIENCE
         while text not in self.errors:
             assert self.process.poll() is None, self.errors
@@ -110,7 +110,7 @@ class Run:
             time.sleep(0.05)
 
     def kill(self) -> None:
-        """Ends it at once."""
+        """Kill the process."""
         self.process.kill()
         assert self.process.stdout is not None
         if not self.process.stdout.closed:

@@ -1,4 +1,4 @@
-"""`rtgen ctl`: components are watched and steered by command, over each engine."""
+"""`rtgen ctl`: components are watched and controlled by command, over each engine."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ pytestmark = pytest.mark.parametrize("network", ["dds", "zenoh"], indirect=True)
 
 @pytest.fixture
 def node(start: Callable[..., Process]) -> Iterator[Process]:
-    """A process with the component `b`, which runs."""
+    """Yield a running process with the component `b`."""
     process = start("b")
     ended = threading.Event()
     thread = threading.Thread(
@@ -35,7 +35,7 @@ def node(start: Callable[..., Process]) -> Iterator[Process]:
 
 @pytest.fixture
 def ctl(network: media.Engine, capfd: pytest.CaptureFixture[str]) -> Ctl:
-    """Runs a command: its exit code, standard output and standard error."""
+    """Run a command; return exit code, standard output and standard error."""
     assert network.address is not None
     [(name, (place, _))] = json.loads(network.address).items()
     if name == "dds":

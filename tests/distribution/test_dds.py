@@ -1,4 +1,4 @@
-"""What is DDS's alone: types, QoS, programs of cyclonedds, processes that die."""
+"""Tests of DDS only: types, QoS, programs of cyclonedds, killed processes."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def stack() -> Iterator[ExitStack]:
 
 
 def medium(stack: ExitStack, partition: str) -> DdsMedium:
-    """One more participant, which ends with the test."""
+    """Return a further participant, which ends with the test."""
     made = DdsMedium(partition, domain=DOMAIN)
     stack.callback(made.close)
     return made
@@ -107,7 +107,7 @@ def test_cyclonedds_reads_what_our_codec_writes(type_: type[Any]) -> None:
 
 
 class Wide(Aggregated):
-    """A type that cyclonedds does not have."""
+    """A type that cyclonedds does not support."""
 
     _descriptor_ = idl.struct("Wide", text=idl.WSTRING)
 
@@ -131,7 +131,7 @@ def test_samples_are_numbered_without_change_of_meaning() -> None:
     assert found == sent[:6]
     assert numbers.sequence("one", marked[5], 5) == DOUBLE
     assert [plain(each) for each in marked] == [payload] * len(marked)
-    # More than a cycle cannot be counted.
+    # Losses of more than a cycle cannot be counted.
     assert numbers.sequence("one", marked[6], 6) == 40000 - 16383
     for each in marked:
         assert xcdr.deserialize(rtc.TimedLong, each).data == 5
@@ -144,7 +144,7 @@ def test_what_a_writer_sends_again_is_known_by_its_time() -> None:
     sent = [(number, numbered(payload, number)) for number in (3, 4, 5)]
     assert [numbers.sequence("one", m, at) for at, m in sent] == [3, 4, 5]
     assert {numbers.sequence("one", m, at) for at, m in sent} == {DOUBLE}
-    # Also with a clock that was set back: a number that goes on is a new sample.
+    # Also with a clock that was set back: an increasing number is a new sample.
     assert numbers.sequence("one", numbered(payload, 6), 1) == 6
     # More than half a cycle was lost.
     assert numbers.sequence("one", numbered(payload, 16000), 9) == 16000
@@ -189,7 +189,7 @@ def test_padding_that_is_not_stated_is_left_out() -> None:
 
 @pytest.fixture
 def rpc_peer(stack: ExitStack, partition: str) -> Callable[[str], Any]:
-    """Starts the program of DDS-RPC as `call` or `serve`."""
+    """Return a function that starts the program of DDS-RPC as `call` or `serve`."""
 
     def started(role: str) -> subprocess.Popen[str]:
         command = [sys.executable, str(RPC_PEER), str(DOMAIN), partition]
@@ -308,7 +308,7 @@ def test_garbage_on_a_topic_is_counted(
 ) -> None:
     process = stack.enter_context(Process(medium(stack, partition), "a"))
     other = medium(stack, partition)
-    # The same topic, with octets that are not sample of the type.
+    # The same topic, with octets that are no sample of the type.
     publisher = other.publisher(Topic("a/in/in", rtc.TimedDouble), Qos())
     wait_for(lambda: publisher.matched)
     with pytest.raises(MediumError):
@@ -404,7 +404,7 @@ def test_a_process_cannot_keep_a_shorter_lease_than_its_own(
 def test_a_process_that_stands_still_is_lost_after_the_lease_of_a_connection(
     stack: ExitStack, tmp_path: Path, partition: str
 ) -> None:
-    """By the file alone nobody would notice during the test."""
+    """The default lease would exceed the duration of the test."""
     file = tmp_path / "cyclonedds.xml"
     file.write_text(configuration(None, lease=3600), encoding="ascii")
     watcher = DdsMedium(partition, domain=88, config=file)
@@ -452,7 +452,7 @@ def start(tmp_path: Path, partition: str) -> Iterator[Callable[..., Run]]:
 def test_rh3_in_three_processes_survives_the_loss_of_one(
     start: Callable[..., Run], stack: ExitStack, partition: str
 ) -> None:
-    """The process that steers is killed while the wheels turn: they stop until it is back."""
+    """The controlling process is killed while the wheels turn: they stop until it is back."""
     wheels = Wheels()
     watch = medium(stack, partition)
     for name, type_, heard in (

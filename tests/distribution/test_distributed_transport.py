@@ -1,4 +1,4 @@
-"""Samples, calls, presence and steering between processes, over the medium of one process."""
+"""Samples, calls, presence and control between processes, over the in-process medium."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def pair(start: Start) -> tuple[Process, Process]:
 
 
 def connect(here: Process, there: Process, **properties: str) -> Any:
-    """Connects a.out with b.in, as both processes do; the receiving connector."""
+    """Connect a.out with b.in, as both processes do; return the receiving connector."""
     here.connect("a.out", "b.in", **properties)
     made = there.connect("a.out", "b.in", **properties)
     here.ready()
@@ -157,7 +157,7 @@ def test_a_moved_sample_goes_both_ways(start: Start) -> None:
 
 @pytest.fixture
 def called(pair: tuple[Process, Process]) -> tuple[Process, Process]:
-    """The first process calls the second one, which is ACTIVE."""
+    """Return two processes; the first calls the second one, which is ACTIVE."""
     here, there = pair
     here.connect("a.taken", "b.given")
     there.activate("b")
@@ -401,7 +401,7 @@ def test_ports_of_other_processes_are_checked(pair: tuple[Process, Process]) -> 
         here.transport.await_others(1)
 
 
-# Steering.
+# Control.
 
 
 def test_another_process_is_watched_and_steered(pair: tuple[Process, Process]) -> None:

@@ -1,4 +1,4 @@
-"""The medium within one process does what the contract of media says."""
+"""The medium within one process satisfies the contract of media."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is Zenoh's alone: programs of eclipse-zenoh, routers, configuration files, the command."""
+"""Tests of Zenoh only: programs of eclipse-zenoh, routers, configuration files, the command."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ from rtgen.runtime.zenoh.services import ZenohService
 from rtgen.runtime.zenoh.session import Endpoints, open_session
 
 TIMED_DOUBLE = struct.Struct("<4xIId")
-"""XCDR1 of BasicDataType.idl's TimedDouble, behind the header: time in s and ns, the number."""
+"""XCDR1 of BasicDataType.idl's TimedDouble, after the header: time in s and ns, the number."""
 HEADER = b"\0\1\0\0"
 
 
@@ -50,7 +50,7 @@ def stack() -> Iterator[ExitStack]:
 
 
 def plain_session(connect: str) -> zenoh.Session:
-    """A session as a program without rtgen makes it."""
+    """Return a session as opened by a program without rtgen."""
     config = zenoh.Config()
     config.insert_json5("connect/endpoints", json.dumps([connect]))
     config.insert_json5("listen/endpoints", "[]")
@@ -167,7 +167,7 @@ def test_a_router_that_is_started_again_is_found(
 
 
 def test_routers_of_robots_join_at_a_site(stack: ExitStack, locator: str) -> None:
-    """One watches a robot from the site, by its partition; the robot goes on without the site."""
+    """The site's router sees a robot by its partition; the robot goes on without the site."""
     site_router = stack.enter_context(ExitStack())
     site_router.enter_context(media.router(locator))
     robots = {}
@@ -225,7 +225,7 @@ def test_a_wrong_configuration_file_is_reported(
 def test_a_session_that_does_not_open_is_reported(
     monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    """As when another program holds the port where sessions meet."""
+    """As if another program held the port where sessions meet."""
     monkeypatch.setattr(session, "_SLOW", 0.01)
     opened = object()
 
@@ -270,7 +270,7 @@ def test_processes_of_one_machine_meet_without_options(
     second.announce("second")
     first.announce("first")
     wait_for(lambda: len(seen) == 2)
-    # The first one listened at the meeting place: the others go on, and are found.
+    # The first one listened at the meeting place: the others continue, and are found.
     first.close()
     wait_for(lambda: ("first", False) in seen)
     joined().announce("fourth")
@@ -301,7 +301,7 @@ MEMBER = """
 
 
 def certify(folder: Path, *names: str) -> None:
-    """Makes keys and certificates of a site."""
+    """Generate keys and certificates of a site."""
     openssl = shutil.which("openssl")
     if openssl is None:
         pytest.skip("openssl is not installed")
@@ -346,7 +346,7 @@ def test_files_of_zenoh_encrypt_and_keep_strangers_out(
     for medium, name in ((others[0], "a"), (others[1], "b"), (members[1], "c")):
         medium.announce(name)
     wait_for(lambda: len(seen) == 2)
-    # What a stranger announces, it sees itself alone.
+    # Announcements of a stranger are visible to the stranger alone.
     assert sorted(seen) == [("member", "c"), ("stranger", "a")]
 
 
@@ -394,7 +394,7 @@ def test_a_session_cannot_keep_a_shorter_lease_than_its_own(
 def test_a_process_that_stands_still_is_lost_after_the_lease_of_a_connection(
     stack: ExitStack, tmp_path: Path, locator: str
 ) -> None:
-    """By the file alone nobody would notice during the test."""
+    """The default lease would exceed the duration of the test."""
     file = tmp_path / "zenoh.json5"
     file.write_text(
         "{ mode: 'peer', listen: { endpoints: [] },"
@@ -432,7 +432,7 @@ def start(tmp_path: Path, locator: str) -> Iterator[Callable[..., Run]]:
 def test_rh3_in_three_processes_behind_a_router_survives_the_loss_of_one(
     start: Callable[..., Run], stack: ExitStack, locator: str
 ) -> None:
-    """The process that steers is killed while the wheels turn: they stop until it is back."""
+    """The controlling process is killed while the wheels turn: they stop until it is back."""
     stack.enter_context(media.router(locator))
     wheels = Wheels()
     watch = stack.enter_context(plain_session(locator))

@@ -1,10 +1,10 @@
-"""Random schedules on a CAN bus against its computed response times.
+"""Simulates random schedules on a CAN bus, and compares them with computed response times.
 
     python tests/fuzz/can_schedules.py 10000 [FIRST]
 
 Each number is a bus: messages with random identifiers, lengths, periods, jitters and stations,
-random instants of their events, and the bits that their data make with all stuff bits. Arbitration
-is carried out frame by frame (CSMA/CR). A message that takes longer than computed is a defect.
+random times of their events, and random data with their stuff bits. Arbitration is simulated frame
+by frame (CSMA/CR). A response later than the computed one is a defect.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ from rtgen.runtime.canopen.bus.arbitration import frame_bits as real_bits
 from rtgen.runtime.canopen.wire.frames import Frame
 
 FRAMES = 250
-"""Frames of a schedule."""
+"""Number of frames of a schedule."""
 _US = 1000
 
 
 @dataclass(slots=True)
 class _Instance:
-    """An event of a message, and since when its frame waits."""
+    """An event of a message, and the time since when its frame waits."""
 
     message: Message
     event: int
@@ -39,7 +39,7 @@ class _Instance:
 
 
 class Bus:
-    """A bus of a number, and what it has carried."""
+    """A bus with a random schedule, and its results."""
 
     def __init__(self, number: int) -> None:
         random = self._random = Random(number)
@@ -47,7 +47,7 @@ class Bus:
         self.worst: dict[str, int] = {}
         """The longest response of each message that was sent."""
         self.bit_rate = random.choice((50, 125, 250, 500, 1000))
-        # Half of the buses carry the longest frames that there are.
+        # Half of the buses carry the longest possible frames.
         self._longest = random.random() < 0.5
         self._punctual = random.random() < 0.5
         count = random.randint(2, 12)
@@ -69,7 +69,7 @@ class Bus:
                     trigger=trigger,
                 )
             )  # fmt: skip
-        # What is triggered comes as often as its trigger.
+        # A triggered message comes as often as its trigger.
         period = self.messages[0].period
         self.messages = [
             Message(
@@ -80,7 +80,7 @@ class Bus:
         ]  # fmt: skip
 
     def run(self) -> None:
-        """Carries `FRAMES` frames; notes the longest response of each message."""
+        """Simulate `FRAMES` frames; record the longest response of each message."""
         coming: list[tuple[int, int, _Instance]] = []
         events = {m.name: self._events(m) for m in self.messages if not m.trigger}
         for place, message in enumerate(self.messages):
@@ -114,7 +114,7 @@ class Bus:
                     heappush(coming, (now, added, triggered))
 
     def _events(self, message: Message) -> Iterator[_Instance]:
-        """The events of a message, at least a period apart; frames keep their order."""
+        """Yield the events of a message, at least a period apart; frames keep their order."""
         random, queued = self._random, 0
         event = 0 if random.random() < 0.5 else random.randrange(message.period)
         late = message.jitter
@@ -123,7 +123,7 @@ class Bus:
             yield _Instance(message, event, queued, self._cost(message))
             pause = 0 if self._punctual else random.choice((0, 0, message.period))
             event += message.period + (random.randrange(pause) if pause else 0)
-            # The first one late, those behind it in time: that is what hurts others most.
+            # The first event late, later ones in time: the worst case for others.
             late = random.choice((0, random.randint(0, message.jitter)))
 
     def _cost(self, message: Message) -> int:
@@ -140,13 +140,13 @@ class Bus:
 
 
 class ScheduleTarget:
-    """For `fuzzing.run`."""
+    """The schedules as a target of `fuzzing.run`."""
 
     def __init__(self, folder: Path) -> None:
         pass
 
     def known(self, message: Message) -> Message:
-        """A message as input of the analysis."""
+        """Return a message as input of the analysis."""
         return message
 
     def make(self, number: int) -> bytes:
@@ -173,7 +173,7 @@ class ScheduleTarget:
 
 
 def main() -> None:
-    """Print what the schedules of a range of numbers have shown."""
+    """Print the results of a range of schedules."""
     from fuzzing import run
 
     count = int(sys.argv[1])

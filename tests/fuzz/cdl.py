@@ -1,4 +1,4 @@
-"""Reading CDL: whatever is in the file, findings of known rules come out, in bounded time."""
+"""Fuzzing of CDL: any file gives findings of known rules, in bounded time."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from rtgen.inspection.models import inspect, tree
 
 ROOT = Path(__file__).parents[2]
 
-_LARGEST = 200_000
+_MAX_CHARACTERS = 200_000
 _TOKEN = re.compile(
     r"//[^\n]*|/\*.*?\*/|\"(?:\\.|[^\"\\\n])*\"|'(?:\\.|[^'\\\n])*'|\w+|\s+|::|<=|=>|.",
     re.DOTALL,
@@ -44,7 +44,7 @@ class CdlTarget:
                 (folder / file.name).write_bytes(file.read_bytes())
 
     def make(self, number: int) -> bytes:
-        """A file or some statements with tokens changed, doubled, exchanged or left out."""
+        """Return a file or statements with tokens changed, doubled, exchanged or left out."""
         chance = Random(number)
         tokens: list[str] = []
         kind = chance.random()
@@ -60,7 +60,7 @@ class CdlTarget:
             tokens += "};" * (tokens.count("{") - tokens.count("}"))
         for _ in range(log_uniform(1, 9, chance.random()) - 1):
             _change(chance, tokens)
-        text = "".join(tokens)[:_LARGEST]
+        text = "".join(tokens)[:_MAX_CHARACTERS]
         data = text.encode(chance.choice(_ENCODINGS), "replace")
         if chance.random() < 0.1 and data:
             at = chance.randrange(len(data))
@@ -68,7 +68,7 @@ class CdlTarget:
         return data
 
     def check(self, number: int, data: bytes) -> Iterator[str]:
-        """Read it, and look at all that comes out."""
+        """Read the file, and check all results."""
         path = self._folder / "input.cdl"
         path.write_bytes(data)
         result = load(
@@ -88,7 +88,7 @@ class CdlTarget:
 
 
 def _hold(found: tuple[Diagnostic, ...], lines: dict[str, list[str]]) -> None:
-    """The promises that findings keep."""
+    """Check the guarantees for findings."""
     if list(found) != in_order(found):
         raise ViolationError("the findings are not in order")
     for d in found:
@@ -115,7 +115,7 @@ def _exists(d: Diagnostic, span: Span, lines: dict[str, list[str]]) -> None:
 
 @cache
 def _right() -> list[str]:
-    """A file without a mistake."""
+    """Return a file without errors."""
     file = ROOT / "tests/unit/cdl/constructs.cdl"
     return _TOKEN.findall(file.read_text(encoding="utf-8"))
 
@@ -130,7 +130,7 @@ def _texts() -> list[list[str]]:
 
 @cache
 def _statements() -> list[list[str]]:
-    """The statements at the top of these files."""
+    """Return the statements at the top level of these files."""
     found: dict[str, list[str]] = {}
     for tokens in _texts():
         start = depth = 0

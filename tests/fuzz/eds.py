@@ -1,4 +1,4 @@
-"""Reading device descriptions: whatever is in the file, findings in it come out, or a device."""
+"""Fuzzing of device descriptions: any file gives findings in the file, or a device."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from rtgen.project import output
 ROOT = Path(__file__).parents[2]
 
 _CODES = {rule.code for rule in RULES}
-_LARGEST = 200_000
+_MAX_CHARACTERS = 200_000
 _VALUES = """
     0 1 -1 2 7 8 9 010 0x 0x7 0x07 0x9 0x0005 0x0006 0x0008 0x0009 0x000A 0x0040 0x00A0 0xFF 255 256
     300 0x60000108 0x00050008 0xFFFFFFFF 0x100000000 1e39 0.5 .5f nan inf -0 1A00h $NODEID
@@ -59,14 +59,14 @@ class EdsTarget:
         self._folder = folder
 
     def make(self, number: int) -> bytes:
-        """Lines of a description with some of them changed, doubled, exchanged or left out."""
+        """Return lines of a description with some changed, doubled, exchanged or left out."""
         chance = Random(number)
         lines = list(chance.choice(_texts()))
         if chance.random() < 0.5:
             lines = lines[chance.randrange(len(lines)) :][: chance.randrange(1, 80)]
         for _ in range(log_uniform(1, 30, chance.random())):
             _change(chance, lines)
-        text = chance.choice(["\n", "\n", "\r\n", "\r"]).join(lines)[:_LARGEST]
+        text = chance.choice(["\n", "\n", "\r\n", "\r"]).join(lines)[:_MAX_CHARACTERS]
         data = text.encode(chance.choice(["utf-8", "utf-8", "utf-16", "utf-8-sig"]))
         if chance.random() < 0.1 and data:
             at = chance.randrange(len(data))
@@ -74,7 +74,7 @@ class EdsTarget:
         return data
 
     def check(self, number: int, data: bytes) -> Iterator[str]:
-        """Read it as an EDS or a DCF, for a node or for none."""
+        """Read the description as an EDS or a DCF, for a node or for none."""
         path = self._folder / ("input.dcf" if number % 3 == 0 else "input.eds")
         path.write_bytes(data)
         node_id = None if number % 2 else 1 + number % 127
@@ -92,7 +92,7 @@ class EdsTarget:
 
 
 def _hold(found: tuple[Diagnostic, ...], lines: list[str]) -> None:
-    """The promises that findings keep."""
+    """Check the guarantees for findings."""
     if len(found) > 3 * MAX_FINDINGS + 3:
         raise ViolationError(f"{len(found)} findings")
     for d in found:
@@ -143,10 +143,10 @@ def _change(chance: Random, lines: list[str]) -> None:
 
 
 class ComponentsTarget(EdsTarget):
-    """Whoever is read is generated and imported, alone and as a node of a bus."""
+    """Generates and imports the components of each description, alone and as a node of a bus."""
 
     def check(self, number: int, data: bytes) -> Iterator[str]:
-        """Generate the components of a description that has no errors, and make them."""
+        """Generate the components of a description without errors, and create instances."""
         name, ports = f"fuzzed{number}", ("pdo", "object")[number % 2]
         root = self._folder / name
         (root / "eds").mkdir(parents=True, exist_ok=True)
@@ -188,7 +188,7 @@ id = 5
 
 
 def _factories(root: Path, package: str) -> list[Callable[[str], object]]:
-    """Those of the components, after every module has been imported."""
+    """Return the factories of the components, after the import of all modules."""
     folders = [str(root / "generated"), str(root / "src")]
     sys.path[:0] = folders
     invalidate_caches()

@@ -1,4 +1,4 @@
-"""Frames of strangers on a CANopen bus: whatever they are, the stations go on and stay bounded."""
+"""Fuzzing of CANopen stations: with any frames, stations go on and their memory stays bounded."""
 
 from __future__ import annotations
 
@@ -49,13 +49,13 @@ _INDICES = (
 )
 _PERIODS = (0, 0, 0, 1, 3, 20, 400, 3000)
 _MAX_FRAMES = 300
-"""An answer is not longer than a block of segments and what else may be due."""
+"""Maximum number of frames in an answer: a block of segments and others that may be due."""
 _MAX_POLLS = 20_000
 
 
 @dataclass(frozen=True, slots=True)
 class Strange:
-    """A frame, and how many milliseconds pass behind it."""
+    """A frame, and the milliseconds after it."""
 
     frame: Frame
     pause: int
@@ -68,7 +68,7 @@ class Strange:
 
     @classmethod
     def read(cls, data: bytes) -> Iterator[Strange]:
-        """All that stand in the octets."""
+        """Yield all frames encoded in the octets."""
         for at in range(0, len(data), 16):
             each = data[at : at + 16]
             if len(each) < 6:
@@ -81,7 +81,7 @@ class Strange:
 
 
 def strange(chance: Random) -> Strange:
-    """One that has something of what the stations know."""
+    """Return a frame that resembles those of the stations."""
     if chance.random() < 0.25:
         can_id = chance.choice(_IDENTIFIERS)
     else:
@@ -112,7 +112,7 @@ def strange(chance: Random) -> Strange:
 
 
 class _Target:
-    """What all the targets share: the frames."""
+    """Common base of the targets: random frames."""
 
     longest = 400
 
@@ -120,17 +120,17 @@ class _Target:
         pass
 
     def make(self, number: int) -> bytes:
-        """Frames, and the time between them."""
+        """Return frames, and the time between them."""
         chance = Random(number)
         count = log_uniform(1, self.longest, chance.random())
         return b"".join(bytes(strange(chance)) for _ in range(count))
 
 
 class NodeTarget(_Target):
-    """A slave alone."""
+    """The target of a slave alone."""
 
     def check(self, number: int, data: bytes) -> Iterator[str]:
-        """It takes the frames, and does what is due between them."""
+        """Send the frames to the slave, and run what is due between them."""
         node = DeviceNode(_DEVICES[number % 4], 1 if number % 7 else 255)
         now = 0
         _hold(node.boot(now))
@@ -149,12 +149,12 @@ class NodeTarget(_Target):
 
 
 class BusTarget(_Target):
-    """A manager, a proxy and two drives on a bus; who decodes listens, too."""
+    """The target of a manager, a proxy and two drives on a bus; a decoder listens, too."""
 
     longest = 40
 
     def check(self, number: int, data: bytes) -> Iterator[str]:
-        """The stranger sends; the others go on."""
+        """Send the frames; the other stations go on."""
         system = System()
         assert system.clock.network is not None
         bus = simulated_bus(system.clock.network, "can0", 1_000_000)
@@ -186,7 +186,7 @@ class BusTarget(_Target):
 
 
 class _Listener:
-    """Decodes whatever is on the bus."""
+    """Decodes all frames on the bus."""
 
     identifiers = None
     deadline = None

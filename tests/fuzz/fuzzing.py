@@ -1,7 +1,7 @@
 """Runs numbered cases in worker processes with a limit on time and memory for each input.
 
-A case's number alone decides its input. A worker that dies is noticed and its case kept; the
-rest of its cases go to a new worker.
+A case's number alone determines its input. If a worker dies, its case is recorded and the remaining
+cases go to a new worker.
 """
 
 from __future__ import annotations
@@ -25,57 +25,57 @@ from types import FrameType
 from typing import Protocol
 
 SECONDS = 5.0
-"""Processor time that one input may take."""
+"""Maximum processor time for one input [s]."""
 
 MEMORY = 500 * 1024 * 1024
-"""Address space that a worker may have, the interpreter included."""
+"""Maximum address space of a worker, including the interpreter."""
 
 MAX_FAILURES = 100
-"""After so many failures a run ends."""
+"""Number of failures after which a run ends."""
 
-_PATIENCE = 120.0
+_WORKER_TIMEOUT = 120.0
 _CHUNK = 10_000
 _SHARED_MEMORY = Path("/dev/shm")
 
 
 class ViolationError(Exception):
-    """What was given back for an input breaks a promise."""
+    """A result for an input violates a guarantee."""
 
 
 class TimeUp(BaseException):
-    """An input took more than its time; no `except Exception` on the way swallows it."""
+    """An input took too much time; `except Exception` does not catch this."""
 
 
 class Target(Protocol):
-    """What is fuzzed."""
+    """The code under test."""
 
     def make(self, number: int) -> bytes:
-        """The input of a case."""
+        """Return the input of a case."""
 
     def check(self, number: int, data: bytes) -> Iterable[str]:
-        """Process an input; raises for a defect, gives labels to count."""
+        """Process an input; raises for a defect, returns labels to count."""
 
 
 Factory = Callable[[Path], Target]
-"""Makes the target in a worker, which has a folder of its own."""
+"""Creates the target in a worker, which has a folder of its own."""
 
 
 @dataclass(frozen=True, slots=True)
 class Failure:
-    """A case that showed a defect: the last line of `detail` says which."""
+    """A case that showed a defect, which is the last line of `detail`."""
 
     number: int
     detail: str
 
     @property
     def title(self) -> str:
-        """The defect in a line."""
+        """The defect in one line."""
         return self.detail.rstrip().rpartition("\n")[2]
 
 
 @dataclass(slots=True)
 class Report:
-    """What a run found, and what it cost."""
+    """The results of a run, and its cost."""
 
     cases: int = 0
     octets: int = 0
@@ -86,7 +86,7 @@ class Report:
     seconds: float = 0.0
 
     def add(self, other: Report) -> None:
-        """Count another run's figures in."""
+        """Add the figures of another run."""
         self.cases += other.cases
         self.octets += other.octets
         self.labels += other.labels
@@ -112,10 +112,10 @@ class Report:
 
 
 class Watch:
-    """Stops an input that takes too much processor time, at no cost for the others.
+    """Stops an input that takes too much processor time, without slowing the others down.
 
-    A timer ticks while the processor is used; an input that was there at the last tick, too, ends
-    in TimeUp. So an input has one to two ticks.
+    A timer ticks while the processor is used; an input that is still running at the second tick
+    ends in TimeUp, so its limit is one to two ticks.
     """
 
     def __init__(self, tick: float) -> None:
@@ -132,7 +132,7 @@ class Watch:
 
     @contextmanager
     def input(self) -> Iterator[None]:
-        """Watches what is done for one input."""
+        """Watch the processing of one input."""
         self._inputs += 1
         self._on = True
         try:
@@ -141,7 +141,7 @@ class Watch:
             self._on = False
 
     def end(self) -> None:
-        """Take the timer away."""
+        """Remove the timer."""
         signal.setitimer(signal.ITIMER_PROF, 0.0)
         signal.signal(signal.SIGPROF, signal.SIG_DFL)
 
@@ -149,13 +149,13 @@ class Watch:
 def attempt(
     target: Target, number: int, data: bytes, report: Report, watch: Watch
 ) -> None:
-    """Check an input and note what came of it."""
+    """Check an input and record the result."""
     start = time.perf_counter()
     try:
         with watch.input():
             report.labels.update(target.check(number, data))
         if time.perf_counter() - start > report.slowest[0]:
-            # Other work of the machine counts not: once more, by the processor's clock.
+            # Without the load of other processes: once more, by processor time.
             start = time.process_time()
             with watch.input():
                 list(target.check(number, data))
@@ -190,7 +190,7 @@ def run(
                 while pending and len(workers) < jobs:
                     worker = _Worker(factory, pending.pop(), Path(scratch))
                     workers[worker.channel] = worker
-                for channel in wait(list(workers), _PATIENCE):
+                for channel in wait(list(workers), _WORKER_TIMEOUT):
                     assert isinstance(channel, Connection)
                     worker = workers.pop(channel)
                     report, rest = worker.result()
@@ -228,11 +228,11 @@ class _Worker:
         theirs.close()
 
     def look(self) -> None:
-        """End a worker whose input has not changed since the last look, long ago."""
+        """End a worker whose input has not changed since the previous call, long ago."""
         now = time.monotonic()
         if self._current.value != self._seen:
             self._seen, self._since = self._current.value, now
-        elif now - self._since > _PATIENCE:
+        elif now - self._since > _WORKER_TIMEOUT:
             self._process.kill()
 
     def end(self) -> None:
@@ -241,7 +241,7 @@ class _Worker:
         self._process.join()
 
     def result(self) -> tuple[Report, range]:
-        """The report and the cases that are left, once the channel is ready."""
+        """Return the report and the remaining cases, once the channel is ready."""
         try:
             report: Report = self.channel.recv()
             rest = range(0)
@@ -279,5 +279,5 @@ def _work(
 
 
 def log_uniform(low: float, high: float, draw: float) -> int:
-    """A number from `low` to `high`, small ones as often as large ones; `draw` is from 0 to 1."""
+    """Return a number from `low` to `high`, uniform in its logarithm; `draw` is from 0 to 1."""
     return round(math.exp(math.log(low) + draw * (math.log(high) - math.log(low))))

@@ -1,4 +1,4 @@
-"""What the back ends make of a model, imported from memory."""
+"""Generated Python of all back ends, imported from memory."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from rtgen.runtime.marshalling import descriptors
 
 
 def generate(model: Model) -> dict[str, str]:
-    """The Python of all back ends by its paths; InputError if there are errors."""
+    """Return the Python of all back ends by its paths. Raises InputError for errors."""
     options = Options("fuzzed", "skeletons", "0")
     emissions = [backend.emit(model, options) for backend in BUILT_IN]
     diagnostics = list(chain.from_iterable(e.diagnostics for e in emissions))
@@ -42,9 +42,7 @@ def generate(model: Model) -> dict[str, str]:
 
 @contextmanager
 def forgotten_types() -> Iterator[None]:
-    """Lets the runtime forget the types that are imported meanwhile: those that it knows by their
-    repository ids, and those that it has worked something out for.
-    """
+    """Remove the types that are imported meanwhile from the runtime's registries and caches."""
     before = dict(descriptors._REGISTERED)
     try:
         yield
@@ -66,7 +64,7 @@ class Generated(MetaPathFinder, InspectLoader):
         self._packages = {p.as_posix().replace("/", ".") for p in chain(*parents)}
 
     def load(self) -> dict[str, ModuleType]:
-        """Import all modules, and forget them at once; gives them by their names."""
+        """Import all modules, remove them from `sys.modules`, and return them by their names."""
         before = set(sys.modules)
         sys.meta_path.insert(0, self)
         try:
@@ -85,17 +83,17 @@ class Generated(MetaPathFinder, InspectLoader):
         path: Sequence[str] | None,
         target: ModuleType | None = None,
     ) -> ModuleSpec | None:
-        """A module of ours."""
+        """Return the spec of a generated module."""
         if fullname not in self._texts and fullname not in self._packages:
             return None
         return ModuleSpec(fullname, self, is_package=fullname in self._packages)
 
     def is_package(self, fullname: str) -> bool:
-        """Whether it is a package."""
+        """Return whether a module is a package."""
         return fullname in self._packages
 
     def get_source(self, fullname: str) -> str:
-        """Its text."""
+        """Return the text of a module."""
         return self._texts.get(fullname, "")
 
 

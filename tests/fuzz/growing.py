@@ -1,4 +1,4 @@
-"""Definitions that are short and mean much, or are deep, or are many, by kind and size."""
+"""Definitions that are short with large effects, deep, or many, by kind and size."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ ADOPT = (("adopt", "a.py"),)
 
 @dataclass(frozen=True, slots=True)
 class Kind:
-    """A way to grow: how its files are made, how large it is tried, which commands read it."""
+    """A kind of definition: generator of its files, its sizes, the commands that read it."""
 
     make: Maker
     sizes: tuple[int, ...]
@@ -62,7 +62,7 @@ KINDS: dict[str, Kind] = {}
 
 
 def kind(*sizes: int, commands: Sequence[tuple[str, ...]]) -> Callable[[Maker], Maker]:
-    """Registers a maker under its name."""
+    """Register a generator under its name."""
 
     def register(make: Maker) -> Maker:
         name = make.__name__.replace("_", " ")
@@ -422,7 +422,7 @@ def _cdl(text: str) -> Files:
 
 
 def _signature(text: str, type_: str) -> Files:
-    """A signature with a parameter of the type, joined by the line that makes a package of it."""
+    """Return a signature with a parameter of the type, and its join."""
     return _cdl(
         f"{text}\nsignature sS {{ void f([in] const {type_} *x); }};\n"
         + _LINE.format("sS")
@@ -1051,7 +1051,7 @@ def long_encoding(size: int) -> Files:
     return _module(head=f"# coding: {'x' * size}\n")
 
 
-# Running.
+# Runs.
 
 
 Case = tuple[str, int, tuple[str, ...]]
@@ -1063,14 +1063,14 @@ CASES: tuple[Case, ...] = tuple(
     for size in each.sizes
     for command in each.commands
 )
-"""All that is tried, in a fixed order."""
+"""All cases, in a fixed order."""
 
 _MESSAGES = 1_000_000
-"""Characters that a command may write."""
+"""Maximum number of characters in the output of a command."""
 
 
 class GrowthTarget:
-    """The commands on all the definitions, each within the limits of the other fuzzers."""
+    """Runs the commands on all definitions, each within the limits of the other fuzzers."""
 
     def __init__(self, folder: Path, cases: Sequence[Case] = CASES) -> None:
         self._folder = folder
@@ -1078,12 +1078,12 @@ class GrowthTarget:
         os.environ["RTGEN_CACHE_DIR"] = str(folder / "cache")
 
     def make(self, number: int) -> bytes:
-        """The words of a case."""
+        """Return the words of a case."""
         name, size, command = self._cases[number]
         return f"{name} {size}: {' '.join(command)}".encode()
 
     def check(self, number: int, data: bytes) -> Iterator[str]:
-        """Run a case; raises where it ends in an internal error, or writes without end."""
+        """Run a case; raises for an internal error, or for too much output."""
         name, size, command = self._cases[max(number, 0)]
         with tempfile.TemporaryDirectory(dir=self._folder) as folder:
             for file, text in KINDS[name].make(size).items():

@@ -1,10 +1,11 @@
-"""Explores a door: guided by coverage where atheris is installed, else by chance.
+"""Explores doors: guided by coverage if atheris is installed, else by random inputs.
 
     python tests/fuzz/harness.py DOOR... [--seconds S] [--runs N] [--keep]
 
-An input that takes over 10 s or 500 MB, or that ends in another exception than is documented, is
-written to `build/fuzz/DOOR/`, with its traceback; the exit code is then 1. A line for each door
-says what was run. `--keep` adds to `corpus/DOOR` the least inputs that reach what others do not.
+An input that takes over 10 s or 500 MB, or that raises an undocumented exception, is written to
+`build/fuzz/DOOR/` with its traceback; the exit code is then 1. A line for each door summarizes the
+run. `--keep` adds to `corpus/DOOR` the smallest inputs that reach lines which no other input
+reaches.
 """
 
 from __future__ import annotations
@@ -34,14 +35,14 @@ FOUND = ROOT / "build/fuzz"
 SECONDS_OF_INPUT = 10
 MEGABYTES = 500
 _BASE_MEGABYTES = 400
-"""What the interpreter, rtgen and its instrumentation take by themselves."""
-_LARGEST = 4096
+"""Memory of the interpreter, rtgen and its instrumentation [MB]."""
+_MAX_OCTETS = 4096
 _MAX_KEPT = 60
 _SECONDS_OF_KEEPING = 60
-_DEFECT = "defect-"
-"""How the names of inputs begin that once showed a defect; they stay."""
-_DRAWN = 0.2
-"""The share of inputs that are drawn by the grammar instead of being mutated."""
+_DEFECT_PREFIX = "defect-"
+"""Prefix of the names of inputs that once showed a defect; they are kept."""
+_DRAWN_SHARE = 0.2
+"""The share of inputs that are drawn by the grammar instead of mutated."""
 _EXECUTED = re.compile(r"stat::number_of_executed_units:\s*(\d+)")
 _TIME = re.compile(r"stat::slowest_unit_time_sec:\s*(\d+)")
 _PEAK = re.compile(r"stat::peak_rss_mb:\s*(\d+)")
@@ -56,7 +57,7 @@ class DoorTarget:
         self._known += self._door.seeds
 
     def make(self, number: int) -> bytes:
-        """The input of a case."""
+        """Return the input of a case."""
         chance = Random(number)
         if not self._known or chance.random() < 0.5:
             return self._door.make(chance)
@@ -72,7 +73,7 @@ class DoorTarget:
 
 
 def _place(error: BaseException) -> str:
-    """The kind of an exception and the last line of rtgen that it passed."""
+    """Return the kind of an exception and the last line of rtgen in its traceback."""
     where = ""
     trace: TracebackType | None = error.__traceback__
     while trace is not None:
@@ -84,7 +85,7 @@ def _place(error: BaseException) -> str:
 
 
 def _report(folder: Path, error: BaseException, data: bytes) -> None:
-    """Keep the first input for each place where an exception was raised."""
+    """Store the first input for each place where an exception was raised."""
     name = hashlib.sha256(_place(error).encode()).hexdigest()[:12]
     file = folder / f"raised-{name}"
     if not file.exists():
@@ -94,7 +95,7 @@ def _report(folder: Path, error: BaseException, data: bytes) -> None:
 
 
 def _explore(name: str, arguments: list[str]) -> None:
-    """In the process that libFuzzer rules: it ends this process."""
+    """Explore a door by libFuzzer, which ends the process."""
     import atheris
 
     folder = FOUND / name
@@ -114,7 +115,7 @@ def _explore(name: str, arguments: list[str]) -> None:
 
         def mutated(data: bytes, size: int, number: int) -> bytes:
             chance = Random(number)
-            if chance.random() < _DRAWN:
+            if chance.random() < _DRAWN_SHARE:
                 return opened.make(chance)[:size]
             found: bytes = atheris.Mutate(data, size)
             return found
@@ -124,7 +125,7 @@ def _explore(name: str, arguments: list[str]) -> None:
 
 
 def _child(name: str, arguments: list[str]) -> str:
-    """What libFuzzer printed; its own findings are files of `build/fuzz/DOOR`."""
+    """Return libFuzzer's output; its findings are files of `build/fuzz/DOOR`."""
     command = [sys.executable, __file__, "--inside", name, "--", *arguments]
     done = subprocess.run(
         command, capture_output=True, text=True, errors="replace", check=False
@@ -133,7 +134,7 @@ def _child(name: str, arguments: list[str]) -> str:
 
 
 def explored(name: str, seconds: float, runs: int) -> tuple[str, bool]:
-    """Explore a door for so long, or so many inputs; a line, and whether nothing was found."""
+    """Explore a door for a time or a number of inputs; return a summary and whether it passed."""
     folder = FOUND / name
     shutil.rmtree(folder, ignore_errors=True)
     found = folder / "reached"
@@ -167,7 +168,7 @@ def _guided(name: str, folder: Path, seconds: float, runs: int) -> str:
                 *limits,
                 f"-timeout={SECONDS_OF_INPUT}",
                 f"-rss_limit_mb={MEGABYTES + _BASE_MEGABYTES}",
-                f"-max_len={_LARGEST}",
+                f"-max_len={_MAX_OCTETS}",
                 f"-seed={seed() % 2**31}",
                 f"-artifact_prefix={folder}/",
                 "-print_final_stats=1",
@@ -204,9 +205,9 @@ def _by_chance(name: str, folder: Path, seconds: float, runs: int) -> str:
 
 
 def keep(name: str) -> int:
-    """Keep the least inputs that reach lines which smaller ones do not; how many there are."""
+    """Store the smallest inputs that reach lines which smaller ones do not; return their number."""
     paths = [*(FOUND / name / "reached").iterdir(), *corpus(name)]
-    inputs = {data for data in map(Path.read_bytes, paths) if len(data) <= _LARGEST}
+    inputs = {data for data in map(Path.read_bytes, paths) if len(data) <= _MAX_OCTETS}
     reached: set[tuple[str, int]] = set()
     kept: list[bytes] = []
     answers: set[bool] = set()
@@ -217,7 +218,7 @@ def keep(name: str) -> int:
         for data in sorted(inputs, key=lambda data: (len(data), data)):
             try:
                 lines, answer = _lines(opened, data)
-            except Exception:  # what raised was reported when it was found
+            except Exception:  # an input that raises was reported when it was found
                 continue
             if lines <= reached and answer in answers:
                 continue
@@ -227,7 +228,7 @@ def keep(name: str) -> int:
             if len(kept) == _MAX_KEPT or time.monotonic() > end:
                 break
     for path in corpus(name):
-        if not path.name.startswith(_DEFECT):
+        if not path.name.startswith(_DEFECT_PREFIX):
             path.unlink()
     (CORPUS / name).mkdir(parents=True, exist_ok=True)
     for data in kept:
@@ -236,7 +237,7 @@ def keep(name: str) -> int:
 
 
 def _lines(opened: Door, data: bytes) -> tuple[set[tuple[str, int]], bool]:
-    """The lines of rtgen that an input reaches, and whether it is accepted."""
+    """Return the lines of rtgen that an input reaches, and whether it is accepted."""
     reached: set[tuple[str, int]] = set()
 
     def trace(frame: FrameType, _event: str, _value: object) -> object:
@@ -254,7 +255,7 @@ def _lines(opened: Door, data: bytes) -> tuple[set[tuple[str, int]], bool]:
 
 
 def main() -> int:
-    """Explore the doors that are named, or all."""
+    """Explore the named doors, or all."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("doors", nargs="*", metavar="DOOR", help=", ".join(MODULES))
     parser.add_argument("--seconds", type=float, default=60.0, help="for each door")

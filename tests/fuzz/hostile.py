@@ -18,7 +18,7 @@ from rtgen.diagnostics.report import report
 from rtgen.project import load
 
 COUNT = 8
-"""Definition files of one project."""
+"""Number of definition files of one project."""
 
 _TARGETS = ("embedded", "openrtm", "small", "typescript")
 _KINDS = tuple((language, target) for target in _TARGETS for language in MAKERS)
@@ -48,14 +48,14 @@ class HostileTarget:
         self._twins: dict[tuple[str, str], Twins] = {}
 
     def make(self, number: int) -> bytes:
-        """The files that the case is read from, for people."""
+        """Return the files of the case, for people."""
         self._made(number, Texts(number, hostile=True))
         files = sorted(p for p in self._folder.rglob("*") if p.is_file())
         parts = (b"=== %s\n%s\n" % (p.name.encode(), p.read_bytes()) for p in files)
         return b"".join(parts)
 
     def check(self, number: int, data: bytes) -> Iterator[str]:
-        """Make everything of it, and of its harmless twin; the two differ in data only."""
+        """Generate all output, and that of the harmless twin; the two differ in data only."""
         if number < 0:
             return
         texts = Texts(number, hostile=True)
@@ -125,7 +125,7 @@ class HostileTarget:
 
 
 class ConversionsTarget(HostileTarget):
-    """Systems with their pictures, adopted modules, and the forms of a profile."""
+    """The target of systems with their pictures, adopted modules, and the forms of a profile."""
 
     kinds = _OTHERS
 
@@ -134,5 +134,5 @@ class ConversionsTarget(HostileTarget):
 
 
 def _words(text: str) -> str:
-    """The text as every profile preserves it: without outer and repeated blanks."""
+    """Return the part of a text that every profile preserves: single blanks, none outside."""
     return " ".join(text.split())

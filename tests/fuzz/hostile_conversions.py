@@ -1,4 +1,4 @@
-"""Hostile texts in systems, in modules of OpenRTM, and in what `rtgen convert` reads."""
+"""Hostile texts in systems, in modules of OpenRTM, and in the input of `rtgen convert`."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ target = "openrtm"
 
 
 def _read_again(text: str, folder: Path) -> None:
-    """IDL that rtgen writes is IDL that rtgen reads."""
+    """Check that rtgen can read the IDL that it writes."""
     path = folder / "again.idl"
     path.write_text(text, encoding="utf-8")
     found = idl.load(
@@ -61,7 +61,7 @@ def _codes(found: tuple[Diagnostic, ...] | list[Diagnostic]) -> list[str]:
 
 
 def system(texts: Texts, folder: Path) -> Made:
-    """A system of two components on OpenRTM, and its picture.
+    """Return a system of two components on OpenRTM, and its picture.
 
     Ids of sets begin with a word, since those that begin with `__` are OpenRTM's own and left out.
     """
@@ -141,7 +141,7 @@ def _renamed(path: str, names: Mapping[str, str]) -> str:
 
 
 def python(texts: Texts, folder: Path) -> Made:
-    """A module of OpenRTM with texts in its specification and ports: the IDL of it."""
+    """Return the IDL of a module of OpenRTM with texts in its specification and ports."""
 
     def r(before: str = "") -> str:
         return repr(before + texts.text(keep=False, printable=True, conf=True))
@@ -179,7 +179,7 @@ class Part(OpenRTM_aist.DataFlowComponentBase):
 
 
 def convert(texts: Texts, folder: Path) -> Made:
-    """A profile in XML as IDL, as YAML and as the XML of that."""
+    """Return a profile in XML converted to IDL, to YAML, and from there to XML."""
     [xml] = profile(texts, 1).values()
     path = folder / "RTC.xml"
     path.write_text(xml, encoding="utf-8")

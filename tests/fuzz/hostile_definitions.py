@@ -1,4 +1,4 @@
-"""Projects of one input language, with texts of `Texts` wherever the language has texts."""
+"""Projects of one input language, with texts of `Texts` wherever the language allows texts."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def _line(text: str) -> str:
 
 
 def idl(texts: Texts, count: int) -> Files:
-    """Components with annotations, types with documentation, constants with strings."""
+    """Return components with annotations, types with documentation, constants with strings."""
     t = texts.text
 
     def q(*, keep: bool = True, conf: bool = False) -> str:
@@ -92,7 +92,7 @@ def _attributes(**named: str) -> str:
 
 
 def profile(texts: Texts, count: int) -> Files:
-    """Components as RTC.xml, every attribute that holds a text."""
+    """Return components as RTC.xml, with every attribute that holds a text."""
 
     def t(*, keep: bool = True, conf: bool = False) -> str:
         return texts.text(keep=keep, xml=True, conf=conf, printable=keep)
@@ -175,7 +175,7 @@ def profile(texts: Texts, count: int) -> Files:
 
 
 def profile_yaml(texts: Texts, count: int) -> Files:
-    """The same components in YAML."""
+    """Return the same components in YAML."""
     from rtgen.frontends.kit import located_xml
     from rtgen.frontends.profile_yaml import to_yaml
 
@@ -186,7 +186,7 @@ def profile_yaml(texts: Texts, count: int) -> Files:
 
 
 def cdl(texts: Texts, count: int) -> Files:
-    """Boards with a join through RTCPlugin: documentation, strings, options."""
+    """Return boards with a join through RTCPlugin: documentation, strings, options."""
 
     def line() -> str:
         text = texts.text(keep=False, one_line=True)
@@ -216,14 +216,14 @@ region rPc {{ cell tUser User {{ cWorks = rBoard::Works.eWorks; }}; }};
 
 
 def ros(texts: Texts, count: int) -> Files:
-    """Interface files of ROS 2 with comments, constants and defaults, and components with them."""
+    """Return ROS 2 interface files with comments, constants, defaults, and components with them."""
 
     def line() -> str:
         text = texts.text(keep=False, one_line=True)
         return "".join(c for c in text if c.isprintable())
 
     def quoted() -> str:
-        # A hash begins a comment, even in a text; constants and defaults are of one line.
+        # A hash starts a comment, even in a text; constants and defaults have one line.
         text = texts.text(keep=False, printable=True, one_line=True).replace("#", "")
         return "'" + text.replace("\\", "\\\\").replace("'", "\\'") + "'"
 
@@ -404,7 +404,7 @@ K{t().replace("=", "")}={t()}
 
 
 def eds(texts: Texts, count: int) -> Files:
-    """Device descriptions, all of them nodes of one bus."""
+    """Return device descriptions, all of them nodes of one bus."""
     files = {f"eds/part{n}.eds": _eds(texts, n) for n in range(count)}
     nodes = "".join(
         f'[device.part{n}]\neds = "part{n}.eds"\n[node.node{n}]\ndevice = "part{n}"\nid = {n + 1}\n'
@@ -428,12 +428,12 @@ def _toml_string(text: str) -> str:
 
 
 def _folder(text: str, number: int) -> str:
-    """A name that a file system takes; the number keeps two of them apart."""
+    """Return a name that is valid in a file system; the number makes it unique."""
     return f"{text.replace('/', ':')[:60]} {number}"
 
 
 def project(texts: Texts, count: int) -> Files:
-    """IDL in folders of any name, with macros and factories from rtgen.toml."""
+    """Return IDL in folders of any name, with macros and factories from rtgen.toml."""
     files = {}
     paths, macros, factories = [], [], []
     for n in range(count):
@@ -492,7 +492,7 @@ DEFINITIONS: Mapping[str, int] = {
     "python": 5,
     "convert": 8,
 }
-"""How many definitions of a file have hostile texts of their own.
+"""Number of definitions of a file that have hostile texts of their own.
 
 These are modules, types, members, constants, operations, components, ports and parameters;
 signatures, functions, celltypes, attributes and joins; devices, objects and sections; messages,

@@ -1,4 +1,4 @@
-"""Definitions whose names are words of Python, of the runtime, or of what generated code binds."""
+"""Definitions whose names are words of Python, of the runtime, or of generated code."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ target = "{target}"
 
 @cache
 def _core() -> Sequence[str]:
-    """Keywords, builtins, and the words of the templates."""
+    """Return keywords, builtins, and the words of the templates."""
     words = {*keyword.kwlist, *keyword.softkwlist, *dir(builtins), *_FEW.split()}
     for path in sorted(ROOT.glob("src/rtgen/templates/**/*.py.j2")):
         words.update(_WORD.findall(path.read_text()))
@@ -56,7 +56,7 @@ def _core() -> Sequence[str]:
 
 @cache
 def _pool() -> Sequence[str]:
-    """Keywords, builtins, and every word of what rtgen generates here."""
+    """Return keywords, builtins, and every word that rtgen generates here."""
     words = {*keyword.kwlist, *keyword.softkwlist, *dir(builtins), *dir(object)}
     words |= {*sys.stdlib_module_names}
     for pattern in (
@@ -74,7 +74,7 @@ def _pool() -> Sequence[str]:
 
 
 class _Names:
-    """Draws names; no two of a definition are the same, in whatever case."""
+    """Draws names; no two names of a definition are equal, ignoring case."""
 
     def __init__(self, number: int) -> None:
         self._chance = Random(number)
@@ -82,7 +82,7 @@ class _Names:
         self._usual = self._chance.random()
 
     def name(self) -> str:
-        """A name that no other place has."""
+        """Return an unused name."""
         while True:
             usual = self._chance.random() < 0.7
             name = self._chance.choice(_core() if usual else _pool())
@@ -162,18 +162,18 @@ _MAKERS = {"idl": _idl, "cdl": _cdl, "eds": _eds}
 
 
 class NamesTarget:
-    """Each case is one definition; all that is made of it is imported."""
+    """Each case is one definition; all its generated code is imported."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
 
     def make(self, number: int) -> bytes:
-        """The definition file."""
+        """Return the definition file."""
         names = _Names(number)
         return _MAKERS[_language(number)](names).encode()
 
     def check(self, number: int, data: bytes) -> Iterator[str]:
-        """Generate and import; what is refused has errors."""
+        """Generate and import; a refused definition must have errors."""
         if number < 0:
             return
         language = _language(number)

@@ -1,4 +1,4 @@
-"""What generated files consist of, by the parser of each language: shape, names, strings.
+"""Content of generated files, by the parser of each language: shape, names, strings.
 
 The shape is what a file does, without the names and texts in it; two files of one shape differ in
 data only. Statements are sorted, since rtgen sorts some by their names.
@@ -35,7 +35,7 @@ class Content:
 
 
 def content(path: str, text: str) -> Content:
-    """The content of a generated file. Raises the parser's error if it is not well-formed."""
+    """Return the content of a generated file; an ill-formed one raises the parser's error."""
     found = Content()
     name = PurePosixPath(path)
     reader = _READERS.get(name.suffix or name.name)
@@ -47,7 +47,7 @@ def content(path: str, text: str) -> Content:
 
 def _python(text: str, found: Content) -> None:
     found.shape = _node(ast.parse(text), found)
-    # Comments are nowhere in the tree.
+    # Comments are not in the tree.
     if (odd := _MISLEADING.search(text)) is not None:
         raise ValueError(f"U+{ord(odd[0]):04X} stands in the text")
 
@@ -98,7 +98,7 @@ def _xml(text: str, found: Content) -> None:
 
 
 def _conf(text: str, found: Content) -> None:
-    """As OpenRTM reads it: lines, comments, keys before the first `:` or `=`."""
+    """Parse as OpenRTM does: lines, comments, keys before the first `:` or `=`."""
     keys = []
     for line in _BREAK.split(text):
         line = line.lstrip(" \t")
@@ -117,7 +117,7 @@ def _conf(text: str, found: Content) -> None:
 
 
 def _shell(text: str, found: Content) -> None:
-    """Words and operators of the lines in which a text may stand; the others as they are."""
+    """Add words and operators of the lines that may contain a text; other lines unchanged."""
     shapes: list[object] = []
     for line in text.split("\n"):
         if line.lstrip().startswith("#"):
@@ -186,7 +186,7 @@ def _msg(text: str, found: Content) -> None:
 
 
 def _tokens(pattern: re.Pattern[str], text: str, found: Content) -> None:
-    """Tokens, without comments; strings apart."""
+    """Add tokens, without comments; strings separately."""
     shapes = []
     for kind, token in pattern.findall(text):
         if kind:
@@ -239,7 +239,7 @@ _READERS: dict[str, Callable[[str, Content], None]] = {
 
 
 def compare(path: str, made: Content, twin: Content) -> None:
-    """Raises ValueError if the file does something else than its harmless twin."""
+    """Raise ValueError if the file differs in more than data from its harmless twin."""
     if made.shape != twin.shape:
         raise ValueError(f"{path} is not what its twin is: {_difference(made, twin)}")
     for name in made.names - twin.names:

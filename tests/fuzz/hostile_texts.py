@@ -1,7 +1,7 @@
 """Texts that would be code if they got into a file without quoting.
 
-Each contains MARK, which distinguishes it in a file from text written by rtgen. A text has a
-twin, one harmless word, for the same definition without anything hostile.
+Each contains MARK, which distinguishes it in a file from text written by rtgen. A text has a twin,
+one harmless word, for the same definition without anything hostile.
 """
 
 from __future__ import annotations
@@ -92,9 +92,9 @@ ALL = (
 
 
 class Texts:
-    """Draws texts for the places of definitions; `used` are those that outputs have to keep.
+    """Draws texts for the places of definitions; `used` are those that outputs must keep.
 
-    `count` says how many have been drawn.
+    `count` is the number of texts drawn.
     """
 
     def __init__(self, number: int, *, hostile: bool) -> None:
@@ -113,10 +113,10 @@ class Texts:
         printable: bool = False,
         conf: bool = False,
     ) -> str:
-        """A text unlike the others; `keep`: it has to be found as it is.
+        """Return a unique text; `keep`: outputs must contain it unchanged.
 
-        `xml` and `one_line` leave out what the input language itself cannot say; `printable` what
-        it refuses and `conf` what configuration files cannot hold, but for every tenth project.
+        `xml` and `one_line` exclude what the input language itself cannot express; `printable` what
+        it refuses and `conf` what configuration files cannot hold, except in every tenth project.
         """
         self.count += 1
         drawn = self._chance.choice(ALL)

@@ -1,15 +1,15 @@
-"""Fuzzes the reading of IDL, of octets by what is generated from it, of CDL, EDS and CAN frames.
+"""Fuzzes the readers of IDL, CDL, EDS, profiles and CAN frames, and generated decoders.
 
     python tests/fuzz/idl.py KIND [--first N] [--count M] [--jobs J] [--failures DIR]
     python tests/fuzz/idl.py KIND --show N
     python tests/fuzz/idl.py --replay FILE
 
 KIND is grammar, mutation, octets, cdl, eds, components (of EDS), slave or bus (frames), profiles,
-hostile (definitions whose texts would be code without quoting, eight a case), conversions (the
+hostile (definitions whose texts would be code without quoting, eight in a case), conversions (the
 same for systems, modules of OpenRTM and convert), names (words of Python and of generated code) or
-growing (short definitions that mean much; as many cases as there are).
-A case's number decides its input, as long as the fuzzer and, for mutations, the definition
-files of this repository stay as they are. Each input that shows a defect is kept in DIR.
+growing (short definitions with large effects; a fixed number of cases). A case's number determines
+its input for one version of the fuzzer and, for mutations, of the definition files of this
+repository. Each input that shows a defect is stored in DIR.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ _WHERE = re.compile(r"[:\d]+(?=[ :,)]|$)|'[^']*'|span=.*")
 
 
 def main() -> int:
-    """The command; 1 if there are failures."""
+    """Run the fuzzer; return 1 if there are failures."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("kind", nargs="?", choices=KINDS, default="grammar")
     parser.add_argument("--first", type=int, default=0)
@@ -77,7 +77,7 @@ def main() -> int:
         report = Report()
         with tempfile.TemporaryDirectory() as folder:
             data = arguments.replay.read_bytes()
-            # The case 0 has all the checks that others have now and then.
+            # Case 0 has all the checks that other cases have now and then.
             attempt(
                 IdlTarget(Path(folder), mutant), 0, data, report, Watch(SECONDS / 2)
             )
@@ -93,7 +93,7 @@ def main() -> int:
 
 
 class _Keeper:
-    """Tells how far a run is, and keeps an input and its traceback for each failure."""
+    """Prints the progress of a run, and stores the input and the traceback of each failure."""
 
     def __init__(self, factory: Factory, folder: Path) -> None:
         self._factory = factory
@@ -101,7 +101,7 @@ class _Keeper:
         self._kept = 0
 
     def progress(self, report: Report) -> None:
-        """Called now and then."""
+        """Print the progress; called now and then."""
         rate = report.cases / report.seconds
         state = f"{report.cases} cases, {rate:.0f}/s, {len(report.failures)} failures"
         print(state, file=sys.stderr, flush=True)
@@ -122,7 +122,7 @@ class _Keeper:
 
 
 def _summarize(failures: list[Failure]) -> None:
-    """Print one of each sort."""
+    """Print one failure of each kind."""
     sorts: defaultdict[str, list[Failure]] = defaultdict(list)
     for failure in failures:
         sorts[_WHERE.sub("", failure.title)].append(failure)

@@ -1,4 +1,4 @@
-"""Declarations of every kind, as the grammar-based fuzzer's programs make them."""
+"""Generators of declarations of every kind for the grammar-based fuzzer."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from idl_programs import Known, Program, Shape
 
 
 def end(p: Program) -> None:
-    """The end of a declaration."""
+    """End a declaration."""
     if not p.slip():
         p.put(";")
 
 
 def const(p: Program) -> None:
-    """A constant of any type that has constants."""
+    """Declare a constant of any type that can have constants."""
     tokens, shape = p.basic()
     named = [t for t in p.types if t.shape.sort in _CONSTANT]
     if named and p.odds(0.3):
@@ -44,7 +44,7 @@ _CONSTANT = (
 
 
 def typedef(p: Program) -> None:
-    """A typedef of one to three declarators."""
+    """Declare a typedef of one to three declarators."""
     tokens, shape = in_place(p) if p.odds(0.15) else p.type()
     p.put("typedef", *tokens)
     for index in range(p.chance.choice((1, 1, 1, 2, 3))):
@@ -57,7 +57,7 @@ def typedef(p: Program) -> None:
 
 
 def dimensions(p: Program, shape: Shape) -> Shape:
-    """The dimensions of an array, if it becomes one."""
+    """Add the dimensions of an array, or none."""
     if not p.odds(0.15):
         return shape
     for _ in range(p.chance.randint(1, 3)):
@@ -66,7 +66,7 @@ def dimensions(p: Program, shape: Shape) -> Shape:
 
 
 def in_place(p: Program) -> tuple[list[str], Shape]:
-    """A type that is declared where it is used."""
+    """Return a type that is declared at its use."""
     start = len(p.tokens)
     p.chance.choice((struct, union, enum))(p, ended=False)
     tokens = p.tokens[start:]
@@ -75,7 +75,7 @@ def in_place(p: Program) -> tuple[list[str], Shape]:
 
 
 def members(p: Program, *, owner: Shape) -> Shape:
-    """The members of a struct or exception."""
+    """Declare the members of a struct or exception."""
     local = owner.local
     least = 0 if not p.style.corba and p.odds(0.05) else 1
     for _ in range(p.chance.randint(least, 5)):
@@ -94,7 +94,7 @@ def members(p: Program, *, owner: Shape) -> Shape:
 
 
 def annotate(p: Program) -> None:
-    """An annotation of a member."""
+    """Add an annotation of a member."""
     if p.slip():
         p.put(p.chance.choice(words.ANNOTATIONS))
         return
@@ -117,7 +117,7 @@ def annotate(p: Program) -> None:
 
 
 def struct(p: Program, *, ended: bool = True) -> None:
-    """A struct; IDL 4's has a base now and then."""
+    """Declare a struct; in IDL 4 sometimes with a base."""
     if not p.style.corba and p.odds(0.1):
         p.put(
             p.chance.choice(
@@ -151,7 +151,7 @@ def struct(p: Program, *, ended: bool = True) -> None:
 
 
 def union(p: Program, *, ended: bool = True) -> None:
-    """A union on any discriminator, with labels that do not repeat."""
+    """Declare a union on any discriminator, with distinct labels."""
     name = p.name()
     switches = [t for t in p.types if t.shape.sort in _SWITCH]
     if switches and p.odds(0.4):
@@ -195,7 +195,7 @@ _SWITCH = ("integer", "boolean", "char", "enum")
 
 
 def distinct(p: Program, shape: Shape) -> list[list[str]]:
-    """Labels of a discriminator, each another value."""
+    """Return labels of a discriminator with distinct values."""
     count = p.chance.randint(1, 5)
     match shape.sort:
         case "boolean":
@@ -214,7 +214,7 @@ def distinct(p: Program, shape: Shape) -> list[list[str]]:
 
 
 def enum(p: Program, *, ended: bool = True) -> None:
-    """An enum."""
+    """Declare an enum."""
     name = p.name()
     names = [p.name("K") for _ in range(p.chance.randint(1, 6))]
     p.put("enum", name, "{")
@@ -236,7 +236,7 @@ def enum(p: Program, *, ended: bool = True) -> None:
 
 
 def exception(p: Program) -> None:
-    """An exception."""
+    """Declare an exception."""
     name = p.name()
     p.put("exception", name, "{")
     if p.odds(0.8):
@@ -249,7 +249,7 @@ def exception(p: Program) -> None:
 
 
 def native(p: Program) -> None:
-    """A native type."""
+    """Declare a native type."""
     name = p.name()
     p.put("native", name)
     end(p)
@@ -257,7 +257,7 @@ def native(p: Program) -> None:
 
 
 def bitset(p: Program) -> None:
-    """A bitset of at most 64 bits."""
+    """Declare a bitset of at most 64 bits."""
     name = p.name()
     p.put("bitset", name, "{")
     left = 64
@@ -277,7 +277,7 @@ def bitset(p: Program) -> None:
 
 
 def bitmask(p: Program) -> None:
-    """A bitmask."""
+    """Declare a bitmask."""
     name = p.name()
     if p.odds(0.2):
         p.put("@bit_bound", "(", p.chance.choice(("8", "16", "64")), ")")
@@ -294,7 +294,7 @@ def bitmask(p: Program) -> None:
 
 
 def annotation(p: Program) -> None:
-    """An annotation of the user's own, and a use of it."""
+    """Declare an annotation, and use it."""
     p.count += 1
     name = f"note{p.count}"
     p.put("@annotation", name, "{", "long", "level", "default", "3", ";")
@@ -304,7 +304,7 @@ def annotation(p: Program) -> None:
 
 
 def inclusion(p: Program) -> None:
-    """Types of an included file."""
+    """Include a file, and use its types."""
     if not p.included and not p.slip():
         return typedef(p)
     name = p.name()
@@ -316,7 +316,7 @@ def inclusion(p: Program) -> None:
 
 
 def boxed(p: Program) -> None:
-    """A value box."""
+    """Declare a value box."""
     tokens, shape = p.type()
     if shape.sort == "value" and not p.slip():
         tokens, shape = p.basic()

@@ -1,4 +1,4 @@
-"""The grammar-based fuzzer: valid programs, programs with flaws, and texts of the bare grammar."""
+"""The grammar-based fuzzer: valid programs, programs with errors, and texts of the bare grammar."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from idl_writing import write
 
 
 def program(number: int) -> bytes:
-    """The input of a case."""
+    """Return the input of a case."""
     chance = Random(number)
     style = _style(number, chance)
     if style is None:
@@ -27,13 +27,13 @@ def program(number: int) -> bytes:
 
 
 def is_valid(number: int) -> bool:
-    """Whether the input of a case is a valid program."""
+    """Return whether the input of a case is a valid program."""
     style = _style(number, Random(number))
     return style is not None and _is_faithful(style)
 
 
 def _style(number: int, chance: Random) -> Style | None:
-    """How the program of a case is written; None for a text of the bare grammar."""
+    """Return the style of a case's program; None for a text of the bare grammar."""
     if number % 5 == 4:
         return None
     return Style(
@@ -49,7 +49,7 @@ def _is_faithful(style: Style) -> bool:
 
 
 def declare(p: Program) -> None:
-    """A whole program."""
+    """Generate a program."""
     if p.odds(0.04):
         p.line(p.chance.choice(('#include "guarded.idl"', "#include <guarded.idl>")))
         p.line("#include <once.idl>")
@@ -59,7 +59,7 @@ def declare(p: Program) -> None:
 
 
 def definition(p: Program, depth: int) -> None:
-    """One definition of a module or the file."""
+    """Generate one definition of a module or the file."""
     p.made += 1
     if p.slip():
         return noise(p)
@@ -77,7 +77,7 @@ def definition(p: Program, depth: int) -> None:
 
 
 def noise(p: Program) -> None:
-    """Something that should not be there."""
+    """Generate an invalid declaration."""
     pools = (
         words.KEYWORDS,
         words.NEAR,
@@ -97,7 +97,7 @@ def noise(p: Program) -> None:
 
 
 def conditional(p: Program, depth: int) -> None:
-    """A definition under a condition that holds, beside text that is left out."""
+    """Generate a definition under a true condition, beside text that is left out."""
     condition = p.chance.choice(
         (
             "#if 1",
@@ -118,7 +118,7 @@ def conditional(p: Program, depth: int) -> None:
 
 
 def pragma(p: Program) -> None:
-    """A pragma for something declared, or for what follows."""
+    """Generate a pragma for something declared, or for what follows."""
     known = [k for k in (*p.types, *p.interfaces) if k.path[:-1] == p.scope]
     kind = p.chance.randrange(5)
     if kind == 0:
@@ -142,7 +142,7 @@ def pragma(p: Program) -> None:
 
 
 def module(p: Program, depth: int) -> None:
-    """A module, perhaps one that is open already."""
+    """Generate a module, perhaps one that is open already."""
     here = [m for m in p.modules if m.path[:-1] == p.scope]
     if here and p.odds(0.3):
         name = p.chance.choice(here).path[-1]

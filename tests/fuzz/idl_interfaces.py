@@ -1,4 +1,4 @@
-"""Interfaces, valuetypes and components, as the grammar-based fuzzer's programs make them."""
+"""Generators of interfaces, valuetypes and components for the grammar-based fuzzer."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _EXPORTS = (const, typedef, struct, union, enum, exception)
 
 
 def interface(p: Program) -> None:
-    """An interface of any sort, with bases."""
+    """Declare an interface of any kind, with bases."""
     sort = p.chance.choice(("", "", "", "abstract", "local"))
     name = p.name()
     if p.odds(0.1):
@@ -47,14 +47,14 @@ def interface(p: Program) -> None:
 
 
 def forward(p: Program) -> None:
-    """An interface that is used before it is defined, or never defined."""
+    """Declare an interface that is used before it is defined, or never defined."""
     name = p.name()
     p.put("interface", name, ";")
     p.types.append(Known(p.path(name), Shape("interface")))
 
 
 def inherit(p: Program, mark: str, bases: list[Known]) -> None:
-    """A list of bases."""
+    """Add a list of bases."""
     p.put(mark)
     for index, base in enumerate(bases):
         if index:
@@ -63,7 +63,7 @@ def inherit(p: Program, mark: str, bases: list[Known]) -> None:
 
 
 def export(p: Program, *, local: bool) -> None:
-    """A declaration in an interface or valuetype."""
+    """Declare a member of an interface or valuetype."""
     kind = p.chance.random()
     if kind < 0.25:
         p.chance.choice(_EXPORTS)(p)
@@ -74,7 +74,7 @@ def export(p: Program, *, local: bool) -> None:
 
 
 def attribute(p: Program, *, local: bool) -> None:
-    """One or more attributes."""
+    """Declare one or more attributes."""
     readonly = p.odds(0.3)
     p.put(*["readonly"] * readonly, "attribute", *p.simple(local=local)[0], p.name())
     raising = p.exceptions and not p.style.corba and p.odds(0.2)
@@ -86,7 +86,7 @@ def attribute(p: Program, *, local: bool) -> None:
 
 
 def raises(p: Program, word: str) -> None:
-    """A list of exceptions."""
+    """Add a list of exceptions."""
     some = p.chance.sample(
         p.exceptions, min(len(p.exceptions), p.chance.choice((1, 1, 2)))
     )
@@ -99,7 +99,7 @@ def raises(p: Program, word: str) -> None:
 
 
 def parameters(p: Program, *, only: str = "", local: bool = False) -> None:
-    """A list of parameters."""
+    """Add a list of parameters."""
     p.put("(")
     for index in range(p.chance.choice((0, 1, 1, 2, 3))):
         if index:
@@ -112,7 +112,7 @@ def parameters(p: Program, *, only: str = "", local: bool = False) -> None:
 
 
 def operation(p: Program, *, local: bool) -> None:
-    """An operation of any form."""
+    """Declare an operation of any form."""
     oneway = p.odds(0.1)
     result = ["void"] if oneway or p.odds(0.4) else p.simple(local=local)[0]
     p.put(*["oneway"] * oneway, *result, p.name())
@@ -125,7 +125,7 @@ def operation(p: Program, *, local: bool) -> None:
 
 
 def value(p: Program) -> None:
-    """A valuetype or eventtype with state, factories and bases."""
+    """Declare a valuetype or eventtype with state, factories and bases."""
     sort = p.chance.choice(("", "", "", "abstract", "custom"))
     word = "eventtype" if not p.style.corba and p.odds(0.1) else "valuetype"
     name = p.name()
@@ -174,7 +174,7 @@ def value(p: Program) -> None:
 
 
 def component(p: Program) -> None:
-    """A component with ports and configuration."""
+    """Declare a component with ports and configuration."""
     if p.odds(0.5):
         p.put("@rtc", "(", "category", "=", '"Test"', ",", "rate", "=", "100.0", ")")
     name = p.name()
@@ -208,7 +208,7 @@ def component(p: Program) -> None:
 
 
 def reading_only(p: Program) -> None:
-    """What is read, and left out with a warning."""
+    """Declare something that is parsed, but left out with a warning."""
     name = p.name()
     match p.chance.randrange(5):
         case 0 if p.components:

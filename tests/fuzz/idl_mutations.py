@@ -1,4 +1,4 @@
-"""The mutation fuzzer: our own definitions, cut to pieces, broken and mixed."""
+"""The mutation fuzzer: the definition files of this repository, cut, broken and mixed."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _TOKEN = re.compile(
     r"|[^\W\d]\w*|\.?\d[\w.]*|\s+|::|<<|>>|.",
     re.DOTALL,
 )
-_LARGEST = 200_000
+_MAX_CHARACTERS = 200_000
 _TYPES = """
     short long octet boolean char wchar string wstring float double any Object void int8 uint64
     """.split()
@@ -27,14 +27,14 @@ _OPERATORS = "+ - * / % << >> | & ^ ~ = : :: , ;".split()
 
 
 def mutant(number: int) -> bytes:
-    """The input of a case."""
+    """Return the input of a case."""
     chance = Random(number)
     tokens = _start(chance)
     for _ in range(log_uniform(1, 6, chance.random())):
         chance.choice(_MUTATIONS)(chance, tokens)
-        if len(tokens) > _LARGEST:
+        if len(tokens) > _MAX_CHARACTERS:
             break
-    text = "".join(tokens)[:_LARGEST]
+    text = "".join(tokens)[:_MAX_CHARACTERS]
     if chance.random() < 0.1:
         text = "\n".join(_lines(chance, text.split("\n")))
     data = text.encode(*chance.choice(_ENCODINGS))
@@ -43,7 +43,7 @@ def mutant(number: int) -> bytes:
 
 @cache
 def texts() -> list[list[str]]:
-    """The tokens of each definition file of this repository, in the order of paths."""
+    """Return the tokens of each definition file of this repository, in the order of paths."""
     paths = (p for folder in FOLDERS for p in (ROOT / folder).rglob("*.idl"))
     files = sorted(path for path in paths if path.is_file())
     found = (path.read_bytes().decode("utf-8", "replace") for path in files)
@@ -52,7 +52,7 @@ def texts() -> list[list[str]]:
 
 @cache
 def pieces() -> list[list[str]]:
-    """The declarations in them, each with its braces closed, and short files as a whole."""
+    """Return the declarations in these files, with braces closed, and short files in full."""
     found: dict[str, list[str]] = {}
     for tokens in texts():
         if len(tokens) < 200:
@@ -72,7 +72,7 @@ def pieces() -> list[list[str]]:
 
 
 def _start(chance: Random) -> list[str]:
-    """The beginning of a file, with its braces closed; or a few pieces, perhaps in a module."""
+    """Return the beginning of a file, its braces closed, or some pieces, perhaps in a module."""
     if chance.random() < 0.5:
         tokens = chance.choice(texts())
         tokens = tokens[: log_uniform(30, 2500, chance.random())]
@@ -97,7 +97,7 @@ def _word(chance: Random) -> str:
 
 
 def _place(chance: Random, tokens: list[str]) -> int:
-    """The index of a token that is not just white space, if that is soon found."""
+    """Return the index of a token other than white space, if one is found soon."""
     place = 0
     for _ in range(4):
         place = chance.randrange(len(tokens))
@@ -129,12 +129,12 @@ def _replace(chance: Random, tokens: list[str]) -> None:
 
 
 def _copy(chance: Random, tokens: list[str]) -> None:
-    """Another token of the text in the place of one: names that exist, in the wrong place."""
+    """Replace a token by another one of the text: existing names in wrong places."""
     tokens[_place(chance, tokens)] = tokens[_place(chance, tokens)]
 
 
 def _exchange(chance: Random, tokens: list[str]) -> None:
-    """Another token of the same sort: the syntax stays right."""
+    """Replace a token by another one of its kind: the syntax stays valid."""
     place = _place(chance, tokens)
     token = tokens[place]
     if token.isdigit():
@@ -151,7 +151,7 @@ def _exchange(chance: Random, tokens: list[str]) -> None:
 
 
 def _member(chance: Random, tokens: list[str]) -> None:
-    """A declaration of another text, behind a `;` or `{` of this one."""
+    """Insert a declaration of another text after a `;` or `{`."""
     places = [i + 1 for i, token in enumerate(tokens) if token in (";", "{")]
     if places:
         place = chance.choice(places)
@@ -159,7 +159,7 @@ def _member(chance: Random, tokens: list[str]) -> None:
 
 
 def _annotation(chance: Random, tokens: list[str]) -> None:
-    """An annotation before a declaration, or anywhere."""
+    """Insert an annotation before a declaration, or anywhere."""
     places = [i + 1 for i, token in enumerate(tokens) if token in (";", "{", ",", "(")]
     tokens.insert(chance.choice(places or [0]), f" {chance.choice(words.ANNOTATIONS)} ")
 
@@ -169,7 +169,7 @@ def _insert(chance: Random, tokens: list[str]) -> None:
 
 
 def _respell(chance: Random, tokens: list[str]) -> None:
-    """A word in other letters: case, a letter lost, doubled or exchanged, an underscore."""
+    """Misspell a word: case, a letter lost, doubled or exchanged, an underscore."""
     place = _place(chance, tokens)
     word = tokens[place]
     if not word.strip():
@@ -188,7 +188,7 @@ def _respell(chance: Random, tokens: list[str]) -> None:
 
 
 def _splice(chance: Random, tokens: list[str]) -> None:
-    """The head of one text and the tail of another."""
+    """Join the head of one text and the tail of another."""
     other = chance.choice(pieces())
     cut, start = _place(chance, tokens), chance.randrange(len(other))
     tokens[cut:] = other[start:]
@@ -207,7 +207,7 @@ def _directive(chance: Random, tokens: list[str]) -> None:
 
 
 def _nest(chance: Random, tokens: list[str]) -> None:
-    """Something within itself, up to a few hundred times; often not closed as often."""
+    """Nest something within itself, up to a few hundred times; often without closing all."""
     opening, middle, closing = chance.choice(_NESTS)
     depth = log_uniform(2, 400, chance.random())
     closed = depth if chance.random() < 0.7 else chance.randint(0, depth)
@@ -216,7 +216,7 @@ def _nest(chance: Random, tokens: list[str]) -> None:
 
 
 def _lengthen(chance: Random, tokens: list[str]) -> None:
-    """One token many times over, or a very long one."""
+    """Repeat a token many times, or make it very long."""
     place = _place(chance, tokens)
     count = log_uniform(2, 300, chance.random())
     glue = chance.choice(("", " ", "\n", ",", "::", "+", "\\\n"))
@@ -224,7 +224,7 @@ def _lengthen(chance: Random, tokens: list[str]) -> None:
 
 
 def _macro(chance: Random, tokens: list[str]) -> None:
-    """A word of the text is given by a macro, or becomes one."""
+    """Replace a word of the text by a macro, or make it one."""
     place = _place(chance, tokens)
     word = tokens[place]
     name = chance.choice(("MACRO", "A", "long", "struct", word.strip() or "B"))
@@ -301,7 +301,7 @@ _ENCODINGS = [
 
 
 def _lines(chance: Random, lines: list[str]) -> list[str]:
-    """Lines lost, repeated, exchanged, joined, or ended in another way."""
+    """Remove, repeat, exchange or join lines, or change their ends."""
     for _ in range(chance.randint(1, 3)):
         place = chance.randrange(len(lines))
         match chance.randrange(5):
@@ -322,7 +322,7 @@ def _lines(chance: Random, lines: list[str]) -> list[str]:
 
 
 def _octets(chance: Random, data: bytes) -> bytes:
-    """Some octets of it changed, lost, repeated, or put in."""
+    """Change, remove, repeat or insert some octets."""
     octets = bytearray(data)
     for _ in range(log_uniform(1, 8, chance.random())):
         place = chance.randrange(len(octets) + 1)

@@ -1,8 +1,8 @@
-"""The grammar-based fuzzer: programs that mean something, and programs with a flaw or two.
+"""Programs of the grammar-based fuzzer: meaningful ones, and ones with an error or two.
 
-A program knows what it has declared, so that it gets through the syntax to names, constants,
-unions, inheritance and components. With no flaws and no name used twice it is valid: an error in
-it is a defect of the front end (or of this file).
+A program knows its declarations, so that it gets through the syntax to names, constants, unions,
+inheritance and components. Without deliberate errors and reused names it is valid: an error in it
+is a defect of the front end (or of this file).
 """
 
 from __future__ import annotations
@@ -101,7 +101,7 @@ SPECIAL = (
         "async",
     ),
 )
-"""Names that are words of IDL, or of Python, or of the code that is generated."""
+"""Names that are words of IDL, of Python, or of generated code."""
 POOL = (
     "A",
     "a",
@@ -124,7 +124,7 @@ POOL = (
 
 @dataclass(frozen=True)
 class Shape:
-    """What a type is, seen through its aliases."""
+    """The kind of a type, with its aliases resolved."""
 
     sort: str
     low: int = 0
@@ -139,7 +139,7 @@ class Shape:
 
 @dataclass(frozen=True)
 class Known:
-    """Something declared: its path from the root, spelt as declared."""
+    """A declaration: its path from the root, spelt as declared."""
 
     path: tuple[str, ...]
     shape: Shape
@@ -148,7 +148,7 @@ class Known:
 
 @dataclass
 class Style:
-    """How a program is written."""
+    """The style of a program."""
 
     flaws: float = 0.0
     unique: bool = True
@@ -158,7 +158,7 @@ class Style:
 
 @dataclass
 class Program:
-    """A program that grows; `tokens` holds words, marks, and whole lines (with a line feed)."""
+    """A growing program; `tokens` holds words, punctuation, and whole lines (with a line feed)."""
 
     chance: Random
     style: Style
@@ -177,10 +177,10 @@ class Program:
     count: int = 0
     made: int = 0
 
-    # Small things
+    # Basics
 
     def put(self, *tokens: str) -> None:
-        """Append words and marks."""
+        """Append words and punctuation."""
         self.tokens += tokens
 
     def line(self, text: str) -> None:
@@ -188,15 +188,15 @@ class Program:
         self.tokens.append(text + "\n")
 
     def odds(self, share: float) -> bool:
-        """True in that share of all draws."""
+        """Return True in that share of all draws."""
         return self.chance.random() < share
 
     def slip(self) -> bool:
-        """Whether something is to go wrong here."""
+        """Return whether to make an error here."""
         return self.style.flaws > 0 and self.chance.random() < self.style.flaws
 
     def name(self, style: str = "") -> str:
-        """A new name: never used before, unless the style has it otherwise."""
+        """Return a new name: unused, unless the style allows duplicates."""
         if not self.style.unique or self.slip():
             return self.chance.choice(POOL)
         if self.odds(0.06):
@@ -209,11 +209,11 @@ class Program:
         return f"{escape}{style or self.chance.choice(STEMS)}{self.count}"
 
     def path(self, name: str) -> tuple[str, ...]:
-        """The path of something declared here."""
+        """Return the path of a declaration of this scope."""
         return (*self.scope, name)
 
     def to(self, known: Known) -> list[str]:
-        """A name for something declared: absolute, or from here."""
+        """Return a name for a declaration: absolute, or relative to this scope."""
         if self.slip():
             return [self.chance.choice((*POOL, *words.KEYWORDS, *words.CONTEXTUAL))]
         path = known.path
@@ -231,7 +231,7 @@ class Program:
     # Types
 
     def basic(self) -> tuple[list[str], Shape]:
-        """A type without a name that may stand anywhere."""
+        """Return a type without a name that is valid anywhere."""
         kind = self.chance.random()
         if kind < 0.45:
             names = list(INTEGERS)[: 7 if self.style.corba else None]
@@ -249,14 +249,14 @@ class Program:
         return [self.chance.choice(("any", "Object"))], Shape("any", python=False)
 
     def integer(self, word: str) -> tuple[list[str], Shape]:
-        """An integer type of that name."""
+        """Return the integer type of a keyword."""
         bits = INTEGERS[word]
         if word[0] in "uo":
             return word.split(), Shape("integer", 0, 2**bits - 1)
         return word.split(), Shape("integer", -(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
 
     def simple(self, *, local: bool = False) -> tuple[list[str], Shape]:
-        """A type for an operation or attribute."""
+        """Return a type for an operation or attribute."""
         if self.slip():
             return self.wrong_type()
         if self.types and self.odds(0.5):
@@ -266,7 +266,7 @@ class Program:
         return self.basic()
 
     def wrong_type(self) -> tuple[list[str], Shape]:
-        """What is not a type, or none for this place."""
+        """Return something that is not a type, or not valid here."""
         pools = (self.exceptions, self.modules, self.constants, self.components)
         pool = self.chance.choice(pools)
         if pool and self.odds(0.6):
@@ -277,7 +277,7 @@ class Program:
         return [word], Shape("wrong")
 
     def type(self, depth: int = 0, *, local: bool = False) -> tuple[list[str], Shape]:
-        """A type for a member, with templates and declarations in place."""
+        """Return a type for a member, with templates and nested declarations."""
         if depth > 4 or self.odds(0.6):
             return self.simple(local=local)
         kind = self.chance.randrange(9)
@@ -301,13 +301,13 @@ class Program:
         return self.simple(local=local)
 
     def basic_key(self) -> tuple[list[str], Shape]:
-        """A type for the key of a map."""
+        """Return a type for the key of a map."""
         if self.odds(0.5):
             return ["string"], Shape("string")
         return self.integer(self.chance.choice(list(INTEGERS)))
 
     def bound(self, value: int) -> list[str]:
-        """An expression of that value."""
+        """Return an expression of that value."""
         if self.slip():
             return self.chance.choice(
                 (["0"], ["-", "1"], ["1.5"], ["4294967296"], ['"a"'])
@@ -329,7 +329,7 @@ class Program:
     # Constants
 
     def constant(self, shape: Shape, depth: int = 0) -> tuple[list[str], object]:
-        """An expression for a type, and its value."""
+        """Return an expression for a type, and its value."""
         if self.slip():
             pool = (words.NUMBERS, words.TEXTS, words.NAMES, words.MARKS)
             return [self.chance.choice(self.chance.choice(pool))], None
@@ -375,7 +375,7 @@ class Program:
         return ["0"], None
 
     def letter(self, wide: str) -> str:
-        """A character or escape of a literal."""
+        """Return a character or escape of a literal."""
         if wide and self.odds(0.2):
             return self.chance.choice(("\\u3042", "\\u41", "\\ue9"))
         return self.chance.choice(
@@ -394,7 +394,7 @@ class Program:
         )
 
     def string(self, shape: Shape) -> list[str]:
-        """Literals of no more characters than the bound."""
+        """Return literals with at most as many characters as the bound."""
         wide = "L" if shape.sort == "wstring" else ""
         room = shape.bound or 12
         parts = []
@@ -406,7 +406,7 @@ class Program:
         return parts
 
     def real(self, depth: int) -> list[str]:
-        """A floating-point expression of a moderate value."""
+        """Return a floating-point expression of a moderate value."""
         if depth > 3 or self.odds(0.6):
             return [
                 self.chance.choice(("0.5", "1.", ".25", "3e2", "1E-3", "12.75", "1e10"))
@@ -418,7 +418,7 @@ class Program:
         return ["(", *tokens, ")"]
 
     def whole(self, shape: Shape, depth: int) -> tuple[list[str], int]:
-        """An integer expression; every intermediate value is one that a compiler may keep."""
+        """Return an integer expression; all intermediate values fit a compiler's integers."""
         edge = 63 if max(shape.high, -shape.low - 1) >= 2**32 else 31
         tokens, value = self.tree(depth, -(2**edge), 2 ** (edge + 1) - 1, shape.low < 0)
         if shape.low <= value <= shape.high:
@@ -432,7 +432,7 @@ class Program:
     def tree(
         self, depth: int, low: int, high: int, signed: bool
     ) -> tuple[list[str], int]:
-        """An expression whose parts lie in a range, and its value."""
+        """Return an expression whose parts lie in a range, and its value."""
         if depth > 4 or self.odds(0.5):
             value = self.chance.choice(
                 (

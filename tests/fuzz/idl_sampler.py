@@ -1,4 +1,4 @@
-"""Texts drawn from the grammar itself: right syntax, any meaning."""
+"""Texts drawn from the grammar: valid syntax, arbitrary meaning."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ _EXPRESSIONS = frozenset(
 
 
 class _Grammar:
-    """The rules of the grammar by their names, each way to go on with the depth it needs."""
+    """The rules of the grammar by their names, each alternative with its least depth."""
 
     def __init__(self) -> None:
         from lark import Lark
@@ -79,17 +79,17 @@ class _Grammar:
                     changed = True
 
     def depth(self, way: tuple[str, ...]) -> int:
-        """How deep the shortest text of that way is nested."""
+        """Return the nesting depth of the shortest text of an alternative."""
         inner = (self.depths.get(n, 10**6) for n in way if n in self.ways)
         return 1 + max(inner, default=0)
 
     def text(self, terminal: str, chance: Random) -> str:
-        """A text of a terminal."""
+        """Return a text of a terminal."""
         if terminal in _CHOICES:
             return chance.choice(_CHOICES[terminal])
         definition: TerminalDef = self._terminals[terminal]
         value = definition.pattern.value
-        # A word that is a keyword in its place only: its pattern ends in a look-ahead.
+        # A word that is a keyword only in its place: its pattern ends in a look-ahead.
         return value.partition("(?")[0] if definition.pattern.type == "re" else value
 
 
@@ -99,7 +99,7 @@ def _grammar() -> _Grammar:
 
 
 def sample(chance: Random) -> list[str]:
-    """The tokens of a text."""
+    """Return the tokens of a text."""
     found = _grammar()
     tokens: list[str] = []
     pending = [("definition", 0)] * log_uniform(1, 12, chance.random())

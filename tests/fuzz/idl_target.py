@@ -1,4 +1,4 @@
-"""What reading a definition file must keep to, whatever is in the file."""
+"""Invariants of reading a definition file, whatever its content."""
 
 from __future__ import annotations
 
@@ -40,10 +40,17 @@ HELPERS = {
     "broken.idl": b"module Broken { struct S { long a }; \n#if 1\n interface ;",
     "loop.idl": b'#include "loop.idl"\n',
 }
-"""What an input may include beside itself (`input.idl`)."""
+"""Files that an input may include beside itself (`input.idl`)."""
 
-EVERY = {"emit": 7, "again": 23, "loose": 11, "lint": 5, "import": 77, "print": 13}
-"""One in so many inputs gets the check named."""
+CHECK_INTERVALS = {
+    "emit": 7,
+    "again": 23,
+    "loose": 11,
+    "lint": 5,
+    "import": 77,
+    "print": 13,
+}
+"""One in that many inputs gets the named check."""
 
 _MARKER = re.compile(
     rb"line|#(?:[^\"\w/]|/(?!\*)|/\*(?:[^*]|\*(?!/))*\*/)*\d", re.DOTALL
@@ -69,7 +76,7 @@ class IdlTarget:
             (folder / name).write_bytes(data)
 
     def check(self, number: int, data: bytes) -> list[str]:
-        """Read it, look at all that comes out, and say what it was."""
+        """Read the input, check all results, and return labels."""
         result = self._read(data)
         moved = _MARKER.search(data) is not None
         findings(result.diagnostics, result.sources, moved=moved)
@@ -81,20 +88,20 @@ class IdlTarget:
         if labels[-1] == "rejected" and self._is_valid(number):
             errors = (d for d in diagnostics if d.severity is Severity.ERROR)
             raise ViolationError(f"a valid program is rejected: {next(errors)}")
-        if number % EVERY["print"] == 0:
+        if number % CHECK_INTERVALS["print"] == 0:
             _print(result)
-        if number % EVERY["again"] == 0:
+        if number % CHECK_INTERVALS["again"] == 0:
             again = self._read(data)
             if (again.model, again.diagnostics) != (model, diagnostics):
                 raise ViolationError("the same input gives something else")
-        if number % EVERY["loose"] == 0:
+        if number % CHECK_INTERVALS["loose"] == 0:
             loose = self._read(data, ignore_case_clashes=True)
             findings(loose.diagnostics, loose.sources, moved=moved)
-        if labels[-1] == "accepted" and number % EVERY["lint"] == 0:
+        if labels[-1] == "accepted" and number % CHECK_INTERVALS["lint"] == 0:
             found = lint(model, result.sources, select=_ON_DEMAND)
             findings(found, result.sources, moved=moved)
             labels += (d.code for d in found)
-        if "accepted" in labels and number % EVERY["emit"] == 0:
+        if "accepted" in labels and number % CHECK_INTERVALS["emit"] == 0:
             labels.append(_emit(model, number))
         return list(dict.fromkeys(labels))
 
@@ -113,7 +120,10 @@ class IdlTarget:
 def findings(
     diagnostics: Sequence[Diagnostic], sources: Mapping[str, str], *, moved: bool
 ) -> None:
-    """Findings are of known rules, in order, and stand in a file; `moved` by line markers."""
+    """Check that findings are of known rules, sorted, and within a file.
+
+    `moved`: line markers change their positions.
+    """
     if list(diagnostics) != in_order(diagnostics):
         raise ViolationError("the findings are not in order")
     lines = {name: text.split("\n") for name, text in sources.items()}
@@ -142,7 +152,7 @@ def _exists(
     text = lines.get(span.file)
     if text is None:
         raise ViolationError(f"{place} is in no file that was read")
-    # A finding at the end of a line, or of the file, points at the place behind it.
+    # A finding at the end of a line, or of the file, points at the position after it.
     for line, column, room in (
         (span.line, span.column, 1),
         (span.end_line, span.end_column, 2),
@@ -161,12 +171,12 @@ def _print(result: FrontendResult) -> None:
 
 
 def _emit(model: Model, number: int) -> str:
-    """Let all back ends work; now and then import what they make, and let its types read octets."""
+    """Run all back ends; now and then import the output, and decode octets with its types."""
     try:
         texts = generate(model)
     except InputError:
         return "not emitted"
-    if number % EVERY["import"]:
+    if number % CHECK_INTERVALS["import"]:
         return "emitted"
     chance = Random(number)
     with forgotten_types():

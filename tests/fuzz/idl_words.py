@@ -1,4 +1,4 @@
-"""Words and marks of IDL, right and nearly right, for both fuzzers."""
+"""Words and punctuation of IDL, valid and nearly valid, for both fuzzers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Tokens to octets: white space, comments, macros, line ends, encodings."""
+"""Writes tokens as octets: white space, comments, macros, line ends, encodings."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ _COMMENTS = (
     *("// \u65e5\u672c\u8a9e\n", "/* \u8868\u80fd */", "// \u00e9 \\ \n", "/*\\\n*/"),
 )
 _KEY = "//@key\n"
-"""A comment that is an annotation: it makes the member before it a key."""
+"""A comment that is an annotation: the member before it becomes a key."""
 
 _PLAIN = str.maketrans({"\u65e5": "a", "\u672c": "b", "\u8a9e": "c"})
 
 
 def write(chance: Random, tokens: list[str], *, faithful: bool) -> bytes:
-    """The file; a faithful one means what the tokens say."""
+    """Return the file; `faithful`: it has the meaning of the tokens."""
     if chance.random() < 0.2:
         tokens = _macros(chance, tokens)
     busy = 0.3 if chance.random() < 0.1 else 0.01
@@ -63,7 +63,7 @@ def _usual(token: str) -> str:
 
 
 def _space(chance: Random, token: str, faithful: bool) -> str:
-    """Unusual white space."""
+    """Return unusual white space."""
     return chance.choice(
         (
             *("  ", "\t", "\n", "\r\n", "\f", "\v", "\n\n\n", "\\\n ", " \\\r\n"),
@@ -74,7 +74,7 @@ def _space(chance: Random, token: str, faithful: bool) -> str:
 
 
 def _macros(chance: Random, tokens: list[str]) -> list[str]:
-    """Some words come from macros, which are defined at the top."""
+    """Replace some words by macros, which are defined at the top."""
     head: list[str] = []
     result: list[str] = []
     names: dict[str, str] = {}

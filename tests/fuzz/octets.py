@@ -1,4 +1,4 @@
-"""Reading octets with generated types: whatever they are, a value comes out, or CdrError."""
+"""Fuzzing of generated decoders: any octets give a value, or CdrError."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ CONSTRUCTS = (
 VERSIONS = {"CDR": None, "XCDR1": 1, "XCDR2": 2}
 """The encodings, with the version of XCDR."""
 
-_LONGEST = 1000
+_MAX_OCTETS = 1000
 _CHANGES = 40
 _COUNTS = (0, 0, 1, 1, 1, 2, 3, 4, 5, 8, 255, 2**16, 2**31 - 1, 2**31, 2**32 - 1)
 
 
 @dataclass(frozen=True)
 class Encoding:
-    """A type, one of its encodings, and octets from which a value of it can be read."""
+    """A type, one of its encodings, and octets that decode to a value."""
 
     type: type[Any]
     name: str
@@ -42,14 +42,14 @@ class Encoding:
     least: bytes = b""
 
     def read(self, data: bytes) -> Any:
-        """The value of the octets; raises CdrError."""
+        """Decode a value; raises CdrError."""
         version = VERSIONS[self.name]
         if version is None:
             return self.type.from_cdr(data, self.little_endian)
         return xcdr.decode(self.type, data, version, self.little_endian)
 
     def write(self, value: Any) -> bytes:
-        """The octets of a value; raises CdrError."""
+        """Encode a value; raises CdrError."""
         version = VERSIONS[self.name]
         if version is None:
             return bytes(self.type.to_cdr(value, self.little_endian))
@@ -57,7 +57,7 @@ class Encoding:
 
 
 class OctetsTarget:
-    """The types of the reference package, and of packages that have every construct."""
+    """The types of the reference package, and of packages with every construct."""
 
     def __init__(self, folder: Path) -> None:
         del folder
@@ -65,12 +65,12 @@ class OctetsTarget:
         self._encodings = list(chain.from_iterable(map(encodings, found)))
 
     def make(self, number: int) -> bytes:
-        """Octets that are read as the type that the number chooses."""
+        """Return octets to decode as the type that the number selects."""
         chance = Random(number)
         return chance.randbytes(log_uniform(1, 300, chance.random()))
 
     def check(self, number: int, data: bytes) -> Iterator[str]:
-        """Read the octets, and many more."""
+        """Decode the octets, and variants of them."""
         chance = Random(number)
         encoding = chance.choice(self._encodings)
         yield _tried(encoding, data)
@@ -78,9 +78,9 @@ class OctetsTarget:
 
 
 def explore(encoding: Encoding, chance: Random, changes: int) -> Iterator[str]:
-    """Read octets that grow from those of the type's least value.
+    """Decode variants of the encoding of the type's least value.
 
-    What can be read is the start of the next change, so that values become deep.
+    Octets that decode are the start of the next change, so that values become deep.
     """
     octets = encoding.least
     for _ in range(changes):
@@ -92,7 +92,7 @@ def explore(encoding: Encoding, chance: Random, changes: int) -> Iterator[str]:
 
 
 def _tried(encoding: Encoding, data: bytes) -> str:
-    """What comes of reading; what is written of a value must read as the same value."""
+    """Decode octets; a value, once encoded, must decode to the same value."""
     try:
         value = encoding.read(data)
     except CdrError:
@@ -110,7 +110,7 @@ def _tried(encoding: Encoding, data: bytes) -> str:
 
 
 def _changed(chance: Random, octets: bytes, little_endian: bool) -> bytes:
-    """Other octets: a count with octets for its elements, a number, or a few at any place."""
+    """Return changed octets: a count with octets for its elements, a number, or a few anywhere."""
     data = bytearray(octets)
     place = chance.randrange(len(data) + 1)
     order = "<" if little_endian else ">"
@@ -137,11 +137,11 @@ def _changed(chance: Random, octets: bytes, little_endian: bool) -> bytes:
             del data[place : place + chance.choice((1, 2, 4, 8))]
         case _:
             data[place:place] = chance.randbytes(chance.randint(1, 8))
-    return bytes(data[:_LONGEST])
+    return bytes(data[:_MAX_OCTETS])
 
 
 def encodings(type_: type[Any]) -> Iterator[Encoding]:
-    """The encodings that a type has, in both byte orders."""
+    """Yield the encodings of a type, in both byte orders."""
     for name in VERSIONS:
         for little_endian in (False, True):
             encoding = Encoding(type_, name, little_endian)
@@ -151,7 +151,7 @@ def encodings(type_: type[Any]) -> Iterator[Encoding]:
 
 
 def _least(encoding: Encoding) -> bytes | None:
-    """As few zeros as read as a value, or what the value of no arguments is written as."""
+    """Return the fewest zeros that decode to a value, or the encoding of a default value."""
     for length in range(300):
         try:
             encoding.read(bytes(length))
@@ -165,7 +165,7 @@ def _least(encoding: Encoding) -> bytes | None:
 
 
 def types(module: ModuleType) -> Iterator[type[Any]]:
-    """The types and codecs that a generated module defines."""
+    """Yield the types and codecs that a generated module defines."""
     for value in vars(module).values():
         own = getattr(value, "__module__", "") == module.__name__
         reads = callable(getattr(value, "from_cdr", None))

@@ -1,4 +1,4 @@
-"""Reading profiles: whatever is in the file, findings come out, or a component that can be made."""
+"""Fuzzing of profiles: any file gives findings, or a component that can be generated."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ CASES = ROOT / "tests/golden"
 
 _CODES = {r.code for r in (*RULES, *located_xml.RULES, *profile_yaml.RULES)}
 _OPTIONS = Options(package="fuzzed", skeleton_package="", version="0")
-_LARGEST = 200_000
+_MAX_CHARACTERS = 200_000
 _ATTRIBUTE = re.compile(r'([\w.-]+(?::[\w.-]+)?)\s*=\s*"([^"]*)"')
 _TAG = re.compile(r"<[^<>]*>")
 _ELEMENT = re.compile(r"<[^<>]*/>")
@@ -69,20 +69,20 @@ class ProfileTarget:
         self._folder = folder
 
     def make(self, number: int) -> bytes:
-        """A profile with attributes and elements changed, doubled, exchanged or left out."""
+        """Return a profile with attributes and elements changed, doubled, exchanged or left out."""
         chance = Random(number)
         text = chance.choice(_texts(number % 5 == 0))
         for _ in range(log_uniform(1, 20, chance.random())):
             text = _changed(chance, text)
         encoding = chance.choice(["utf-8"] * 6 + ["utf-16", "utf-8-sig", "shift_jis"])
-        data = text[:_LARGEST].encode(encoding, "xmlcharrefreplace")
+        data = text[:_MAX_CHARACTERS].encode(encoding, "xmlcharrefreplace")
         if chance.random() < 0.1:
             at = chance.randrange(len(data))
             data = data[:at] + chance.randbytes(2) + data[at + chance.randrange(3) :]
         return data
 
     def check(self, number: int, data: bytes) -> Iterator[str]:
-        """Read it as a component or as a system; of a component everything is made."""
+        """Read the profile as a component or a system; generate all output of a component."""
         if number % 5 == 0:
             yield from self._system(data)
             return
@@ -127,7 +127,7 @@ def _hold(found: Iterable[Diagnostic]) -> None:
 
 
 def _as_yaml(data: bytes) -> bytes:
-    """The YAML form of a profile, or the octets themselves where it has none."""
+    """Return the YAML form of a profile, or the octets themselves if it has none."""
     try:
         tree = located_xml.parse(located_xml.decode(data, "x"), "x")
         return profile_yaml.to_yaml(tree).encode("utf-8", "replace")

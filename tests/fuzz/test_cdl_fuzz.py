@@ -1,4 +1,4 @@
-"""The CDL front end takes anything: units of the model and coded findings, in bounded time."""
+"""The CDL front end with any input: units of the model and coded findings, in bounded time."""
 
 from pathlib import Path
 

@@ -1,5 +1,6 @@
-"""Each door takes anything: it returns, or raises what is documented, for what was kept and for
-what is drawn. `make fuzz DOOR=NAME` explores one for longer.
+"""Each door with stored and drawn inputs: it returns, or raises documented exceptions.
+
+`make fuzz DOOR=NAME` explores one for longer.
 """
 
 import logging
@@ -19,7 +20,7 @@ TAKES_ALL = {"node"}
 
 @contextmanager
 def quiet() -> Iterator[None]:
-    """Without the warnings that bad input deserves."""
+    """Suppress the warnings for bad input."""
     logging.disable()
     try:
         yield

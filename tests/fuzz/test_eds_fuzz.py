@@ -1,4 +1,4 @@
-"""The EDS front end takes anything: a device or coded findings, in bounded time."""
+"""The EDS front end with any input: a device or coded findings, in bounded time."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Stations of a CANopen bus take any frames."""
+"""Stations of a CANopen bus with any frames."""
 
 from frames import BusTarget, NodeTarget
 from fuzzing import run

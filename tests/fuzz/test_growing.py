@@ -1,4 +1,4 @@
-"""Short definitions that mean much are read within the limits, or refused with a place."""
+"""Short definitions with large effects are read within the limits, or refused with a position."""
 
 from functools import partial
 
@@ -29,7 +29,7 @@ ONCE_ENDLESS = {
     ("chain of sums", 2000, "adopt"),
     ("odd encodings", 1, "adopt"),
 }
-"""Kind, size and a word of the command: what took hours, gigabytes, or ended in an error."""
+"""Former defects by kind, size and command: hours, gigabytes, or an internal error."""
 
 
 def test_growing() -> None:

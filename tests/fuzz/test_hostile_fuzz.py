@@ -1,4 +1,4 @@
-"""No text of a definition becomes code, whatever the input language and the target."""
+"""No text of a definition becomes code, for any input language and target."""
 
 from functools import partial
 

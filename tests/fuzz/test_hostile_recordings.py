@@ -1,4 +1,4 @@
-"""Names of a recording are data in whatever `rtgen log` makes of it."""
+"""Names of a recording are data in every output of `rtgen log`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""No text of a definition, or of a device, becomes markup or control characters of a report."""
+"""No text of a definition or a device becomes markup or control characters of a report."""
 
 from __future__ import annotations
 

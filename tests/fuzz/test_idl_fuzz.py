@@ -1,4 +1,4 @@
-"""The IDL front end takes anything: whatever the text, it gives coded findings in bounded time."""
+"""The IDL front end with any input: coded findings in bounded time."""
 
 import os
 import time
@@ -105,7 +105,7 @@ FOUND: dict[str, tuple[str, tuple[str, ...]]] = {
         ("IDL0802",),
     ),
 }
-"""What fuzzing found, in small, with the codes that are right."""
+"""Defects that fuzzing found, minimized, with the right codes."""
 
 
 def read(folder: Path, data: bytes) -> FrontendResult:

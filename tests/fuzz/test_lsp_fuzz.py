@@ -1,6 +1,6 @@
-"""The language server after random edits: alive, its findings those of `rtgen lint` and `check`.
+"""The language server after random edits: it has the findings of `rtgen lint` and `check`.
 
-The server keeps what it has read of files; lint and check read all again.
+The server reuses what it has read of files; lint and check read everything again.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ from rtgen.language_server.workspace import View
 
 SESSIONS = 9
 EDITS = 20
-"""Edits in each session: 180 in all, 5,400 with the budget of `make fuzz`."""
+"""Number of edits in each session: 340, and 10,200 with the budget of `make fuzz`."""
 
 PIECES = (
     *("{", "}", "(", ")", "[", "]", "<", ">", ";", ",", "::", ".", "=", '"', "'", "\n"),
@@ -75,7 +75,7 @@ FEATURES: tuple[Callable[[View, Position], Any], ...] = (
 
 
 def edited(draw: random.Random, text: str) -> tuple[int, int, str]:
-    """A stretch of a text, and what takes its place."""
+    """Return a range of a text, and its replacement."""
     start = draw.randrange(len(text) + 1)
     kind = draw.randrange(4)
     if kind == 0:
@@ -90,7 +90,7 @@ def edited(draw: random.Random, text: str) -> tuple[int, int, str]:
 
 
 def checked(folder: Path) -> list[Diagnostic] | InputError:
-    """The findings of `rtgen lint` and `check` on the disk, or what is wrong with the settings."""
+    """Return the findings of `rtgen lint` and `check` on disk, or the error of the settings."""
     try:
         project = load(folder)
     except InputError as error:
@@ -115,7 +115,7 @@ def checked(folder: Path) -> list[Diagnostic] | InputError:
 
 
 class Files:
-    """The files of a project: each is open in the editor, but for a header of C."""
+    """The files of a project: each is open in the editor, except a C header."""
 
     def __init__(self, folder: Path, draw: random.Random) -> None:
         files = dict(PROJECT)
@@ -131,7 +131,7 @@ class Files:
             self.editor.open(name)
 
     def change(self) -> str:
-        """Change a file, or which files there are; the name of one that is open."""
+        """Change a file, or add or remove one; return the name of an open one."""
         kind = self._draw.randrange(40)
         name = self._draw.choice(self.names)
         if kind == 0:
@@ -149,13 +149,13 @@ class Files:
         return name
 
     def save(self) -> None:
-        """Write all files as they are in the editor."""
+        """Write all files as in the editor."""
         for each in self.names:
             text = self.document(each).text.source
             self.editor.path(each).write_bytes(text.encode())
 
     def document(self, name: str) -> Document:
-        """A file as it is in the editor."""
+        """Return a file as in the editor."""
         found = self.editor.workspace.documents.at(str(self.editor.path(name)))
         assert found is not None
         return found
@@ -200,7 +200,7 @@ def test_random_edits(
         view = editor.workspace.view(document.uri)
         offset = draw.randrange(len(document.text.source) + 1)
         features = draw.sample(FEATURES, 5)
-        if view is not None:  # else its words are no longer those of rtgen's files
+        if view is not None:  # else its words differ from those of rtgen's files
             position = view.range(offset, offset).start
             for feature in features:
                 with suppress(RenameError):
@@ -209,15 +209,15 @@ def test_random_edits(
             continue
         found = editor.findings(
             "rtgen_toml"
-        )  # of the project, which a file may have left
+        )  # of the project, which may not have the file any more
         if edit % 10:
             continue
         files.save()
         wanted = checked(tmp_path)
         if isinstance(
             wanted, InputError
-        ):  # the files are read by the settings of before
-            # One of these may be gone, which a system has no place for.
+        ):  # the files are read with the previous settings
+            # One of these files may be deleted; then a system has no position for it.
             placed = [d for d in found["rtgen.toml"] if d.span is not None]
             assert placed == in_order(wanted.diagnostics)
             continue

@@ -1,4 +1,4 @@
-"""The reader of profiles takes anything; what it reads without errors can be generated."""
+"""The reader of profiles with any input; profiles without errors can be generated."""
 
 from fuzzing import run
 from profiles import ProfileTarget

@@ -1,4 +1,4 @@
-"""What a golden case stores of the files that rtgen wrote: see README.md."""
+"""What a golden case stores of the files written by rtgen (README.md)."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def condensed(
     like: Mapping[str, str] | None = None,
     folder: Path,
 ) -> dict[str, str]:
-    """Relative path to text of the stored files: whole, as differences, or as digests.
+    """Return the texts to store by their relative paths: in full, as differences, or as digests.
 
     `digest` are patterns of paths; `like` maps a path to that of the file of `folder` that it is
     compared with.
@@ -40,7 +40,7 @@ def condensed(
 
 
 def difference(base: str, text: str, name: str) -> str:
-    """A unified diff without context; both texts end with a line feed."""
+    """Return a unified diff without context; both texts end with a line feed."""
     assert base.endswith("\n")
     assert text.endswith("\n")
     lines = (side.splitlines(keepends=True) for side in (base, text))
@@ -48,7 +48,7 @@ def difference(base: str, text: str, name: str) -> str:
 
 
 def shortened(text: str, shown: int) -> str:
-    """The first and the last `shown` lines, and a digest of those between."""
+    """Return the first and the last `shown` lines, and a digest of the lines between."""
     lines = text.splitlines(keepends=True)
     middle = lines[shown:-shown]
     digest = hashlib.sha256("".join(middle).encode()).hexdigest()

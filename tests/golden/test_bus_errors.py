@@ -1,4 +1,4 @@
-"""Findings about bus files as they are printed: a folder each: bus.toml and expected.txt.
+"""Printed findings about bus files: a folder for each case, with bus.toml and expected.txt.
 
 `board.eds`, beside it, is the base.eds of the cases of EDS, with a heartbeat.
 """
@@ -22,7 +22,7 @@ CODE = re.compile(r"\b(?:error|warning|note)\[([A-Z]+\d{4})\]")
 
 
 def with_heartbeat(eds: str) -> str:
-    """The description with 1017h at its end."""
+    """Return the description with object 1017h appended."""
     listed = "[OptionalObjects]\nSupportedObjects=6\n"
     assert listed in eds
     more = listed.replace("6", "7") + "7=0x1017\n"

@@ -1,8 +1,8 @@
-"""Every folder below `cases` is a run of rtgen: a new test is a folder, no code.
+"""Each folder below `cases` is a run of rtgen: a new test needs a folder, no code.
 
-`case.toml` says what to run (`arguments`) and its `exit` code; `input/` is the folder it runs in;
-`expected/` is what it writes, some of it as `digest` and `like` of `case.toml` say (README.md);
-`stdout.txt` and `stderr.txt` are what it prints.
+`case.toml` has the command line (`arguments`) and its `exit` code; `input/` is the working folder;
+`expected/` has the written files, some condensed by `digest` and `like` of `case.toml` (README.md);
+`stdout.txt` and `stderr.txt` are the output.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ CASES = Path(__file__).parent / "cases"
 
 
 def files_of(folder: Path) -> dict[str, bytes]:
-    """Relative path to content of every file below a folder."""
+    """Return the contents of all files below a folder, by their relative paths."""
     return {
         file.relative_to(folder).as_posix(): file.read_bytes()
         for file in sorted(folder.rglob("*"))
@@ -29,7 +29,7 @@ def files_of(folder: Path) -> dict[str, bytes]:
 
 
 def renew(case: Path, stored: dict[str, str], streams: dict[str, str]) -> None:
-    """Makes the folder of a case say what has happened."""
+    """Update the folder of a case with the actual result."""
     shutil.rmtree(case / "expected", ignore_errors=True)
     for name, text in stored.items():
         file = case / "expected" / name

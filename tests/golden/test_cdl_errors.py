@@ -1,9 +1,9 @@
-"""Findings of the CDL front end as they are printed: a folder each: input.cdl and expected.txt.
+"""Printed findings of the CDL front end: a folder for each case, with input.cdl and expected.txt.
 
-`case.toml`, where there is one, says what else is needed: the `files` to read instead of
-input.cdl, the `include` folders, `kcode` and `prelude`, and in `[fill]` what stands for a mark of
-the input: a text and how often it is repeated; `only` names the codes to be shown, where others
-are many. FOLDER is the folder of the case.
+The optional `case.toml` has settings: the `files` to read instead of input.cdl, the `include`
+folders, `kcode` and `prelude`, and in `[fill]` the replacement of a mark of the input: a text and
+its number of repetitions; `only` names the codes to show, if there are many others. FOLDER is the
+folder of the case.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ FAMILIES = (
     "CDL08",
     "CDL09",
 )
-"""The families of rules of which each has a case."""
+"""The families of rules with a case for each rule."""
 
 CODE = re.compile(r"\b(?:error|warning|note)\[([A-Z]+\d{4})\]")
 
@@ -44,7 +44,7 @@ CODE = re.compile(r"\b(?:error|warning|note)\[([A-Z]+\d{4})\]")
 def findings(
     name: str, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> tuple[tuple[Diagnostic, ...], dict[str, str]]:
-    """The findings that are to be shown of a case, and the texts that they are about."""
+    """Return the findings to show of a case, and the texts that they refer to."""
     shutil.copytree(CASES / name, folder, dirs_exist_ok=True)
     toml = folder / "case.toml"
     settings = tomllib.loads(toml.read_text(encoding="utf-8")) if toml.exists() else {}

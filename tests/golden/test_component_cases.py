@@ -1,7 +1,7 @@
-"""Every folder below `components`: definitions, and all that the component back ends make of them.
+"""Cases below `components`: definitions, with all output of the component back ends.
 
 `input/` holds the definitions, `expected/` the files (skeletons below `skeletons/`),
-`diagnostics.txt` what is found.
+`diagnostics.txt` the findings.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ OPTIONS = Options(package="robots", skeleton_package="behaviours", version="0.1.
 
 
 def emit(folder: Path) -> tuple[dict[str, str], list[Diagnostic]]:
-    """Relative path to text of all files, and all findings."""
+    """Return the texts of all files by their relative paths, and all findings."""
     paths = sorted((folder / "input").glob("*.idl"))
     read = load(paths, root=folder / "input")
     emissions = [

@@ -1,9 +1,9 @@
-"""Findings of the EDS front end as they are printed: a folder each: input.eds and expected.txt.
+"""Printed findings of the EDS front end: a folder for each case, with input.eds and expected.txt.
 
-The sections of `base.eds` that a case does not have are added to its end, so a case holds what is
-odd. `case.toml`, where there is one, says otherwise: `base = false` to add nothing, the `files` to
-read, and in `[fill]` what stands for a mark of the input: a text and how often it is repeated.
-FOLDER is the folder of the case.
+The sections of `base.eds` that a case does not have are added to its end, so a case holds only what
+differs. The optional `case.toml` has settings: `base = false` to add nothing, the `files` to read,
+and in `[fill]` the replacement of a mark of the input: a text and its number of repetitions. FOLDER
+is the folder of the case.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ SECTION = re.compile(rb"^\[([^\]\n]*)\]?", re.MULTILINE)
 
 
 def completed(text: bytes) -> bytes:
-    """The text with the sections of base.eds that it does not have."""
+    """Return the text with the missing sections of base.eds."""
     base = (CASES / "base.eds").read_bytes()
     starts = [found.start() for found in SECTION.finditer(base)]
     blocks = [base[a:b] for a, b in zip(starts, [*starts[1:], None], strict=True)]
@@ -41,7 +41,7 @@ def completed(text: bytes) -> bytes:
 
 
 def prepare(case: Path, folder: Path) -> dict[str, Any]:
-    """Copy a case's input, complete it, and give its settings."""
+    """Copy a case's input, complete it, and return its settings."""
     shutil.copytree(case, folder, dirs_exist_ok=True)
     toml = case / "case.toml"
     settings = tomllib.loads(toml.read_text(encoding="utf-8")) if toml.exists() else {}
@@ -57,7 +57,7 @@ def prepare(case: Path, folder: Path) -> dict[str, Any]:
 def findings(
     name: str, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> tuple[FrontendResult, dict[str, Any]]:
-    """What reading a case gives, and its settings."""
+    """Return the result of reading a case, and its settings."""
     settings = prepare(CASES / name, folder)
     monkeypatch.chdir(folder)
     inputs = sorted(path.name for path in folder.glob("input.*"))

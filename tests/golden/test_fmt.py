@@ -1,4 +1,6 @@
-"""`rtgen fmt` of all definitions here: the model and every comment stay; a second run is idle."""
+"""`rtgen fmt` of all definition files: model and comments are kept; a second run changes
+nothing.
+"""
 
 import shutil
 from pathlib import Path
@@ -50,7 +52,7 @@ def test_tokens_and_comments_stay(part: int) -> None:
 
 
 def kept(data: bytes, name: str) -> list[list[str]]:
-    """The tokens, comments and preprocessor lines of a file, without white space between them."""
+    """Return the tokens, comments and preprocessor lines of a file, without white space."""
     language = LANGUAGES[Path(name).suffix]
     found = tokens(content(data, language).text, language)
     return [
@@ -91,7 +93,7 @@ def test_the_model_stays(
 
 
 def model(name: str) -> object:
-    """What `inspect --json` shows of a file, places aside; None where it has errors."""
+    """Return the output of `inspect --json` without positions; None for a file with errors."""
     result = rtgen.read([name], include=["specs/idl", str(Path(name).parent)])
     if has_errors(result.diagnostics):
         return None

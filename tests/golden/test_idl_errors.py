@@ -1,9 +1,9 @@
-"""Findings of the IDL front end as they are printed: a folder each: input.idl and expected.txt.
+"""Printed findings of the IDL front end: a folder for each case, with input.idl and expected.txt.
 
-`case.toml`, where there is one, says what else is needed: the `files` to read instead of
-input.idl, the `include` folders, the macros to `define`, and in `[fill]` what stands for a mark
-of the input: a text and how often it is repeated; `only` names the codes to be shown, where
-others are many. FOLDER is the folder of the case.
+The optional `case.toml` has settings: the `files` to read instead of input.idl, the `include`
+folders, the macros to `define`, and in `[fill]` the replacement of a mark of the input: a text and
+its number of repetitions; `only` names the codes to show, if there are many others. FOLDER is the
+folder of the case.
 """
 
 from __future__ import annotations
@@ -30,11 +30,11 @@ CASES = GOLDEN / "idl_errors"
 NAMES = sorted(path.name for path in CASES.iterdir() if path.is_dir())
 CODE = re.compile(r"\b(?:error|warning|note)\[([A-Z]+\d{4})\]")
 OF_THE_TOOL = ("PRJ", "ENV", "PY", "LINT", "RTC", "SYS")
-"""Prefixes of codes that the tool itself reports; their cases are below `cases`."""
+"""Prefixes of the codes of the tool itself, whose cases are below `cases`."""
 
 
 def prepare(case: Path, folder: Path) -> dict[str, Any]:
-    """Copy a case's input, fill in its marks, and give its settings."""
+    """Copy a case's input, fill in its marks, and return its settings."""
     shutil.copytree(case, folder, dirs_exist_ok=True)
     toml = case / "case.toml"
     settings = tomllib.loads(toml.read_text(encoding="utf-8")) if toml.exists() else {}
@@ -51,7 +51,7 @@ def prepare(case: Path, folder: Path) -> dict[str, Any]:
 def findings(
     name: str, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> FrontendResult:
-    """What reading a case gives, with the findings that are to be shown."""
+    """Return the result of reading a case, with the findings to show."""
     settings = prepare(CASES / name, folder)
     monkeypatch.chdir(folder)
     result = load(
@@ -85,7 +85,7 @@ def test_findings(
 def test_forms_for_machines(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Each finding is whole in JSON, SARIF 2.1.0 (3.27, 3.30, 3.49) and in annotations."""
+    """Each finding is complete in JSON, SARIF 2.1.0 (3.27, 3.30, 3.49) and annotations."""
     found = findings(name, tmp_path, monkeypatch).diagnostics
     [run] = json.loads(report(found, {}, "sarif"))["runs"]
     known = run["tool"]["driver"]["rules"]
@@ -121,25 +121,25 @@ def test_every_rule_of_idl_has_a_case() -> None:
 
 
 OF_PLUG_INS = {"PRJ0101", "PRJ0102", "PRJ0103", "PRJ0104", "PRJ0105", "SYS0002"}
-"""What only other packages or a changed output folder bring about: tested with those."""
+"""Codes that need other packages or a changed output folder; tested with those."""
 
 
 OF_BUSES = {"ENV0002"}
-"""What comes about on a CAN bus only: `tests/unit/canopen` has one with it."""
+"""Codes that need a CAN bus; `tests/unit/canopen` has cases with one."""
 
 
 OF_MODELS = {
     *("RTC0104", "RTC0201", "RTC0202", "RTC0203", "RTC0301", "RTC0302", "RTC0305"),
 }
-"""What the IDL front end refuses before; `tests/unit/components` has models with it."""
+"""Codes of models that the IDL front end refuses; `tests/unit/components` has such models."""
 
 
 OF_RUNS = {"SYS0023", "SYS0024"}
-"""What comes about while code runs: tested with that."""
+"""Codes reported while code runs; tested there."""
 
 
 OF_MANY = {"RTC0506"}
-"""What more than a thousand findings bring about: `tests/unit/components/test_yaml_places.py`."""
+"""Codes that need more than a thousand findings: `tests/unit/components/test_yaml_places.py`."""
 
 
 def test_every_rule_of_the_tool_has_a_case() -> None:

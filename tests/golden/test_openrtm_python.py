@@ -1,4 +1,4 @@
-"""Every `openrtm_python/*.txt`, a module: the component in IDL and what is found."""
+"""Cases `openrtm_python/*.txt`: the IDL of a module's component, and the findings."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ CASES = Path(__file__).parent / "openrtm_python"
 
 
 def read(path: Path) -> tuple[str, list[Diagnostic]]:
-    """The component as IDL, and the findings."""
+    """Return the component as IDL, and the findings."""
     base = idl.load(
         [SPECS / "ExtendedDataTypes.idl"], root=SPECS, include=[SPECS]
     ).model

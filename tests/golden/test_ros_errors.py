@@ -1,6 +1,6 @@
-"""Findings about ROS 2 interface files as they are printed: a folder of packages each.
+"""Printed findings about ROS 2 interface files: a folder of packages for each case.
 
-The files that are named are all `Main.*`, and `main_.msg`.
+The files read are all `Main.*`, and `main_.msg`.
 """
 
 from __future__ import annotations

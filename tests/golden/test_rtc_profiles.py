@@ -1,4 +1,4 @@
-"""Every `rtc_profile/*.xml`: the component in IDL (`.idl`) and what is found (`.txt`)."""
+"""Cases `rtc_profile/*.xml`: the component in IDL (`.idl`) and the findings (`.txt`)."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ SPECS = Path(__file__).parents[2] / "specs" / "idl"
 
 
 def read(path: Path) -> tuple[str, list[Diagnostic]]:
-    """The component as IDL, and the findings."""
+    """Return the component as IDL, and the findings."""
     known = [SPECS / "BasicDataType.idl", CASES / "base" / "Taken.idl"]
     base = idl.load(known, root=SPECS).model
     given = frozenset(file.as_posix() for file in known)
@@ -103,7 +103,7 @@ def test_no_file_harms(name: str, text: str, code: str, tmp_path: Path) -> None:
 def test_encodings(
     encoding: str, tmp_path: Path, capfdbinary: pytest.CaptureFixture[bytes]
 ) -> None:
-    """A profile in another encoding is read, and written as it was."""
+    """A profile in another encoding is read, and written with that encoding."""
     text = (CASES / "everything.xml").read_text(encoding="utf-8")
     declared = encoding.removesuffix("-sig")
     text = text.replace("UTF-8", declared, 1).replace('"Lab"', '"産総研"')

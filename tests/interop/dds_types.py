@@ -121,7 +121,7 @@ class Union:
 
 @dataclass(frozen=True)
 class Self:
-    """The struct that the type stands in."""
+    """The struct that contains the type."""
 
     name: str
 
@@ -132,7 +132,7 @@ Type: TypeAlias = Basic | Text | Sequence | Array | Map | Self | Declared
 
 @dataclass
 class Drawer:
-    """Draws types that use the declarations made so far."""
+    """Draws types that use previous declarations."""
 
     draw: Any
     declared: list[Declared] = field(default_factory=list)
@@ -213,7 +213,7 @@ class Drawer:
         )
 
     def identified(self, members: list[Member], base: Struct | None) -> list[Member]:
-        """Some with an id of their own; the numbers rise, so that none is taken twice."""
+        """Return the members, some with an explicit id; the ids rise, so that they are unique."""
         following = len(base.everything) * 1000 if base else 0
         numbered = []
         for member in members:
@@ -231,7 +231,7 @@ class Drawer:
         if enums and self.flag():
             switch = self.one(*enums)
         values = labels_of(switch)
-        # cyclonedds wants a value of a boolean without a branch.
+        # cyclonedds needs a branch for each value of a boolean.
         number = self.number(
             1, 1 if switch == Basic("boolean") else min(4, len(values))
         )
@@ -261,7 +261,7 @@ def _holds_self(type_: Type) -> bool:
 
 @st.composite
 def type_sets(draw: Any) -> tuple[Declared, ...]:
-    """A few declarations, each of which may use those before it; the last is a struct."""
+    """Draw a few declarations, each of which may use earlier ones; the last is a struct."""
     drawer = Drawer(draw)
     for n in range(draw(st.integers(2, 6))):
         drawer.declared.append(drawer.declaration(f"T{n}"))
@@ -270,7 +270,7 @@ def type_sets(draw: Any) -> tuple[Declared, ...]:
 
 
 def labels_of(switch: Type) -> list[Any]:
-    """Values of a discriminator, as many as are needed."""
+    """Return as many values of a discriminator as needed."""
     match switch:
         case Enum(members=members):
             return list(members)
@@ -283,7 +283,7 @@ def labels_of(switch: Type) -> list[Any]:
     return [-3, 0, 1, 1000, 32767]
 
 
-# As IDL.
+# IDL.
 
 
 class Idl:
@@ -363,7 +363,7 @@ def _label(switch: Type, label: Any) -> str:
     return f"'{label}'" if isinstance(label, str) else str(label)
 
 
-# As Python for cyclonedds.
+# Python for cyclonedds.
 
 _HEADER = """\
 from dataclasses import dataclass
@@ -376,7 +376,7 @@ from cyclonedds.idl import types as t
 
 
 def cyclone_text(declared: tuple[Declared, ...]) -> str:
-    """A module with the same types for cyclonedds, as its compiler would write it."""
+    """Return a module with the same types for cyclonedds, as its compiler would write it."""
     return _HEADER + "\n".join(map(_cyclone_class, declared))
 
 
@@ -393,7 +393,7 @@ def _cyclone_class(declared: Declared) -> str:
                     f"{name}_{position}: bool = False",
                     f"a.position('{name}_{position}', {position})",
                 ]
-            # The bound has to be known when the positions are checked.
+            # The bound must be known when the positions are checked.
             body.insert(0, f"__idl_annotations__['bit_bound'] = {bound}")
             head = f"@dataclass\nclass {name}(IdlBitmask, typename='{name}')"
             return f"{head}:{_body(body)}"
@@ -476,7 +476,7 @@ class Values:
         self._random = draw
 
     def of(self, type_: Type, depth: int = 0, owner: Struct | None = None) -> Any:
-        """A value; of a type in itself there are ever fewer as it gets deeper."""
+        """Return a value; recursive types become smaller with the depth."""
         rand = self._random
         match type_:
             case Basic(name):
@@ -556,7 +556,7 @@ class Values:
         used = {label: case for case in union.cases for label in case.labels}
         labels = labels_of(union.switch)
         if union.extensibility == "appendable" and union.default is None:
-            # Of any other discriminator cyclonedds reads its default one.
+            # For any other discriminator, cyclonedds reads its default.
             labels = list(used)
         label = self._random.choice(labels)
         case = used.get(label, union.default)
@@ -569,7 +569,7 @@ class Values:
 
 
 def to_ours(type_: Type, value: Any, module: Any) -> Any:
-    """The value as a generated class has it."""
+    """Return the value as an instance of the generated class."""
     match type_:
         case Sequence(element) | Array(element, (_,)) if _is_text(element):
             return "".join(value) if element == Basic("char") else bytes(value)
@@ -603,7 +603,7 @@ def to_ours(type_: Type, value: Any, module: Any) -> Any:
 
 
 def to_theirs(type_: Type, value: Any, module: Any) -> Any:
-    """The value as a class of cyclonedds has it."""
+    """Return the value as an instance of the class of cyclonedds."""
     match type_:
         case Basic("wchar"):
             return ord(value)
@@ -644,7 +644,7 @@ def to_theirs(type_: Type, value: Any, module: Any) -> Any:
 
 
 def from_theirs(type_: Type, value: Any, module: Any) -> Any:
-    """The neutral value of one of cyclonedds."""
+    """Return the neutral value of an instance of cyclonedds."""
     match type_:
         case Basic("wchar"):
             return chr(value)
@@ -699,7 +699,7 @@ def _case(union: Union, label: Any) -> Case | None:
 
 
 def parts(type_: Any) -> Iterator[Any]:
-    """The type and every type in it."""
+    """Yield the type and every type in it."""
     yield type_
     match type_:
         case Sequence(element) | Array(element):

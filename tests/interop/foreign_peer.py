@@ -1,6 +1,6 @@
-"""A process that has omniidl's stubs only: its servant hands each call on to another object.
+"""A process with omniidl's stubs only: its servant forwards each call to another object.
 
-    python foreign_peer.py FOLDER CORBALOC-OR-IOR
+python foreign_peer.py FOLDER CORBALOC-OR-IOR
 
 It calls that object by its stubs, writes the IOR of its own servant, and ends with its input.
 """
@@ -12,7 +12,7 @@ from typing import Any
 
 
 def main(folder: str, reference: str) -> None:
-    """Serves."""
+    """Run the process."""
     sys.path.insert(0, folder)
     import Foreign
     import Foreign__POA

@@ -1,4 +1,4 @@
-"""As much of GIOP 1.2 over TCP as calls need (CORBA 3.3 part 2, 9.4 and 9.7)."""
+"""The part of GIOP 1.2 over TCP that calls need (CORBA 3.3 part 2, 9.4 and 9.7)."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def _message(
 
 
 def _read(stream: socket.socket) -> tuple[int, bytes, str]:
-    """Kind, the whole message, byte order."""
+    """Return kind, complete message, byte order."""
     head = _exactly(stream, 12)
     order = "<" if head[6] & 1 else ">"
     return (
@@ -55,7 +55,7 @@ def _exactly(stream: socket.socket, size: int) -> bytes:
 
 
 def address(reference: ObjectReference) -> tuple[str, int, bytes]:
-    """Host, port and object key of a reference (IIOP profile)."""
+    """Return host, port and object key of a reference (IIOP profile)."""
     profile = dict(reference.profiles)[0]
     order = "<" if profile[0] else ">"
     (length,) = struct.unpack_from(f"{order}I", profile, 4)
@@ -69,14 +69,14 @@ def address(reference: ObjectReference) -> tuple[str, int, bytes]:
 
 
 def reference(type_id: str, host: str, port: int, key: bytes) -> ObjectReference:
-    """A reference to an object at an address."""
+    """Return a reference to an object at an address."""
     name = _padded(b"\1\1\2\0" + _counted(host.encode() + b"\0"), 2)
     place = _padded(name + struct.pack("<H", port), 4) + _counted(key)
     return ObjectReference(type_id, ((0, _padded(place, 4) + bytes(4)),))
 
 
 def sender(place: ObjectReference) -> Handle:
-    """What carries calls to the object that a reference refers to."""
+    """Return a function that sends calls to the object of a reference."""
     host, port, key = address(place)
     stream = socket.create_connection((host, port), timeout=20)
     numbers = iter(range(1, 1000))
@@ -99,7 +99,7 @@ def sender(place: ObjectReference) -> Handle:
 
 @contextlib.contextmanager
 def listening(handlers: dict[bytes, Handle]) -> Iterator[int]:
-    """Serves objects by key on a port of this machine, which it gives."""
+    """Serve objects by key on a port of this machine, which is yielded."""
     with socket.create_server(("127.0.0.1", 0)) as server:
         threading.Thread(target=_accept, args=(server, handlers), daemon=True).start()
         yield server.getsockname()[1]

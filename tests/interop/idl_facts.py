@@ -1,4 +1,4 @@
-"""What omniidl and rtgen say of a definition file, in one form that can be compared."""
+"""Content of a definition file as read by omniidl and rtgen, in one form that can be compared."""
 
 import json
 import subprocess
@@ -32,7 +32,7 @@ BACKEND = Path(__file__).with_name("omniidl_backend")
 def omniidl(
     path: str, include: Sequence[str], folder: Path
 ) -> subprocess.CompletedProcess[bytes]:
-    """Have omniidl print the facts of a file as JSON."""
+    """Run omniidl to print the facts of a file as JSON."""
     command = [programs.omniidl(), "-p", str(BACKEND), "-b", "rtgen_facts"]
     command += [f"-I{place}" for place in include]
     return subprocess.run(
@@ -41,8 +41,9 @@ def omniidl(
 
 
 def omniidl_batch(requests: list[dict[str, object]]) -> list[dict[str, Any]]:
-    """What omniidl says of many small files: of each {folder, file, arguments} what it exits
-    with, the facts, and its messages.
+    """Return exit code, facts and messages of omniidl for many small files.
+
+    Each is given as {folder, file, arguments}.
     """
     run = subprocess.run(
         [sys.executable, BACKEND / "batch.py"],
@@ -69,12 +70,12 @@ def value(found: ConstantValue) -> object:
 
 
 def parameters(operation: Operation) -> list[list[str]]:
-    """Direction, name and type of each parameter."""
+    """Return direction, name and type of each parameter."""
     return [[str(p.direction), p.name, str(p.type)] for p in operation.parameters]
 
 
 def callables(declaration: Interface | Valuetype) -> dict[str, object]:
-    """The operations and the attributes of an interface or valuetype."""
+    """Return the operations and the attributes of an interface or valuetype."""
     return {
         "operations": [
             [

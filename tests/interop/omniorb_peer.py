@@ -1,8 +1,8 @@
-"""A process that has omniORBpy: values come as octets, become its own, and go as octets.
+"""A process with omniORBpy: values arrive as octets, become its own, and return as octets.
 
 omniORBpy can abort; then this process ends, not the tests. `Peer` is the side of the tests; run as
-a program, this file is the other one. Both find the emitted package and the module that omniidl
-made in the same folders.
+a program, this file is the other one. Both find the generated package and omniidl's module in the
+same folders.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ TYPE_CODE = PrimitiveDescriptor("CORBA::TypeCode")
 
 @dataclass(frozen=True)
 class Load:
-    """Asks to import our package and their module, each from its folder."""
+    """Request to import rtgen's package and omniidl's module, each from its folder."""
 
     ours: str
     package: str
@@ -57,9 +57,10 @@ class Load:
 
 @dataclass(frozen=True)
 class Convert:
-    """Asks for the octets of a value, made from its type and octets of ours.
+    """Request for the octets of a value, constructed from its type and rtgen's octets.
 
-    The answer is a pair: theirs of the value, and (if `reads`) theirs of what it read from ours.
+    The answer is a pair: omniORB's octets of the value, and (if `reads`) those of the value that it
+    decoded from rtgen's octets.
     """
 
     repository_id: str
@@ -70,7 +71,7 @@ class Convert:
 
 @dataclass(frozen=True)
 class Code:
-    """Asks for the octets of a type code."""
+    """Request for the octets of a type code."""
 
     repository_id: str
     little_endian: bool
@@ -78,20 +79,20 @@ class Code:
 
 @dataclass(frozen=True)
 class Reference:
-    """Asks for the octets of an object reference that is given as text."""
+    """Request for the octets of an object reference that is given as text."""
 
     text: str
 
 
 @dataclass(frozen=True)
 class Failed:
-    """What the process could not do."""
+    """The error of a request."""
 
     text: str
 
 
 def octets_of(descriptor: Any, value: Any, little_endian: bool) -> bytes:
-    """The body of a value; omniORBpy has an exception's repository id in front of it."""
+    """Return the body of a value; omniORBpy puts an exception's repository id in front."""
     if not isinstance(descriptor, ExceptionDescriptor):
         return encoded(descriptor, value, little_endian)
     out = Output()
@@ -102,7 +103,7 @@ def octets_of(descriptor: Any, value: Any, little_endian: bool) -> bytes:
 
 
 def value_of(descriptor: Any, octets: bytes, little_endian: bool) -> Any:
-    """The value of such a body."""
+    """Return the value of such a body."""
     if not isinstance(descriptor, ExceptionDescriptor):
         return decoded(descriptor, octets, little_endian)
     reader = Reader(octets, little_endian)
@@ -113,19 +114,19 @@ def value_of(descriptor: Any, octets: bytes, little_endian: bool) -> Any:
 
 
 class Peer:
-    """The process. `ask` raises AssertionError where omniORBpy raises or ends."""
+    """The process. `ask` raises AssertionError if omniORBpy raises or ends."""
 
     def __init__(self) -> None:
         self._loaded: list[Load] = []
         self.process: subprocess.Popen[bytes] | None = None
 
     def load(self, load: Load) -> None:
-        """Makes types known."""
+        """Make types known."""
         self.ask(load)
         self._loaded.append(load)
 
     def ask(self, request: Any) -> Any:
-        """The answer to a request."""
+        """Return the answer to a request."""
         if self.process is None:
             self.process = _start()
             for load in self._loaded:
@@ -150,7 +151,7 @@ class Peer:
         return answer
 
     def close(self) -> None:
-        """Ends the process."""
+        """End the process."""
         process, self.process = self.process, None
         if process is not None:
             assert process.stdin is not None
@@ -168,7 +169,7 @@ def _start() -> subprocess.Popen[bytes]:
 
 
 class Converter:
-    """Values of ours as values of omniORBpy."""
+    """Converts rtgen's values to omniORBpy's."""
 
     def __init__(self) -> None:
         self.omniorb = importlib.import_module("omniORB")
@@ -177,7 +178,7 @@ class Converter:
         self.types: dict[str, Any] = {}
 
     def answer(self, request: Any) -> Any:
-        """What a request asks for."""
+        """Return the answer to a request."""
         match request:
             case Load():
                 return self.load(request)
@@ -194,7 +195,7 @@ class Converter:
         raise TypeError(request)
 
     def load(self, load: Load) -> None:
-        """Imports both sides."""
+        """Import both packages."""
         sys.path[:0] = [load.ours, load.theirs]
         try:
             importlib.invalidate_caches()
@@ -210,7 +211,7 @@ class Converter:
             del sys.path[:2]
 
     def convert(self, request: Convert) -> tuple[bytes, bytes | None]:
-        """Theirs of a value of ours, and theirs of ours that they read."""
+        """Return omniORB's octets of a value, and of the value that it decodes."""
         descriptor = self.types[request.repository_id]
         order = int(request.little_endian)
         value = value_of(descriptor, request.octets, request.little_endian)
@@ -224,7 +225,7 @@ class Converter:
         return written, self.omniorb.cdrMarshal(code, read, order)
 
     def type_code(self, descriptor: Any) -> Any:
-        """Theirs for one of ours."""
+        """Return omniORB's type code for a descriptor."""
         match descriptor:
             case PrimitiveDescriptor(name):
                 short = name.removeprefix("CORBA::").replace("unsigned ", "u")
@@ -244,7 +245,7 @@ class Converter:
         return self._named(descriptor, "_tc_")
 
     def converted(self, descriptor: Any, value: Any, memo: dict[int, Any]) -> Any:
-        """Our value as theirs; what is shared stays shared."""
+        """Return omniORB's value; shared parts stay shared."""
         match descriptor:
             case LinkDescriptor() | AliasDescriptor():
                 return self.converted(plain(descriptor), value, memo)
@@ -260,7 +261,7 @@ class Converter:
             case SequenceDescriptor(AliasDescriptor()) | ArrayDescriptor(
                 AliasDescriptor(), (_,)
             ) if not isinstance(value, list):
-                # omniORBpy takes texts and octets only where no typedef names the element.
+                # omniORBpy accepts texts and octets only if no typedef names the element.
                 return list(value)
             case SequenceDescriptor(element) if isinstance(value, list):
                 return [self.converted(element, item, memo) for item in value]
@@ -304,14 +305,14 @@ class Converter:
         return self._named(descriptor, "")
 
     def _named(self, descriptor: Any, prefix: str) -> Any:
-        # A type code that was read has no scopes in its name.
+        # A decoded type code has no scopes in its name.
         known = self.types[descriptor.repository_id]
         module, *scopes, name = known.name.split("::")
         return reduce(getattr, [*scopes, prefix + name], sys.modules[module])
 
 
 def main() -> None:
-    """Answers requests from standard input until it ends."""
+    """Answer requests from standard input until it ends."""
     answers = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
     converter = Converter()
@@ -330,5 +331,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    # By its name, so that requests and answers have the classes that the tests have.
+    # By its name, so that requests and answers have the classes of the tests.
     importlib.import_module(Path(__file__).stem).main()

@@ -1,8 +1,8 @@
-"""A peer of TECS OpaqueRPC by hand, of sockets and `struct` alone: it shares nothing with rtgen.
+"""A hand-written peer of TECS OpaqueRPC, of sockets and `struct` alone, without rtgen.
 
-Each function of the recorded signatures is a generator that says what travels, first of its
-request, then, behind `yield`, of its reply. The same steps write at one end and read at the other.
-Values are those of the recordings: characters are numbers, texts Python's.
+Each function of the recorded signatures is a generator of the steps of its request, then, after
+`yield`, of its reply. The same steps write at one end and read at the other. Values are those of
+the recordings: characters are numbers, texts Python's.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ ONEWAY: set[Steps] = set()
 def of(
     signature: str, number: int, *, oneway: bool = False
 ) -> Callable[[Steps], Steps]:
-    """Files a function under its signature and id."""
+    """Register a function under its signature and id."""
 
     def file(steps: Steps) -> Steps:
         FUNCTIONS.setdefault(signature, {})[number] = steps
@@ -35,7 +35,7 @@ def of(
 
 
 class Message:
-    """One message on a connection, being written or read; `data` are its bytes."""
+    """Message on a connection, being written or read; `data` are its bytes."""
 
     def __init__(self, link: socket.socket, native: bool, sending: bool) -> None:
         self._link = link
@@ -45,7 +45,7 @@ class Message:
         self.data = b""
 
     def turn(self) -> bytes:
-        """Ends a message, sends what was written; the next one goes the other way."""
+        """End a message and send the written data; the next one goes the other way."""
         data, self.data = self.data, b""
         if self.sending:
             self._link.sendall(data)
@@ -53,7 +53,7 @@ class Message:
         return data
 
     def value(self, kind: str, value: Any = None) -> Any:
-        """A number; `l` and `L` are C's long, as wide as the machine has it."""
+        """Return a number; `l` and `L` are C's long, whose width depends on the machine."""
         if kind in "lL" and self.native:
             kind = "q" if kind == "l" else "Q"
         form = self._order + kind
@@ -96,11 +96,11 @@ class Message:
         values[name] = "".join(map(chr, found[:end]))
 
     def absent(self, is_null: bool) -> bool:
-        """The flag of something nullable."""
+        """Return the flag of a nullable value."""
         return bool(self.value("b", int(is_null)))
 
     def code(self, values: Values) -> bool:
-        """The value of an `ER` function; whether outs follow."""
+        """Return the value of an `ER` function, and whether outs follow."""
         self.field("i", values, "return")
         return values["return"] & 0xFF != E_RPC
 
@@ -245,7 +245,7 @@ def both(m: Message, a: Values, o: Values) -> Iterator[None]:
         m.text(o, "joined", 32)
 
 
-# sVec: what measures travels before what is measured
+# sVec: measures travel before the measured data
 
 
 @of("sVec", 1)
@@ -459,13 +459,13 @@ def maybe(m: Message, kind: str, values: Values, name: str) -> None:
 
 
 def wanted(m: Message, values: Values, name: str) -> None:
-    """What the caller says of a nullable out: null, or that it has room."""
+    """Add the caller's part of a nullable out: null, or room for it."""
     is_null = m.absent(values.get(name) is None)
     values[name] = None if is_null else {"want": True}
 
 
 def given(m: Message, kind: str, a: Values, o: Values, name: str) -> None:
-    """Comes back without a flag, if the request was not null."""
+    """Add a value that returns without a flag, if the request was not null."""
     if a[name] is None:
         o[name] = None
     else:
@@ -532,7 +532,7 @@ def minus(m: Message, a: Values, o: Values) -> Iterator[None]:
 def call(
     link: socket.socket, signature: str, number: int, args: Values, native: bool
 ) -> tuple[bytes, bytes, Values]:
-    """Calls a server: request, reply, and what came back, `return` among it."""
+    """Call a server; return request, reply, and the returned values, `return` among them."""
     steps = FUNCTIONS[signature][number]
     message = Message(link, native, sending=True)
     outs: Values = {}
@@ -553,7 +553,7 @@ def call(
 def serve(
     link: socket.socket, signature: str, results: Values, native: bool
 ) -> tuple[bytes, bytes, int, Values]:
-    """Serves one call with these results: request, reply, id, and the arguments that came."""
+    """Serve one call with these results; return request, reply, id, and arguments."""
     message = Message(link, native, sending=False)
     message.magic(0x672A)
     number = message.value("h")

@@ -1,4 +1,4 @@
-"""Where padding lies in a CDR body."""
+"""Positions of padding in a CDR body."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from rtgen.runtime.marshalling.reader import Reader
 
 
 class _Padding(Reader):
-    """Walks octets and notes where padding lies."""
+    """Walks octets and records the positions of padding."""
 
     def __init__(self, data: bytes, little_endian: bool) -> None:
         super().__init__(data, little_endian, walking=True)
@@ -27,7 +27,7 @@ def padding(
     *,
     identified: bool = False,
 ) -> list[int]:
-    """The offsets of the padding in a body, with a repository id in front if `identified`."""
+    """Return the offsets of the padding in a body; `identified`: a repository id precedes it."""
     scan = _Padding(octets, little_endian)
     if identified:
         scan.value(StringDescriptor())
@@ -37,7 +37,7 @@ def padding(
 
 
 def masked(octets: bytes, places: list[int]) -> bytes:
-    """The octets with zeros at those places."""
+    """Return the octets with zeros at those positions."""
     cleared = bytearray(octets)
     for place in places:
         cleared[place] = 0

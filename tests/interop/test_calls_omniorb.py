@@ -1,4 +1,4 @@
-"""Calls between our stubs and omniORB's servants, and between its stubs and our servants."""
+"""Calls between rtgen's stubs and omniORB's servants, and the other way round."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ FILE = Path(__file__).with_name("calls.idl")
 
 @pytest.fixture(scope="module")
 def sides(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
-    """Our package, omniORBpy's modules and its ORB."""
+    """Import rtgen's package, omniORBpy's modules and its ORB."""
     pytest.importorskip("omniORB", reason="omniORBpy is not installed")
     folder = tmp_path_factory.mktemp("calls_omniorb")
     command = [programs.omniidl(), "-bpython", f"-C{folder}", str(FILE)]
     subprocess.run(command, check=True, capture_output=True)
     ours = emitted.emit(tmp_path_factory.mktemp("calls"), [FILE]).peers
-    # The code set is the process's: other tests need this one.
+    # The code set is global to the process: other tests need this one.
     options = {
         "-ORBnativeCharCodeSet": "UTF-8",
         "-ORBendPoint": "giop:tcp:127.0.0.1:0",
@@ -52,7 +52,7 @@ def sides(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
 
 
 def behaviour(side: Any, notes: list[Any]) -> dict[str, Any]:
-    """The methods of a servant, in the same words on either side."""
+    """Return the methods of a servant, which are the same on either side."""
 
     def many(self: Any, a: list[Any]) -> Any:
         if not a:
@@ -75,7 +75,7 @@ def behaviour(side: Any, notes: list[Any]) -> dict[str, Any]:
         ),
         "many": many,
         "note": lambda self, *given: notes.append(given),
-        # omniORBpy hands over the context, which is empty, as a further argument.
+        # omniORBpy passes the context, which is empty, as a further argument.
         "where": lambda self, a, context=None: "here" * a,
         "same": lambda self, given: (given, given),
         "fail": fail,
@@ -83,7 +83,7 @@ def behaviour(side: Any, notes: list[Any]) -> dict[str, Any]:
 
 
 def check(side: Any, stub: Any, notes: list[Any], child: Any) -> None:
-    """Calls every operation of the stub."""
+    """Call every operation of the stub."""
     assert stub.level() == 3
     number, b, c, e, f = stub.all(7, 2.5, True, side.Pose(1, 3.0))
     assert (number, b, c, e.tag, e.x, f) == (7, -2.5, "True", 2, 1.5, side.HIGH)
@@ -134,7 +134,7 @@ def ior(orb: Any, servant: Any) -> ObjectReference:
 
 
 class Objects:
-    """References to objects that are served elsewhere, and the stubs made of them."""
+    """References to objects of the other side, and their stubs."""
 
     def __init__(self) -> None:
         self._references: dict[int, tuple[Any, ObjectReference]] = {}

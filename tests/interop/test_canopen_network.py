@@ -58,7 +58,7 @@ def network(channel: str) -> Iterator[canopen.Network]:
 
 @pytest.fixture
 def slave(channel: str) -> Iterator[Any]:
-    """A slave by hand on a connection of its own."""
+    """Yield a hand-written slave on a connection of its own."""
     ended = threading.Event()
     with can.Bus(interface="virtual", channel=channel) as bus:
         made = of("hand_slave", "Slave")(bus, NODE)
@@ -114,7 +114,7 @@ def test_a_manager_and_a_proxy_beside_a_script(
             system.activate(name)
         until(system, lambda: system.state("Proxy0") is ACTIVE_STATE)
         until(system, lambda: len(samples) > 5)
-        # Both read and write the node; nobody takes the other's answers for a second node's.
+        # Both read and write the node; neither takes the other's answers for a second node's.
         for number in range(20):
             script.sdo[0x2003].raw = number
             assert typed.read_object(0x2003) == number
@@ -122,7 +122,7 @@ def test_a_manager_and_a_proxy_beside_a_script(
             assert script.sdo[0x2003].raw == -number
         assert script.sdo["Device type"].raw == 0x191
         assert manager.station.reports()[0].reason == ""
-        # A command of the script moves node, manager and component.
+        # A command of the script affects node, manager and component.
         assert any(beats.get(timeout=20) == 5 for _ in range(50))
         script.nmt.state = "PRE-OPERATIONAL"
         until(system, lambda: system.state("Proxy0") is INACTIVE_STATE)
@@ -140,7 +140,7 @@ def test_a_manager_and_a_proxy_beside_a_script(
 def test_a_typed_device_and_a_script_as_its_master(
     network: canopen.Network, channel: str
 ) -> None:
-    """Both in one process: frames that no bus would give back to it reach either side."""
+    """Both in one process: frames reach either side, although the bus does not return them."""
     script = network.add_node(NODE, EDS)
     base = of("hand.components.hand_slave_device", "HandSlaveDeviceBase")
 

@@ -1,4 +1,4 @@
-"""Constructs that no reference type has, against omniORBpy: unions, fixed, wide text, recursion."""
+"""Constructs without a reference type, compared with omniORBpy: unions, fixed, recursion."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ FILE = Path(__file__).with_name("constructs.idl")
 
 @pytest.fixture(scope="module")
 def sides(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Any, Any]]:
-    """Our package of the module Constructs, and omniORBpy's."""
+    """Return rtgen's package of the module Constructs, and omniORBpy's."""
     pytest.importorskip("omniORB", reason="omniORBpy is not installed")
     folder = tmp_path_factory.mktemp("omniorb")
     command = [programs.omniidl(), "-bpython", f"-C{folder}", str(FILE)]
@@ -43,7 +43,10 @@ def sides(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Any, Any]]
 
 
 def values(side: Any, fixed: Any) -> dict[str, list[Any]]:
-    """The same values on either side, by type; `fixed` makes one from digits, scale and text."""
+    """Return the same values on either side, by type.
+
+    `fixed` makes a value from digits, scale and text.
+    """
     tree = side.Tree
     mixed = side.Mixed(
         1,
@@ -85,7 +88,7 @@ def test_the_same_octets(sides: tuple[Any, Any], little_endian: bool) -> None:
             reference = omniorb.cdrMarshal(code, peer, int(little_endian))
             if (
                 name == "Failure"
-            ):  # theirs begins with the repository id, as a reply does
+            ):  # omniORB's begins with the repository id, as a reply does
                 assert reference.endswith(octets)
                 continue
             places = padding(value._descriptor_, octets, little_endian)

@@ -1,6 +1,6 @@
-"""Every reference type against omniORBpy: the same octets in both byte orders, both ways.
+"""Every reference type compared with omniORBpy: equal octets in both byte orders, both ways.
 
-omniORBpy leaves padding uninitialised, so padding is masked in what it gives; ours has to be zero.
+omniORBpy leaves padding uninitialised, so it is masked in omniORBpy's octets; rtgen's must be zero.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ EXAMPLES = 25
 
 @dataclass(frozen=True)
 class Peers:
-    """Both mappings: our classes and omniORBpy's modules, and its marshalling functions."""
+    """Both mappings: rtgen's classes and omniORBpy's modules, and its marshalling functions."""
 
     ours: dict[str, type[Any]]
     modules: dict[str, Any]
@@ -49,7 +49,7 @@ class Peers:
     unmarshal: Any
 
     def theirs(self, descriptor: StructDescriptor | EnumDescriptor) -> Any:
-        """The omniORBpy class of a type, or the enum's item list holder."""
+        """Return the omniORBpy class of a type, or the enum's item list holder."""
         return getattr(*self._place(descriptor, ""))
 
     def type_code(self, descriptor: StructDescriptor) -> Any:
@@ -131,7 +131,7 @@ def from_theirs(descriptor: Descriptor, value: Any) -> Any:
 
 
 def holds_wchar(descriptor: Descriptor) -> bool:
-    """Whether there is a wchar inside: omniORBpy 4.3.3 cannot read those that it wrote."""
+    """Return whether the type contains a wchar: omniORBpy 4.3.3 cannot read those that it wrote."""
     descriptor = plain(descriptor)
     match descriptor:
         case StructDescriptor(members=fields):
@@ -151,7 +151,7 @@ def test_every_reference_type(peers: Peers) -> None:
 
 
 def agree(peers: Peers, type_: type[Any]) -> None:
-    """Random values of the type, through both codecs."""
+    """Compare random values of the type in both codecs."""
     descriptor = type_._descriptor_
     code = peers.type_code(descriptor)
 

@@ -1,6 +1,6 @@
-"""Calls by way of a process that knows omniidl's stubs only: our stub, its servant, its stub, ours.
+"""Calls through a process with omniidl's stubs only: rtgen's stub, its servant and stub, rtgen's.
 
-So what is compared at the end was marshalled by both and read by both.
+The values compared at the end were marshalled and read by both.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ FILES = [HERE / "foreign.idl", HERE / "constructs.idl"]
 
 @dataclass
 class Chain:
-    """Our package, omniidl's modules, and a stub whose calls come back to `servant`."""
+    """rtgen's package, omniidl's modules, and a stub whose calls return to `servant`."""
 
     foreign: Any
     constructs: Any
@@ -93,7 +93,7 @@ def chain(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Chain]:
 
 
 def echo(foreign: Any, constructs: Any) -> Any:
-    """A servant that gives arguments back in another order."""
+    """Return a servant that returns its arguments in another order."""
 
     class Twig(foreign.Twig):  # type: ignore[misc]
         def name(self) -> str:
@@ -132,7 +132,7 @@ def echo(foreign: Any, constructs: Any) -> Any:
 
 
 def check(chain: Chain, name: str, one: Any, other: Any) -> None:
-    """Lets two values of a type go round."""
+    """Send two values of a type round."""
     assert getattr(chain.stub, f"echo_{name}")(one, other) == (other, one, other)
 
 
@@ -175,7 +175,7 @@ def test_random_values(chain: Chain, name: str) -> None:
 
 
 def _is_ascii(tree: Any) -> bool:
-    """omniORBpy takes a char beyond ASCII for half a character of UTF-8."""
+    """Return whether it is ASCII: omniORBpy decodes chars as UTF-8."""
     return not isinstance(tree, list) or all(
         item["j"].isascii() for item in tree if isinstance(item, dict)
     )
@@ -293,12 +293,12 @@ def test_repository_ids_and_type_codes_are_the_same(chain: Chain) -> None:
 
 
 def holds_characters(descriptor: Any) -> bool:
-    """Whether there is a char or a wchar inside, which travel as octets."""
+    """Return whether the type contains a char or a wchar, which travel as octets."""
     return "char'" in repr(descriptor) or "Tree" in repr(descriptor)
 
 
 def shape(descriptor: Any) -> Any:
-    """A descriptor without classes, and without the underscore of Python's keywords."""
+    """Return a descriptor without classes, and without the underscore of Python's keywords."""
     if isinstance(descriptor, str):
         return descriptor.lstrip("_")
     if isinstance(descriptor, (tuple, list)):

@@ -1,9 +1,8 @@
-"""The types of topics: random types, the same type objects as cyclonedds makes of its own classes.
+"""Type objects of random topic types equal those that cyclonedds derives from its own classes.
 
 The hash of a type object covers names, member ids, flags and types, as other participants compare
-them (DDS-XTypes 1.3, 7.3.1.2.1). cyclonedds makes none of maps, and ours none of types in
-themselves; structs with a base have its members themselves, so they are not compared, nor unions
-by char, of which cyclonedds makes none.
+them (DDS-XTypes 1.3, 7.3.1.2.1). Not compared are maps and unions by char, for which cyclonedds has
+none, recursive types, for which rtgen has none, and structs with a base, which contain its members.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""The slave against the `canopen` package as its master, over python-can's virtual bus.
+"""The slave with the `canopen` package as its master, over python-can's virtual bus.
 
-Nothing here goes by the clock but time-outs that end a test that has failed.
+Only time-outs that end a failed test depend on the clock.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ CODES: dict[Kind, int] = {
 
 
 def dictionary() -> canopen.ObjectDictionary:
-    """The bench device as the package has it."""
+    """Return the bench device as an object dictionary of the package."""
     objects = canopen.ObjectDictionary()
     objects.node_id = NODE_ID
     records: dict[int, Any] = {}
@@ -109,7 +109,7 @@ class Rig:
                 self.send(node.boot(self.link.now()))
 
     def meet(self) -> None:
-        """Begins anew at the package's end."""
+        """Restart the package's end."""
         if self.remote is not None:
             del self.network[NODE_ID]
         self.remote = canopen.RemoteNode(NODE_ID, dictionary())
@@ -117,7 +117,7 @@ class Rig:
         self.remote.sdo.RESPONSE_TIMEOUT = TIMEOUT
 
     def reset(self) -> None:
-        """Begins anew at both ends."""
+        """Restart both ends."""
         with self.link.lock:
             self.node.store.values.clear()
             self.send(self.node.reset(self.link.now()))
@@ -128,7 +128,7 @@ class Rig:
         self.link.refresh(self.node)
 
     def change(self, index: int, value: ObjectValue) -> None:
-        """The application sets an object."""
+        """Set an object as the application."""
         with self.link.lock:
             self.node.set(index, 0, value)
             self.send(self.node.flush(self.link.now()))
@@ -183,7 +183,7 @@ def test_long_values(rig: Rig, size: int, block: bool) -> None:
     rig.until(lambda: rig.node.get(number_of("octets")) == value)
     with remote.open("rb", block_transfer=block) as stream:
         assert stream.read() == value
-    # The last message of a block has no answer: what comes next shows that it was right.
+    # The last message of a block has no answer: the next one shows that it was right.
     assert rig.remote.sdo[0x1001].raw == 0
 
 
@@ -351,7 +351,7 @@ def test_lss_fastscan() -> None:
         serial_number=4,
     )
     rig = Rig(device)
-    # Every bit that is 1 is one that nobody answers to.
+    # Every bit that is 1 has no answering node.
     rig.network.lss.RESPONSE_TIMEOUT = 1
     found, address = rig.network.lss.fast_scan()
     assert found

@@ -1,7 +1,6 @@
-"""Real EDS and DCF files, compared with what the `canopen` package makes of them.
+"""Real EDS and DCF files, compared with the `canopen` package.
 
-The package's known mistakes are left out of the comparison one by one: where it misreads a file,
-the file wins.
+Known errors of the package are excluded from the comparison one by one.
 """
 
 from __future__ import annotations
@@ -25,7 +24,7 @@ EXPECTED = GOLDEN / "expected.json"
 OURS = sorted((ROOT / "specs").rglob("*.eds"))
 
 NODE = 5
-"""The node that EDS files are read for in the golden data."""
+"""The node-id for EDS files in the golden data."""
 
 _FIRST_OBJECT = 0x1000
 
@@ -36,7 +35,7 @@ needs_files = pytest.mark.skipif(
 
 
 def golden() -> dict[str, Any]:
-    """What the package makes of each file, by name."""
+    """Return the package's result for each file, by name."""
     if not EXPECTED.exists():
         return {}
     files: dict[str, Any] = json.loads(EXPECTED.read_text(encoding="utf-8"))["files"]
@@ -44,7 +43,7 @@ def golden() -> dict[str, Any]:
 
 
 def read(path: Path, node_id: int | None) -> Device:
-    """The device of a file that is read without errors."""
+    """Return the device of a file that is read without errors."""
     result = load([path], root=path.parent, node_id=node_id)
     assert not has_errors(result.diagnostics), result.diagnostics
     [device] = result.model.devices
@@ -52,7 +51,7 @@ def read(path: Path, node_id: int | None) -> Device:
 
 
 def variables(path: Path, node_id: int | None) -> Iterator[Any]:
-    """The package's variables."""
+    """Yield the package's variables."""
     logging.disable(logging.CRITICAL)
     try:
         dictionary = canopen.import_od(str(path), node_id)
@@ -63,7 +62,7 @@ def variables(path: Path, node_id: int | None) -> Iterator[Any]:
 
 
 def same_default(ours: Variable, theirs: Any, node_id: int | None) -> bool:
-    """Whether the package agrees, or has a value that it is known to drop or to misread."""
+    """Return whether the package agrees, or has a value with a known error."""
     value = resolved(ours.default, node_id)
     if value == theirs.default or isinstance(value, NodeRelative):
         return True
@@ -76,7 +75,7 @@ def same_default(ours: Variable, theirs: Any, node_id: int | None) -> bool:
 
 
 def compare(path: Path, node_id: int | None) -> int:
-    """Compare the variables of a file; how many there are in common."""
+    """Compare the variables of a file; return the number of common ones."""
     device = read(path, node_id)
     known = {(v.index, v.subindex): v for v in device.variables}
     compact = {o.index for o in device.objects if _made_up(device, o.index)}
@@ -99,7 +98,7 @@ def compare(path: Path, node_id: int | None) -> int:
 
 
 def _made_up(device: Device, index: int) -> bool:
-    """Whether the members of an object come from its head: the package has no value for sub 0."""
+    """Return whether an object's members come from its head, so the package has no sub 0."""
     first, second = device.find(index), device.find(index, 1)
     return first is not None and second is not None and first.span == second.span
 

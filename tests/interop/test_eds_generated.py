@@ -1,4 +1,4 @@
-"""Components of real devices: every description that is read is generated, imported and typed.
+"""Components of real devices: every readable description is generated, imported and typed.
 
 `RTGEN_EDS_CORPUS` names a folder of further descriptions.
 """
@@ -28,7 +28,7 @@ FILES = sorted(
     if path.suffix.lower() in (".eds", ".dcf") and path.is_file()
 )
 TOGETHER = 60
-"""So many devices are in one project: mypy reads what they share once."""
+"""Number of devices in one project: mypy reads their common part once."""
 
 pytestmark = [
     pytest.mark.slow,
@@ -46,7 +46,7 @@ pytestmark = [
 def made(
     request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
 ) -> tuple[Path, Compilation, int]:
-    """A project of some of the devices, what it gives, and how many they are."""
+    """Return a project of some of the devices, the result of its compilation, and their number."""
     root = tmp_path_factory.mktemp("mass")
     (root / "eds").mkdir()
     (root / "rtgen.toml").write_text(
@@ -69,7 +69,7 @@ def made(
 
 
 def test_every_component_is_made(made: tuple[Path, Compilation, int]) -> None:
-    """All modules are imported, and a proxy and a device made of every description."""
+    """All modules are imported, and a proxy and a device created of every description."""
     root, _, count = made
     code = (
         "import importlib, pkgutil, mass\n"

@@ -1,4 +1,4 @@
-"""Written EDS and DCF files: rtgen's own reader and the `canopen` package read the same back."""
+"""Written EDS and DCF files, read back by rtgen and by the `canopen` package."""
 
 from __future__ import annotations
 
@@ -29,14 +29,14 @@ FILES = [
 canopen = pytest.importorskip("canopen", reason="the package canopen is not installed")
 
 NODE = 5
-"""The node that values are compared for."""
+"""The node-id for the comparison of values."""
 
 _PLACES = {"span", "value_span", "written_access"}
 _OF_THE_FILE = {"file", "key", "sha256", "modules", "connected"}
 
 
 def read(path: Path, node_id: int | None = None) -> Device | None:
-    """The device of a file, None if the file has errors."""
+    """Return the device of a file, None if the file has errors."""
     result = load([path], root=path.parent, node_id=node_id)
     if has_errors(result.diagnostics):
         return None
@@ -44,7 +44,7 @@ def read(path: Path, node_id: int | None = None) -> Device | None:
 
 
 def content(thing: Any) -> Any:
-    """What a part of the model says, places aside."""
+    """Return the content of a part of the model, without positions."""
     if isinstance(thing, tuple):
         return tuple(map(content, thing))
     if not isinstance(thing, msgspec.Struct):
@@ -99,7 +99,7 @@ def test_the_canopen_package_reads_what_is_written(path: Path, tmp_path: Path) -
 
 
 def same(ours: Variable, theirs: Any) -> None:
-    """The package has the same name, type, access and mapping."""
+    """Check that the package has the same name, type, access and mapping."""
     place = (ours.index, ours.subindex)
     assert theirs.name == ours.name.partition(" ;")[0], place
     assert theirs.access_type == ours.access.value, place
@@ -162,6 +162,6 @@ def test_a_decimal_of_a_real32_keeps_its_bits(text: str, tmp_path: Path) -> None
     ],
 )
 def test_whole_reals_are_whole_numbers(value: float, text: str) -> None:
-    """Lely's checker takes no others; of the rest the `canopen` package reads decimals alone."""
+    """Lely's checker accepts no others; the `canopen` package reads decimals only."""
     assert value_text(value, DataType.REAL64) == text
     assert struct.pack("<d", float(text)) == struct.pack("<d", value)

@@ -1,11 +1,10 @@
-"""The table of faults in docs/canopen.md, done to a slave by hand over hub and pseudo-terminal.
+"""The table of faults in docs/canopen.md, with a hand-written slave over hub and pseudo-terminal.
 
-Where the environment variable RTGEN_CANOPEN_NODE names a program, its node takes the slave's place
-in tests of its own. It has the objects and PDOs of `slave_peer/hand_slave.eds` from 1000h to 2004h,
-and is called as `PROGRAM NODE tcp HOST PORT CHANNEL` (socketcand's protocol) or as
-`PROGRAM NODE pty PATH` (slcan). Lines of its standard input are `mute`, `unmute`, `reset` (by
-itself, as after a watchdog), and `emcy CODE COUNT`; it ends with its input. It writes `running` at
-each boot.
+If the environment variable RTGEN_CANOPEN_NODE names a program, its node replaces the slave in
+further tests. It has the objects and PDOs of `slave_peer/hand_slave.eds` from 1000h to 2004h, and
+is called as `PROGRAM NODE tcp HOST PORT CHANNEL` (socketcand's protocol) or as `PROGRAM NODE pty
+PATH` (slcan). Lines of its standard input are `mute`, `unmute`, `reset` (by itself, as after a
+watchdog), and `emcy CODE COUNT`; it ends with its input. It writes `running` at each boot.
 """
 
 from __future__ import annotations
@@ -39,7 +38,7 @@ CHANNEL = "faults"
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """A fault with what is to become of it."""
+    """A fault and its expected outcome."""
 
     proxy: str
     phase: str
@@ -48,7 +47,7 @@ class Row:
 
 
 def table() -> dict[str, Row]:
-    """The rows of the page, by what stands before the colon of their first cell."""
+    """Return the rows of the page, by the text before the colon of their first cell."""
     text = PAGE.read_text(encoding="utf-8").partition("\n## Faults\n")[2]
     rows = re.findall(
         r"^\| (.+?) \| (.+?) \| (.+?) \| (.*?) ?\| (.*?) ?\|$", text, re.M
@@ -65,7 +64,7 @@ TABLE = table()
 
 
 class Node:
-    """A slave by hand with its own connection to the bus, in a thread; `cut` is its power."""
+    """A hand-written slave with its own connection, in a thread; `cut` switches it off."""
 
     def __init__(self, connect: Callable[[], can.BusABC]) -> None:
         self._connect = connect
@@ -78,7 +77,7 @@ class Node:
         ended = self._ended = threading.Event()
 
         def serve() -> None:
-            # Its bus may go, too.
+            # Its bus may be closed, too.
             with suppress(can.CanError, OSError), bus:
                 self.slave.reset()
                 while not ended.is_set():
@@ -106,7 +105,7 @@ class Node:
 
 
 class Program:
-    """The node of a program; killed where `cut` is its power."""
+    """The node of a program; `cut` kills it."""
 
     def __init__(self, program: str, connect: Callable[[], tuple[str, ...]]) -> None:
         self._program = program
@@ -166,7 +165,7 @@ class Line:
         return self
 
     def made(self) -> Node | Program:
-        """A node without power."""
+        """Return a node without power."""
         if self.program:
             if self.medium == "pty":
                 path = next(self._used)
@@ -177,14 +176,14 @@ class Line:
         return Node(self.connection())
 
     def connection(self) -> Callable[[], can.BusABC]:
-        """What opens a connection of a node: a pseudo-terminal of its own, or a socket."""
+        """Return a function that opens a connection of a node: a pseudo-terminal, or a socket."""
         if self.medium == "pty":
             path = next(self._used)
             return lambda: can.Bus(interface="slcan", channel=path, sleep_after_open=0)
         return self.listener
 
     def listener(self) -> can.BusABC:
-        """A connection by a socket."""
+        """Return a connection by a socket."""
         return can.Bus(
             interface="socketcand",
             channel=CHANNEL,
@@ -220,12 +219,12 @@ class Line:
 
 
 def received(bus: can.BusABC) -> Iterator[can.Message]:
-    """The frames that a connection has received by now."""
+    """Yield the frames that a connection has received by now."""
     while (message := bus.recv(0)) is not None:
         yield message
 
 
-# The faults: each makes its own and returns what ends it.
+# The faults: each creates its own and returns a function that ends it.
 
 
 def missing(line: Line) -> Callable[[], None]:
@@ -237,7 +236,7 @@ def late(line: Line) -> Callable[[], None]:
     with line.listener() as bus:
         line.activate()
         line.bench.until(ERROR_STATE)
-        # A pseudo-terminal keeps for the node what is sent before it boots: the proxy's stop too.
+        # A pseudo-terminal buffers data sent before the node boots, including the proxy's stop.
         stop = bytes((NmtCommand.STOP, NODE))
         line.bench.wait(lambda: any(m.data == stop for m in received(bus)))
     line.node.power()
@@ -362,7 +361,7 @@ def test_a_fault_of_the_node_of_a_program(name: str, medium: str) -> None:
 
 
 def fault(name: str, line: Line) -> None:
-    """The fault, its effect, and the recovery."""
+    """Check the fault, its effect, and the recovery."""
     row = TABLE[name]
     end = FAULTS[name](line)
     line.expect(row)

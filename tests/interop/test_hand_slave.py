@@ -1,6 +1,6 @@
-"""A generated proxy and the generated manager against a slave by hand, in real time.
+"""A generated proxy and the generated manager with a hand-written slave, in real time.
 
-The slave (`slave_peer/hand_slave.py`) is written of struct and python-can alone.
+The slave (`slave_peer/hand_slave.py`) uses struct and python-can alone.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ NODE = 5
 
 @pytest.fixture(scope="module", autouse=True)
 def hand(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """The package `hand` is generated, and it and the slave can be imported."""
+    """Make the generated package `hand` and the slave importable."""
     work = tmp_path_factory.mktemp("hand")
     shutil.copytree(FOLDER, work, dirs_exist_ok=True)
     with pytest.MonkeyPatch.context() as patch:
@@ -62,7 +62,7 @@ def of(module: str, name: str) -> Any:
 
 
 class Bench:
-    """A system with a proxy, and a manager unless the proxy is the master, and the slave."""
+    """A system with a proxy, a manager unless the proxy is the master, and the slave."""
 
     def __init__(
         self,
@@ -72,7 +72,7 @@ class Bench:
         own_slave: bool = False,
         channel: str = "",
     ) -> None:
-        """With `own_slave` the test makes the slave."""
+        """Initialize; with `own_slave` the test creates the slave."""
         self.channel = channel or f"hand{next(CHANNELS)}"
         self.system = System(RealClock())
         self.proxy = of("hand.canopen.hand_slave.proxy", "HandSlaveProxy")("Proxy0")
@@ -239,7 +239,7 @@ def test_an_emergency_leads_to_error_and_a_reset_back(bench: Bench) -> None:
     bench.wait(lambda: bench.slave.state == 4)
     bench.system.reset("Proxy0")
     bench.wait(lambda: bench.system.state("Proxy0") is not ERROR_STATE)
-    # The manager sets the node up again, and starts it: the proxy follows.
+    # The manager configures the node again, and starts it: the proxy follows.
     bench.until(ACTIVE_STATE)
     assert bench.slave.number(0x1800, 2) == 1
 
@@ -290,7 +290,7 @@ def test_the_service_of_the_manager(bench: Bench) -> None:
     for reset in ("reset_communication", "reset_node"):
         manager.call("stop", (NODE,))
         bench.wait(lambda: state().nmt.name == "NMT_STOPPED")
-        # It asks for another stop when it comes to ERROR.
+        # It requests another stop when it enters ERROR.
         bench.until(ERROR_STATE)
         manager.call(reset, (NODE,))
         bench.wait(lambda: state().phase.name == "NODE_RUNNING")
@@ -305,7 +305,7 @@ def test_a_proxy_that_is_the_master() -> None:
     try:
         bench.system.activate("Proxy0")
         bench.until(ACTIVE_STATE)
-        # As its EDS has it: the event timer sends.
+        # By its EDS: the event timer sends.
         bench.wait(lambda: len(bench.samples) >= 5)
         bench.slave.obey(2)
         bench.until(ERROR_STATE)
@@ -346,7 +346,7 @@ def test_in_another_process_over_a_hub() -> None:
 
 
 def test_it_needs_nothing_but_python_can() -> None:
-    """The peer is one: it imports neither rtgen nor the `canopen` package."""
+    """The peer is independent: it imports neither rtgen nor the `canopen` package."""
     code = (
         "import sys; sys.path.insert(0, '.'); import hand_slave; "
         "print([m for m in sys.modules if m.partition('.')[0] in ('rtgen', 'canopen')])"

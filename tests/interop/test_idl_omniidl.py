@@ -1,4 +1,4 @@
-"""The IDL front end reads what omniidl reads: declarations, repository ids, constants, types."""
+"""The IDL front end agrees with omniidl: declarations, repository ids, constants, types."""
 
 import json
 import os
@@ -32,7 +32,7 @@ def by_name(found: list[Facts]) -> dict[object, Facts]:
 
 
 def by_omniidl(path: str, include: list[str], folder: Path) -> list[Facts] | str:
-    """What omniidl read, or what it printed where it gave up."""
+    """Return the facts of omniidl, or its messages if it failed."""
     run = omniidl(path, include, folder)
     if run.returncode != 0:
         return (run.stdout + run.stderr).decode(errors="replace")
@@ -55,14 +55,14 @@ def test_same_declarations(path: str, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def corpus() -> list[str]:
-    """The files of the corpus, each content once."""
+    """Return the files of the corpus, each content once."""
     folder = Path(CORPUS)
     distinct = {path.read_bytes(): path for path in sorted(folder.rglob("*.idl"))}
     return sorted(path.relative_to(folder).as_posix() for path in distinct.values())
 
 
 def folders(path: str) -> list[str]:
-    """The include folders of a file of the corpus: those around it, and the usual ones."""
+    """Return the include folders of a file of the corpus: those around it, and the usual ones."""
     around = [folder.as_posix() for folder in Path(path).parents][:-1]
     project = Path(CORPUS) / Path(path).parts[0]
     usual = sorted(
@@ -80,7 +80,7 @@ def folders(path: str) -> list[str]:
     reason="RTGEN_IDL_CORPUS names no folder of definition files",
 )
 def test_same_declarations_in_a_corpus(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What omniidl accepts gives the same facts; whatever else comes gives located findings."""
+    """Files accepted by omniidl have the same facts; others give located findings."""
     folder = Path(CORPUS)
     monkeypatch.chdir(folder)
     differences = []

@@ -1,4 +1,4 @@
-"""Several hundred probes of single rules of the language, each beside omniidl where it knows it."""
+"""Several hundred probes of single rules of the language, compared with omniidl where possible."""
 
 import json
 from collections.abc import Sequence
@@ -27,7 +27,7 @@ def write(probe: Probe, folder: Path) -> None:
 
 
 def answers(probes: Sequence[Probe], folder: Path) -> list[dict[str, Any] | None]:
-    """omniidl's answer to each probe; None for those that it is not asked."""
+    """Return omniidl's answer to each probe; None for those without comparison."""
     asked = [
         {
             "folder": str(folder / str(number)),
@@ -43,7 +43,7 @@ def answers(probes: Sequence[Probe], folder: Path) -> list[dict[str, Any] | None
 
 
 def summary(result: FrontendResult) -> dict[str, str]:
-    """Each declaration as `inspect` shows it, on one line; `<name> id` is its repository id."""
+    """Return each declaration as one line of `inspect`; `<name> id` is its repository id."""
     shown = {}
     for file in result.model.files:
         blocks: list[list[str]] = []
@@ -62,7 +62,7 @@ def summary(result: FrontendResult) -> dict[str, str]:
 def differences(
     probe: Probe, result: FrontendResult, answer: dict[str, Any] | None
 ) -> list[str]:
-    """What is not as the probe expects it."""
+    """Return the differences from the probe's expectation."""
     found = []
     codes = tuple(d.code for d in result.diagnostics)
     if len(codes) != len(probe.codes) or not all(
@@ -85,7 +85,7 @@ def differences(
 
 
 def unequal(result: FrontendResult, theirs: list[dict[str, Any]]) -> list[str]:
-    """Where the declarations are not what omniidl read."""
+    """Return the differences between declarations and omniidl's."""
     ours = {d.scoped: facts(d) for d in defined(result.model.declarations)}
     others = {fact["name"]: fact for fact in theirs}
     return [

@@ -1,4 +1,4 @@
-"""The manager against nodes of the `canopen` package, over python-can's virtual bus."""
+"""The manager with nodes of the `canopen` package, over python-can's virtual bus."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def dictionary(node_id: int) -> canopen.ObjectDictionary:
 
 
 class Slave:
-    """A LocalNode with what it does not do by itself: boot, and answer a reset."""
+    """A LocalNode with additions: boot, and answers to a reset."""
 
     def __init__(self, channel: str, node_id: int) -> None:
         self.network = canopen.Network()

@@ -1,7 +1,7 @@
-"""Generated clients and servers on odd input, as C peers of real tecsgen were seen to react.
+"""Generated clients and servers on odd input, compared with C peers of real tecsgen.
 
-Two things differ on purpose: a scalar that is split over segments is taken, and a text longer than
-its `string(e)` is refused.
+Two differences are deliberate: a scalar that is split over segments is accepted, and a text longer
+than its `string(e)` is refused.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ DIFFERENT: dict[str, dict[str, Any]] = {
     "string(16) with length 200": {"reply": "", "connection": "closed"},
     "return value split in two segments": {"client_return": 0, "client_outs": {}},
 }
-"""What is taken where C peers refuse, and the other way round."""
+"""Inputs that rtgen accepts and C peers refuse, or the other way round."""
 
 PROJECT = """[sources]
 paths = ["odd.cdl"]
@@ -60,7 +60,7 @@ def _cdl() -> str:
 
 @pytest.fixture(scope="module")
 def package(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    """The generated package, under a name of its own."""
+    """Import the generated package, under a name of its own."""
     folder = tmp_path_factory.mktemp("odd")
     (folder / "rtgen.toml").write_text(PROJECT, "utf-8")
     (folder / "odd.cdl").write_text(_cdl(), "utf-8")
@@ -76,7 +76,7 @@ def package(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
 
 
 def parts(package: str, signature: str) -> SimpleNamespace:
-    """What was generated for a signature."""
+    """Return the generated classes of a signature."""
     name = signature.removeprefix("s")
     server = importlib.import_module(f"{package}.{name.lower()}_server")
     marshaller = importlib.import_module(f"{package}.{name.lower()}_marshaller")
@@ -96,11 +96,11 @@ ANSWERS: dict[str, Callable[..., Any]] = {
     "count": len,
     "put": lambda s: (0, len(s)),
 }
-"""What the recorded server did."""
+"""The answers of the recorded server."""
 
 
 def board(target: type, calls: list[str], answers: dict[str, Any]) -> Any:
-    """A target with given answers; other functions answer 0 and 1 (`isnull`)."""
+    """Return a target with given answers; other functions answer 0 and 1 (`isnull`)."""
 
     def method(name: str) -> Callable[..., Any]:
         def called(_: object, *arguments: Any) -> Any:

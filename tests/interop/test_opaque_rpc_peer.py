@@ -1,6 +1,6 @@
-"""Generated servers and clients against a peer written by hand, with the recorded values.
+"""Generated servers and clients with a hand-written peer and the recorded values.
 
-What goes over the connection is compared with the recordings of C peers, in both directions.
+The messages are compared with the recordings of C peers, in both directions.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ LONG = 20.0
 STRUCTS = {"tagPoint": {"x", "y"}, "tagBlob": {"kind", "data", "len"}}
 STRUCTS["tagRect"] = {"a", "b", "tag", "on"}
 OCTETS = {("part", "v"), ("grow", "v")}
-"""Arrays of uint8_t: bytes in Python. `tag` and `data` of the structs are, too."""
+"""Arrays of uint8_t: bytes in Python. So are `tag` and `data` of the structs."""
 ASKED = {("opt", "q"), ("two", "a"), ("two", "c")}
 """Nullable outs: a bool in the request."""
 WIDE = {"w", "back"}
@@ -38,7 +38,7 @@ PROJECT = '[sources]\npaths = ["peer.cdl"]\n[output]\npackage = "by_hand"\n'
 
 
 def _with_floats(case: dict[str, Any]) -> dict[str, Any]:
-    """The case; JSON has texts in place of infinities."""
+    """Return the case with infinities, which JSON has as texts."""
     if case["function"] not in ("f32", "f64"):
         return case
     args, outs = ({n: float(v) for n, v in case[p].items()} for p in ("args", "outs"))
@@ -61,7 +61,7 @@ def _cdl() -> str:
 
 @pytest.fixture(scope="module")
 def package(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    """The generated package, under a name of its own."""
+    """Import the generated package, under a name of its own."""
     folder = tmp_path_factory.mktemp("peer")
     (folder / "rtgen.toml").write_text(PROJECT, "utf-8")
     (folder / "peer.cdl").write_text(_cdl(), "utf-8")
@@ -77,7 +77,7 @@ def package(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
 
 
 class Generated:
-    """What was generated for a recorded call, and its values in Python."""
+    """The generated classes for a recorded call, and its values in Python."""
 
     def __init__(self, package: str, case: dict[str, Any]) -> None:
         name = case["signature"].removeprefix("s")
@@ -93,7 +93,7 @@ class Generated:
         return importlib.import_module(f"{package}.{name.lower()}_{kind}")
 
     def unmarshaller(self, called: list[Any]) -> Any:
-        """Serves a target that answers as recorded."""
+        """Serve a target that answers as recorded."""
         base = getattr(self._server, f"{self._name}Target")
 
         def method(name: str) -> Callable[..., Any]:
@@ -109,7 +109,7 @@ class Generated:
         return getattr(self._server, f"{self._name}Unmarshaller")(target(), self.codec)
 
     def arguments(self, args: dict[str, Any]) -> list[Any]:
-        """Recorded ones."""
+        """Return the recorded arguments as generated code has them."""
         function = self._case["function"]
         return [
             value is not None if (function, n) in ASKED else self.value(n, value)
@@ -117,7 +117,7 @@ class Generated:
         ]
 
     def result(self) -> Any:
-        """What was handed back; outs that were left out are inouts unchanged, and zero."""
+        """Return the results; omitted outs are inouts unchanged, and zero."""
         case = self._case
         left_out = {"o": case["args"].get("o"), "p": 0}
         outs = left_out if case["outs"] is None else case["outs"]
@@ -127,7 +127,7 @@ class Generated:
         return tuple(values) if len(values) > 1 else values[0] if values else None
 
     def value(self, name: str, value: Any) -> Any:
-        """A recorded value as generated code has it."""
+        """Return a recorded value as generated code has it."""
         if name in WIDE:
             return [ord(unit) for unit in value]
         if isinstance(value, dict):
@@ -203,13 +203,13 @@ def test_a_server_by_hand(package: str, case: dict[str, Any]) -> None:
 
 
 def recorded(case: dict[str, Any]) -> dict[str, Any]:
-    """What a reply carries, `return` among it."""
+    """Return the content of a reply, `return` among it."""
     values = copy.deepcopy(case["outs"]) or {}
     return values if case["return"] is None else {**values, "return": case["return"]}
 
 
 def sent(case: dict[str, Any]) -> dict[str, Any]:
-    """What a request carries: of counted arrays no more than their count."""
+    """Return the content of a request: counted arrays up to their count."""
     args = copy.deepcopy(case["args"])
     if case["function"] == "part":
         args["v"] = args["v"][: args["n"]]
@@ -219,7 +219,7 @@ def sent(case: dict[str, Any]) -> dict[str, Any]:
 
 
 def test_every_recorded_function_is_written_by_hand() -> None:
-    """But for two signatures: one needs allocators at its cells, the other no IDL can have."""
+    """Except two signatures: one needs allocators at its cells, IDL cannot express the other."""
     missing = {c["signature"] for c in TRACES["cases"]} - set(peer.FUNCTIONS)
     assert missing == {"sXfer", "sExtra"}
     assert {(c["signature"], c["func_id"]) for c in CASES} == {

@@ -1,4 +1,4 @@
-"""A proxy against a node of the `canopen` package, in real time over python-can's virtual bus."""
+"""A proxy with a node of the `canopen` package, in real time over python-can's virtual bus."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def dictionary() -> canopen.ObjectDictionary:
 
 
 class Slave:
-    """A LocalNode with what it does not do by itself: boot, and answer a reset."""
+    """A LocalNode with additions: boot, and answers to a reset."""
 
     def __init__(self, channel: str) -> None:
         self.network = canopen.Network()

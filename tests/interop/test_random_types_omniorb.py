@@ -1,14 +1,14 @@
-"""Random types and values against omniORBpy: the same octets, both ways.
+"""Random types and values compared with omniORBpy: the same octets, both ways.
 
-hypothesis draws types and values, and makes what fails small. For most
-values the types are compiled once (`test_values`); a few sets of types are drawn to the end
-(`test_types`), so that a type that fails gets small, too. omniORBpy runs in a process of its own.
+hypothesis draws types and values, and minimizes failures. For most values the types are compiled
+once (`test_values`); a few sets of types are drawn by hypothesis (`test_types`), so that a failing
+type is minimized, too. omniORBpy runs in a process of its own.
 
-What is known of omniORBpy 4.3.3, and allowed for: padding is uninitialised; a wchar that it wrote
-it cannot read; values above 2**63 - 1 in sequences of unsigned long long raise; long double is not
-supported. Values with state can make it abort (nested ones in the other byte order) or marshal
-without end, and their chunks end where its buffer does: here they are null, and a test of their own
-has those that it can do. An exception has its repository id in front, as in an any.
+Known properties of omniORBpy 4.3.3: padding is uninitialised; it cannot read a wchar that it wrote;
+values above 2**63 - 1 in sequences of unsigned long long raise; long double is not supported.
+Values with state can make it abort (nested ones in the other byte order) or marshal without end,
+and their chunks end where its buffer does: here they are null, and a separate test has those that
+work. An exception has its repository id in front, as in an any.
 
 `RTGEN_BUDGET` multiplies the number of values, and `RTGEN_SEED` draws others (see `seeds`).
 """
@@ -85,7 +85,7 @@ SIMPLE: tuple[Descriptor, ...] = (
     SequenceDescriptor(ArrayDescriptor(StringDescriptor(), (2,))),
     ArrayDescriptor(_LONG, (2, 3)),
 )
-"""What an any may hold beside the types of a module."""
+"""Possible types in an any besides those of a module."""
 
 DRAWN = settings(
     deadline=None,
@@ -107,7 +107,7 @@ REFERENCES = (
 
 
 class Types:
-    """A module of ours that the process has, too."""
+    """A module of rtgen that the process has loaded, too."""
 
     def __init__(
         self,
@@ -132,7 +132,7 @@ class Types:
         self.compared = [t for t in self.all if not isinstance(t, ValueDescriptor)]
 
     def compare(self, draw: random.Random, descriptor: Any) -> None:
-        """A value of the type, both ways."""
+        """Compare a value of the type, both ways."""
         values = Values(draw, self.anys, state=False, references=self.references)
         little_endian = draw.random() < 0.5
         value = values.value(descriptor)
@@ -170,7 +170,7 @@ class Types:
             assert encoded(descriptor, again, little_endian) == octets
 
     def compare_type_code(self, descriptor: Any, little_endian: bool) -> None:
-        """The type code of the type, both ways."""
+        """Compare the type code of the type, both ways."""
         octets = encoded(TYPE_CODE, descriptor, little_endian)
         theirs = self.peer.ask(Code(descriptor.repository_id, little_endian))
         unset = all_padding(TYPE_CODE, descriptor, little_endian)
@@ -180,7 +180,7 @@ class Types:
 
 
 class Traits:
-    """Whether a type holds a wchar, and whether it holds type codes."""
+    """Whether a type contains a wchar, and whether it contains type codes."""
 
     def __init__(self, descriptor: Descriptor) -> None:
         self.wchar = self.dynamic = False
@@ -216,7 +216,7 @@ class Traits:
 
 
 def all_padding(descriptor: Any, value: Any, little_endian: bool) -> list[int]:
-    """Where padding lies, that within type codes too: it is what changes with the filler."""
+    """Return the positions of padding, also in type codes: octets that vary with the filler."""
     plainly = octets_of(descriptor, value, little_endian)
     align = type_codes._Writer._align
     with pytest.MonkeyPatch.context() as patch:
@@ -233,7 +233,7 @@ def all_padding(descriptor: Any, value: Any, little_endian: bool) -> list[int]:
 
 
 def places(descriptor: Any, octets: bytes, little_endian: bool) -> list[int]:
-    """Where padding lies in what `octets_of` gives."""
+    """Return the positions of padding in the result of `octets_of`."""
     identified = isinstance(descriptor, ExceptionDescriptor)
     return padding(descriptor, octets, little_endian, identified=identified)
 
@@ -262,7 +262,7 @@ def compiled(
     draw: random.Random,
     size: int,
 ) -> Types:
-    """A random module on both sides."""
+    """Return a random module on both sides."""
     number = next(_numbers)
     name = f"Random{number}"
     folder = folder / name

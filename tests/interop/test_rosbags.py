@@ -1,4 +1,4 @@
-"""Types of ROS 2 beside those of rosbags, which knows nothing of rtgen: octets and hashes.
+"""Types of ROS 2 compared with rosbags: octets and hashes.
 
 The definitions are those of its store, written as interface files.
 """
@@ -43,8 +43,8 @@ pytestmark = pytest.mark.peer
 
 STORE = get_typestore(Stores.ROS2_JAZZY)
 MESSAGES = 600
-"""In each run; `make fuzz` takes 18,000, of all types of the store."""
-LONGEST = 5
+"""Number of messages in each run; `make fuzz` takes 18,000, of all types of the store."""
+MAX_ITEMS = 5
 
 
 def has_char(model: Model, struct: Struct) -> bool:
@@ -182,7 +182,7 @@ class Pair:
         if isinstance(type_, ArrayType):
             return self.many(type_.element, type_.dimensions[0])
         if isinstance(type_, SequenceType):
-            most = LONGEST if type_.bound is None else min(LONGEST, type_.bound)
+            most = MAX_ITEMS if type_.bound is None else min(MAX_ITEMS, type_.bound)
             return self.many(type_.element, self.draw.randint(0, most))
         assert isinstance(type_, PrimitiveType)
         value = self.scalar(type_.kind)
@@ -196,7 +196,7 @@ class Pair:
             return struct.unpack("<f", struct.pack("<f", number))[0]
         low, high = INTEGER_RANGES[kind]
         if kind is Primitive.OCTET:
-            # For rosbags a byte has a sign.
+            # For rosbags a byte is signed.
             high = 127
         return self.draw.choice((low, high, self.draw.randint(low, high)))
 

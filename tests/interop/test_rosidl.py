@@ -1,4 +1,4 @@
-"""Shipped interface files as Debian's rosidl reads them (`apt-get install python3-rosidl`).
+"""Shipped interface files compared with Debian's rosidl (`apt-get install python3-rosidl`).
 
 It is rosidl 3, which has no hashes: the names and types of all fields are compared. ROSIDL names
 another folder of Python packages.
@@ -59,7 +59,7 @@ def parser() -> Any:
 
 
 def theirs(type_: Any) -> str:
-    """A type of rosidl as IDL writes it."""
+    """Return a type of rosidl in the syntax of IDL."""
     if type_.is_primitive_type() and type_.type in ("string", "wstring"):
         bound = "" if type_.string_upper_bound is None else type_.string_upper_bound
         inner = f"{type_.type}<{bound}>" if bound else type_.type
@@ -94,7 +94,7 @@ def own(model: Model, type_: Type) -> str:
 
 
 def parts(parser: Any, name: str) -> dict[str, Any]:
-    """The messages of a file by the suffixes of their names."""
+    """Return the messages of a file by the suffixes of their names."""
     package, kind, _ = name.split("/")
     path = ros_file(name)
     if kind == "msg":

@@ -1,4 +1,4 @@
-"""SDO client and server against the `canopen` package's, over python-can's virtual bus."""
+"""SDO client and server with the `canopen` package's, over python-can's virtual bus."""
 
 from __future__ import annotations
 
@@ -90,7 +90,7 @@ def transfer(bus: can.BusABC, client: SdoClient, frames: list[Frame]) -> bytes:
 def test_client_against_canopen(
     network: canopen.Network, bus: can.BusABC, size: int
 ) -> None:
-    """Its server knows no block transfer: it answers an upload the other way."""
+    """Its server does not support block transfer: it answers a block upload by a segmented one."""
     node = network.create_node(NODE, dictionary())
     client, value = SdoClient(NODE), value_of(size)
     started = client.download(0x2000, 0, value, time.monotonic_ns())

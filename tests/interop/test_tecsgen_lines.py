@@ -1,7 +1,7 @@
-"""One CDL file through rtgen and a real tecsgen: ports, function ids and digests agree.
+"""One CDL file in rtgen and tecsgen: ports, function ids and digests agree.
 
-A machine's tecsgen 1.7 is named by RTGEN_TECSGEN, or found on the path; what needs it is skipped
-without.
+tecsgen 1.7 is named by RTGEN_TECSGEN, or found on the path; tests that need it are skipped without
+it.
 """
 
 from __future__ import annotations
@@ -33,13 +33,13 @@ PORTS = {
     "RTCPlugin__2": 9000,
     "Join_to_through___0": 8934,
 }
-"""The cells that tecsgen makes for the joins, and the ports that both halves have."""
+"""The cells that tecsgen makes for the joins, and the ports of both halves."""
 
 needs_tecsgen = pytest.mark.skipif(TECSGEN is None, reason="tecsgen is missing")
 
 
 def _model(folder: Path, text: str = BOARD) -> Model:
-    """What rtgen reads of a CDL file."""
+    """Return the model of a CDL file."""
     file = folder / "board.cdl"
     file.write_text(text, encoding="utf-8")
     read = load([file], root=folder, include=[FOLDER])
@@ -48,13 +48,13 @@ def _model(folder: Path, text: str = BOARD) -> Model:
 
 
 def _digests(folder: Path, text: str) -> list[str]:
-    """The digests of both signatures."""
+    """Return the digests of both signatures."""
     (unit,) = _model(folder, text).tecs
     return [signature_digest(unit, _signature(unit, n)) for n in ("sMotor", "sLamp")]
 
 
 def _generate(folder: Path, text: str = BOARD) -> tuple[TecsUnit, dict[str, str]]:
-    """The unit of a CDL file, and what rtgen makes of it, by the names of the files."""
+    """Return the unit of a CDL file, and rtgen's output by the names of the files."""
     model = _model(folder, text)
     made = lowered(model, Settings())
     assert not has_errors(made.diagnostics), made.diagnostics
@@ -68,7 +68,7 @@ def _generate(folder: Path, text: str = BOARD) -> tuple[TecsUnit, dict[str, str]
 
 
 def _tecsgen(folder: Path, plugin: str, text: str = BOARD) -> tuple[int, str]:
-    """Exit code and messages of tecsgen; its files are in `gen` then."""
+    """Return exit code and messages of tecsgen, whose files are in `gen`."""
     assert TECSGEN is not None
     (folder / "RTCPlugin.rb").write_text(plugin, encoding="utf-8")
     (folder / "board.cdl").write_text(text, encoding="utf-8")

@@ -1,7 +1,7 @@
-"""Values with state against omniORBpy, little-endian (the other order makes it abort).
+"""Values with state compared with omniORBpy, little-endian (big-endian makes it abort).
 
-It breaks their state into chunks where its buffer ends, so octets are compared once they were read
-and written by ours: that joins the chunks. Where it used one chunk, they are the same at once.
+omniORBpy splits their state into chunks where its buffer ends, so octets are compared after rtgen
+has read and written them, which joins the chunks. If it used one chunk, they are equal at once.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ Sides = tuple[Any, Any, Any]
 
 @pytest.fixture(scope="module")
 def sides(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Sides]:
-    """Our package, theirs, and omniORB."""
+    """Import rtgen's package, omniORBpy's, and omniORB."""
     omniorb = pytest.importorskip("omniORB", reason="omniORBpy is not installed")
     folder = tmp_path_factory.mktemp("omniorb")
     command = [programs.omniidl(), "-bpython", f"-C{folder}", str(FILE)]
@@ -47,7 +47,7 @@ def sides(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Sides]:
 
 
 def values(side: Any, box: Callable[[str], Any]) -> list[tuple[str, Any]]:
-    """The same values on either side: the type each is marshalled as, and the value."""
+    """Return the same values on either side: the type for marshalling, and the value."""
     shared = side.V(5)
     text = box("shared text")
     circle = side.N(1, side.N(2, None))

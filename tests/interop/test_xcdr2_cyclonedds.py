@@ -1,10 +1,10 @@
-"""XCDR against cyclonedds: random types, random values, the same octets both ways.
+"""XCDR compared with cyclonedds: random types, random values, the same octets both ways.
 
 Each set of types is compiled by rtgen and written as classes of cyclonedds; then many values go
 both ways, in both byte orders, as XCDR2 and, where cyclonedds follows DDS-XTypes, as XCDR1.
 
 What cyclonedds 11.0 does differently from DDS-XTypes 1.3 is not drawn here; test_xcdr.py has the
-octets that the standard asks for:
+octets that the standard requires:
 
 - maps of strings or constructed types have no DHEADER (rule 14 asks for one);
 - enums with a `bit_bound` that is not 8, 16 or 32 take a wrong size, in XCDR1 all take 4 octets;
@@ -56,7 +56,7 @@ _made = 0
 
 
 def sides(folder: Path, declared: tuple[dds.Declared, ...]) -> Sides:
-    """Compiles the types for both sides."""
+    """Compile the types for both sides."""
     global _made
     _made += 1
     idl = folder / f"set{_made}.idl"
@@ -74,7 +74,7 @@ def sides(folder: Path, declared: tuple[dds.Declared, ...]) -> Sides:
 
 
 def is_plain_in_xcdr1(declared: dds.Struct | dds.Union) -> bool:
-    """Whether cyclonedds has the type in XCDR1 as the standard does."""
+    """Return whether cyclonedds encodes the type in XCDR1 as the standard does."""
     for type_ in dds.parts(declared):
         match type_:
             case dds.Enum(bound=bound) if bound in (8, 16):
@@ -88,7 +88,7 @@ def is_plain_in_xcdr1(declared: dds.Struct | dds.Union) -> bool:
 def compare(
     pair: Sides, type_: dds.Struct | dds.Union, neutral: Any, versions: tuple[int, ...]
 ) -> None:
-    """One value, both ways, in each version and byte order."""
+    """Compare one value, both ways, in each version and byte order."""
     ours_class = getattr(pair.ours, type_.name)
     theirs_class = getattr(pair.theirs, type_.name)
     ours = dds.to_ours(type_, neutral, pair.ours)
@@ -125,7 +125,7 @@ def test_random_types_are_the_same_octets(
     draw: random.Random,
     seed: int,
 ) -> None:
-    """hypothesis draws the types and the first value, and makes what fails small."""
+    """hypothesis draws the types and the first value, and minimizes failures."""
     pair = sides(tmp_path_factory.mktemp("set"), declared)
     first, others = dds.Values(draw), dds.Values(random.Random(seed))
     types = [d for d in declared if isinstance(d, dds.Struct | dds.Union)]

@@ -1,4 +1,4 @@
-"""A drive and its proxy as OpenRTM components of one process; prints the states that they take.
+"""A drive and its proxy as OpenRTM components of one process; prints their states.
 
 `python canopen_pair.py OUT`, OUT being the output folder of the reference build.
 """

@@ -1,4 +1,4 @@
-"""Components that have to conform: those of the reference build, and a project of all else."""
+"""Components under test: those of the reference build, and a project with everything else."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ GENERATED = Path(__file__).parents[2] / "generated"
 
 
 class EntryPoints(configparser.ConfigParser):
-    """Names keep their case."""
+    """A parser that keeps the case of names."""
 
     def optionxform(self, optionstr: str) -> str:
         return optionstr
 
 
 def behaviours() -> dict[str, str]:
-    """Of every component of the reference build what makes it, `module:name`."""
+    """Return the factory of every component of the reference build, `module:name`."""
     lists = EntryPoints()
     lists.read(GENERATED / "refrobots/components/entry_points.txt")
     return {n: v for section in lists.sections() for n, v in lists[section].items()}
@@ -45,14 +45,14 @@ package = "conformed"
 skeletons = "src/conforming"
 """
 OTHERS = {name: f"conforming.{name.lower()}:{name}" for name in ("Limiter", "Stock")}
-"""Components of a project made for these tests, as their skeletons are."""
+"""Components of a project made for these tests, with their skeletons as behaviours."""
 
 UNREADABLE = {"TimedWChar", "TimedWCharSeq"}
 """omniORBpy 4.3 cannot read a wchar that it has written."""
 
 
 def stock_types() -> list[str]:
-    """Structs of OpenRTM's own files that have a time stamp."""
+    """Return the structs of OpenRTM's own files that have a time stamp."""
     found = []
     for file in sorted(DATA_TYPES.glob("*DataType*.idl")):
         text = file.read_text(encoding="utf-8")
@@ -61,7 +61,7 @@ def stock_types() -> list[str]:
 
 
 def stock_component() -> str:
-    """A component with an InPort and an OutPort of each type."""
+    """Return a component with an InPort and an OutPort of each type."""
     ports = [
         f"    consumes RTC::{name} in_{name};\n    publishes RTC::{name} out_{name};\n"
         for name in stock_types()
@@ -74,7 +74,7 @@ def stock_component() -> str:
 
 
 def make_project(folder: Path) -> Path:
-    """A project with the other components; gives its output folder."""
+    """Generate a project with the other components; return its output folder."""
     (folder / "idl").mkdir()
     (folder / "rtgen.toml").write_text(SETTINGS)
     (folder / "idl/Stock.idl").write_text(stock_component())
@@ -90,7 +90,7 @@ def make_project(folder: Path) -> Path:
 
 
 def component_of(name: str) -> Component:
-    """An embedded component of a type: what the definition says, and the behaviour makes of it."""
+    """Return an embedded component by its definition, with additions of the behaviour."""
     module, _, attribute = {**BEHAVIOURS, **OTHERS}[name].partition(":")
     made: Component = getattr(import_module(module), attribute)(f"{name}0")
     return made

@@ -1,6 +1,6 @@
-"""What tests of the target openrtm share in a process.
+"""Fixtures of the target openrtm that tests of a process share.
 
-The reference build generated for it; OpenRTM's stubs, a naming service, and a manager.
+The generated reference build; OpenRTM's stubs, a naming service, and a manager.
 """
 
 from __future__ import annotations
@@ -25,12 +25,12 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 ORB_OPTIONS = "-ORBnativeCharCodeSet UTF-8 -ORBgiopMaxMsgSize 67108864"
-"""Those of the runtime: a worker may take tests of other folders after OpenRTM's."""
+"""The options of the runtime: a worker may run tests of other folders after OpenRTM's."""
 
 
 @pytest.fixture(scope="module", autouse=True)
 def runtime_log() -> Iterator[None]:
-    """What a module hangs on the runtime's log goes with it: other tests count messages."""
+    """Remove the handlers that a module adds to the runtime's log: other tests count messages."""
     before = list(log.handlers)
     yield
     for handler in [each for each in log.handlers if each not in before]:
@@ -39,7 +39,7 @@ def runtime_log() -> Iterator[None]:
 
 @pytest.fixture(scope="session")
 def reference(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The output folder of the reference build: `<out>/openrtm/<Component>/`, and its packages."""
+    """Return the output folder of the reference build: `<out>/openrtm/<Component>/` and more."""
     folder = tmp_path_factory.mktemp("reference")
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(ROOT)
@@ -51,7 +51,10 @@ def reference(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="session")
 def rtm_folders(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
-    """Folders that make `OpenRTM_aist`, `RTC` and the other stubs importable; none if installed."""
+    """Return folders that make `OpenRTM_aist`, `RTC` and the other stubs importable.
+
+    None if OpenRTM is installed.
+    """
     if middleware.REAL:
         return []
     stubs = middleware.compile_stubs(tmp_path_factory.mktemp("rtm"))
@@ -60,13 +63,13 @@ def rtm_folders(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
 
 @pytest.fixture(scope="session")
 def rtm_environment(rtm_folders: list[Path]) -> dict[str, str]:
-    """The environment of processes that import `OpenRTM_aist`."""
+    """Return the environment of processes that import `OpenRTM_aist`."""
     return middleware.environment(rtm_folders)
 
 
 @pytest.fixture(scope="session")
 def naming_service() -> Iterator[str]:
-    """`host:port` of a naming service."""
+    """Yield `host:port` of a naming service."""
     with NameServer() as service:
         yield service.address
 
@@ -77,7 +80,7 @@ def manager(
     naming_service: str,
     tmp_path_factory: pytest.TempPathFactory,
 ) -> Iterator[Any]:
-    """A manager in this process; components of it are driven by ticks."""
+    """Yield a manager in this process; its components are driven by ticks."""
     sys.path.extend(map(str, rtm_folders))
     rtm = importlib.import_module("OpenRTM_aist")
     options = {
@@ -92,7 +95,7 @@ def manager(
     settings = [
         text for key, value in options.items() for text in ("-o", f"{key}:{value}")
     ]
-    # The folder of tests may have an rtc.conf of somebody else's.
+    # The folder of tests may have an rtc.conf.
     before = Path.cwd()
     os.chdir(tmp_path_factory.mktemp("manager"))
     try:
@@ -102,7 +105,7 @@ def manager(
     running.activateManager()
     running.runManager(True)
     yield running
-    # `ORB.destroy` ends the process if a thread is still in a call. The ORB is the process's.
+    # `ORB.destroy` ends the process if a thread is still in a call. The ORB is global.
     running.shutdownORB = lambda: running.getORB().shutdown(True)
     running.shutdown()
 
@@ -123,19 +126,19 @@ def _unless(skipped: bool, reason: str) -> list[pytest.MarkDecorator]:
     ]
 )
 def openrtm(request: pytest.FixtureRequest) -> str:
-    """Which OpenRTM a test runs on: the real one wherever there is one, else the stub."""
+    """Return which OpenRTM a test uses: the real one if there is one, else the stub."""
     return str(request.param)
 
 
 @pytest.fixture
 def rtm(openrtm: str, manager: Any) -> Any:
-    """The package `OpenRTM_aist`, with a manager that runs."""
+    """Return the package `OpenRTM_aist`, with a running manager."""
     return importlib.import_module("OpenRTM_aist")
 
 
 @pytest.fixture
 def lab(rtm: Any, manager: Any) -> Iterator[Lab]:
-    """Components of one test."""
+    """Yield the components of one test."""
     made = Lab(rtm, manager)
     yield made
     made.close()
@@ -143,7 +146,7 @@ def lab(rtm: Any, manager: Any) -> Iterator[Lab]:
 
 @pytest.fixture(scope="session")
 def facts(manager: Any, tmp_path_factory: pytest.TempPathFactory) -> Any:
-    """The module `Facts`: types and services of `facts.idl`."""
+    """Import the module `Facts`: types and services of `facts.idl`."""
     folder = tmp_path_factory.mktemp("facts")
     middleware.compile_idl(folder, [Path(__file__).with_name("facts.idl")])
     sys.path.append(str(folder))
@@ -152,7 +155,7 @@ def facts(manager: Any, tmp_path_factory: pytest.TempPathFactory) -> Any:
 
 @pytest.fixture(scope="session")
 def orb(rtm_folders: list[Path]) -> Any:
-    """omniORB in this process, as a manager starts it; it lives as long as the process."""
+    """Return omniORB in this process, started as by a manager, until the process ends."""
     sys.path.extend(str(path) for path in rtm_folders if str(path) not in sys.path)
     corba = importlib.import_module("omniORB.CORBA")
     options = [*ORB_OPTIONS.split(), "-ORBendPoint", "giop:tcp:127.0.0.1:0"]
@@ -166,7 +169,7 @@ def orb(rtm_folders: list[Path]) -> Any:
 def relay_module(
     manager: Any, rtm_folders: list[Path], tmp_path_factory: pytest.TempPathFactory
 ) -> Any:
-    """The generated module `Relay.py`, known to the manager."""
+    """Load the generated module `Relay.py` in the manager."""
     component = hosting.generate(tmp_path_factory.mktemp("hosted"))
     hosting.compile_stubs(component, rtm_folders)
     loaded = hosting.load(component)
@@ -176,7 +179,7 @@ def relay_module(
 
 @pytest.fixture
 def relay(relay_module: Any, lab: Lab) -> hosting.Relay:
-    """A relay, initialized; of what others were given nothing is left to it."""
+    """Return an initialized relay without state of earlier tests."""
     name = lab.unused("Relay")
     made = lab.create(f"Relay?instance_name={name}&conf.default.gain=2.0")
     return hosting.Relay(made, lab)

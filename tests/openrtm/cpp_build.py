@@ -1,4 +1,4 @@
-"""Programs in C++ against omniORB, compiled where its headers are.
+"""Programs in C++ with omniORB, compiled if its headers are installed.
 
 They are Debian's `libomniorb4-dev` and `omniidl`, below /usr or the folder that `OMNIORB_PREFIX`
 names.

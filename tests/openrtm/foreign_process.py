@@ -1,7 +1,7 @@
-"""A process of OpenRTM that knows nothing of rtgen: `foreign_process.py KIND NAMESERVER FORMATS`.
+"""A process of OpenRTM without rtgen: `foreign_process.py KIND NAMESERVER FORMATS`.
 
-`operator` plays PositionInput0 of RH3: it sends a goal, and says FINISH when it is reached.
-`mistaken` has a port of another type. `adder` plays the Counter0 that adds for others.
+`operator` replaces PositionInput0 of RH3: it sends a goal, and returns FINISH when it is reached.
+`mistaken` has a port of another type. `adder` replaces the Counter0 that adds for others.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import RTC
 
 
 def profile(name: str) -> Any:
-    """The profile of a component."""
+    """Return the profile of a component."""
     texts = ["implementation_id", name, "type_name", name, "category", "lab"]
     texts += ["description", "not of rtgen", "version", "1", "vendor", "lab"]
     texts += [
@@ -51,13 +51,13 @@ class PositionInput(OpenRTM_aist.DataFlowComponentBase):  # type: ignore[misc, n
         return RTC.RTC_OK
 
     def onActivated(self, ec_id: int) -> Any:
-        """Begin anew."""
+        """Reset the state."""
         self.sent = False
         self.begun = 0.0
         return RTC.RTC_OK
 
     def onExecute(self, ec_id: int) -> Any:
-        """Send the goal once, then wait for its end; after 2 s whoever has activated it goes on."""
+        """Send the goal once, then wait for its end; after 2 s its activator continues."""
         if self.begun and time.monotonic() > self.begun + 2.0:
             self.begun = 0.0
             print("going", flush=True)
@@ -75,7 +75,7 @@ class PositionInput(OpenRTM_aist.DataFlowComponentBase):  # type: ignore[misc, n
 
 
 class Mistaken(OpenRTM_aist.DataFlowComponentBase):  # type: ignore[misc, name-defined]
-    """Its ports have other types."""
+    """A component whose ports have other types."""
 
     def onInitialize(self) -> Any:
         """Add the ports."""
@@ -88,7 +88,7 @@ class Mistaken(OpenRTM_aist.DataFlowComponentBase):  # type: ignore[misc, name-d
 
 
 class Counter(OpenRTM_aist.DataFlowComponentBase):  # type: ignore[misc, name-defined]
-    """Adds, while it is active."""
+    """A component that adds while it is active."""
 
     def onInitialize(self) -> Any:
         """Add the port."""

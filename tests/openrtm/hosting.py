@@ -1,4 +1,4 @@
-"""A component of everything, generated for OpenRTM, and its behaviour, which tests look into."""
+"""A component with everything, generated for OpenRTM, and its behaviour for inspection by tests."""
 
 from __future__ import annotations
 
@@ -134,7 +134,7 @@ for _name in (
 
 
 def generate(folder: Path) -> Path:
-    """Makes the project in an empty folder; gives the folder of the component."""
+    """Generate the project in an empty folder; return the folder of the component."""
     for name, text in (
         ("rtgen.toml", SETTINGS),
         ("idl/hosted_types.idl", TYPES),
@@ -155,7 +155,7 @@ def generate(folder: Path) -> Path:
 
 
 def compile_stubs(component: Path, rtm_folders: list[Path]) -> None:
-    """Runs the component's script."""
+    """Run the component's script."""
     programs = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
     environment = {
         **middleware.environment(rtm_folders),
@@ -170,20 +170,20 @@ def compile_stubs(component: Path, rtm_folders: list[Path]) -> None:
 
 
 def load(component: Path) -> ModuleType:
-    """The component's module, as a manager loads it."""
+    """Import the component's module, as a manager does."""
     sys.path.append(str(component))
     return importlib.import_module(component.name)
 
 
 class Relay:
-    """A component at work: OpenRTM's and the behaviour in it."""
+    """A running component: OpenRTM's and its behaviour."""
 
     def __init__(self, component: Any, lab: Lab) -> None:
         assert component is not None
         self.rtc = component
         self.behaviour = component._host.behaviour
         self.lab = lab
-        # What a lab looks at to tell what a tick did.
+        # Attributes that a lab reads to find the effects of a tick.
         component.calls = self.behaviour.calls
 
     @property
@@ -197,19 +197,19 @@ class Relay:
         return str(self.lab.state(self.rtc))
 
     def answer(self, callback: str, answer: Any) -> None:
-        """What a callback does from now on: a value to be returned, or something to be called."""
+        """Set the answer of a callback: a value to return, or a function to call."""
         self.behaviour.answers[callback] = answer
 
     def tick(self) -> list[str]:
-        """The callbacks of one cycle."""
+        """Return the callbacks of one cycle."""
         return [call[0] for call in self.lab.tick(self.rtc)]
 
     def activate(self) -> None:
-        """INACTIVE to ACTIVE, without the callbacks noted."""
+        """Activate the component, without recording the callbacks."""
         assert str(self.lab.activate(self.rtc)) == "RTC_OK"
         self.behaviour.calls.clear()
 
     def configure(self, **values: str) -> None:
-        """Sets parameters of the set `default`, as tools do."""
+        """Set parameters of the set `default`, as tools do."""
         for name, text in values.items():
             self.lab.rtm.set_configuration(self.rtc.getObjRef(), "default", name, text)

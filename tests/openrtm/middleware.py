@@ -1,4 +1,4 @@
-"""OpenRTM-aist-Python for tests: the real one wherever it imports, else the stub of this folder."""
+"""OpenRTM-aist-Python for tests: the real one if it is installed, else the stub of this folder."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ REAL = importlib.util.find_spec("OpenRTM_aist") is not None
 
 
 def program(name: str) -> str:
-    """The path of a program that has to be there."""
+    """Return the path of a program that must exist."""
     found = programs.find(name)
     assert found is not None, f"{name} is missing"
     return found
 
 
 def compile_stubs(folder: Path) -> Path:
-    """Makes the folder `RTM_IDL` below a folder: IDL files and what omniidl makes of them."""
+    """Create the folder `RTM_IDL` below a folder: IDL files and omniidl's output."""
     target = folder / "RTM_IDL"
     target.mkdir()
     for file in (*(DATA_TYPES / f"{name}.idl" for name in STOCK), *STUB.glob("idl/*")):
@@ -42,19 +42,19 @@ def compile_stubs(folder: Path) -> Path:
 def compile_idl(
     target: Path, files: list[Path], include: list[Path] | None = None
 ) -> None:
-    """Has omniidl make Python modules of files."""
+    """Compile files to Python modules by omniidl."""
     included = [f"-I{folder}" for folder in include or []]
     command = [program("omniidl"), "-bpython", f"-C{target}", *included]
     subprocess.run([*command, *map(str, files)], check=True)
 
 
 def search_path(stubs: Path) -> list[Path]:
-    """The folders that OpenRTM's .pth file puts on the search path."""
+    """Return the folders that OpenRTM's .pth file puts on the search path."""
     return [STUB, stubs]
 
 
 def environment(folders: list[Path]) -> dict[str, str]:
-    """The environment of a process that finds OpenRTM in these folders."""
+    """Return the environment of a process that finds OpenRTM in these folders."""
     there = [os.environ["PYTHONPATH"]] if os.environ.get("PYTHONPATH") else []
     path = os.pathsep.join([*map(str, folders), *there])
     own = {"PYTHONPATH": path, "PYTHON": sys.executable}
@@ -71,7 +71,7 @@ def launched(
     environment: dict[str, str],
     folder: Path,
 ) -> Iterator[subprocess.Popen[bytes]]:
-    """A manager in a process of its own, which works in `folder`."""
+    """Start a manager in a process of its own, which works in `folder`."""
     settings = [text for item in options.items() for text in ("-o", ":".join(item))]
     with (folder / "manager.out").open("wb") as out:
         process = subprocess.Popen(

@@ -1,4 +1,4 @@
-"""Components made on the spot, for tests of what OpenRTM does."""
+"""Components created by tests of OpenRTM's behaviour."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ CALLBACKS = (
 
 
 def until(condition: Callable[[], object], seconds: float = PATIENCE) -> None:
-    """Waits for something that another thread does."""
+    """Wait for an effect of another thread."""
     end = time.monotonic() + seconds
     while not condition():
         assert time.monotonic() < end, "it did not happen"
@@ -27,7 +27,7 @@ def until(condition: Callable[[], object], seconds: float = PATIENCE) -> None:
 
 
 def resolved(rtm: Any, naming_service: str, name: str, process: Any = None) -> Any:
-    """The component of a name, as soon as there is one; its process has to live so long."""
+    """Return the component of a name, once it exists; its process must be alive."""
     import RTC
     from omniORB import CORBA
 
@@ -45,7 +45,7 @@ def resolved(rtm: Any, naming_service: str, name: str, process: Any = None) -> A
 
 
 class Lab:
-    """Makes components of a manager, drives and connects them, and ends them."""
+    """Creates components of a manager, drives and connects them, and ends them."""
 
     def __init__(self, rtm: Any, manager: Any) -> None:
         self.rtm = rtm
@@ -53,7 +53,7 @@ class Lab:
         self.made: list[Any] = []
 
     def kind(self, *specification: str, **callbacks: Any) -> str:
-        """Registers a class of components and gives its name.
+        """Register a class of components and return its name.
 
         `callbacks` become its methods; `calls` of a component lists those that ran.
         """
@@ -82,18 +82,18 @@ class Lab:
         return name
 
     def unused(self, name: str) -> str:
-        """An instance name that no component has had: one that has ended keeps it for a second."""
+        """Return an unused instance name: a name stays reserved for a second."""
         return f"{name}{next(NUMBERS)}"
 
     def create(self, text: str) -> Any:
-        """What `createComponent` makes."""
+        """Return the result of `createComponent`."""
         made = self.manager.createComponent(text)
         if made is not None:
             self.made.append(made)
         return made
 
     def component(self, *specification: str, **callbacks: Any) -> Any:
-        """A component of a class of its own."""
+        """Return a component of a class of its own."""
         return self.create(self.kind(*specification, **callbacks))
 
     def close(self) -> None:
@@ -116,7 +116,7 @@ class Lab:
         return self.rtm.get_state(component.getObjRef())[1]
 
     def tick(self, component: Any) -> list[str]:
-        """One cycle of the component's own context; gives the callbacks that ran in it."""
+        """Run one cycle of the component's own context; return the executed callbacks."""
         import OpenRTM
 
         def idle() -> bool:
@@ -131,23 +131,23 @@ class Lab:
         return found
 
     def connect(self, first: Any, second: Any, **properties: str) -> Any:
-        """Connects data ports; keywords are properties `dataport.`, with `__` for a dot."""
+        """Connect data ports; keywords are properties `dataport.`, with `__` for a dot."""
         asked = self.rtm.Properties()
         for key, value in properties.items():
             asked.setProperty("dataport." + key.replace("__", "."), value)
         return self.join(first, second, asked)
 
     def join(self, first: Any, second: Any, properties: Any = None) -> Any:
-        """Connects ports."""
+        """Connect ports."""
         asked = self.rtm.Properties() if properties is None else properties
         return self.rtm.connect("wire", asked, first.getPortRef(), second.getPortRef())
 
     def out_port(self, value: Any, name: str = "data") -> Any:
-        """An OutPort of a new component."""
+        """Return an OutPort of a new component."""
         return self._with_port(self.rtm.OutPort(name, value), "addOutPort", name)
 
     def in_port(self, value: Any, name: str = "data") -> Any:
-        """An InPort of a new component."""
+        """Return an InPort of a new component."""
         return self._with_port(self.rtm.InPort(name, value), "addInPort", name)
 
     def _with_port(self, port: Any, add: str, name: str) -> Any:
@@ -165,7 +165,7 @@ def _noted(name: str, callback: Any, code: Any) -> Callable[..., Any]:
 
 
 def answers(*codes: Any) -> Callable[..., Any]:
-    """A callback that gives one code after the other, then the last one on and on."""
+    """Return a callback that returns one code after the other, then the last one repeatedly."""
     left = list(codes)
 
     def callback(self: Any, *arguments: Any) -> Any:

@@ -1,4 +1,4 @@
-"""Values and calls of omniORB's side, made of octets and turned into them."""
+"""Values and calls of omniORB's side, converted by octets."""
 
 from __future__ import annotations
 
@@ -17,26 +17,26 @@ from rtgen.runtime.services.calls import Call, calls_of
 
 
 def load_stubs(folder: Path) -> None:
-    """Imports what omniidl made in a folder; names of modules that are known are added there."""
+    """Import omniidl's modules of a folder; new names are added to already loaded modules."""
     sys.path.append(str(folder))
     for file in sorted(folder.glob("*_idl.py")):
         importlib.import_module(file.stem)
 
 
 def wire(value: Any) -> Any:
-    """omniORB's value of one of ours, by way of octets."""
+    """Return omniORB's value of rtgen's, converted by octets."""
     code = CORBA.TypeCode(value._descriptor_.repository_id)
     return cdrUnmarshal(code, value.to_cdr(), True)
 
 
 def octets(value: Any) -> bytes:
-    """The octets of a value of omniORB's. Padding is not zero."""
+    """Return the octets of a value of omniORB. Padding is not zero."""
     body: bytes = cdrMarshal(CORBA.TypeCode(CORBA.id(type(value))), value, True)
     return body
 
 
 def interface_of(interface: Any) -> Any:
-    """omniORB's class of references to an interface of ours."""
+    """Return omniORB's class of references to an interface."""
     names = interface._descriptor_.name.split("::")
     first = names[0] if len(names) > 1 else "_GlobalIDL"
     rest = names[1:] if len(names) > 1 else names
@@ -61,32 +61,32 @@ def _code(types: Any) -> Any:
 
 
 def unpacked(types: Any, record: Any) -> list[Any]:
-    """omniORB's values of the members of one of our requests or replies."""
+    """Return omniORB's values of the members of a request or reply."""
     if record is None:
         return []
     return list(cdrUnmarshal(_code(types), record.to_cdr(), True).values)
 
 
 def packed(kind: Any, types: Any, values: Any) -> Any:
-    """One of our requests or replies of omniORB's values."""
+    """Return a request or reply with omniORB's values."""
     if kind is None:
         return None
     return kind.from_cdr(cdrMarshal(_code(types), Record(*values), True))
 
 
 def of(kind: Any, number: int) -> Any:
-    """The specimen of a request or reply."""
+    """Return the specimen of a request or reply."""
     return None if kind is None else specimen(kind._descriptor_, number)
 
 
 def described(interface: Any, operation: str) -> tuple[Any, Any]:
-    """Types of arguments and of results of an operation, as omniORB has them."""
+    """Return omniORB's types of arguments and of results of an operation."""
     arguments, results, *_ = getattr(interface_of(interface), f"_d_{operation}")
     return arguments, results or ()
 
 
 def raised_by(call: Call, error: Any) -> Any:
-    """Ours of an exception of omniORB's."""
+    """Return rtgen's exception for omniORB's."""
     for _, kind in call.raises:
         descriptor = kind._descriptor_
         if descriptor.repository_id == error._NP_RepositoryId:
@@ -98,7 +98,7 @@ def raised_by(call: Call, error: Any) -> Any:
 
 
 def to_be_raised(error: Any) -> Exception:
-    """omniORB's of an exception of ours."""
+    """Return omniORB's exception for rtgen's."""
     descriptor = omniORB.findType(error._descriptor_.repository_id)
     record = cdrUnmarshal(_code(descriptor[5::2]), error.to_cdr(), True)
     made: Exception = descriptor[1](*record.values)
@@ -106,17 +106,17 @@ def to_be_raised(error: Any) -> Exception:
 
 
 def outcomes(call: Call) -> int:
-    """How a call can end: with its result, or with one of its exceptions."""
+    """Return the number of outcomes of a call: its result, and its exceptions."""
     return 1 + len(call.raises)
 
 
 def number_of_calls(interface: Any) -> int:
-    """As many as there are outcomes of all operations."""
+    """Return the number of outcomes of all operations."""
     return sum(outcomes(call) for call in calls_of(interface).values())
 
 
 def check_requests(interface: Any, found: list[tuple[str, str]]) -> None:
-    """Check that a servant received what the caller sent, as octets.
+    """Check that the servant received what the caller sent, as octets.
 
     A oneway call may arrive after later calls.
     """
@@ -143,7 +143,7 @@ def _hex(value: Any) -> str:
 
 
 def call_all(interface: Any, reference: Any) -> None:
-    """Calls each operation of a provider as often as it has outcomes, and checks those."""
+    """Call each operation of a provider once for each outcome, and check the results."""
     for operation, call in calls_of(interface).items():
         sent, received = described(interface, operation)
         for number in range(outcomes(call)):
@@ -163,7 +163,7 @@ def call_all(interface: Any, reference: Any) -> None:
 
 
 def servant(interface: Any) -> tuple[Any, list[tuple[str, str]]]:
-    """A servant of omniORB, and the requests it received, as octets of rtgen's codecs."""
+    """Return a servant of omniORB, and the requests it received, as octets of rtgen's codecs."""
     skeleton = omniORB.skeletonMapping[interface._descriptor_.repository_id]
     taken: list[tuple[str, str]] = []
     calls = calls_of(interface)

@@ -1,9 +1,8 @@
-"""Behaviours that use every port of a component, and write down what comes; and their start.
+"""Behaviours that use every port of a component, and record all input; and their start.
 
-`python probes.py MODULE [options]` runs an emitted module with a probe in the place of its
-behaviour. The environment says which that is (`PROBED`, `module:name`) and where notes go
-(`PROBE_NOTES`, a file of JSON lines); a file `fail` in the working folder lets the next execution
-fail.
+`python probes.py MODULE [options]` runs a generated module with a probe in place of its behaviour.
+Environment variables name the behaviour (`PROBED`, `module:name`) and the file of notes
+(`PROBE_NOTES`, JSON lines); a file `fail` in the working folder makes the next execution fail.
 """
 
 from __future__ import annotations
@@ -30,25 +29,25 @@ CALLBACKS = (
 
 
 def note(**facts: Any) -> None:
-    """Adds a line to the notes."""
+    """Add a line to the notes."""
     with Path(os.environ["PROBE_NOTES"]).open("a", encoding="utf-8") as notes:
         notes.write(json.dumps(facts) + "\n")
 
 
 def fields(record: Any) -> list[Any]:
-    """The members of a struct, in order."""
+    """Return the members of a struct, in order."""
     if record is None:
         return []
     return [getattr(record, each.attribute) for each in record._descriptor_.members]
 
 
 def outcomes(call: Call) -> int:
-    """How a call can end: with its result, or with one of its exceptions."""
+    """Return the number of outcomes of a call: its result, and its exceptions."""
     return 1 + len(call.raises)
 
 
 def answer(call: Call, number: int) -> Any:
-    """What a servant does at the call of a number."""
+    """Return the answer of a servant to its n-th call, or raise its exception."""
     kind = number % outcomes(call)
     if kind:
         raise specimen(call.raises[kind - 1][1]._descriptor_, number)
@@ -59,12 +58,12 @@ def answer(call: Call, number: int) -> Any:
 
 
 def octets(kind: Any, values: Any) -> str:
-    """The body of a request or reply."""
+    """Return the body of a request or reply."""
     return "" if kind is None else kind(*values).to_cdr().hex()
 
 
 def servant(interface: Any, name: str) -> Any:
-    """A servant that notes its calls."""
+    """Return a servant that records its calls."""
     calls = calls_of(interface)
     times: Counter[str] = Counter()
 
@@ -83,7 +82,7 @@ def servant(interface: Any, name: str) -> Any:
 
 
 def call_all(consumer: Any, name: str) -> None:
-    """Calls each operation of a provider as often as it has outcomes, and notes those."""
+    """Call each operation of a provider once for each outcome, and record the results."""
     skeleton = consumer.interface._skeleton_(consumer.object)
     for operation, call in calls_of(consumer.interface).items():
         for number in range(outcomes(call)):
@@ -102,7 +101,7 @@ def call_all(consumer: Any, name: str) -> None:
 
 
 def probe(behaviour: type[Component]) -> type[Component]:
-    """The same component with callbacks of ours."""
+    """Return the component with the probe's callbacks."""
 
     def begin(self: Any, instance_name: str | None = None) -> None:
         behaviour.__init__(self, instance_name)
@@ -139,7 +138,7 @@ def probe(behaviour: type[Component]) -> type[Component]:
         "on_activated": on_activated,
         "on_execute": on_execute,
     }
-    # No bus, no board: nothing but what comes over CORBA moves a probe.
+    # No bus, no board: a probe is only affected over CORBA.
     own |= {
         name: getattr(Component, name) for name in ("_gate", "initialize", "finalize")
     }
@@ -156,7 +155,7 @@ def _noted(name: str) -> Any:
 
 
 def main() -> None:
-    """Puts the probe in the behaviour's place, then runs the module."""
+    """Replace the behaviour by the probe, then run the module."""
     name, _, attribute = os.environ["PROBED"].partition(":")
     module = import_module(name)
     setattr(module, attribute, probe(getattr(module, attribute)))

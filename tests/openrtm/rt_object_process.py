@@ -1,8 +1,8 @@
 """A process with a system of two components over CORBA: `rt_object_process.py NAMESERVER FOLDER`.
 
 omniORB copies arguments within a process by the caller's stubs, so stubs of OpenRTM and components
-of ours belong into two. Each line of the input is an expression about `system`, `ours` and `long`;
-the line that comes back is its value.
+of rtgen need two processes. Each line of the input is an expression about `system`, `ours` and
+`long`; the answer is a line with its value.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ class Values:
 
 
 def made(package: ModuleType, instance: str) -> Any:
-    """A component with a port of each kind, which repeats what comes."""
+    """Return a component with a port of each kind, which echoes its input."""
     long, echo = package.rtc.TimedLong, package.facts.Echo
 
     class Said(echo):  # type: ignore[misc, valid-type]
@@ -84,7 +84,7 @@ def made(package: ModuleType, instance: str) -> Any:
 
 
 def refused(action: Callable[..., object], *arguments: Any) -> str:
-    """The error of an action; empty if it has none."""
+    """Return the error of an action; empty if it has none."""
     try:
         action(*arguments)
     except RtcError as error:

@@ -22,9 +22,9 @@ from rtgen.runtime.marshalling.descriptors import (
 )
 
 COUNT = 3
-"""How many specimens of a type are worth a try: enums, unions and lengths vary."""
+"""Number of specimens of a type to test: enums, unions and lengths vary."""
 
-_LARGEST = {
+_MAX_VALUES = {
     "octet": 0xFF,
     "short": 0x7FFF,
     "unsigned short": 0xFFFF,
@@ -36,7 +36,7 @@ _LARGEST = {
 
 
 def specimen(descriptor: Descriptor, number: int) -> Any:
-    """The value of a type with a number; the same in every process."""
+    """Return the n-th value of a type; the same in every process."""
     return _value(descriptor, itertools.count(number))
 
 
@@ -69,10 +69,12 @@ def _value(descriptor: Descriptor, numbers: Iterator[int]) -> Any:
 
 
 def _primitive(name: str, number: int) -> Any:
-    if name in _LARGEST:
+    if name in _MAX_VALUES:
         negative = number % 3 == 1 and not name.startswith(("unsigned", "octet"))
         return (
-            -number if negative else (_LARGEST[name] - number if number % 3 else number)
+            -number
+            if negative
+            else (_MAX_VALUES[name] - number if number % 3 else number)
         )
     match name:
         case "float" | "double":

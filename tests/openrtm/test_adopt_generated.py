@@ -1,4 +1,4 @@
-"""`rtgen adopt` of generated modules: the definition comes back."""
+"""`rtgen adopt` of generated modules restores the definition."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ ROOT = Path(__file__).parents[2]
 
 
 def declarations(model: Model) -> dict[str, dict[str, Any]]:
-    """What `inspect --json` says of components, but for where they stand."""
+    """Return the output of `inspect --json` for components, without positions."""
     return {
         found["name"]: {k: v for k, v in found.items() if k not in ("file", "line")}
         for found in inspect(model, ())["declarations"]
@@ -39,7 +39,7 @@ def without_annotations(item: Any) -> Any:
 
 
 def folders(out: Path) -> list[Path]:
-    """Where the IDL files of the reference build are."""
+    """Return the folders of the IDL files of the reference build."""
     device_files = sorted(path.parent for path in out.glob("refrobots/canopen/*/*.idl"))
     boards = [out / "refrobots/tecs/board", IDL.parent]
     own = [*boards, out / "refrobots/canopen", *device_files]
@@ -71,14 +71,14 @@ def test_the_definition_comes_back(reference: Path) -> None:
         if wanted is not None and wanted["annotations"]:
             assert found == wanted
         elif wanted is not None:
-            # Of a device: IDL has annotations for what its model says in fields.
+            # Devices: IDL has annotations for fields of the model.
             assert without_annotations(found) == without_annotations(wanted)
     assert names > set(defined)
 
 
 @pytest.fixture
 def follower(reference: Path, tmp_path: Path) -> Path:
-    """The module of a component in a folder of its own, to be changed."""
+    """Return a component's module in a folder of its own, to be changed."""
     source = reference / "openrtm/PathFollower"
     shutil.copytree(
         source, tmp_path / "changed", ignore=shutil.ignore_patterns("stubs")

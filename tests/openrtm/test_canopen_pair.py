@@ -1,4 +1,4 @@
-"""CANopen components in OpenRTM: what NMT does to a node is done to its component."""
+"""CANopen components in OpenRTM: NMT commands to a node also affect its component."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""Every generated module in a manager of its own process, seen and used from outside over CORBA.
+"""Every generated module in a manager of its own process, tested from outside over CORBA.
 
-The behaviours are probes (`probes.py`): what is tried is what goes through ports, services,
-configuration and life cycle, with values of every type that a port has.
+The behaviours are probes (`probes.py`): the tests cover ports, services, configuration and life
+cycle, with values of every type of the ports.
 """
 
 from __future__ import annotations
@@ -35,20 +35,20 @@ IN_EVERY_RUN = {
     "EposDriveProxy",
     "MotorBoardMarshaller",
 }
-"""Enough of everything for a quick look; all others are slow by their number."""
+"""A quick selection; the rest is slow by its number."""
 
 
 Ports = dict[str, tuple[Any, Any]]
-"""A port of ours at each one of the module, and its type."""
+"""rtgen's ports at each port of the module, and its type."""
 Called = list[tuple[Any, Any]]
 """Interfaces, and consumers of them."""
 Requests = dict[tuple[str, str], list[tuple[str, str]]]
-"""What came to the servant of a service port and instance."""
+"""The requests of the servant of a service port and instance."""
 
 
 @pytest.fixture(scope="session")
 def others(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The output folder of the project made for these tests; what it has can be imported."""
+    """Generate the project made for these tests; its output can be imported."""
     output = make_project(tmp_path_factory.mktemp("others"))
     sys.path += [str(output), str(output.parent / "src")]
     return output
@@ -56,7 +56,7 @@ def others(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def output_of(request: pytest.FixtureRequest) -> Callable[[str], Path]:
-    """Gives the output folder of the project that a component is of."""
+    """Return a function for the output folder of a component's project."""
 
     def output(name: str) -> Path:
         project = "others" if name in OTHERS else "reference"
@@ -81,7 +81,7 @@ def module(
     rtm_environment: dict[str, str],
     tmp_path: Path,
 ) -> Iterator[Module]:
-    """A module that runs, its component and a look into its behaviour."""
+    """Yield a running module, its component and a view of its behaviour."""
     name: str = request.param
     output = output_of(name)
     folder = output / "openrtm" / name
@@ -128,11 +128,11 @@ class Module:
 
     @cached_property
     def behaviour(self) -> Component:
-        """One like it in this process: what the definition says."""
+        """An equal component in this process, by the definition."""
         return component_of(self.name)
 
     def ports(self, kind: str, made: dict[Any, Any]) -> dict[Any, Any]:
-        """Ports of the behaviour that are in its definition: it may add others of its own."""
+        """Return ports of the behaviour that are in its definition: it may add others."""
         defined = self.behaviour.profile.ports
         keys = {
             (p.port, p.instance) if p.port else p.name
@@ -166,8 +166,8 @@ class Module:
         return {key: port.interface for key, port in ports.items()}
 
     def noted(self, event: str, **facts: Any) -> list[dict[str, Any]]:
-        """The notes of an event."""
-        # What is behind the last line end is being written.
+        """Return the notes of an event."""
+        # The part after the last line end is being written.
         whole = self.notes.read_text().split("\n")[:-1]
         lines = [json.loads(line) for line in whole]
         wanted = {"event": event, **facts}.items()
@@ -180,12 +180,12 @@ class Module:
         return found
 
     def out_name(self, name: str) -> str:
-        """OpenRTM's name of an OutPort: it knows no two ports of one name."""
+        """Return OpenRTM's name of an OutPort: it has no two ports of one name."""
         return f"{name}_out" if name in self.in_ports else name
 
 
 def test_a_module_conforms(module: Module) -> None:
-    """Profile, configuration, data, services, and life cycle of a module."""
+    """Test profile, configuration, data, services, and life cycle of a module."""
     import RTC
 
     check_profile(module)
@@ -279,12 +279,12 @@ def check_configuration(module: Module) -> None:
 
 
 def name_values(properties: list[Any]) -> dict[str, str]:
-    """A list of names and texts as a dictionary."""
+    """Return a list of names and texts as a dictionary."""
     return {each.name: each.value.value() for each in properties}
 
 
 def connect_data(module: Module) -> tuple[Ports, Ports]:
-    """An OutPort at each of the module's InPorts, and an InPort at each of its OutPorts."""
+    """Return an OutPort at each of the module's InPorts, and an InPort at each of its OutPorts."""
     import RTC
 
     writers: Ports = {}
@@ -304,7 +304,7 @@ def connect_data(module: Module) -> tuple[Ports, Ports]:
 
 
 def check_data(module: Module, writers: Ports, readers: Ports) -> None:
-    """Values of every type arrive on both sides as they were sent."""
+    """Check that values of every type arrive unchanged on both sides."""
     for name, (writer, kind) in writers.items():
         sent = [specimen(kind._descriptor_, number) for number in range(COUNT)]
         for value in sent:
@@ -320,7 +320,7 @@ def check_data(module: Module, writers: Ports, readers: Ports) -> None:
 
 
 def connect_services(module: Module) -> tuple[Called, Requests]:
-    """Consumers of what the module provides, which is not active; servants of what it needs."""
+    """Connect consumers with the inactive module's providers; servants with its consumers."""
     import RTC
     from omniORB import CORBA
 
@@ -353,12 +353,12 @@ def connect_services(module: Module) -> tuple[Called, Requests]:
 
 
 def check_services(module: Module, called: Called, requests: Requests) -> None:
-    """Arguments, results and exceptions go both ways."""
+    """Check arguments, results and exceptions both ways."""
     for interface, consumer in called:
         peers.call_all(interface, consumer._ptr(True))
     for (port, instance), interface in module.providers.items():
         name, count = f"{port}.{instance}", peers.number_of_calls(interface)
-        # Nobody waits for a oneway call to arrive.
+        # A oneway call may arrive later.
         until(lambda n=name, c=count: len(module.noted("served", port=n)) >= c)
         served = module.noted("served", port=name)
         peers.check_requests(interface, [(s["operation"], s["octets"]) for s in served])
@@ -374,7 +374,7 @@ def check_services(module: Module, called: Called, requests: Requests) -> None:
 
 
 def changed(parameter: ParameterProfile) -> str:
-    """Another text for a parameter, within its limits."""
+    """Return another text for a parameter, within its limits."""
     if parameter.constraint.startswith("("):
         return parameter.constraint.strip("()").split(",")[-1].strip()
     match parameter.type:
@@ -392,7 +392,7 @@ def changed(parameter: ParameterProfile) -> str:
 
 
 def set_parameters(module: Module) -> str:
-    """Sets them all; gives what an embedded behaviour sees of the same texts."""
+    """Set all parameters; return the values that an embedded behaviour has of the same texts."""
     parameters = module.behaviour.profile.configuration
     for parameter in parameters:
         text = changed(parameter)
@@ -403,7 +403,7 @@ def set_parameters(module: Module) -> str:
 
 
 def check_life_cycle(module: Module) -> None:
-    """An error, a reset, another run; in OMG's order of callbacks, not OpenRTM's."""
+    """Check an error, a reset, another run; in OMG's order of callbacks, not OpenRTM's."""
     import RTC
 
     (module.folder / "fail").touch()
@@ -429,6 +429,6 @@ def check_life_cycle(module: Module) -> None:
 
 
 def test_every_component_has_a_module(reference: Path) -> None:
-    """What the other tests go through is all there is."""
+    """The other tests cover all components."""
     found = {file.stem for file in reference.glob("openrtm/*/*.py")} - {"connect"}
     assert found == set(BEHAVIOURS)

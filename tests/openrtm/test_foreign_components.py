@@ -1,4 +1,4 @@
-"""Systems with a component that rtgen does not run: one of OpenRTM or C++, in its own process."""
+"""Systems with a component of OpenRTM or C++ in its own process, which rtgen does not run."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ NEAR |= {'"01_th" rts:data="-1.57"': '"01_th" rts:data="0"'}
 def stubs(
     tmp_path_factory: pytest.TempPathFactory, rtm_folders: list[Path]
 ) -> dict[str, str]:
-    """The environment of foreign processes, with the stubs of their own types."""
+    """Return the environment of foreign processes, with the stubs of their own types."""
     folder = tmp_path_factory.mktemp("stubs")
     types = middleware.DATA_TYPES
     files = [types / "intellirobot.idl", CALC / "calc.idl"]
@@ -45,7 +45,7 @@ def stubs(
 
 @pytest.fixture(scope="module")
 def cpp_program(tmp_path_factory: pytest.TempPathFactory) -> str:
-    """The operator in C++."""
+    """Return the operator in C++."""
     folder = tmp_path_factory.mktemp("cpp")
     idl = [middleware.DATA_TYPES / f"{name}.idl" for name in STRUCTS]
     idl += [middleware.STUB / "idl" / f"{name}.idl" for name in INTERFACES]
@@ -54,7 +54,7 @@ def cpp_program(tmp_path_factory: pytest.TempPathFactory) -> str:
 
 @pytest.fixture
 def author(request: pytest.FixtureRequest) -> str:
-    """Whose the foreign component is; OpenRTM's unless a test has `by_each_author`."""
+    """Return the kind of the foreign component; OpenRTM's unless a test has `by_each_author`."""
     return str(getattr(request, "param", "openrtm"))
 
 
@@ -73,7 +73,7 @@ def launch(
     stubs: dict[str, str],
     author: str,
 ) -> Iterator[Callable[..., LoggedProcess]]:
-    """Starts processes: foreign ones by their kind, and `rtgen run`."""
+    """Yield a function that starts processes: foreign ones by their kind, and `rtgen run`."""
     made: list[LoggedProcess] = []
 
     def launched(
@@ -103,7 +103,7 @@ def launch(
 
 
 def near_goal(folder: Path, path: str = "", marked: bool = True) -> str:
-    """RH3 with a goal that is near, whose operator is foreign and at a path."""
+    """Return RH3 with a near goal, whose operator is foreign and has a path."""
     text = GOAL.read_text()
     changes = dict(NEAR)
     if path:

@@ -1,4 +1,4 @@
-"""Configuration parameters: texts are ours to read, OpenRTM says when."""
+"""Configuration parameters: rtgen converts texts, at the times of OpenRTM."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ DEFAULTS = {
 
 
 def sets(relay: Relay) -> dict[str, dict[str, str]]:
-    """The configuration sets as tools see them."""
+    """Return the configuration sets as tools see them."""
     configuration = relay.rtc.getObjRef().get_configuration()
     return {
         found.id: {each.name: each.value.value() for each in found.configuration_data}

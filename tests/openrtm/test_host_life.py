@@ -1,4 +1,4 @@
-"""The life cycle of a behaviour in OpenRTM: OMG's, with OpenRTM's answers and times."""
+"""The life cycle of a behaviour in OpenRTM: OMG's, with OpenRTM's return codes and times."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def test_callbacks_come_one_to_one(relay: Relay, lab: Lab) -> None:
 
 
 def test_a_behaviour_that_has_ended_is_not_called(relay: Relay, lab: Lab) -> None:
-    """OpenRTM finalizes a component before it stops its context, which ticks on."""
+    """OpenRTM finalizes a component before it stops its context, which goes on ticking."""
     relay.activate()
     relay.answer("on_execute", RTC_ERROR)
     relay.tick()
@@ -211,7 +211,7 @@ def test_a_failure_from_outside(relay: Relay) -> None:
 
 @pytest.fixture
 def ticking(relay: Relay) -> Iterator[None]:
-    """Ticks of the component's context, as a periodic one makes them."""
+    """Tick the component's context meanwhile, as a periodic one does."""
     ended = threading.Event()
 
     def run() -> None:
@@ -248,7 +248,7 @@ def test_openrtm_follows_the_behaviour(relay: Relay, ticking: None) -> None:
 
 
 class Gate:
-    """Lets a request pass on command."""
+    """A gate that lets a request pass on command."""
 
     def __init__(self, relay: Relay) -> None:
         self.code: ReturnCode_t | None = None

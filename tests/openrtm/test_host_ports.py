@@ -25,7 +25,7 @@ def types() -> Any:
 
 
 def wire(number: int) -> Any:
-    """A sample as a component of other people's writes it."""
+    """Return a sample as another author's component writes it."""
     import Hosted
     import RTC
 
@@ -35,7 +35,7 @@ def wire(number: int) -> Any:
 
 
 def sample(number: int) -> Any:
-    """The same in the behaviour."""
+    """Return the same sample in the behaviour."""
     import hosted.rtc
 
     return types().Sample(
@@ -44,14 +44,14 @@ def sample(number: int) -> Any:
 
 
 def source(relay: Relay, **properties: str) -> Any:
-    """An OutPort that is connected to the relay's InPort."""
+    """Return an OutPort that is connected to the relay's InPort."""
     port = relay.lab.out_port(wire(0))
     assert str(relay.lab.connect(port, relay.rtc._dataIn, **properties)) == "RTC_OK"
     return port
 
 
 def sink(relay: Relay, **properties: str) -> Any:
-    """An InPort that is connected to the relay's OutPort."""
+    """Return an InPort that is connected to the relay's OutPort."""
     port = relay.lab.in_port(wire(0))
     assert (
         str(relay.lab.connect(relay.rtc._data_outOut, port, **properties)) == "RTC_OK"
@@ -60,7 +60,7 @@ def sink(relay: Relay, **properties: str) -> Any:
 
 
 def numbers(port: Any) -> list[int]:
-    """What waits in an InPort of the behaviour."""
+    """Return the numbers of the unread samples in an InPort of the behaviour."""
     found = []
     while port.is_new():
         found.append(port.read().number)
@@ -90,7 +90,7 @@ def test_samples_come_in_order(relay: Relay) -> None:
     assert port.is_new()
     assert port.read() == sample(0)
     assert numbers(port) == [1, 2]
-    # The very object of the last read again.
+    # The object of the last read again.
     assert port.read() == sample(2)
     assert port.read() is port.read()
     assert port.read_newest() is None
@@ -158,7 +158,7 @@ def test_pulled_samples_are_new_once(relay: Relay) -> None:
     out.write(wire(1))
     out.write(wire(2))
     assert numbers(port) == [1, 2]
-    # OpenRTM gives the last value again.
+    # OpenRTM returns the last value again.
     assert not port.is_new()
     assert port.read() == sample(2)
     out.write(wire(3))
@@ -175,7 +175,7 @@ def test_a_value_handed_over_in_the_process(relay: Relay) -> None:
 def test_a_connection_that_ends_while_it_is_read(
     relay: Relay, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """OpenRTM takes its buffer away first, and lists it a little longer."""
+    """OpenRTM removes its buffer first, and lists the connector a little longer."""
     port = source(relay)
     port.write(wire(1))
     (connection,) = relay.rtc._dataIn.connectors()
@@ -283,7 +283,7 @@ def test_a_connection_that_is_gone(relay: Relay, lab: Lab) -> None:
 def test_a_connection_that_ends_during_a_write(
     relay: Relay, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """OpenRTM takes the publisher away first, and lists the connector a little longer."""
+    """OpenRTM removes the publisher first, and lists the connector a little longer."""
     target = sink(relay)
     port = relay.behaviour.data_out
     (connection,) = relay.rtc._data_outOut.connectors()

@@ -14,7 +14,7 @@ from rtgen.runtime.services.servants import ObjectNotExist, UnknownException
 
 @pytest.fixture
 def asking(relay: Relay, lab: Lab) -> Relay:
-    """A relay whose consumer is connected to the provider of `relay`."""
+    """Return a relay whose consumer is connected to the provider of `relay`."""
     other = Relay(lab.create(f"Relay?instance_name={lab.unused('Asking')}"), lab)
     code = lab.join(other.rtc._askingPort, relay.rtc._countingPort)
     assert str(code) == "RTC_OK"
@@ -28,7 +28,7 @@ def refused() -> type[Exception]:
 
 
 def reference(relay: Relay, lab: Lab) -> Any:
-    """The provider as any component sees it."""
+    """Return the provider as other components see it."""
     import Hosted
 
     consumer = lab.rtm.CorbaConsumer(interfaceType=Hosted.Counter)
@@ -114,7 +114,7 @@ def test_a_consumer_calls(relay: Relay, asking: Relay) -> None:
 def test_a_connection_that_leaves_a_consumer_empty_is_reported(
     relay: Relay, lab: Lab, caplog: pytest.LogCaptureFixture
 ) -> None:
-    """OpenRTM compares type names letter by letter, and answers RTC_OK."""
+    """OpenRTM compares type names exactly, and returns RTC_OK."""
     import Hosted__POA
 
     port = lab.rtm.CorbaPort("mine")

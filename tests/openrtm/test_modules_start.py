@@ -1,4 +1,4 @@
-"""Modules with the behaviours of the reference build, started and used as an engineer does."""
+"""Modules with the behaviours of the reference build, started and used as by an engineer."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ IN_EVERY_RUN = {"Navigation", "PositionInput"}
 
 @pytest.fixture(scope="session")
 def complete(reference: Path) -> Path:
-    """The reference build with its behaviours where the project has its skeletons."""
+    """Return the reference build with its behaviours in place of the project's skeletons."""
     behaviours = reference.parent / "src" / "refnav"
     shutil.copytree(ROOT / "src" / "refnav", behaviours, dirs_exist_ok=True)
     return reference
@@ -81,7 +81,7 @@ def test_a_module_starts_runs_and_ends(
             for port, in_port in component_of(name).in_ports.items()
         ]
         activated = rtm.activate(component)
-        # An error in the first cycle may come before the context looks at the state.
+        # An error in the first cycle may come before the context reads the state.
         assert activated == RTC.RTC_OK or REASONS[name]
         for writer in writers:
             assert writer.write()
@@ -99,7 +99,7 @@ def test_a_module_starts_runs_and_ends(
 
 
 def feeding(rtm: Any, lab: Lab, component: Any, port: str, type_: Any) -> Any:
-    """An OutPort with an initial value of the type that is connected to an InPort."""
+    """Return an OutPort with an initial value of the type that is connected to an InPort."""
     import RTC
 
     out = lab.out_port(peers.wire(type_()))

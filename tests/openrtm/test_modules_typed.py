@@ -1,4 +1,4 @@
-"""Generated modules are clean under `mypy --strict`, whatever there is of stubs for the ORB."""
+"""Generated modules pass `mypy --strict` with any stubs for the ORB."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def test_modules_are_in_blacks_form(reference: Path) -> None:
 
 @pytest.mark.slow
 def test_modules_are_typed(reference: Path, tmp_path: Path) -> None:
-    """Without stubs, with such as say nothing, and with OpenRTM's base classes in earnest."""
+    """Without stubs, with empty ones, and with OpenRTM's real base classes."""
     stubs = tmp_path / "stubs"
     stubs.mkdir()
     files = modules(reference)
@@ -50,7 +50,7 @@ def test_modules_are_typed(reference: Path, tmp_path: Path) -> None:
 
 
 def check(files: list[Path], path: list[Path], cache: Path) -> None:
-    """The cache is the test's own: of a cached module mypy forgets the options within its file."""
+    """Check files with a cache of the test: mypy ignores options in a cached module's file."""
     strict = ["mypy", "--strict", "--config-file", "", *map(str, files)]
     completed = subprocess.run(
         [sys.executable, "-m", *strict],

@@ -25,7 +25,7 @@ pytestmark = [
 
 @dataclass(frozen=True)
 class Made:
-    """What was generated of a profile."""
+    """The generated packages of a profile."""
 
     folder: Path
     package: str
@@ -39,7 +39,7 @@ class Made:
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory: pytest.TempPathFactory) -> list[Made]:
-    """Each profile generated in a folder of its own."""
+    """Generate each profile in a folder of its own."""
     found = []
     with pytest.MonkeyPatch.context() as patch:
         for number, path in enumerate(PROFILES):
@@ -68,7 +68,7 @@ def test_embedded_packages(made: list[Made]) -> None:
 
 
 def test_modules(made: list[Made], rtm_environment: dict[str, str]) -> None:
-    """Stubs are made by the script. IDL files that were not found have stubs of equal names."""
+    """The script compiles stubs. Missing IDL files have stubs of equal names."""
     for each in made:
         folder = each.module.parent
         script = ["sh", "idlcompile.sh"]
@@ -79,7 +79,7 @@ def test_modules(made: list[Made], rtm_environment: dict[str, str]) -> None:
 
 
 def test_types(made: list[Made]) -> None:
-    """mypy takes no two modules of one name at a time."""
+    """mypy accepts no two modules of one name at a time."""
     rest = list(made)
     while rest:
         names: dict[str, Made] = {}

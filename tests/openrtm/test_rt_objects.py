@@ -1,4 +1,4 @@
-"""Components of the embedded runtime as RTObjects, beside those of OpenRTM, in its hands."""
+"""Components of the embedded runtime as RTObjects, beside those of OpenRTM, controlled by it."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from patience import PATIENCE
 
 
 class Process:
-    """The process with our components; see `rt_object_process`."""
+    """The process with rtgen's components; see `rt_object_process`."""
 
     def __init__(self, naming_service: str, folder: Path, log: Path) -> None:
         script = Path(__file__).with_name("rt_object_process.py")
@@ -34,7 +34,7 @@ class Process:
         assert self._answer() == "ready", log.read_text()
 
     def __call__(self, expression: str) -> Any:
-        """The value of an expression there."""
+        """Return the value of an expression in the process."""
         assert self._process.stdin is not None
         self._process.stdin.write(f"{expression}\n")
         self._process.stdin.flush()
@@ -48,11 +48,11 @@ class Process:
 
     @property
     def log(self) -> str:
-        """What the process has logged."""
+        """The log of the process."""
         return self._log.read_text()
 
     def close(self) -> None:
-        """End it in order."""
+        """End the process in order."""
         assert self._process.stdin is not None
         with self._process:
             self._process.stdin.close()
@@ -71,7 +71,7 @@ def process(
 
 @pytest.fixture
 def there(process: Process, openrtm: str) -> Iterator[Process]:
-    """The process, as it was at the start but for parameters."""
+    """Yield the process in its initial state, except for parameters."""
     assert process("ours.got.clear()") is None
     yield process
     process("[system.disconnect(c) for c in system.connectors]")
@@ -80,7 +80,7 @@ def there(process: Process, openrtm: str) -> Iterator[Process]:
 
 
 def rt_object(lab: Lab, naming_service: str, name: str) -> Any:
-    """A component as OpenRTM finds it."""
+    """Return a component as OpenRTM finds it."""
     import RTC
 
     naming = lab.rtm.CorbaNaming(lab.manager.getORB(), naming_service)
@@ -90,7 +90,7 @@ def rt_object(lab: Lab, naming_service: str, name: str) -> Any:
 
 
 def ports(component: Any) -> dict[str, Any]:
-    """The port services of a component by their names."""
+    """Return the port services of a component by their names."""
     return {
         port.get_port_profile().name.partition(".")[2]: port
         for port in component.get_ports()
@@ -117,7 +117,7 @@ def joined(lab: Lab, first: Any, second: Any, **properties: str) -> str:
 
 @pytest.fixture
 def ours(there: Process, lab: Lab, naming_service: str) -> Any:
-    """The component as OpenRTM sees it."""
+    """Return the component as OpenRTM sees it."""
     return rt_object(lab, naming_service, "Ours0.rtc")
 
 
@@ -252,7 +252,7 @@ def test_services_both_ways(ours: Any, there: Process, lab: Lab, facts: Any) -> 
     lab.tick(other)
     identity = joined(lab, ports(ours)["asking"], port.getPortRef())
     assert there("ours.asked.object.say('a')") == "a!"
-    # The name of the type is another one than here: `Echo` without its scope.
+    # The name of the type differs: `Echo` without its scope.
     joined(lab, ports(ours)["said"], asking.getPortRef())
     there("system.activate('Ours0').name")
     until(lambda: there("ours.is_active"))
@@ -316,7 +316,7 @@ def test_a_lost_peer_ends_the_connection(ours: Any, there: Process, lab: Lab) ->
 
 
 def found_by_name(lab: Lab, naming_service: str, port: Any) -> tuple[str, str]:
-    """Instance and port of a component of OpenRTM, once the naming service has it."""
+    """Return instance and port of a component of OpenRTM, once it is in the naming service."""
     name = port.getPortRef().get_port_profile().name
     instance, _, own = name.partition(".")
     resolved(lab.rtm, naming_service, f"{instance}.rtc")
@@ -383,7 +383,7 @@ def test_what_is_missing_at_the_other_end_is_said(
 
 
 def shell(naming_service: str, tool: str, *arguments: str) -> str:
-    """What a tool of rtshell prints."""
+    """Return the output of a tool of rtshell."""
     code = f"import sys; from rtshell.{tool} import main; sys.exit(main())"
     done = subprocess.run(
         [sys.executable, "-W", "ignore", "-c", code, *arguments],

@@ -42,7 +42,7 @@ SYSTEM = """<?xml version="1.0" encoding="UTF-8"?>
 MISSING = (
     "import inspect\ninspect.getargspec = lambda f: inspect.getfullargspec(f)[:4]\n"
 )
-"""What Python 3.11 has no more, and rtshell-aist 4.2 calls in rtinject and rtprint."""
+"""Names removed in Python 3.11 that rtshell-aist 4.2 uses in rtinject and rtprint."""
 
 
 class Shell:
@@ -54,7 +54,7 @@ class Shell:
         self._folder = folder
 
     def __call__(self, command: str, *arguments: str) -> str:
-        """What a command prints; `@` in its arguments stands for the naming service."""
+        """Return the output of a command; `@` in its arguments stands for the naming service."""
         code = f"{MISSING}from rtshell.{command} import main\nraise SystemExit(main())"
         words = [each.replace("@", self._address) for each in arguments]
         done = subprocess.run(
@@ -69,7 +69,7 @@ class Shell:
         return done.stdout
 
     def state(self, name: str) -> str:
-        """The state of a component as rtls has it."""
+        """Return the state of a component by rtls."""
         [line] = [
             line for line in self("rtls", "-l", "/@/").splitlines() if name in line
         ]
@@ -81,7 +81,7 @@ class Shell:
 
     @property
     def is_connected(self) -> bool:
-        """Whether the wheel angles go to the odometry."""
+        """Whether the wheel angles are connected with the odometry."""
         ports = self("rtcat", "-l", "/@/Odometry0.rtc")
         return "RefHardRh30.rtc:OutWheelAngle" in ports
 
@@ -138,7 +138,7 @@ def test_samples_are_printed_and_injected(shell: Shell) -> None:
     assert printed.count("TimedDoubleSeq(tm=") == 3
     assert printed.count("data=[0.0, 0.0]") == 3
     # One wheel is missing, which the odometry refuses. Several samples: rtinject cuts its
-    # connection behind the last one, and what was not read by then is lost.
+    # connection after the last one, and unread ones are lost.
     angles = "RTC.TimedDoubleSeq(RTC.Time(0, 0), [0.5])"
     shell("rtinject", "-n", "3", "-r", "5", "-c", angles, ENDS[1])
     shell.comes("Odometry0.rtc", "Error")

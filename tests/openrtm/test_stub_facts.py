@@ -1,4 +1,4 @@
-"""Components and contexts of OpenRTM-aist-Python 2.1, fact for fact: the stub, or the real one."""
+"""Verified facts about components and contexts of OpenRTM-aist-Python 2.1: stub, or real one."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Parameters and configuration sets of OpenRTM-aist-Python 2.1, fact for fact."""
+"""Verified facts about parameters and configuration sets of OpenRTM-aist-Python 2.1."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from openrtm_lab import Lab, answers
 
 
 def bound(lab: Lab, initial: Any, default: str, *sets: str, **callbacks: Any) -> Any:
-    """A component with the variable `x` bound to the parameter `x`."""
+    """Return a component with the variable `x` bound to the parameter `x`."""
     import RTC
 
     def initialize(self: Any) -> Any:
@@ -21,7 +21,7 @@ def bound(lab: Lab, initial: Any, default: str, *sets: str, **callbacks: Any) ->
 
 
 def written(lab: Lab, initial: Any, default: str, text: str) -> Any:
-    """The variable after a text was written and the component activated."""
+    """Return the variable after a text was set and the component activated."""
     component = bound(lab, initial, default, "conf.default.x", default)
     assert lab.rtm.set_configuration(component.getObjRef(), "default", "x", text)
     lab.activate(component)

@@ -1,4 +1,4 @@
-"""Data ports of OpenRTM-aist-Python 2.1, fact for fact."""
+"""Verified facts about data ports of OpenRTM-aist-Python 2.1."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ def test_the_bound_value_is_sent_by_default(lab: Lab) -> None:
 
 
 def test_the_connectors_of_an_in_port_share_a_buffer(lab: Lab) -> None:
-    """It is emptied by each new connection, whose length and policies it takes."""
+    """It is emptied by each new connection, whose length and policies it adopts."""
     (first, inp), second = pair(lab), lab.out_port(long(0))
     lab.connect(first, inp)
     assert first.write(long(0))

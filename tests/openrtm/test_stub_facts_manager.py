@@ -1,4 +1,4 @@
-"""Managers of OpenRTM-aist-Python 2.1 in processes of their own, fact for fact."""
+"""Verified facts about managers of OpenRTM-aist-Python 2.1 in processes of their own."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ MODULE = Path(__file__).parent / "modules" / "Doubler.py"
 
 @pytest.fixture
 def options(naming_service: str, request: pytest.FixtureRequest) -> dict[str, str]:
-    """Options of all managers in these tests; names are specific to the test."""
+    """Return options of all managers in these tests; names are specific to the test."""
     return {
         "corba.nameservers": naming_service,
         "corba.endpoints": "127.0.0.1:",
@@ -121,7 +121,7 @@ def test_configuration_files_of_manager_type_and_instance(
 def script(
     text: str, environment: dict[str, str], folder: Path, *arguments: str
 ) -> str:
-    """What a program prints; errors as well."""
+    """Return the output of a program, including errors."""
     done = subprocess.run(
         [sys.executable, "-c", text, *arguments],
         env=environment,
@@ -189,7 +189,7 @@ manager.shutdown()
 
 @pytest.fixture
 def reopening(tmp_path: Path) -> Path:
-    """A folder with stubs of an IDL file that adds to the module RTC and to no module."""
+    """Return a folder with stubs of an IDL file that adds to the module RTC and to no module."""
     file = tmp_path / "reopening.idl"
     file.write_text(
         "module RTC { struct Added { long number; }; };\ninterface Unscoped { void go(); };\n"

@@ -1,4 +1,4 @@
-"""Service ports of OpenRTM-aist-Python 2.1, fact for fact."""
+"""Verified facts about service ports of OpenRTM-aist-Python 2.1."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from openrtm_lab import Lab
 
 @pytest.fixture
 def provider(lab: Lab, facts: Any) -> Callable[..., tuple[Any, Any]]:
-    """Makes a component with a service port that provides `Echo`; gives it and the port."""
+    """Return a maker of components with a service port that provides `Echo`, and of the port."""
     import Facts__POA
 
     class EchoServant(Facts__POA.Echo):  # type: ignore[misc, name-defined]
@@ -33,7 +33,7 @@ def provider(lab: Lab, facts: Any) -> Callable[..., tuple[Any, Any]]:
 
 @pytest.fixture
 def consumer(lab: Lab, facts: Any) -> Callable[..., tuple[Any, Any]]:
-    """Makes a component with a service port that needs `Echo`; gives port and consumer."""
+    """Return a maker of components with a service port that requires `Echo`: port and consumer."""
 
     def make(instance: str = "echo", kind: str = "Facts::Echo") -> tuple[Any, Any]:
         port = lab.rtm.CorbaPort("service")

@@ -1,4 +1,4 @@
-"""What the target openrtm has for a system: scripts, RtsProfile, conf files."""
+"""Files of the target openrtm for a system: scripts, RtsProfile, conf files."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def read(path: Path) -> System:
 
 
 def of_script(reference: Path, name: str) -> systems.System:
-    """What the connect.py of a system says."""
+    """Return the system in a connect.py."""
     made = runpy.run_path(str(reference / "openrtm" / name / "connect.py"))
     system = made["SYSTEM"]
     assert isinstance(system, systems.System)
@@ -268,7 +268,7 @@ def test_ports_are_found_by_whatever_openrtm_calls_them(
 def test_a_failed_activation_has_its_reason_whatever_openrtm_answers(
     tmp_path: Path, code: str
 ) -> None:
-    """OpenRTM answers PRECONDITION_NOT_MET once the component is in ERROR."""
+    """OpenRTM returns PRECONDITION_NOT_MET once the component is in ERROR."""
     states = ["ERROR_STATE", "ERROR_STATE", "INACTIVE_STATE"]
     context = SimpleNamespace(get_component_state=lambda _: states.pop())
     client = Client.__new__(Client)
@@ -338,7 +338,7 @@ def test_a_connector_that_is_removed_at_once_is_made_again(
     assert out.made == ["c", "c"]
     assert client._connect(connection) == []
     assert out.made == ["c", "c"]
-    # Removed later: the last look at the connections makes it again.
+    # Removed later: the last check of the connections makes it again.
     out.connectors.clear()
     monkeypatch.setattr(client, "_find", lambda _: None)
     monkeypatch.setattr(client, "_require_active", lambda _: out.connectors.clear())
@@ -353,7 +353,7 @@ def test_a_connector_that_is_removed_at_once_is_made_again(
 
 
 def joining(consumer: str, provider: str, **properties: str) -> list[str]:
-    """What connect.py says of a connection of two service ports with one interface each."""
+    """Return the output of connect.py for two service ports with one interface each."""
     interfaces = {
         "A0.uses": ("REQUIRED", consumer),
         "B0.serves": ("PROVIDED", provider),

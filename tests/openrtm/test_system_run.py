@@ -180,7 +180,7 @@ FOREIGN = SYSTEM.replace(
 
 @pytest.fixture(scope="module")
 def workshop(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The folder of the project, generated and completed."""
+    """Return the folder of the project, generated and completed."""
     folder = tmp_path_factory.mktemp("workshop")
     written = {
         "rtgen.toml": PROJECT,
@@ -222,7 +222,7 @@ def script(
 
 
 def processes(folder: Path) -> list[int]:
-    """The processes that start.sh has started."""
+    """Return the processes that start.sh has started."""
     return [int(file.read_text()) for file in folder.glob("run/*.pid")]
 
 
@@ -236,7 +236,7 @@ def is_alive(session: int) -> bool:
 
 @pytest.fixture
 def ended(rtm_environment: dict[str, str]) -> Iterator[Callable[[Path], None]]:
-    """Stops the system in a folder after the test, however the test has ended."""
+    """Stop the system in a folder after the test, however the test ends."""
     folders: list[Path] = []
     yield folders.append
     for folder in folders:
@@ -254,7 +254,7 @@ def found(rtm: Any, manager: Any, place: str, name: str) -> Any:
 
 
 def values(component: Any) -> dict[str, str]:
-    """The active parameters as a client sees them."""
+    """Return the active parameters as a client sees them."""
     active = component.get_configuration().get_active_configuration_set()
     return {v.name: v.value.value() for v in active.configuration_data}
 
@@ -272,7 +272,7 @@ def test_a_system_runs(
     ended(folder)
     place = f"127.0.0.1:{free_port()}"
     options = ["--nameserver", place, "--rate-scale", "0.5"]
-    # The programs beside the interpreter win over others of their names.
+    # The programs beside the interpreter have priority over others of their names.
     others = workshop / "others"
     others.mkdir()
     for name in ("omniidl", "omniNames"):
@@ -295,11 +295,11 @@ def test_a_system_runs(
     assert source.get_owned_contexts()[0].get_rate() == 25.0
     assert float(values(source)["each_time"]) == 4.0
 
-    # A second time nothing is left to do; a second start is refused.
+    # The second time nothing is left to do; a second start is refused.
     again = script(folder / "connect.py", rtm_environment, "--nameserver", place)
     assert again.returncode == 0, again.stderr
     assert again.stdout.splitlines()[-1] == "ready"
-    # Connectors have the ids of the system. What is joined with another port is cut.
+    # Connectors have the ids of the system. Connections with other ports are cut.
     [out] = [
         port
         for port in source.get_ports()
@@ -323,7 +323,7 @@ def test_a_system_runs(
     assert "runs already" in second.stderr
     assert all(map(is_alive, running))
 
-    # stop.sh takes the interpreter of start.sh.
+    # stop.sh uses the interpreter of start.sh.
     forgotten = {**rtm_environment, "PYTHON": "/nowhere/python3"}
     stopped = script(folder / "stop.sh", forgotten)
     assert stopped.returncode == 0
@@ -422,7 +422,7 @@ def test_a_component_that_fails_when_it_is_activated_is_reported(
     ended(folder)
     behaviour = workshop / "src/hands/sink.py"
     behaviour.write_text(BEHAVIOURS["sink"] + FAILING, encoding="utf-8")
-    # What is older than the IDL is made anew.
+    # Files older than the IDL are generated anew.
     stubs = folder.parent / "Sink/stubs"
     stubs.mkdir(exist_ok=True)
     os.utime(stubs, (0, 0))
@@ -434,7 +434,7 @@ def test_a_component_that_fails_when_it_is_activated_is_reported(
     assert "ready" not in started.stdout
     assert "Sink0" in started.stderr
     assert "is in ERROR_STATE: OSError: no paper" in started.stderr
-    # What OpenRTM logs, the forwarded reason among it, is not printed a second time.
+    # OpenRTM's log, including the forwarded reason, is not printed a second time.
     assert (folder / "run/Sink0.out").read_text().count("Traceback") == 1
     assert stubs.stat().st_mtime > 0
     assert list(stubs.glob("*_idl.py"))
@@ -507,7 +507,7 @@ def test_six_processes_drive_to_the_goal(
     tmp_path: Path,
     ended: Callable[[Path], None],
 ) -> None:
-    """The base has reached the goal when PositionInput has no more commands and goes to ERROR."""
+    """The base has reached the goal when PositionInput has no more commands and enters ERROR."""
     rtc = import_module("RTC")
     generated = tmp_path / "generated"
     generated.symlink_to(reference)

@@ -1,4 +1,4 @@
-"""What no reference type has, through the conversions: unions, fixed, recursion, values, names."""
+"""Constructs without a reference type in the conversions: unions, fixed, recursion, values."""
 
 from __future__ import annotations
 
@@ -136,7 +136,7 @@ def test_initial_values(constructs: Wires, further: Wires) -> None:
 
 
 def test_openrtm_can_copy_initial_values(constructs: Wires, further: Wires) -> None:
-    """An OutPort keeps a deep copy of the value it is made with."""
+    """An OutPort stores a deep copy of its initial value."""
     for kind in (*constructs.kinds, *further.kinds):
         if isinstance(kind.descriptor, StructDescriptor):
             wire = kind.new()
@@ -307,7 +307,7 @@ module WiredHiding {
 
 
 def test_interfaces_with_several_bases(orb: Any, tmp_path: Path) -> None:
-    """What a derived interface declares hides what its bases have of that name."""
+    """Members of a derived interface hide those of its bases with the same name."""
     wires = wired_text(tmp_path, HIDING, "wired_hiding")
     types, module = wires.declared("wired_hiding"), wires.module("wired_hiding")
 

@@ -37,7 +37,7 @@ OF_DEVICES = {"canopen", "epos_drive", "f_palette", "ftmd", "motor_core_unit"}
 def packages(
     orb: Any, reference: Path, tmp_path_factory: pytest.TempPathFactory
 ) -> dict[str, Wires]:
-    """The packages of the reference build, under names of their own, with all stubs loaded."""
+    """Return the packages of the reference build, under separate names, with all stubs loaded."""
     folder = tmp_path_factory.mktemp("packages")
     idl = {path.stem: path for path in reference.glob("openrtm/*/idl/*.idl")}
     idl |= {path.stem: path for path in (SPECS / "idl").glob("*.idl")}
@@ -143,7 +143,7 @@ def test_files_that_include_each_other(orb: Any, tmp_path: Path) -> None:
 
 
 def test_what_classic_idl_has_not_is_left_out(orb: Any, tmp_path: Path) -> None:
-    """The rest of the file is still there."""
+    """The rest of the file is complete."""
     text = """
     module WiredNewer {
         struct Plain { long x; };
@@ -176,7 +176,7 @@ def test_what_classic_idl_has_not_is_left_out(orb: Any, tmp_path: Path) -> None:
 def compiled(
     reference: Path, folder: Path, environment: dict[str, str], name: str = "Odometry"
 ) -> subprocess.CompletedProcess[str]:
-    """The script of a component, run in a copy of its folder."""
+    """Run the script of a component in a copy of its folder."""
     shutil.copytree(
         reference / "openrtm" / name,
         folder,
@@ -193,7 +193,7 @@ def compiled(
 
 
 def programs(folder: Path, *names: str) -> str:
-    """A search path with these programs, and what a shell script needs."""
+    """Return a search path with these programs, and those that a shell script needs."""
     folder.mkdir()
     for name in (*names, "dirname", "mkdir", "mv", "rm"):
         (folder / name).symlink_to(middleware.program(name))
@@ -201,7 +201,7 @@ def programs(folder: Path, *names: str) -> str:
 
 
 def made_of(folder: Path, stem: str) -> str:
-    """The file that a stub says it was made of."""
+    """Return the file that a stub was compiled from."""
     first = (folder / "stubs" / f"{stem}_idl.py").read_text().splitlines()[0]
     return first.rpartition(" from ")[2]
 
@@ -298,7 +298,7 @@ def reopening(
     rtm_environment: dict[str, str],
     tmp_path_factory: pytest.TempPathFactory,
 ) -> Path:
-    """Stubs of an IDL file that reopens the module RTC."""
+    """Return stubs of an IDL file that reopens the module RTC."""
     folder = tmp_path_factory.mktemp("reopening") / "component"
     path = {"PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}"}
     environment = {**rtm_environment, **path}
@@ -328,7 +328,7 @@ assert not RTC.__file__.startswith({str(reopening)!r})
 def test_what_would_happen_with_the_stubs_in_front(
     reopening: Path, rtm_environment: dict[str, str]
 ) -> None:
-    """The folder of a started script is in front: it must not be that of the stubs."""
+    """The folder of a started script comes first: it must not be that of the stubs."""
     environment = dict(rtm_environment)
     environment["PYTHONPATH"] = f"{reopening}:{environment.get('PYTHONPATH', '')}"
     run = python("import OpenRTM_aist; import RTC; RTC.RTObject", environment)

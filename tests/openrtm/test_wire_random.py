@@ -47,7 +47,7 @@ def test_random_types(seed: int, orb: Any, tmp_path: Path) -> None:
 
 
 def compare(kind: Kind, value: Any, kept: Any) -> None:
-    """The octets of a value are the same by way of a new and of the kept wire object."""
+    """Check that a value has equal octets by a new and by a reused wire object."""
     octets = encoded(kind.descriptor, value, True)
     made = [kind.to(value)]
     if kept is not None:

@@ -61,7 +61,7 @@ def wires(orb: Any, tmp_path_factory: pytest.TempPathFactory) -> Wires:
 
 
 def probe(types: Any, notes: list[str]) -> Any:
-    """A servant of ours."""
+    """Return a servant of rtgen."""
 
     class Probe(types.Probe):  # type: ignore[misc]
         speed = 1.5
@@ -119,7 +119,7 @@ def probe(types: Any, notes: list[str]) -> Any:
 
 @pytest.fixture(scope="module")
 def near(wires: Wires) -> Any:
-    """A stub whose servant is in this process."""
+    """Return a stub whose servant is in this process."""
     types, module = wires.declared(STEM), wires.module(STEM)
     notes: list[str] = []
     reference = module.ProbeObjects.to(probe(types, notes))
@@ -147,7 +147,7 @@ sys.stdin.read()
 
 @pytest.fixture(scope="module")
 def far(orb: Any, wires: Wires, rtm_environment: dict[str, str]) -> Iterator[Any]:
-    """A stub whose servant is in another process."""
+    """Yield a stub whose servant is in another process."""
     types, module = wires.declared(STEM), wires.module(STEM)
     folder = wires.folder.parent
     text = SERVER.format(
@@ -313,7 +313,7 @@ def test_a_server_that_ended(far: Any) -> None:
 
 
 def test_a_servant_without_conversion_is_omniorbs_own(wires: Wires, orb: Any) -> None:
-    """Another's servant, made as OpenRTM users make it, answers our stub."""
+    """Another author's servant, written as for OpenRTM, answers rtgen's stub."""
     skeletons = importlib.import_module("WiredServices__POA")
     theirs = importlib.import_module("WiredServices")
 

@@ -1,4 +1,4 @@
-"""Every reference type through the generated conversions: omniORBpy's octets are ours."""
+"""Every reference type in the generated conversions: omniORBpy's octets equal rtgen's."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ SPECS = Path(__file__).parents[2] / "specs"
 
 @pytest.fixture(scope="module")
 def types(orb: Any, tmp_path_factory: pytest.TempPathFactory) -> Wires:
-    """OpenRTM's types and those of the reference."""
+    """Return OpenRTM's types and those of the reference build."""
     files = sorted((SPECS / "idl").glob("*.idl"))
     return wired(tmp_path_factory.mktemp("reference"), files)
 
@@ -34,7 +34,7 @@ def test_initial_values_can_be_marshalled(types: Wires) -> None:
 
 
 def test_openrtm_can_copy_initial_values(types: Wires) -> None:
-    """An OutPort keeps a deep copy of the value it is made with, and asks it for its type."""
+    """An OutPort stores a deep copy of its initial value, and reads its type."""
     any_ = importlib.import_module("omniORB.any")
     for kind in types.kinds:
         if kind.is_exception:

@@ -1,4 +1,4 @@
-"""Generated conversions at work in this process, beside omniORBpy's own marshalling."""
+"""Generated conversions in this process, compared with omniORBpy's own marshalling."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ _EXAMPLES = 12
 
 @dataclass(frozen=True)
 class Kind:
-    """A type with conversions: our class, and the module and suffix of the functions."""
+    """A type with conversions: rtgen's class, and the module and suffix of the functions."""
 
     type: type[Any]
     module: ModuleType
@@ -65,7 +65,7 @@ class Kind:
         return isinstance(self.descriptor, ExceptionDescriptor)
 
     def __getattr__(self, name: str) -> Any:
-        """`new`, `fill`, `to` or `of`."""
+        """Return `new`, `fill`, `to` or `of`."""
         word = {"of": "from"}.get(name, name)
         return getattr(self.module, f"{word}_{self.type.__name__}")
 
@@ -93,15 +93,15 @@ class Wires:
                     self.kinds.append(Kind(type_, module))
 
     def kind(self, scoped: str) -> Kind:
-        """The type of that name."""
+        """Return the type of that name."""
         return next(k for k in self.kinds if k.descriptor.name == scoped)
 
     def module(self, name: str) -> Any:
-        """A module of conversions."""
+        """Return a module of conversions."""
         return importlib.import_module(f"{self.package}._corba.{name}")
 
     def declared(self, name: str) -> Any:
-        """A module of types and interfaces."""
+        """Return a module of types and interfaces."""
         return importlib.import_module(f"{self.package}._idl.{name}")
 
 
@@ -113,7 +113,7 @@ def _declared(module: ModuleType) -> Iterator[type[Any]]:
 
 
 def emit(folder: Path, paths: Sequence[Path], numeric: Numeric = "array") -> Unit:
-    """A package `wired_<number>` and a folder `idl` of what the back end makes of IDL files."""
+    """Generate a package `wired_<number>` and a folder `idl` from IDL files."""
     result = load(paths, root=paths[0].parent)
     assert not has_errors(result.diagnostics), result.diagnostics
     options = Options(f"wired_{next(_numbers)}", "skeletons", "0.0.0", "openrtm")
@@ -134,7 +134,7 @@ def emit(folder: Path, paths: Sequence[Path], numeric: Numeric = "array") -> Uni
 
 
 def wired(folder: Path, paths: Sequence[Path], numeric: Numeric = "array") -> Wires:
-    """The same, compiled by omniidl and imported."""
+    """Return the same, compiled by omniidl and imported."""
     unit = emit(folder, paths, numeric)
     made = folder / "stubs"
     made.mkdir()
@@ -145,14 +145,14 @@ def wired(folder: Path, paths: Sequence[Path], numeric: Numeric = "array") -> Wi
 
 
 def wired_text(folder: Path, text: str, stem: str, numeric: Numeric = "array") -> Wires:
-    """The same for one IDL text; `stem` is a name that no other test has."""
+    """Return the same for one IDL text; `stem` is a name that no other test has."""
     path = folder / f"{stem}.idl"
     path.write_text(text, encoding="utf-8")
     return wired(folder, [path], numeric)
 
 
 def imported(folder: Path, package: str) -> Wires:
-    """A package in a folder, whose stubs are loaded."""
+    """Return a package in a folder, whose stubs are loaded."""
     sys.path.insert(0, str(folder))
     try:
         importlib.invalidate_caches()
@@ -162,14 +162,14 @@ def imported(folder: Path, package: str) -> Wires:
 
 
 def marshalled(kind: Kind, wire: Any, little_endian: bool = True) -> bytes:
-    """omniORB's octets; of an exception without the repository id in front."""
+    """Return omniORB's octets; of an exception without the repository id in front."""
     omniorb = importlib.import_module("omniORB")
     octets: bytes = omniorb.cdrMarshal(kind.code, wire, int(little_endian))
     return octets
 
 
 def agree(kind: Kind, value: Any, kept: Any, little_endian: bool) -> None:
-    """A value is the same on both sides, in octets and as an object, by every conversion.
+    """Check that every conversion keeps a value, in octets and as an object.
 
     `kept` is a wire object that earlier values were filled into.
     """
@@ -193,7 +193,7 @@ def agree(kind: Kind, value: Any, kept: Any, little_endian: bool) -> None:
 
 
 def values_agree(kind: Kind, all_types: dict[str, type[Any]]) -> None:
-    """Random values of a type, which are filled into one wire object after the other."""
+    """Check random values of a type, which are filled into one wire object."""
     descriptor = kind.descriptor
     kept = None if kind.is_exception else kind.new()
 
@@ -214,7 +214,7 @@ def values_agree(kind: Kind, all_types: dict[str, type[Any]]) -> None:
 def holds(
     descriptor: Descriptor, primitive: str, seen: frozenset[str] = frozenset()
 ) -> bool:
-    """Whether a type has such a part; omniORBpy 4.3.3 cannot read a wchar that it wrote."""
+    """Return whether a type contains a primitive; omniORBpy 4.3.3 cannot read a wchar it wrote."""
     found: Any = plain(descriptor)
     name = getattr(found, "repository_id", "")
     if name and name in seen:
@@ -232,7 +232,7 @@ def holds(
 
 
 def type_codes(wires: Wires) -> Iterator[Any]:
-    """The descriptors of all types of a package that omniORB knows."""
+    """Yield the descriptors of all types of a package that omniORB knows."""
     omniorb = importlib.import_module("omniORB")
     for type_ in wires.types.values():
         if omniorb.findTypeCode(type_._descriptor_.repository_id) is not None:
@@ -240,7 +240,7 @@ def type_codes(wires: Wires) -> Iterator[Any]:
 
 
 def equal_type_codes(descriptor: Any) -> bool:
-    """Whether omniORB's type code is ours, names and aliases included."""
+    """Return whether omniORB's type code equals rtgen's, names and aliases included."""
     omniorb = importlib.import_module("omniORB")
     corba = importlib.import_module("omniORB.CORBA")
     octets = encoded(PrimitiveDescriptor("CORBA::TypeCode"), descriptor, True)

@@ -1,8 +1,8 @@
-"""Whole sets of definitions, as robots use them: their packages import in any order and type-check.
+"""Complete sets of definitions as used for robots: packages import in any order and type-check.
 
-`openrtm` adds to the standard interfaces what OpenRTM offers, `openhrp` is written as the
-definitions of humanoid simulators and their real-time processes are (with names that Python has
-too), `dds` as ROS 2's and DDS's are.
+`openrtm` adds OpenRTM's definitions to the standard interfaces, `openhrp` resembles the definitions
+of humanoid simulators and their real-time processes (with names that Python has too), `dds` those
+of ROS 2 and DDS.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ INCLUDE = {
     "dds": [HERE / "dds"],
 }
 
-# Each module is the first of its package to be imported, then all of them both ways round.
+# Each module is the first of its package to be imported, then all of them in both orders.
 IMPORTING = """
 import sys
 from importlib import import_module
@@ -45,7 +45,7 @@ for order in (modules, modules[::-1]):
 
 @pytest.fixture(scope="module")
 def sets(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    """The folder of the generated package of each set."""
+    """Return the folder of the generated package of each set."""
     folders = {}
     for name, include in INCLUDE.items():
         folder = tmp_path_factory.mktemp(name)
@@ -63,7 +63,7 @@ def sets(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
 
 
 def modules_of(package: Path) -> list[str]:
-    """The dotted names of a package's modules."""
+    """Return the dotted names of a package's modules."""
     files = sorted(package.rglob("*.py"))
     parts = (f.relative_to(package.parent).with_suffix("").parts for f in files)
     return [".".join(p[:-1] if p[-1] == "__init__" else p) for p in parts]

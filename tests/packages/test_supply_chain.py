@@ -1,4 +1,4 @@
-"""What a release is made of: requirements with bounds, locked versions, licences, the workflow."""
+"""Supply chain of a release: requirements with bounds, locked versions, licences, the workflow."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ def test_the_workflow_of_a_release_calls_what_there_is() -> None:
 
 
 def test_the_version_that_a_tag_is_compared_with(tmp_path: Path) -> None:
-    """The command of the workflow needs nothing but the sources."""
+    """The command of the workflow needs only the sources."""
     code = "from rtgen.facts.version import __version__; print(__version__)"
     done = subprocess.run(
         [sys.executable, "-S", "-c", code],

@@ -1,4 +1,4 @@
-"""What the two wheels of this repository hold, need and can do in an environment of their own."""
+"""The two wheels of this repository: content, requirements, and use in separate environments."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ BUILT_FROM = ("src", "grammars", "specs/idl", "specs/navigation", "runtime")
 FILES = ("pyproject.toml", "hatch_build.py", "README.md", "LICENSE")
 NAME = re.compile(r"[\w-]+")
 
-# A follower of paths drives a base, as docs/runtime.md begins.
+# A follower of paths drives a base, as in the beginning of docs/runtime.md.
 DRIVE = """
 from importlib import import_module
 from pkgutil import walk_packages
@@ -56,7 +56,7 @@ pytestmark = pytest.mark.slow
 
 @pytest.fixture(scope="module")
 def source(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The sources of both wheels, copied: a build writes tables beside the grammars."""
+    """Return the sources of both wheels, copied: a build writes tables beside the grammars."""
     copy = tmp_path_factory.mktemp("source")
     for name in BUILT_FROM:
         shutil.copytree(
@@ -80,7 +80,7 @@ def runtime(source: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_a_second_build_gives_the_same_octets(
     source: Path, whole: Path, runtime: Path, tmp_path: Path
 ) -> None:
-    """In another folder, with files of another time, and hashes that differ."""
+    """In another folder, with other file times and hashes."""
     again = shutil.copytree(
         source, tmp_path / "elsewhere", copy_function=shutil.copyfile
     )

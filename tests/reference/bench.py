@@ -8,7 +8,7 @@ from rtgen.runtime import SECOND, Component, LifeCycleState, SimulatedClock, Sys
 
 
 class Bench:
-    """Sends what the component is to read, and keeps what it writes."""
+    """Sends samples to the component, and records those that it writes."""
 
     def __init__(self, component: Component, rate_hz: float) -> None:
         self.component = component
@@ -50,7 +50,7 @@ class Bench:
         return self.system.state(self.component.instance_name)
 
     def run(self, seconds: float) -> None:
-        """Let simulated time go on by so much; what is due at its end is left for later."""
+        """Advance simulated time; calls due at its end are left for later."""
         self.system.run(until_ns=self.system.time + round(seconds * SECOND))
 
     def send(self, port: str, *samples: Any) -> None:
@@ -59,7 +59,7 @@ class Bench:
             self._peer.out_ports[port].write(sample)
 
     def sent(self, port: str) -> list[Any]:
-        """What the component has sent since the last call."""
+        """Return the samples that the component has sent since the last call."""
         in_port = self._peer.in_ports[port]
         samples = []
         while in_port.is_new():

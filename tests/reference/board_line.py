@@ -12,7 +12,7 @@ from types import TracebackType
 
 
 class TcpLine:
-    """Forwards connections to a port; while it is cut there are none, and new ones are refused."""
+    """Forwards connections to a port; while it is cut, new ones are refused."""
 
     def __init__(self, board: int) -> None:
         self._board = board
@@ -34,10 +34,10 @@ class TcpLine:
         self.cut()
 
     def cut(self) -> None:
-        """Closes what is open, and refuses connections."""
+        """Close the open connections, and refuse new ones."""
         with self._lock:
             for end in [self._listener, *self._open]:
-                # One that the other process has ended, or that is closed, needs no end.
+                # A connection that the other process has ended, or that is closed, needs no end.
                 with suppress(OSError):
                     end.shutdown(socket.SHUT_RDWR)
                 end.close()
@@ -45,7 +45,7 @@ class TcpLine:
         self._accepting.join()
 
     def mend(self) -> None:
-        """Takes connections again."""
+        """Accept connections again."""
         self._listener = socket.create_server(("127.0.0.1", self.port))
         self._accepting = self._started(self._listener)
 
@@ -84,7 +84,7 @@ class TcpLine:
 
 
 class SerialLine:
-    """Two pseudo terminals, `near` and `far`; while it is cut, what is written is lost."""
+    """Two pseudo terminals, `near` and `far`; while the line is cut, written data are lost."""
 
     def __init__(self) -> None:
         self._masters: list[int] = []
@@ -115,11 +115,11 @@ class SerialLine:
             os.close(end)
 
     def cut(self) -> None:
-        """Loses what is written from now on."""
+        """Drop data written from now on."""
         self._whole = False
 
     def mend(self) -> None:
-        """Carries what is written from now on."""
+        """Forward data written from now on."""
         self._whole = True
 
     def _forward(self) -> None:

@@ -13,7 +13,7 @@ FOLDER = Path(__file__).parents[2] / "specs" / "canopen"
 
 
 def objects(name: str, **values: object) -> Any:
-    """Attributes by field name; `values` replace defaults."""
+    """Return the attributes by field name; `values` override defaults."""
     result = load([FOLDER / f"{name}.eds"], root=FOLDER)
     assert result.diagnostics == ()
     [device] = result.model.devices

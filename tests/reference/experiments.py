@@ -30,9 +30,9 @@ PERIOD = SECOND // 50
 
 @dataclass
 class Experiment:
-    """A whole run: poses every 20 ms, what was measured, changes of state, a hash of all samples.
+    """A complete run: poses every 20 ms, measures, changes of state, a hash of all samples.
 
-    `components` are those that there were at the beginning.
+    `components` are those that existed at the beginning.
     """
 
     system: System
@@ -43,7 +43,7 @@ class Experiment:
     digest: str = ""
 
     def poses(self, instance: str, begin: float, end: float) -> list[Pose]:
-        """True poses from one time to another [s]."""
+        """Return true poses from one time to another [s]."""
         poses = self.course.poses[f"{instance}.truth"]
         return [poses[i] for i in self.course.between(begin, end)]
 
@@ -51,7 +51,7 @@ class Experiment:
 def perform(
     folder: Path, timeline: str = "timeline.toml", until: float = 0.0
 ) -> Experiment:
-    """Runs an experiment to its end, or until a time [s]."""
+    """Run an experiment to its end, or until a time [s]."""
     system = profile(folder / "system.xml")
     properties = dict(system.properties)
     plan = load_timeline(folder / timeline, system)

@@ -1,4 +1,4 @@
-"""Makes docs/gallery.md: the wiring and the result of every system of the reference build.
+"""Generates docs/gallery.md: the wiring and the result of every system of the reference build.
 
 `make gallery` draws everything anew; the tests check page and diagrams, which need no matplotlib.
 """
@@ -35,7 +35,7 @@ IMAGES = ROOT / "docs" / "images" / "gallery"
 
 @dataclass(frozen=True)
 class Signal:
-    """A member of the samples of a port, `member` as a path with dots; the change per second of it.
+    """A member of the samples of a port (`member` is a path with dots), or its change per second.
 
     Without a port: the distance between two robots, or of a robot from its goal.
     """
@@ -57,7 +57,7 @@ class Panel:
 
 
 def wheels(instance: str, count: int = 2) -> Panel:
-    """How fast the wheels of a base turn, from the angles that it sends."""
+    """Return the speeds of a base's wheels, from their angles."""
     names = ("left", "right") if count == 2 else ("FL", "FR", "RL", "RR")
     return Panel(
         "wheel speed [rad/s]",
@@ -79,7 +79,7 @@ SPEED = Panel(
 
 
 def apart(*pairs: tuple[str, str]) -> Panel:
-    """The distance between the robots of each pair."""
+    """Return the distance between the robots of each pair."""
     return Panel(
         "distance [m]",
         tuple(Signal(f"{one} to {other}", one, other=other) for one, other in pairs),
@@ -94,12 +94,12 @@ FOLLOWERS = tuple(
 
 @dataclass(frozen=True)
 class Entry:
-    """A system: its file or folder, what it shows, and the options of the run for its picture.
+    """A system: its file or folder, its description, and the options of the run for its picture.
 
     `{}` in the options stands for the picture that a component draws. Without options the picture
     has the trajectories, if anything drives, and `panels` over time. Robots in `without` are parked
-    outside and not drawn. What runs in real time together with another process (`alone` false)
-    has no picture of a run.
+    outside and not drawn. Systems that run in real time together with another process (`alone`
+    false) have no picture of a run.
     """
 
     system: str
@@ -112,22 +112,22 @@ class Entry:
 
     @property
     def name(self) -> str:
-        """What its pictures are called."""
+        """The stem of the files of its pictures."""
         return Path(self.system).stem
 
     @property
     def wiring(self) -> Path:
-        """The diagram."""
+        """The file of the diagram."""
         return IMAGES / f"{self.name}_wiring.svg"
 
     @property
     def result(self) -> Path:
-        """The picture of a run."""
+        """The file of the picture of a run."""
         return IMAGES / f"{self.name}.png"
 
     @property
     def description(self) -> str:
-        """What the picture's axes and curves are called; the picture keeps it in its metadata."""
+        """The names of the picture's axes and curves, which are stored in its metadata."""
         return "\n".join(
             f"{panel.quantity}: {', '.join(s.label for s in panel.signals)}"
             for panel in self.panels
@@ -299,7 +299,7 @@ ENTRIES = (
 
 
 def page() -> str:
-    """The text of the page."""
+    """Return the text of the page."""
     parts = [
         "# Gallery\n\nEvery system of the reference build: how it is wired, and what came of a"
         " run in simulated time.\n`make gallery` draws all of it anew.\n\n"
@@ -320,7 +320,7 @@ def page() -> str:
 
 
 def diagram(entry: Entry) -> str:
-    """The wiring as SVG."""
+    """Return the wiring as SVG."""
     with TemporaryDirectory() as folder, chdir(ROOT):
         file = Path(folder) / "wiring.svg"
         code = rtgen(["graph", entry.system, "-o", str(file)])
@@ -329,7 +329,7 @@ def diagram(entry: Entry) -> str:
 
 
 def draw(entry: Entry) -> None:
-    """Runs the system and writes the picture."""
+    """Run the system and write the picture."""
     if entry.options:
         picture = str(entry.result)
         options = [option.format(picture) for option in entry.options]
@@ -350,7 +350,7 @@ def draw(entry: Entry) -> None:
 def draw_result(
     entry: Entry, log: list[dict[str, Any]], rows: list[dict[str, str]]
 ) -> None:
-    """The picture of a run, from its log and its table of poses."""
+    """Draw the picture of a run, from its log and its table of poses."""
     from matplotlib.figure import Figure
 
     robots, samples = trajectories(entry, rows)
@@ -392,7 +392,7 @@ def draw_result(
 def trajectories(
     entry: Entry, rows: list[dict[str, str]]
 ) -> tuple[list[str], list[Sample]]:
-    """The robots of a table of poses, and where they were."""
+    """Return the robots of a table of poses, and their positions."""
     robots = list(dict.fromkeys(row.get("robot", "robot") for row in rows))
     by_time: dict[str, list[dict[str, str]]] = defaultdict(list)
     for row in rows:
@@ -416,7 +416,7 @@ def trajectories(
 def series(
     signal: Signal, log: list[dict[str, Any]], robots: list[str], samples: list[Sample]
 ) -> tuple[list[float], list[float]]:
-    """The times and values of a signal."""
+    """Return the times and values of a signal."""
     if signal.port:
         return of_port(signal, log)
     times, values = [], []
@@ -438,7 +438,7 @@ def series(
 def of_port(
     signal: Signal, log: list[dict[str, Any]]
 ) -> tuple[list[float], list[float]]:
-    """Times and values of a member of a port's samples, at most a few thousand."""
+    """Return times and values of a member of a port's samples, at most a few thousand."""
     times, values = [], []
     for line in log:
         if (line["instance"], line.get("port")) != (signal.instance, signal.port):
@@ -462,13 +462,13 @@ def of_port(
 
 
 def run(entry: Entry, *options: str) -> None:
-    """Runs the system in simulated time."""
+    """Run the system in simulated time."""
     command = [sys.executable, "-m", "rtgen", "run", entry.system, *options]
     subprocess.run(command, cwd=ROOT, check=True, capture_output=True)
 
 
 def main() -> None:
-    """Writes page, diagrams and pictures."""
+    """Write page, diagrams and pictures."""
     IMAGES.mkdir(parents=True, exist_ok=True)
     PAGE.write_text(page(), encoding="utf-8", newline="\n")
     for entry in ENTRIES:

@@ -28,11 +28,11 @@ NAVIGATION = Path(__file__).parents[2] / "specs" / "navigation"
 GOAL = NAVIGATION / "rh3_goal.xml"
 PATH = NAVIGATION / "rh3_path.xml"
 LOCALIZED = NAVIGATION / "map.xml"
-LONGEST = 600 * SECOND
+MAX_DURATION = 600 * SECOND
 
 
 def profile(file: Path = GOAL) -> model.System:
-    """A system as described by its file."""
+    """Return a system as described by its file."""
     system, diagnostics, _ = read_file(file)
     assert system is not None, diagnostics
     assert not diagnostics
@@ -40,7 +40,7 @@ def profile(file: Path = GOAL) -> model.System:
 
 
 def goal(x: float, y: float, theta: float) -> list[str]:
-    """The settings for one goal from the parameters."""
+    """Return the settings for one goal from the parameters."""
     values = {"input": "parameters", "01_x": x, "01_y": y, "01_th": theta}
     return [f"PositionInput0.{name}={value}" for name, value in values.items()]
 
@@ -50,32 +50,32 @@ def build(
     settings: Iterable[str] = (),
     kept: CheckpointFolder | None = None,
 ) -> System:
-    """The system in simulated time, its components INACTIVE."""
+    """Return the system in simulated time, its components INACTIVE."""
     values = [assignment(text, system) for text in settings]
     factories = Factories(load())
     return assemble(system, factories, SimulatedClock(), values, [], checkpoints=kept)
 
 
 def at_end(system: System) -> bool:
-    """Whether the last command is carried out."""
+    """Return whether the last command is completed."""
     return system.state("PositionInput0") is ERROR_STATE
 
 
 def truth(system: System) -> Pose:
-    """The true pose of the base."""
+    """Return the true pose of the base."""
     return Pose(*system.observable("RefHardRh30.truth"))
 
 
 @dataclass
 class Recording:
-    """A whole run: all samples, and every 10 ms the true pose."""
+    """A complete run: all samples, and the true pose every 10 ms."""
 
     system: System
     records: list[Record] = field(default_factory=list)
     trajectory: list[tuple[int, Pose]] = field(default_factory=list)
 
     def samples(self, instance: str, port: str) -> list[tuple[int, Any]]:
-        """Time [ns] and value of everything that an OutPort has sent."""
+        """Return time [ns] and value of all samples of an OutPort."""
         return [
             (record.time, record.value)
             for record in self.records
@@ -84,17 +84,17 @@ class Recording:
         ]
 
     def between(self, begin: int, end: int) -> list[Pose]:
-        """True poses from one time to another [ns]."""
+        """Return true poses from one time to another [ns]."""
         return [pose for time, pose in self.trajectory if begin <= time <= end]
 
 
 def record(file: Path, settings: Sequence[str] = ()) -> Recording:
-    """Runs a system until its last command is carried out."""
+    """Run a system until its last command is completed."""
     run = Recording(build(profile(file), settings))
     run.system.add_listener(run.records.append)
     run.system.every(
         SECOND // 100,
         lambda: run.trajectory.append((run.system.time, truth(run.system))),
     )
-    assert run.system.run(LONGEST, at_end)
+    assert run.system.run(MAX_DURATION, at_end)
     return run

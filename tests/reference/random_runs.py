@@ -1,8 +1,8 @@
-"""Random runs of the navigation, by seed: what a world full of accidents makes of them.
+"""Random runs of the navigation, by seed, with accidents.
 
-`python tests/reference/random_runs.py 500` makes the runs of seeds 1 to 500 and prints what
-became of them; `--first N` begins elsewhere, `-v` prints every run. A run follows from its seed
-alone, so one that fails can be made again.
+`python tests/reference/random_runs.py 500` executes the runs of seeds 1 to 500 and prints their
+outcomes; `--first N` begins at another seed, `-v` prints every run. A run depends on its seed
+alone, so a failing one can be repeated.
 """
 
 from __future__ import annotations
@@ -40,17 +40,17 @@ OBSTACLES = NAVIGATION / "obstacles.xml"
 BODY = 0.45
 """Radius of the body [m]."""
 NEAR = 0.05
-"""Nobody may call a goal met that is farther away than this [m]."""
+"""A goal farther away than this must not count as met [m]."""
 LIMIT = 0.5
-"""Nobody drives by data older than this [s]: the default of the age limits."""
+"""Maximum age of data used for driving [s]: the default of the age limits."""
 STOPPING = 0.15
-"""From a velocity of 0 until the wheels stand, with the periods on the way [s]."""
+"""Time from a velocity of 0 until the wheels stand, including the periods on the way [s]."""
 BRAKING = 1.2
-"""The same where RUN_STOP is sent, which PathFollower carries out by its `max_acc_v` [s]."""
+"""The same for RUN_STOP, which PathFollower executes with its `max_acc_v` [s]."""
 LOOK = SECOND // 50
 GIVEN_UP = 8 * SECOND
-"""A base that has stood so long behind the last accident does not go on any more."""
-LONGEST = 150 * SECOND
+"""Time of standing after the last accident after which a base counts as stopped for good."""
+MAX_DURATION = 150 * SECOND
 
 FOLLOWED = {
     "OmniTo2WD0.min_path_Navigation0.min_path": None,
@@ -60,7 +60,7 @@ FOLLOWED = {
     "Odometry0.OdometryPosition_PathFollower0.position": STOPPING,
     "Navigation0.path_PathFollower0.target_path": STOPPING,
 }
-"""Connections that may be cut, and how long the base may go on beyond the limit; None: for ever."""
+"""Connections that may be cut, and how long the base may go on beyond the limit; None: forever."""
 PLAIN = FOLLOWED | {
     "PathFollower0.velocity_RefHardRh30.InTargetVelocity": STOPPING,
     "RefHardRh30.OutWheelAngle_Odometry0.CurrentWheelAngle": LIMIT + STOPPING,
@@ -79,30 +79,30 @@ AVOIDING = FOLLOWED | {
 
 
 LONG = 1 << 31
-"""Above the largest IDL `long`, which the scanner's seed is."""
+"""Greater than the maximum of an IDL `long`, the type of the scanner's seed."""
 
 
 @dataclass
 class Run:
-    """A run: what was done to it, and what became of it."""
+    """A run: its accidents and its outcome."""
 
     seed: int
     kind: str = ""
     accidents: list[str] = field(default_factory=list)
     ended: bool = False
-    """The last command was carried out, as the components say."""
+    """Whether the last command is completed, as the components report."""
     missed: str = ""
-    """Why `rtgen run` would not call it met although it has ended."""
+    """Why `rtgen run` would not call the goal met although the run has ended."""
     away: float = 0.0
     least: float = 9.0
-    """The least room between body and anything [m]."""
+    """The least clearance between body and obstacles [m]."""
     contact: str = ""
     overdue: float = 0.0
-    """How long the base has gone on beyond the stated age, at the most [s]."""
+    """Maximum time that the base has gone on beyond the stated age [s]."""
     overdue_by: str = ""
     words: list[str] = field(default_factory=list)
     under_way: bool = False
-    """It was not over after the longest time, and the base was moving still."""
+    """Whether the base was still moving at the maximum duration."""
 
     @property
     def met(self) -> bool:
@@ -111,7 +111,7 @@ class Run:
 
     @property
     def became(self) -> str:
-        """What became of it, in a few words."""
+        """A short description of the outcome."""
         if self.met:
             return "met"
         if self.under_way:
@@ -120,7 +120,7 @@ class Run:
 
     @property
     def faults(self) -> list[str]:
-        """What must never be."""
+        """The violations of safety rules."""
         found = []
         if self.contact or self.least < 0.0:
             found.append(f"collision ({self.contact or self.least})")
@@ -134,7 +134,7 @@ class Run:
 
 
 class _Watch:
-    """What is looked at every 20 ms, from outside of the components."""
+    """Checks every 20 ms, from outside of the components."""
 
     def __init__(
         self, system: System, run: Run, links: dict[str, float | None]
@@ -161,16 +161,16 @@ class _Watch:
         system.every(LOOK, self._look)
 
     def furnish(self, room: Room) -> None:
-        """Take what stands in the room."""
+        """Store the obstacles in the room."""
         self._room = room
 
     def __call__(self, record: Record) -> None:
-        """States do not matter."""
+        """Ignore states."""
 
     def sample_writer(
         self, port: OutPort[Any], elapsed: Callable[[], int]
     ) -> Callable[[Any], None]:
-        """Notes when a port has sent something."""
+        """Note that a port has sent a sample."""
         source = str(port)
         self._written[source] = 0
 
@@ -203,7 +203,7 @@ class _Watch:
 def make(
     seed: int, folder: Path, *, kind: str | None = None, changed: Sequence[str] = ()
 ) -> Run:
-    """The run of a seed, with changed parameters; the room is written to a folder."""
+    """Execute the run of a seed, with changed parameters; the room is written to a folder."""
     chance = Random(seed)
     drawn = "obstacles" if chance.random() < 0.3 else "plain"
     run = Run(seed, kind or drawn)
@@ -244,7 +244,7 @@ def make(
 
 
 def _scene(chance: Random, *, obstacles: bool) -> tuple[str, Pose, Pose]:
-    """The room, where the base stands, and where it is to go."""
+    """Return the room, the start pose of the base, and its goal."""
     heading = lambda: round(chance.uniform(-pi, pi), 3)  # noqa: E731
     if not obstacles:
         there = [round(chance.uniform(-3.0, 3.0), 3) for _ in range(4)]
@@ -275,14 +275,14 @@ def _placed(start: Pose, base: str) -> list[str]:
 def _plan(
     chance: Random, system: System, file: model.System, watch: _Watch, run: Run
 ) -> int:
-    """Announce the accidents; when the last one is over [ns]."""
+    """Schedule the accidents; return the end of the last one [ns]."""
     links = list(AVOIDING if run.kind == "obstacles" else PLAIN)
     spared = {"GamePad0", "ObstacleMonitor0"}
     instances = [name for name in system.instances if name not in spared]
     last = 0
     for _ in range(chance.randrange(4)):
         begin = round(chance.uniform(0.5, 15.0) * SECOND)
-        # The quick ones are as dangerous as the long ones.
+        # Short ones are as dangerous as long ones.
         end = begin + round(10 ** chance.uniform(-1.5, 0.7) * SECOND)
         what = chance.choice(("loss", "loss", "restart", "restart", "death"))
         if what == "loss":
@@ -336,13 +336,13 @@ def _on(system: System, instance: str) -> None:
 
 
 def _drive(system: System, watch: _Watch, last: int) -> None:
-    """To the end of the run, or until the base does not go on any more."""
+    """Run to the end, or until the base has stopped for good."""
 
     def over(running: System) -> bool:
         quiet = running.time - max(last, watch.still_since) > GIVEN_UP
         return at_end(running) or quiet
 
-    system.run(LONGEST, over)
+    system.run(MAX_DURATION, over)
 
 
 def _judge(run: Run, system: System, watch: _Watch, goal: Pose) -> None:
@@ -350,7 +350,7 @@ def _judge(run: Run, system: System, watch: _Watch, goal: Pose) -> None:
     run.away = hypot(pose.x - goal.x, pose.y - goal.y)
     outcome = Outcome([], goal, [("base", pose)], 0.0, 0.0, (), Tolerance(NEAR, 0.1))
     run.missed = outcome.missed
-    run.under_way = not run.ended and system.time >= LONGEST
+    run.under_way = not run.ended and system.time >= MAX_DURATION
     for instance in system.instances:
         statistics = system.statistics(instance)
         word = statistics.reason or statistics.condition
@@ -363,7 +363,7 @@ def _judge(run: Run, system: System, watch: _Watch, goal: Pose) -> None:
 
 
 def main(arguments: list[str]) -> int:
-    """Make runs, and print what became of them; 1 if there was one that must not be."""
+    """Execute runs, and print their outcomes; return 1 if there was a violation."""
     parser = argparse.ArgumentParser(description="random runs of the navigation")
     parser.add_argument("runs", type=int)
     parser.add_argument("--first", type=int, default=1)

@@ -1,4 +1,4 @@
-"""Runs the components of the embedded layer on the small runtime; MicroPython can run this, too.
+"""Runs the components of the embedded layer on the small runtime; also for MicroPython.
 
 Prints a line for each sample that is sent, the states at the end, and how many blocks of memory
 10,000 cycles have cost (CPython). The small tree and the behaviours are on the path.
@@ -18,7 +18,7 @@ BUFFER = bytearray(4096)
 
 
 class Tap:
-    """Takes samples as an InPort does, and prints them."""
+    """Receives samples as an InPort does, and prints them."""
 
     def __init__(self, system, name, type_):
         self.name = self.owner = name
@@ -27,13 +27,13 @@ class Tap:
         self._system = system
 
     def take_in(self, sample):
-        """Prints time, port and CDR."""
+        """Print time, port and CDR."""
         length = to_cdr(sample, BUFFER)
         print(self._system.time, self.name, bytes(BUFFER[:length]).hex())
 
 
 def main():
-    """One second at each of eight places, then cycles that are measured."""
+    """Run one second at each of eight places, then cycles that are measured."""
     system = System()
     laser, reader = HokuyoAist(), UcodeReader()
     settlement, contents = UcodeSettlement(), ContentsInterpretation()

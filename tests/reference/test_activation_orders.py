@@ -1,4 +1,4 @@
-"""The pipeline comes up in whatever order its components are activated."""
+"""The pipeline starts in any order of activation of its components."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from random import Random
 
 import pytest
 from msgspec.structs import replace
-from pipeline import LONGEST, at_end, build, goal, profile, truth
+from pipeline import MAX_DURATION, at_end, build, goal, profile, truth
 from seeds import budget, seed
 
 from refnav.geometry import Pose, wrap
@@ -25,18 +25,18 @@ navigation = cache(profile)
 
 
 def end_of(order: tuple[str, ...]) -> Pose:
-    """Where the base ends if one component is activated every 50 ms, in this order."""
+    """Return the end of the base if one component is activated every 50 ms, in this order."""
     steps = [
         Activation(instance=name, sequence=number, wait_ms=50 if number else 0)
         for number, name in enumerate(order)
     ]
     with build(replace(navigation(), activation=tuple(steps)), goal(*TARGET)) as system:
-        assert system.run(LONGEST, at_end), order
+        assert system.run(MAX_DURATION, at_end), order
         return truth(system)
 
 
 def spread(ends: list[Pose]) -> tuple[float, float]:
-    """How far the ends are apart at most, by a box round them [m] and by heading [rad]."""
+    """Return the size of a box round all ends [m], and of their headings [rad]."""
     xs, ys, _ = zip(*ends, strict=True)
     turns = [wrap(end.theta - ends[0].theta) for end in ends]
     return hypot(max(xs) - min(xs), max(ys) - min(ys)), max(turns) - min(turns)

@@ -19,7 +19,7 @@ from typing import Any
 
 import pytest
 from board_line import SerialLine, TcpLine
-from pipeline import LONGEST, NAVIGATION, at_end, goal, profile
+from pipeline import MAX_DURATION, NAVIGATION, at_end, goal, profile
 
 from refnav.geometry import Pose, wrap
 from refnav.simulated_motor_board import SimulatedMotorBoard
@@ -44,9 +44,9 @@ from rtgen.systems.timeline import assignment, parse
 TECS = NAVIGATION.parent / "tecs"
 BOARD = TECS / "rh3_board.xml"
 WATCHDOG = 100_000_000
-"""What the board may take to stop without commands [ns]."""
+"""Time in which the board may stop without commands [ns]."""
 CYCLE = SECOND // 1000
-"""A parameter that is set takes effect at the end of the board's cycle."""
+"""A parameter takes effect at the end of the board's cycle."""
 CUT = """
 [[at]]
 t = {begin}
@@ -82,7 +82,7 @@ def nanoseconds(instant: Any) -> int:
 
 
 class Log:
-    """What the board wrote into its log."""
+    """The entries of the board's log."""
 
     def __init__(self) -> None:
         self.events: list[BoardEvent] = []
@@ -104,7 +104,7 @@ def test_the_base_reaches_the_goal_of_the_reference_run() -> None:
     log = Log()
     with build() as system:
         system.add_listener(log)
-        assert system.run(LONGEST, at_end)
+        assert system.run(MAX_DURATION, at_end)
         assert_at(truth(system), 3.4, 7.7, -1.57)
         answered, unanswered = system.observable("RefHardRh3Tecs0.calls")
         assert answered > 4000
@@ -119,7 +119,7 @@ def test_the_board_stops_without_its_line_and_the_run_goes_on() -> None:
     with build(timeline=CUT.format(begin=12.0, end=13.0)) as system:
         system.add_listener(log)
         system.every(CYCLE, lambda: trajectory.append((system.time, truth(system))))
-        assert system.run(LONGEST, at_end)
+        assert system.run(MAX_DURATION, at_end)
         assert_at(truth(system), 3.4, 7.7, -1.57)
         assert 95 <= system.observable("RefHardRh3Tecs0.calls")[1] <= 101
         states = [system.state(name) for name in system.instances]
@@ -152,7 +152,7 @@ def test_two_runs_with_a_cut_give_the_same_bytes() -> None:
         stream = io.StringIO()
         with build(goal(0.5, 0.1, 0.5), CUT.format(begin=3.0, end=4.0)) as system:
             system.add_listener(JsonLinesRecorder(stream))
-            assert system.run(LONGEST, at_end)
+            assert system.run(MAX_DURATION, at_end)
             assert_at(truth(system), 0.5, 0.1, 0.5)
         logs.append(stream.getvalue())
     assert logs[0] == logs[1]
@@ -168,7 +168,7 @@ def test_a_board_at_a_serial_line() -> None:
         "OpaqueRpcCommunication0.baudrate=115200",
     ]
     with build([*goal(0.3, 0.0, 0.5), *settings]) as system:
-        assert system.run(LONGEST, at_end)
+        assert system.run(MAX_DURATION, at_end)
         assert_at(truth(system), 0.3, 0.0, 0.5)
 
 

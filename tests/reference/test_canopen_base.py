@@ -1,4 +1,4 @@
-"""A base on two drives, without a bus: what it commands, and what it does when a drive is lost."""
+"""A base on two drives, without a bus: its commands, and its reaction to the loss of a drive."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ STEP = SECOND // 100
 
 
 class In:
-    """An InPort that a test fills."""
+    """An InPort filled by the test."""
 
     def __init__(self) -> None:
         self.sample: Any = None
@@ -38,7 +38,7 @@ class In:
 
 
 class Out:
-    """An OutPort that hands on what is written to it."""
+    """An OutPort that passes on the written samples."""
 
     def __init__(self, take: Any) -> None:
         self._take = take
@@ -87,7 +87,7 @@ class Side:
 
 
 class Speeds:
-    """Stands for the control: wheel speeds as a test says."""
+    """Stand-in for the control: wheel speeds set by the test."""
 
     def __init__(self) -> None:
         self.wanted = (0.0, 0.0)
@@ -189,7 +189,7 @@ def test_a_drive_that_is_lost_stops_the_other(bench: Bench) -> None:
     bench.left.drive.remote = True
     bench.run(0.5)
     assert bench.speeds == pytest.approx((3.0, 3.0), rel=1e-3)
-    # What the lost wheel has turned meanwhile counts.
+    # The angle by which the lost wheel has turned meanwhile counts.
     turned = bench.left.objects.Position_actual_value * POSITION
     assert bench.base.plant.angles[0] == pytest.approx(turned)
     assert bench.base.plant.pose.x > where.x
@@ -221,7 +221,7 @@ def test_a_fault_in_the_midst_of_it_is_reported(bench: Bench) -> None:
     bench.left.drive.run(0.5)
     assert bench.speeds == pytest.approx((0.0, 0.0), abs=1e-3)
     assert bench.left.drive.machine.state is PowerState.SWITCH_ON_DISABLED
-    # Once it is started again, the fault is reset.
+    # Once it is restarted, the fault is reset.
     bench.base.start(bench.now)
     bench.control.wanted = (1.0, 1.0)
     bench.run(0.5)

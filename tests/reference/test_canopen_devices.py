@@ -1,4 +1,4 @@
-"""The devices of specs/canopen: without findings, with what the source document and CiA ask for."""
+"""The devices of specs/canopen: no findings, and the content required by the source and CiA."""
 
 from __future__ import annotations
 

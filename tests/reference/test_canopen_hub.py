@@ -39,7 +39,7 @@ pytestmark = [pytest.mark.slow, pytest.mark.waits]
 
 @contextmanager
 def started(*arguments: str) -> Iterator[subprocess.Popen[str]]:
-    """A command of rtgen in a process; killed at the end if it has not ended."""
+    """Yield a command of rtgen in a process, which is killed at the end if it still runs."""
     process = subprocess.Popen(
         [sys.executable, "-m", "rtgen", *arguments],
         stdout=subprocess.PIPE,
@@ -55,7 +55,7 @@ def started(*arguments: str) -> Iterator[subprocess.Popen[str]]:
 
 
 def ended(process: subprocess.Popen[str]) -> tuple[str, str]:
-    """Output of a process until SIGTERM; Ctrl-C may be ignored in the background."""
+    """Return the output of a process until SIGTERM; Ctrl-C may be ignored in the background."""
     process.send_signal(signal.SIGTERM)
     output = process.communicate(timeout=30)
     assert process.returncode == 0, output
@@ -64,7 +64,7 @@ def ended(process: subprocess.Popen[str]) -> tuple[str, str]:
 
 @pytest.fixture
 def port() -> Iterator[int]:
-    """The port of a hub."""
+    """Yield the port of a hub."""
     with started("can", "hub", "--port", "0") as hub:
         assert hub.stdout is not None
         yield int(hub.stdout.readline().rpartition(":")[2])
@@ -72,7 +72,7 @@ def port() -> Iterator[int]:
 
 
 def joined(port: int, *instances: str) -> list[str]:
-    """The settings with which components are on the hub's bus."""
+    """Return the settings that put components on the hub's bus."""
     options = f"host=127.0.0.1,port={port},tcp_tune=True"
     values = {"interface": "socketcand", "options": options}
     return [
@@ -93,7 +93,7 @@ DRIVES = str(CANOPEN / "rh3_drives.xml")
 
 @contextmanager
 def base(port: int) -> Iterator[System]:
-    """RH3 without its drives, on the hub's bus, with a short way to go."""
+    """Yield RH3 without its drives, on the hub's bus, with a near goal."""
     system = profile(CANOPEN / "rh3_pc.xml")
     settings = joined(port, "LeftWheel0", "RightWheel0", "CanopenManager0")
     # The process with the drives may take its time to start.
@@ -110,7 +110,7 @@ def where(system: System) -> Pose:
 
 
 def bring_back(system: System, *wheels: str) -> None:
-    """Resets proxies till their drives answer, and waits till they are at work again."""
+    """Reset the proxies until their drives answer, and wait until they are ACTIVE."""
     for wheel in wheels:
         for _ in range(PATIENCE // SECOND):
             system.reset(wheel)
@@ -169,7 +169,7 @@ def test_drives_that_are_switched_off_and_on_count_anew(port: int) -> None:
 
 
 def values(lines: Sequence[str]) -> list[Any]:
-    """What decoded frames say, without the times."""
+    """Return the content of decoded frames, without times."""
     found = [json.loads(line) for line in lines]
     return [{k: v for k, v in line.items() if k != "time"} for line in found]
 
@@ -195,7 +195,7 @@ def test_a_record_of_pdo_linking_is_whole_and_replays(
     capfd.readouterr()
     assert run(["can", "replay", str(record), "--decode", *flags]) == 0
     recorded = values(capfd.readouterr().out.splitlines())
-    # The frames that the nodes send when nobody else does; the motor follows.
+    # The frames that the nodes send by themselves; the motor follows.
     references = [
         line["values"][0]["value"]
         for line in recorded

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import can
 import pytest
-from pipeline import LONGEST, NAVIGATION, at_end, goal, profile
+from pipeline import MAX_DURATION, NAVIGATION, at_end, goal, profile
 
 from refnav.geometry import Pose, wrap
 from refrobots.canopen.f_palette import proxy as palette
@@ -51,7 +51,7 @@ CYCLE = SECOND // 100
 
 
 class Sniffer:
-    """A station that hears every frame of a simulated bus."""
+    """A station that records every frame of a simulated bus."""
 
     identifiers = None
     deadline = None
@@ -99,7 +99,7 @@ def assert_at(pose: Pose, x: float, y: float, theta: float) -> None:
 
 
 class States:
-    """When components came to which states."""
+    """The times of the components' changes of state."""
 
     def __init__(self) -> None:
         self.changes: list[tuple[int, str, LifeCycleState]] = []
@@ -124,7 +124,7 @@ def test_the_base_reaches_its_goal(
 ) -> None:
     """RH3: that of the reference run."""
     with build(file, goal(*end)) as (system, sniffer):
-        assert system.run(LONGEST, at_end)
+        assert system.run(MAX_DURATION, at_end)
         assert_at(truth(system, base), *end)
         assert {system.statistics(name).lost for name in system.instances} == {0}
         states = [system.state(name) for name in system.instances]
@@ -155,7 +155,7 @@ def test_a_drive_that_falls_silent_stops_the_base_and_the_run_goes_on() -> None:
                 )
             ),
         )
-        assert system.run(LONGEST, at_end)
+        assert system.run(MAX_DURATION, at_end)
         assert_at(truth(system, "RefHardRh3Canopen0"), 3.4, 7.7, -1.57)
         silent = [
             (a, b)
@@ -164,7 +164,7 @@ def test_a_drive_that_falls_silent_stops_the_base_and_the_run_goes_on() -> None:
             )
             if b - a > 2 * PERIOD
         ]
-        # Before the system ends, and its components with it.
+        # Before the end of the system and its components.
         wheel = [(t, s) for t, s in states.of("LeftWheel0") if t > SECOND]
         assert [s for t, s in states.of("RightWheel0") if t > SECOND] == []
     [(last, again)] = silent
@@ -173,7 +173,7 @@ def test_a_drive_that_falls_silent_stops_the_base_and_the_run_goes_on() -> None:
     lost = wheel[0][0]
     assert TIMEOUT <= lost - last <= TIMEOUT + CYCLE
     assert 14 * SECOND < again < wheel[2][0] < 15 * SECOND + CYCLE
-    # The drive goes on till then; both wheels stand soon afterwards, and until it is back.
+    # The drive runs until then; both wheels stop soon afterwards, until it is back.
     assert min(map(abs, next(v for t, v in speeds if t == 12 * SECOND))) > 10.0
     still = [v for t, v in speeds if lost + 3 * SECOND // 10 <= t <= wheel[1][0]]
     assert len(still) > 100
@@ -205,7 +205,7 @@ def test_two_runs_with_a_lost_drive_give_the_same_bytes() -> None:
             timeline = timeline.replace(f"t = {late}", f"t = {early}")
         with build(BEEGO, goal(0.5, 0.1, 0.5), timeline) as (system, sniffer):
             system.add_listener(JsonLinesRecorder(stream))
-            assert system.run(LONGEST, at_end)
+            assert system.run(MAX_DURATION, at_end)
             assert_at(truth(system, "RefHardRh3Canopen0"), 0.5, 0.1, 0.5)
         logs.append((stream.getvalue(), sniffer.frames))
     assert logs[0] == logs[1]
@@ -217,7 +217,7 @@ Series = list[tuple[int, int]]
 def zip_latest(
     values: Series, others: Series
 ) -> Iterator[tuple[tuple[int, int], tuple[int, int]]]:
-    """Each value with the newest of the others at its time."""
+    """Yield each value with the newest of the others at its time."""
     times = [time for time, _ in others]
     for time, value in values:
         place = bisect_right(times, time)
@@ -238,11 +238,11 @@ def test_a_motor_follows_a_potentiometer_with_no_master(
         assert system.run(20 * SECOND) is False
         assert {system.state(name) for name in system.instances} == {ACTIVE_STATE}
         assert {system.statistics(name).lost for name in system.instances} == {0}
-    # From the moment on at which the motor is enabled, only the two nodes send.
+    # After the motor is enabled, only the two nodes send.
     begin = SECOND
     seen = {frame.can_id for time, frame in sniffer.frames if time >= begin}
     assert seen == {0x181, 0x281, 0x282, 0x482, 0x701, 0x702}
-    # No PDO of a master ever: an RPDO's identifier is sent by nobody but the linked board.
+    # A master's PDO never occurs: only the linked board sends an RPDO's identifier.
     ids = {frame.can_id for _, frame in sniffer.frames}
     assert not ids & {
         base + node for base in (0x200, 0x300, 0x400, 0x500) for node in (1, 2)
@@ -259,7 +259,7 @@ def test_a_motor_follows_a_potentiometer_with_no_master(
     places = [angle for _, angle in angles]
     assert max(places) == pytest.approx(90_000, abs=500)
     assert min(places) == pytest.approx(-90_000, abs=500)
-    # A record of the frames, decoded, has the values that came out of the proxies.
+    # The decoded record of the frames has the values of the proxies.
     record = tmp_path / "run.log"
     with can.Logger(record) as logger:
         for time, frame in sniffer.frames:
@@ -289,7 +289,7 @@ def test_a_motor_follows_a_potentiometer_with_no_master(
             for line in decoded
             if (line.get("name"), line["kind"]) == (node, port)
         ]
-        # The proxies listen from their activation on; the last frame has come after their turn.
+        # The proxies receive from their activation on; the last frame came after their last tick.
         assert len(received) > 1900
         more = len(shown) - len(received)
         assert any(shown[n:][: len(received)] == received for n in range(more + 1))

@@ -1,4 +1,4 @@
-"""The rules of the common interfaces, third phase: each test names the rule that it tries.
+"""The rules of the common interfaces, third phase: each test names its rule.
 
 Rules are numbered as in the sections on the target path, the travel command and information, the
 self-position, the target list and the travel state: 4.4 to 4.8.
@@ -49,11 +49,11 @@ def targets(*poses: tuple[float, float, float]) -> iis.TimedPose2DSeq:
 
 
 class Operator(Component):
-    """Stands for whatever is not under test: sends by hand, keeps what comes."""
+    """Stand-in for everything not under test: sends by hand, records what arrives."""
 
 
 class Robot:
-    """PathTracking, TravelControl and TravelOdometry, and an operator at every open end."""
+    """PathTracking, TravelControl and TravelOdometry, and an operator at every open port."""
 
     def __init__(self, robot: str = "RefHard", *, planned: bool = False) -> None:
         self.system = System(SimulatedClock())
@@ -233,7 +233,7 @@ def test_4_4_9_between_two_waypoints_the_path_is_straight() -> None:
 
 
 class Pusher(Component):
-    """Stands between path tracking and travel control, and steers aside for a while."""
+    """A component between path tracking and travel control that steers aside for a while."""
 
     def on_execute(self, ec_id: int) -> Any:
         command = self.in_ports["input"].read_newest()
@@ -540,7 +540,7 @@ def test_4_8_4_a_stop_is_flagged_with_the_waypoint_reached_last() -> None:
     assert robot.truth == still
 
 
-# 4.3, angles, for every interface; and the whole of Figure 103.
+# 4.3, angles, for every interface; and all of Figure 103.
 
 
 @pytest.mark.parametrize("turns", [-2, -1, 0, 1, 3])

@@ -1,4 +1,4 @@
-"""The console is read beside the control loop."""
+"""The console is read in a thread beside the control loop."""
 
 from __future__ import annotations
 

@@ -29,7 +29,7 @@ NODE = 5
 
 
 class Bench:
-    """A device on a bus, and a station that hears and sends as a test says."""
+    """A device on a bus, and a station that receives and sends for the test."""
 
     identifiers = None
     deadline = None

@@ -178,7 +178,7 @@ def test_torque_mode() -> None:
     assert bench.objects.Torque_actual_value == 500
     assert bench.objects.Current_actual_value == 500
     assert bench.shows(Status.TARGET_REACHED)
-    # The axis becomes as fast as it may, and no faster.
+    # The axis reaches its maximum speed, and does not exceed it.
     bench.run(2.0)
     most = bench.objects.Max_profile_velocity
     assert bench.objects.Velocity_actual_value == pytest.approx(most, rel=1e-6)
@@ -195,7 +195,7 @@ def test_synchronous_position_follows_and_keeps_its_speed() -> None:
         assert abs(bench.objects.Position_actual_value - n * 20) < 1000
     assert bench.objects.Position_actual_value == pytest.approx(499 * 20, abs=3)
     assert bench.objects.Velocity_actual_value == pytest.approx(20_000, rel=1e-3)
-    # A jump is made at the greatest velocity.
+    # A jump is executed at the greatest velocity.
     bench.objects.Max_profile_velocity = 100_000
     bench.objects.Target_position += 20_000
     bench.run(0.1)
@@ -328,7 +328,7 @@ def test_torque_is_limited_by_torque_and_by_current() -> None:
 
 
 def test_a_motor_at_peak_current_gets_too_hot() -> None:
-    """Table 6: 7 A for ever, 10 A for a while."""
+    """Table 6: 7 A continuously, 10 A for a limited time."""
     axis = Axis(MOTOR_CORE_UNIT, 24.0)
     axis.load = -21.0
     for _ in range(15_000):
@@ -422,7 +422,7 @@ def test_a_drive_that_nobody_commands_stops() -> None:
     assert bench.state is PowerState.SWITCH_ON_DISABLED
     assert not bench.shows(Status.REMOTE)
     assert bench.objects.Velocity_actual_value == 0
-    # What the controlword was does not start it again.
+    # The previous controlword does not start it again.
     bench.drive.remote = True
     bench.run(0.1)
     assert bench.state is PowerState.SWITCH_ON_DISABLED

@@ -90,7 +90,7 @@ def test_walls_hide_markers() -> None:
     bench.send("pose", pose(0.0, 0.0, 0.0))
     bench.run(0.2)
     [reading] = bench.sent("sightings")
-    # The one behind a wall is not seen, the one on a wall is.
+    # A marker behind a wall is hidden, one on a wall is visible.
     assert [s.code for s in reading.data] == [octets_of("b"), octets_of("c")]
 
 
@@ -109,12 +109,12 @@ def test_what_was_not_hit_is_no_obstacle_at_the_sensor() -> None:
     bench.send("pose", pose(0.0, 0.0, 0.0))
     bench.run(0.1)
     [scan] = bench.sent("range")
-    # Nearer than the least range is not measured either.
+    # Ranges below the least range are not measured either.
     assert (scan.config.minRange, scan.ranges[1]) == (0.02, 0.0)
     assert [hypot(p.x, p.y) for p in points_of(scan, 0.0)] == [
         pytest.approx(1.0, abs=0.01)
     ] * 2
-    # Of a range finder that says nothing of its least range, too.
+    # Also of a range finder without a least range.
     scan.config.minRange = 0.0
     assert len(points_of(scan, 0.0)) == 2
 
@@ -145,7 +145,7 @@ def test_a_record_that_is_at_hand_comes_at_once() -> None:
     assert settled("1") == ("1 0 room a", True, 1)
     assert settled("2") == ("2 0 room b", False, 4)
     assert settled("1") == ("1 0 room a", True, 1)
-    # The third takes the place of the second, which was not needed for longest.
+    # The third replaces the second, the least recently used one.
     assert settled("3") == ("3 0 room c", False, 4)
     assert settled("1") == ("1 0 room a", True, 1)
     assert settled("2") == ("2 0 room b", False, 4)

@@ -23,7 +23,7 @@ SHORT = ("interchange", "two_robots", "chain")
 
 @cache
 def first_run(name: str) -> Experiment:
-    """An experiment that many tests look at."""
+    """Return an experiment that many tests use."""
     return perform(EXPERIMENTS / name)
 
 
@@ -35,12 +35,12 @@ def leaders_and_all() -> Experiment:
 
 @pytest.fixture
 def chain() -> Experiment:
-    """Ref-Hard, Segway RMP behind it, Omni-Wheel behind that."""
+    """Return Ref-Hard, followed by Segway RMP, followed by Omni-Wheel."""
     return first_run("chain")
 
 
 def kept(run: Experiment) -> dict[str, bool]:
-    """Every measure with its time, and whether its limits were kept."""
+    """Return every measure with its time, and whether its limits were kept."""
     return {
         f"{result.measure.name} {result.measure.begin}": result.kept
         for result in run.results
@@ -48,7 +48,7 @@ def kept(run: Experiment) -> dict[str, bool]:
 
 
 def nearest(here: Pose, track: list[Pose]) -> float:
-    """The distance to the nearest of many points."""
+    """Return the distance to the nearest of many points."""
     return min((dist(here[:2], there[:2]) for there in track), default=inf)
 
 
@@ -66,7 +66,7 @@ def test_every_joystick_drives_every_robot() -> None:
     assert pairs == {(j, r) for j in JOYSTICKS for r in ROBOTS}
     assert len(run.results) == 16
     assert all(result.kept for result in run.results)
-    # What was measured was driven: each robot has done 1.2 m and two arcs in every round.
+    # Each robot has driven: 1.2 m and two arcs in every round.
     for result in run.results:
         begin = result.measure.begin
         poses = run.poses(

@@ -14,7 +14,7 @@ from refnav.geometry import Pose, advance
 
 @dataclass
 class Parameters:
-    """How to follow."""
+    """Parameters of following."""
 
     distance: float = 1.0
     max_v: float = 0.4
@@ -24,7 +24,7 @@ class Parameters:
 def pursue(
     follower: Follower, here: Pose, leaders: list[Pose], *, sideways: bool = False
 ) -> list[Pose]:
-    """The poses of a robot that follows its commands, 50 times a second."""
+    """Return the poses of a robot that follows its commands, 50 times a second."""
     poses = [here]
     for leader in leaders:
         follower.observe(leader)
@@ -36,7 +36,7 @@ def pursue(
 
 
 def corner() -> list[Pose]:
-    """2 m along x, 2 m along y, at 0.2 m/s; then rest."""
+    """Return 2 m along x, 2 m along y, at 0.2 m/s; then rest."""
     way = [Pose(0.004 * i, 0.0, 0.0) for i in range(500)]
     way += [Pose(2.0, 0.004 * i, pi / 2) for i in range(501)]
     return way + [way[-1]] * 500
@@ -47,7 +47,7 @@ def test_a_track_is_followed_round_a_corner(sideways: bool) -> None:
     poses = pursue(TrackFollower(), Pose(-1.0, 0.0, 0.0), corner(), sideways=sideways)
     end = poses[-1]
     assert (end.x, end.y) == pytest.approx((2.0, 1.0), abs=0.1)
-    # Within the corner of the track, never farther off than what it looks ahead.
+    # In the corner of the track, the deviation is at most the lookahead.
     assert all(
         min(dist(pose[:2], (x, 0.0)) for x in (pose.x, 2.0)) < 0.3
         or abs(pose.x - 2.0) < 0.3
@@ -58,7 +58,7 @@ def test_a_track_is_followed_round_a_corner(sideways: bool) -> None:
 def test_a_distance_is_kept_as_the_crow_flies() -> None:
     poses = pursue(DistanceKeeper(), Pose(-1.0, 0.0, 0.0), corner())
     assert dist(poses[-1][:2], (2.0, 2.0)) == pytest.approx(1.0, abs=0.01)
-    # It cuts the corner that the track has.
+    # It cuts the corner of the track.
     assert min(dist(pose[:2], (2.0, 0.0)) for pose in poses) > 0.3
 
 
@@ -91,7 +91,7 @@ def test_a_track_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
     follower = TrackFollower()
     for i in range(100):
         follower.observe(Pose(0.1 * i, 0.0, 0.0))
-    # What is left begins at 9 m and ends at 9.9 m: 1.3 m from here.
+    # The kept part begins at 9 m and ends at 9.9 m: 1.3 m from here.
     here = Pose(8.6, 0.0, 0.0)
     near = follower.command(here, Parameters(distance=1.31), sideways=False)
     assert near == REST

@@ -1,4 +1,4 @@
-"""The gallery shows every system as it is wired now."""
+"""The gallery shows the present wiring of every system."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ PICTURES = [entry for entry in ENTRIES if entry.alone]
 
 @pytest.fixture(scope="module")
 def definitions() -> Iterator[None]:
-    """The project's definitions are read once for all diagrams."""
+    """Read the project's definitions once for all diagrams."""
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(ROOT)
         read = compiler.read(load(), lowered=True)
@@ -48,7 +48,7 @@ def test_the_result_has_the_axes_and_curves_of_today(entry: Entry) -> None:
 
 @pytest.mark.parametrize("entry", ENTRIES, ids=lambda entry: entry.name)
 def test_the_text_of_a_diagram_is_legible_in_a_column_of_a_page(entry: Entry) -> None:
-    """9 px at least where the picture is scaled down to 830 px."""
+    """9 px at least if the picture is scaled down to 830 px."""
     svg = entry.wiring.read_text(encoding="utf-8")
     sizes = [int(size) for size in re.findall(r'font-size="(\d+)"', svg)]
     found = re.search(r'<svg [^>]*width="(\d+)"', svg)

@@ -16,7 +16,7 @@ def board() -> Board:
 
 
 def step(board: Board) -> list[str]:
-    """What makes an event in a step."""
+    """Return the names of the objects with an event in a step."""
     board.step()
     return [*board.events]
 

@@ -1,4 +1,4 @@
-"""Each component of RH3 dies on the way without a callback, and begins anew with its checkpoint."""
+"""Each component of RH3 dies during a run without a callback, and restarts from its checkpoint."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ COMPONENTS = [component.instance for component in profile().components]
 
 
 def dies(system: System, instance: str) -> None:
-    """The component is gone with its connections, and nothing was called of it."""
+    """Remove the component and its connections, without a callback."""
     system.context(instance).stop()
     component = system.component(instance)
     component.exit = lambda: None  # type: ignore[assignment, method-assign, return-value]
@@ -29,7 +29,7 @@ def dies(system: System, instance: str) -> None:
 
 
 def comes_again(system: System, instance: str) -> None:
-    """As `rtgen run --only` in a process of its own starts the component."""
+    """Start the component again as `rtgen run --only` in a process of its own does."""
     whole = profile()
     [described] = [c for c in whole.components if c.instance == instance]
     report = FailureReport(Console("text", False, False), FailureOptions())

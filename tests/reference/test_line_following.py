@@ -1,4 +1,4 @@
-"""The travel modes: single steps by their formulas, and where they lead in the long run."""
+"""The travel modes: single steps by their formulas, and their long-term behaviour."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class Parameters:
 
 
 def run(motion: Motion, start: Pose, seconds: float) -> list[tuple[Pose, float, float]]:
-    """Poses and velocities of an ideal base at 1000 Hz."""
+    """Return poses and velocities of an ideal base at 1000 Hz."""
     gains = Parameters()
     pose, v, w = start, 0.0, 0.0
     trace = []

@@ -1,4 +1,4 @@
-"""Where RH2 is: odometry that is corrected, and the localisation that corrects it."""
+"""The position of RH2: corrected odometry, and the localisation that corrects it."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def test_odometry_counts_on_from_the_pose_that_it_is_told() -> None:
     bench.run(0.01)
     bench.send("CurrentWheelAngle", angles(2, 10.0, 10.0))
     bench.run(0.01)
-    # Where the count began nobody has measured.
+    # The initial position is not measured.
     assert bench.sent("OdometryPosition") == []
     bench.send("LocalizedPosition", pose(5.0, 6.0, pi / 2))
     bench.send("CurrentWheelAngle", angles(3, 20.0, 20.0))
@@ -87,7 +87,7 @@ def test_what_it_goes_on_without_is_reported(bench: Bench) -> None:
     assert statistics.condition == "dp_ceilIn: nothing newer than 5 s"
     bench.sent("dp_out0")
     bench.run(0.7)
-    # The ceiling is compared with no pose that old.
+    # The ceiling is not compared with poses of that age.
     bench.send("dp_ceilIn", pose(5.0, 4.0, 0.1))
     bench.run(0.1)
     assert set(plain(bench.sent("dp_out0"))) == {(3.0, 4.0, 0.1)}
@@ -117,7 +117,7 @@ def test_a_late_picture_corrects_by_what_was_wrong_then(bench: Bench) -> None:
     bench.send("dp_odmIn", pose(0.0, 0.0, 0.0, sec=1), pose(1.0, 0.0, 0.0, sec=2))
     bench.send("dp_ceilIn", pose(0.0, 2.0, 0.0, sec=1))
     bench.run(0.01)
-    # A second picture of the same moment finds a twentieth of the error corrected.
+    # A second picture of the same time finds a twentieth of the error corrected.
     bench.send("dp_ceilIn", pose(0.0, 2.0, 0.0, sec=1))
     bench.run(0.01)
     first, second = plain(bench.sent("dp_out0"))

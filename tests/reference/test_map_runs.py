@@ -1,4 +1,4 @@
-"""Figure 2-5: RH3 drives along a map, and knows by the ceiling where it is."""
+"""Figure 2-5: RH3 drives along a map, with its position corrected by the ceiling."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def away(system: System, x: float, y: float, truth: str = TRUTH) -> float:
 
 @pytest.fixture(scope="module")
 def run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Pose, Path]:
-    """Where the base stands at the end, and the picture of DispPosition."""
+    """Return the final pose of the base, and the picture of DispPosition."""
     picture = tmp_path_factory.mktemp("map") / "position.svg"
     system = build(profile(LOCALIZED), [f"DispPosition0.picture={picture}"])
     with system:
@@ -37,7 +37,7 @@ def test_the_goal_is_reached_along_the_map(run: tuple[Pose, Path]) -> None:
 
 
 def test_the_ceiling_corrects_what_odometry_gets_wrong() -> None:
-    # The wheels of RH2's odometry are not those of the plant, so alone it goes astray.
+    # RH2's odometry assumes other wheels than the plant's, so alone it drifts.
     system = build(profile(LOCALIZED))
     with system:
         system.disconnect("CeilingCamera0.CameraData_CeilingNavigation0.CameraData")

@@ -19,7 +19,7 @@ MILLISECOND = 1_000_000
 
 @dataclass
 class Bench:
-    """A board whose clock the test moves on."""
+    """A board with a clock of the test."""
 
     time: int = 5_000 * MILLISECOND
 
@@ -34,7 +34,7 @@ class Bench:
         assert self.board.setLimits(10.0, 50.0) == E_OK
 
     def run(self, milliseconds: int, *speeds: float, every: int = 10) -> None:
-        """Lets the board's loop run at 1000 Hz; with speeds, commands come in between."""
+        """Run the board's loop at 1000 Hz; `every` [ms] sends commands in between."""
         for step in range(milliseconds):
             if speeds and step % every == 0:
                 code, _ = self.board.drive(speeds, len(speeds))

@@ -1,4 +1,4 @@
-"""Navigation alone: its states, step by step, for poses put before it."""
+"""Navigation alone: its states, step by step, for given poses."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ def plan(*poses: tuple[float, float, float]) -> iis.TimedPath2DSeq:
 @pytest.fixture
 def bench() -> Bench:
     bench = Bench(Navigation("Navigation0"), 50.0)
-    # Poses are put before it, farther apart than a base gets in an execution.
+    # Successive poses are farther apart than a base gets in an execution.
     bench.set(MaxJump="0")
     bench.activate()
     return bench
 
 
 def step(bench: Bench, x: float, y: float, theta: float) -> iis.State:
-    """The state after one execution at a pose."""
+    """Return the state after one execution at a pose."""
     bench.sent("status")
     bench.send("position", iis.TimedPose2D(data=pose(x, y, theta)))
     bench.run(0.02)
@@ -39,7 +39,7 @@ def step(bench: Bench, x: float, y: float, theta: float) -> iis.State:
 
 
 def waypoints(bench: Bench) -> list[tuple[iis.TravelMode, float, float]]:
-    """What was sent, without the repetitions."""
+    """Return the sent waypoints, without repetitions."""
     points = [(p.type, p.x, p.y, p.theta, p.v, p.w) for p in bench.sent("path")]
     return [(iis.TravelMode(p[0]), p[4], p[5]) for p, _ in groupby(points)]
 
@@ -67,7 +67,7 @@ def test_turn_straight_turn(bench: Bench) -> None:
     bench.send("min_path", plan((0, 0, 0), (0, 0, 1.0), (1, 2, 1.0), (1, 2, -1.0)))
     assert step(bench, 0, 0, 0) is iis.State.ANGLE_CHECK
     assert waypoints(bench) == []
-    # Element 0 is where the base is: nothing to turn to, nowhere to go.
+    # Element 0 is the pose of the base: no turn, no motion.
     assert step(bench, 0, 0, 0) is iis.State.GOAL_CHECK
     assert step(bench, 0, 0, 0) is iis.State.ANGLE_CHECK
     assert waypoints(bench) == [STOP]
@@ -210,7 +210,7 @@ def test_a_goal_that_is_not_reached_ends_with_a_reason(bench: Bench) -> None:
 
 
 def waypoint_heading(bench: Bench, otherwise: float) -> float:
-    """The heading that the newest waypoint asks for."""
+    """Return the heading of the newest waypoint."""
     sent = bench.sent("path")
     for path in sent:
         bench.asked = path.theta  # type: ignore[attr-defined]
@@ -268,7 +268,7 @@ def test_finish_waits_until_the_pose_has_settled(bench: Bench) -> None:
     states = drive(bench, *[(0, 0, 0)] * 6)
     assert states[-1] is iis.State.TURNING2
     bench.sent("path")
-    # What the localisation finds out late is turned for.
+    # It turns for a late correction of the localisation.
     assert drive(bench, (0, 0, 0.03)) == [iis.State.TURNING2]
     assert waypoints(bench)[-1] == SPIN
     assert iis.State.FINISH not in drive(bench, *[(0, 0, 0)] * 4)

@@ -61,7 +61,7 @@ def test_the_navigation_waits_half_a_second_for_the_hand() -> None:
         bench.send("inVelAuto", velocity(0.1))
         bench.run(0.05)
         passed += [i] * len(bench.sent("outVel"))
-    # More than 0.5 s, so the tenth execution after the hand's still waits.
+    # More than 0.5 s, so the tenth execution after the game pad's still waits.
     assert passed == [11, 12]
 
 
@@ -117,7 +117,7 @@ def test_a_pad_that_goes_lets_go_of_its_sticks_once(tmp_path: Path) -> None:
     bench.run(0.2)
     sent = [s.data for s in bench.sent("StickLYd")]
     assert sent == [-1.0] * 5 + [0.0]
-    # The velocity of the third phase is sent only while the pad is there.
+    # The velocity of the third phase is sent only while the pad is connected.
     assert components_of(bench.sent("Velocity2DIIS")) == [(pytest.approx(0.4), 0.0)] * 5
     assert [s.v for s in bench.sent("Velocity")][-1] == 0.0
 
@@ -329,7 +329,7 @@ def test_a_way_is_turned_to_on_the_spot() -> None:
 
 
 def test_the_side_is_turned_to_that_is_free_beside_the_walls() -> None:
-    # A corner: once turned to the right the base would drive along the wall ahead.
+    # A corner: once turned to the right, the base would drive along the wall ahead.
     corner = [(0.6, 0.05 * i) for i in range(-60, 13)]
     corner += [(0.05 * i, 0.6) for i in range(-60, 13)]
     assert driven(avoidance(), *corner) == (0.0, pytest.approx(-0.6))
@@ -357,6 +357,6 @@ def test_points_move_to_the_side_as_the_base_turns() -> None:
     for (px, py), (mx, my) in zip(
         [(1.0, 0.5), (-0.3, -1.0)], around.points, strict=True
     ):
-        # Where the moved point stands, seen from where the base is by now.
+        # The moved point relative to the present pose of the base.
         assert x + mx * cos(theta) - my * sin(theta) == pytest.approx(px)
         assert y + mx * sin(theta) + my * cos(theta) == pytest.approx(py)

@@ -1,4 +1,4 @@
-"""Figure 2-4: a base goes round obstacles, stops before a wall, and obeys a hand."""
+"""Figure 2-4: a base drives round obstacles, stops before a wall, and obeys the game pad."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from rtgen.runtime import SECOND, System
 
 OBSTACLES = NAVIGATION / "obstacles.xml"
 BODY = 0.45
-"""Radius of the body [m], as Odometry, ObstaclesAvoidance and CollisionDetection have it."""
+"""Radius of the body [m], as in Odometry, ObstaclesAvoidance and CollisionDetection."""
 
 
 def room(name: str) -> Room:
@@ -23,7 +23,7 @@ def room(name: str) -> Room:
 
 
 def in_room(name: str) -> list[str]:
-    """The settings for another room."""
+    """Return the settings for another room."""
     return [f"LRFCapture_URG0.room={name}", f"RefHw0.PlantRoom={name}"]
 
 
@@ -43,7 +43,7 @@ class Drive:
         return Pose(*self.system.observable("RefHw0.truth"))
 
     def room_left(self, around: Room) -> float:
-        """The least room between the body and anything on the way [m]."""
+        """Return the least clearance between the body and any obstacle during the run [m]."""
         return min(around.distance(pose.x, pose.y) for _, pose in self.poses) - BODY
 
     def away(self, x: float, y: float) -> float:
@@ -85,7 +85,7 @@ def test_a_blocked_corridor_stops_the_base_before_contact() -> None:
         built.run(SECOND // 10)
         built.deactivate("GamePad0")
         assert not built.run(45 * SECOND, at_end)
-        # It looks for a way, keeps away from the walls, and says that there is none.
+        # It searches a way, keeps away from the walls, and reports that there is none.
         assert run.room_left(room("blocked_room")) > 0.1
         assert max(pose.x for _, pose in run.poses) > 1.5
         condition = built.statistics("Navigation0").condition
@@ -117,7 +117,7 @@ def test_a_hand_takes_over_and_the_base_goes_on_by_itself() -> None:
         built.activate("GamePad0")
         built.run(9 * SECOND)
         held = run.pose
-        # The hand holds the stick still: the base stands although its goal is far.
+        # The stick is held still: the base stands although its goal is far.
         assert hypot(held.x - before.x, held.y - before.y) < 0.1
         assert built.run(120 * SECOND, at_end)
         assert run.away(7.0, 0.0) < 0.05

@@ -125,7 +125,7 @@ def test_a_path_that_the_navigation_does_not_have_is_sent_again(bench: Bench) ->
     bench.run(0.9)
     assert len(bench.sent("min_path")) == 1
     bench.run(0.2)
-    # A path is planned from where the base is by now.
+    # A path begins at the present pose of the base.
     assert bench.sent("min_path") == []
     bench.send("current_position", pose(0.4, 0.0, 0.0))
     bench.run(0.1)

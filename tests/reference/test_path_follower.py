@@ -1,4 +1,4 @@
-"""PathFollower alone: modes, limits, what it does without pose or waypoint."""
+"""PathFollower alone: modes, limits, behaviour without pose or waypoint."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Mode = iis.TravelMode
 @pytest.fixture
 def bench() -> Bench:
     bench = Bench(PathFollower("PathFollower0"), 1000.0)
-    # What a motion looks like is seen from one pose and one waypoint.
+    # One pose and one waypoint show the kind of motion.
     bench.set(control_cycle="0.001", PositionTimeout="0", TargetTimeout="0")
     bench.activate()
     bench.sent("velocity")

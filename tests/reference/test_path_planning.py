@@ -1,4 +1,4 @@
-"""PathPlanning alone: what it makes of goals, of paths, and of maps."""
+"""PathPlanning alone: its plans for goals, paths and maps."""
 
 from __future__ import annotations
 

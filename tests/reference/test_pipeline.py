@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from pipeline import (
     GOAL,
-    LONGEST,
+    MAX_DURATION,
     NAVIGATION,
     PATH,
     at_end,
@@ -67,7 +67,7 @@ def test_two_runs_give_the_same_log() -> None:
         stream = io.StringIO()
         with build(profile(), goal(0.3, 0.1, 0.5)) as system:
             system.add_listener(JsonLinesRecorder(stream))
-            assert system.run(LONGEST, at_end)
+            assert system.run(MAX_DURATION, at_end)
         logs.append(stream.getvalue())
     assert logs[0] == logs[1]
     assert logs[0].count("\n") > 1000
@@ -78,7 +78,7 @@ def test_two_runs_give_the_same_log() -> None:
 )
 def test_goals_all_round(target: tuple[float, float, float]) -> None:
     with build(profile(), goal(*target)) as system:
-        assert system.run(LONGEST, at_end)
+        assert system.run(MAX_DURATION, at_end)
         assert_at(truth(system), *target)
 
 
@@ -90,7 +90,7 @@ def test_wheels_keep_their_limits() -> None:
             SECOND // 1000,
             lambda: speeds.append(system.observable("RefHardRh30.wheels")),
         )
-        assert system.run(LONGEST, at_end)
+        assert system.run(MAX_DURATION, at_end)
         assert_at(truth(system), 1.0, 1.0, 0.0)
     for wheel in zip(*speeds, strict=True):
         assert max(map(abs, wheel)) == 2.5
@@ -123,7 +123,7 @@ def test_deactivating_odometry_brings_back_the_initial_pose() -> None:
 
 
 class Operator(Component):
-    """Holds the two services of the base."""
+    """Calls the two services of the base."""
 
     def __init__(self) -> None:
         super().__init__("Operator0")
@@ -146,7 +146,7 @@ def test_stop_halts_the_base_and_go_lets_it_reach_its_goal() -> None:
         assert truth(system) == halted
         assert system.observable("RefHardRh30.wheels") == (0.0, 0.0)
         operator.panel.object.Go()
-        assert system.run(LONGEST, at_end)
+        assert system.run(MAX_DURATION, at_end)
         assert_at(truth(system), 1.0, 0.5, 0.5)
 
 
@@ -170,7 +170,7 @@ def test_a_connection_cut_and_made_again_while_active(name: str) -> None:
             name,
         )
         assert all(system.state(i) is ACTIVE_STATE for i in system.instances)
-        assert system.run(LONGEST, at_end)
+        assert system.run(MAX_DURATION, at_end)
         assert_at(truth(system), 1.0, 0.5, 0.5)
 
 
@@ -191,8 +191,8 @@ def test_odometry_conf_overrides_the_definition(tmp_path: Path) -> None:
     )
     conf.write_text(text, encoding="utf-8")
     with build(profile(tmp_path / "rh3_goal.xml"), goal(1.5, 0.0, 0.5)) as system:
-        assert system.run(LONGEST, at_end)
-        # The odometry believes the base started 1 m farther on than it did.
+        assert system.run(MAX_DURATION, at_end)
+        # The odometry assumes a start 1 m farther on than the true one.
         assert_at(truth(system), 0.5, 0.0, 0.5)
 
 
@@ -231,7 +231,7 @@ def test_two_commands_of_a_file_one_after_the_other(tmp_path: Path) -> None:
                 else None
             )
         )
-        assert system.run(LONGEST, at_end)
+        assert system.run(MAX_DURATION, at_end)
         first, second = finishes
         assert_at(first, 0.3, 0.0, 1.0)
         assert_at(second, 0.3, 0.3, 0.0)
@@ -243,5 +243,5 @@ def test_a_goal_from_the_console() -> None:
         component.console = io.StringIO("goal 0.3 0.0 0.5\n")
         run_for(system, 0.05)
         component.console_reader.wait_for_end()
-        assert system.run(LONGEST, at_end)
+        assert system.run(MAX_DURATION, at_end)
         assert_at(truth(system), 0.3, 0.0, 0.5)

@@ -50,7 +50,7 @@ def test_only_the_pose_of_a_goal_is_filled() -> None:
     b = bench(input="parameters")
     b.activate()
     b.run(1.0)
-    # The first sample went out at once.
+    # The first sample was sent at once.
     [sample] = b.sent(".positon")
     assert (sample.tm.sec, sample.tm.nsec, sample.id, sample.error) == (0, 0, [], [])
 

@@ -1,4 +1,4 @@
-"""The automaton of CiA 402: every transition, who causes it, and how the drive brakes."""
+"""The automaton of CiA 402: every transition, its cause, and how the drive brakes."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def test_a_drive_initialises_itself(bench: Bench) -> None:
         (S.QUICK_STOP_ACTIVE, 0x06, []),
         (S.FAULT, 0x06, []),
         (S.FAULT, RESET, [15]),
-        # High bits are of the mode: they command nothing.
+        # High bits depend on the mode: they command nothing.
         (S.SWITCH_ON_DISABLED, 0xFF76, [2]),
         (S.OPERATION_ENABLED, 0xFF7F, []),
     ],

@@ -28,13 +28,13 @@ def test_a_run_follows_from_its_seed(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("seed", "changed", "fault"),
     [
-        # Odometry dies, and nobody cares.
+        # Odometry dies, and no component reacts.
         (
             18,
             ["PathFollower0.PositionTimeout=0", "Navigation0.PositionTimeout=0"],
             "s beyond",
         ),
-        # Obstacles are seen too late.
+        # Obstacles are detected too late.
         (
             1,
             [

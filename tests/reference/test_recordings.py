@@ -1,4 +1,4 @@
-"""Runs of the reference build, recorded, looked into, and replayed in part."""
+"""Runs of the reference build, recorded, inspected, and replayed in part."""
 
 from __future__ import annotations
 
@@ -38,13 +38,13 @@ def recorded(system: Path, path: Path, *arguments: str, until: str = "1") -> Pat
 
 @pytest.fixture(scope="module")
 def goal(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A second of RH3, with its log beside it."""
+    """Return a second of RH3, with its log beside it."""
     path = tmp_path_factory.mktemp("goal") / "goal.mcap"
     return recorded(GOAL, path, "--log", str(path.with_suffix(".jsonl")))
 
 
 def same(message: Any, logged: Any) -> bool:
-    """Whether a message is what the log has; that shows an enumerator in a `short` by its name."""
+    """Return whether a message equals a line of the log, which shows enumerators by name."""
     if isinstance(message, dict) and isinstance(logged, dict):
         return message.keys() == logged.keys() and all(
             same(message[key], logged[key]) for key in message
@@ -67,7 +67,7 @@ def test_every_message_of_rh3_is_what_the_log_holds(goal: Path) -> None:
 
 
 def of_instances(path: Path, present: set[str]) -> list[tuple[str, str, int, bytes]]:
-    """The samples of components, octet by octet."""
+    """Return the samples of components, octet by octet."""
     return [
         (
             message.channel.get("instance"),
@@ -82,7 +82,7 @@ def of_instances(path: Path, present: set[str]) -> list[tuple[str, str, int, byt
 
 
 def replayed(recording: Path, system: Path, present: set[str], path: Path) -> None:
-    """Replay into some components of a system, and compare what they write."""
+    """Replay into some components of a system, and compare the written samples."""
     command = ["replay", str(recording), "--into", str(system), "-q"]
     only = ["--only", ",".join(sorted(present)), "--record", str(path)]
     assert rtgen([*command, *only]) == 0
@@ -118,7 +118,7 @@ def test_the_whole_system_gives_the_same_file(goal: Path, tmp_path: Path) -> Non
 
 
 def test_drives_on_a_bus_are_replayed_with_their_bus(tmp_path: Path) -> None:
-    """All that is on the bus runs; navigation is played."""
+    """All components on the bus run; navigation is replayed."""
     recording = recorded(DRIVES, tmp_path / "drives.mcap", until="0.6")
     text = DRIVES.read_text()
     found = {event["instance"] for event in Log(recording).events(is_component)}
@@ -144,7 +144,7 @@ def test_calls_of_a_board_are_recorded(tmp_path: Path) -> None:
     assert sum(bool(call["reply"]) for call in calls) > 10
 
 
-# The commands
+# Commands
 
 
 def test_log_commands(

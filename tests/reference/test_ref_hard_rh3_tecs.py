@@ -1,4 +1,4 @@
-"""RefHardRh3Tecs alone: what it calls, what it makes of the answers, Stop and Go, lost calls."""
+"""RefHardRh3Tecs alone: its calls, its use of the answers, Stop and Go, lost calls."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class FakeBoard(MotorBoard):
 
 
 class Peer(Component):
-    """Holds the board, and the services of the base."""
+    """Has the board, and the services of the base."""
 
     def __init__(self, board: FakeBoard) -> None:
         super().__init__("Hardware0")

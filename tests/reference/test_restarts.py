@@ -1,4 +1,4 @@
-"""What becomes of a run when a component dies or is restarted on the way."""
+"""Runs in which a component dies or is restarted."""
 
 from __future__ import annotations
 

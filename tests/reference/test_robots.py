@@ -1,4 +1,4 @@
-"""The control RTCs of the four robots, and the four joysticks."""
+"""The control components of the four robots, and the four joysticks."""
 
 from __future__ import annotations
 
@@ -90,7 +90,7 @@ def test_a_robot_tells_where_it_is_and_who_it_is(make: type[Component]) -> None:
     assert {tuple(p.id) for p in positions} == {(7,)}
     first, last = positions[0], positions[-1]
     assert (first.x, first.y, first.theta) == (1.0, 2.0, 0.5)
-    # By the encoders: not the truth, but near it.
+    # By the encoders: near the true pose.
     x, y, theta = truth(bench)
     assert (last.x, last.y, last.theta) != (x, y, theta)
     assert hypot(last.x - x, last.y - y) < 0.005

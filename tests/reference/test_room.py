@@ -1,4 +1,4 @@
-"""Rays in a room, and how far a body gets along an arc."""
+"""Rays in a room, and the free distance of a body along an arc."""
 
 from __future__ import annotations
 

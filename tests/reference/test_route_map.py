@@ -1,4 +1,4 @@
-"""The map of the planner: cheapest ways, nearest nodes, and texts that are not map."""
+"""The map of the planner: cheapest ways, nearest nodes, and invalid texts."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The two reference runs: where they end, by which states, within which limits."""
+"""The two reference runs: their ends, states, and limits."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ State = iis.State
 Mode = iis.TravelMode
 
 FIRST = [State.ANGLE_CHECK, State.GOAL_CHECK]
-"""Element 0 is where the base stands: checked and passed."""
+"""Element 0 is the start pose of the base: checked and passed."""
 TURN = [State.ANGLE_CHECK, State.TURNING, State.GOAL_CHECK]
 GO_ON = [State.ANGLE_CHECK, State.GOAL_CHECK]
 STRAIGHT = [State.ANGLE_CHECK, State.GOAL_CHECK, State.SPEED_DOWN, State.STOPPING]
@@ -75,7 +75,7 @@ def test_there_is_one_finish(run: Recording) -> None:
 
 
 def legs(run: Recording) -> list[tuple[int, int, Pose, Pose]]:
-    """Each straight: when it begins and ends [ns], from where to where it is planned."""
+    """Return each straight: begin and end [ns], planned start and end pose."""
     [(_, plan)] = run.samples("OmniTo2WD0", "min_path")
     points = [Pose(p.position.x, p.position.y, p.heading) for p in plan.pose]
     planned = [(a, b) for a, b in pairwise(points) if hypot(b.x - a.x, b.y - a.y) > 0.0]

@@ -1,4 +1,4 @@
-"""What keeps people and walls from harm: Stop and Go, collision detection, and contacts."""
+"""Safety functions: Stop and Go, collision detection, and contacts."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ class Guarded:
         )
 
     def wheels(self, vx: float = 0.3, *, scan: bool = True) -> float:
-        """The speed of the wheels when the base is asked for a velocity for 0.1 s."""
+        """Return the speed of the wheels when the base is commanded a velocity for 0.1 s."""
         for _ in range(2):
             if scan:
                 self.motors.send("obstacles", points())
@@ -92,7 +92,7 @@ def test_a_base_whose_scanner_is_dead_is_stopped_under_the_hand() -> None:
         last = guarded.wheels(scan=False)
     assert last == 0.0
     assert guarded.condition == "obstacles: nothing newer than 0.5 s"
-    # Nor does a Go by hand hold, nor the way back: nobody sees anything.
+    # Neither a Go by hand nor the way back helps: there are no scans.
     guarded.console.panel.object.Go()
     assert guarded.wheels(scan=False) == 0.0
     assert guarded.wheels(-0.2, scan=False) == 0.0
@@ -139,7 +139,7 @@ def test_the_end_of_collision_detection_does_not_release_the_base() -> None:
     assert guarded.detection.observables["stopped"]() == (1.0,)
     guarded.system.deactivate("CollisionDetection0")
     assert guarded.wheels(scan=False) == 0.0
-    # Active again, it releases what it has held, once the way is free.
+    # Active again, it releases the base that it stopped, once the way is free.
     guarded.system.activate("CollisionDetection0")
     guarded.motors.run(0.02)
     assert guarded.wheels() > 0.0
@@ -205,7 +205,7 @@ def test_a_go_by_hand_before_an_obstacle_holds_until_the_next_scan() -> None:
     assert guarded.wheels(scan=False) > 0.0
     guarded.motors.send("obstacles", points((0.6, 0.0)))
     assert guarded.wheels(scan=False) == 0.0
-    # Stopped by hand, too: a way that is free again is not enough.
+    # Also stopped by hand: a free way is not enough.
     panel.Stop()
     assert guarded.wheels() == 0.0
     assert guarded.detection.observables["stopped"]() == (0.0,)
@@ -243,7 +243,7 @@ def test_a_contact_stops_the_base_and_is_reported(
     assert bench.component.observables["wheels"]() == (0.0, 0.0)
     assert bench.state is LifeCycleState.ERROR_STATE
     assert bench.component.reason == "contact with an obstacle at (0.550, 0.000)"
-    # It gets away, but no farther on.
+    # It can back off, but not go on.
     bench.system.reset("Base0")
     bench.run(0.01)
     bench.activate()

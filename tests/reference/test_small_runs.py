@@ -37,7 +37,7 @@ ALLOWED = {"sys", "struct", "math", "time", "array", "collections"}
 
 @pytest.fixture(scope="module")
 def board(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """What is copied to a board: the small tree and the behaviours."""
+    """Return the files for a board: the small tree and the behaviours."""
     folder = tmp_path_factory.mktemp("small")
     command = [sys.executable, "-m", "rtgen", "generate", "--target", "small"]
     command += [f"specs/embedded/{name}.idl" for name in _definitions()]
@@ -78,7 +78,7 @@ def small(board: Path) -> list[str]:
 
 @pytest.fixture(scope="module")
 def embedded() -> list[str]:
-    """What the driver prints, of the embedded runtime."""
+    """Return the output of the driver for the embedded runtime."""
     lines = []
 
     def note(record: Record) -> None:
@@ -135,7 +135,7 @@ def test_cycles_cost_no_memory(small: list[str]) -> None:
 
 
 def test_nothing_else_is_imported(board: Path) -> None:
-    """Neither threads nor enum nor dataclasses: only what every MicroPython has."""
+    """Neither threads nor enum nor dataclasses: only modules of every MicroPython."""
     imported = set()
     for file in board.rglob("*.py"):
         for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
@@ -167,7 +167,8 @@ def test_micropython_gives_the_same(board: Path, embedded: list[str]) -> None:
     printed = on_board(board, [found], MICROPYPATH=str(board))
 
     def comparable(lines: list[str]) -> list[list[str]]:
-        # Sines of another C library may differ in the last bit, so scans count by their length.
+        # Sines of another C library may differ in the last bit, so only the length of scans is
+        # compared.
         words = [line.split() for line in lines[: len(embedded)]]
         return [
             [*w[:2], str(len(w[2]))] if w[1] == "HokuyoAist0.range" else w

@@ -62,7 +62,7 @@ PORTS = {
         ("outport", "OutWheelAngle", "RTC::TimedDoubleSeq"),
         ("provider", "InventGUIRefHard", "RefHard"),
         ("provider", "BumpRefHard", "RefHard"),
-        # Ours: where simulated sensors learn where the simulated base is.
+        # Additions of rtgen: simulated sensors receive the pose of the simulated base.
         ("outport", "PlantPose", POSE),
     },
     OdometryBase: {
@@ -197,7 +197,7 @@ PARAMETERS |= {
         "Kry": (1.0, ""),
         "str_port": ("/dev/input/js0", ""),
     },
-    # What the range finder is: 4 m, 240 degrees.
+    # Data of the range finder: 4 m, 240 degrees.
     LRFCapture_URGBase: {
         "max_range": (4.0, "m"),
         "angle": (radians(120.0), "rad"),

@@ -1,4 +1,4 @@
-"""Scripts of sticks: what is held when, and what is refused."""
+"""Scripts of sticks: values over time, and refusals."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""An action with a component for each end, for tests beside peers of each network."""
+"""An action with a component for each end, for tests with peers of each network."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ EXECUTING, SUCCEEDED, CANCELED = 2, 4, 5
 
 
 def generated(folder: Path) -> ModuleType:
-    """The generated package."""
+    """Return the generated package."""
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
         Path("lab/action").mkdir(parents=True)
@@ -64,7 +64,7 @@ def generated(folder: Path) -> ModuleType:
 
 
 def servant(go: ModuleType, events: Any) -> Any:
-    """Carries out one goal at a time; it ends when `finish` is called, or when it is cancelled."""
+    """Return a servant for one goal at a time, which ends by `finish` or a cancellation."""
     action, shared = go.lab.action, go.action_msgs
 
     class Goals(action.Go):  # type: ignore[misc, name-defined]
@@ -106,7 +106,7 @@ def servant(go: ModuleType, events: Any) -> Any:
 
 
 def component(stack: ExitStack, go: ModuleType, name: str) -> Any:
-    """A component, which is active."""
+    """Return a component, which is active."""
     system = stack.enter_context(System(RealClock()))
     base = getattr(getattr(go.components, name), f"{name.capitalize()}Base")
     made = base(f"{name}0")

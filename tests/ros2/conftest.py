@@ -22,7 +22,7 @@ MESSAGES = (
 
 @pytest.fixture(scope="session")
 def messages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, ModuleType]:
-    """Modules of generated classes by package."""
+    """Return modules of generated classes by package."""
     files = [ros_file(f"{name}.msg") for name in MESSAGES]
     model = load(files, root=files[0].parents[2]).model
     folder = tmp_path_factory.mktemp("ros2")

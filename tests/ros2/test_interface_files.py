@@ -1,4 +1,4 @@
-"""IDL as interface files of ROS 2: read back by rtgen and by rosbags, or refused with a place."""
+"""IDL as interface files of ROS 2: read back by rtgen and rosbags, or refused with a position."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ def test_read_back(tmp_path: Path) -> None:
 
 
 def test_rosbags_reads_them(tmp_path: Path) -> None:
-    """Its hashes are those of rtgen; it has no `wstring`, and another idea of `char`."""
+    """Its hashes equal rtgen's; it has no `wstring`, and another definition of `char`."""
     typesys = pytest.importorskip("rosbags.typesys")
     store = typesys.get_typestore(typesys.Stores.ROS2_JAZZY)
     paths = []

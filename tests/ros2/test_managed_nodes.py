@@ -1,6 +1,7 @@
-"""Components as managed nodes beside peers of cyclonedds and Zenoh that know only ROS's names.
+"""Components as managed nodes, with peers of cyclonedds and Zenoh that use only ROS's names.
 
-The peer's types are written down as ROS 2 has them, and encoded by cyclonedds for both networks.
+The peer's types are written by hand like those of ROS 2, and encoded by cyclonedds for both
+networks.
 """
 
 from __future__ import annotations
@@ -57,7 +58,7 @@ EMPTY = {"structure_needs_at_least_one_member": uint8}
 
 
 def type_(name: str, members: dict[str, Any]) -> Any:
-    """A type of cyclonedds with the name that rosidl gives it."""
+    """Return a type of cyclonedds with the name that rosidl gives it."""
     scope, _, last = name.rpartition("/")
     full = f"{scope.replace('/', '::')}::dds_::{last}_"
     made = make_idl_struct(full.replace("::", "_"), full, members)
@@ -207,7 +208,7 @@ class Settings:
 
 
 class Valve(Component):
-    """Goes to ERROR when its gain is 9."""
+    """A component that enters ERROR when its gain is 9."""
 
     profile: ClassVar[ComponentProfile] = ComponentProfile(
         "Valve",
@@ -239,7 +240,7 @@ class Valve(Component):
 
 
 class Peer:
-    """A client of services and a reader of topics, which knows names and types of ROS 2 alone."""
+    """A client of services and a reader of topics, by names and types of ROS 2 alone."""
 
     def call(self, name: str, **members: Any) -> Any:
         raise NotImplementedError
@@ -337,7 +338,7 @@ def stack() -> Iterator[ExitStack]:
 
 @pytest.fixture(params=["dds", "zenoh"])
 def shown(request: pytest.FixtureRequest, stack: ExitStack) -> tuple[System, Peer]:
-    """A system in real time, whose component is a managed node, and a peer on its network."""
+    """Yield a system in real time, whose component is a managed node, and a peer on its network."""
     peer: Peer
     if request.param == "dds":
         from rtgen.runtime.ros2.dds import DdsNetwork
@@ -365,7 +366,7 @@ def states(descriptions: Any) -> list[tuple[int, str, str, str]]:
 
 
 def test_the_life_cycle(shown: tuple[System, Peer]) -> None:
-    """As `ros2 lifecycle` asks for it: by id, by label, with all its answers."""
+    """Requests of `ros2 lifecycle`: by id, by label, with all its answers."""
     system, peer = shown
     events = peer.read(f"{NODE}/transition_event", TransitionEvent)
 
@@ -382,7 +383,7 @@ def test_the_life_cycle(shown: tuple[System, Peer]) -> None:
     assert states(possible) == [(3, "activate", "inactive", "active")]
     assert not change(1, "")
     assert not change(4, "")
-    # A label goes before the id.
+    # A label has priority over the id.
     assert not change(3, "configure")
     assert change(3, "")
     assert state() == (3, "active")
@@ -418,7 +419,7 @@ def value(kind: Kind, found: Any) -> Any:
 
 
 def test_parameters(shown: tuple[System, Peer]) -> None:
-    """As `ros2 param` lists, reads, describes and sets them."""
+    """Requests of `ros2 param`: list, read, describe and set."""
     system, peer = shown
     events = peer.read("/parameter_events", ParameterEvent)
     listed = peer.call("list_parameters", prefixes=["loop"], depth=1).result
@@ -516,7 +517,7 @@ def test_a_transition_that_is_not_made_in_time(stack: ExitStack) -> None:
     request = classes["lifecycle_msgs/srv/ChangeState_Request"](transition=wanted)
     system = stack.enter_context(System(SimulatedClock()))
     system.add(Valve("V0"))
-    # Nothing runs, so that no request is carried out.
+    # Nothing runs, so that no request is executed.
     assert LifeCycle(system, "V0", 0.01).change_state(request) == {"success": False}
     waiting = LifeCycle(system, "V0", 1000.0)
     found: list[Any] = []
@@ -607,7 +608,7 @@ def test_an_unset_value_is_refused() -> None:
 
 
 def test_a_set_is_changed_with_its_values() -> None:
-    """All of a request take effect at once, in the set that it makes the active one."""
+    """All of a request take effect at once, in the set that it activates."""
     parameters, sets = own()
     sets.set("gain", "3.0", "fast")
     wanted = [

@@ -118,7 +118,7 @@ def test_texts(text: str, message: str | None) -> None:
 
 
 class _Loop:
-    """A network that gives each message back."""
+    """A network that returns each message."""
 
     def __init__(self) -> None:
         self.sent: list[bytes] = []
@@ -132,7 +132,7 @@ class _Loop:
         self.take[topic.name] = on_message
 
     def close(self) -> None:
-        """Nothing."""
+        """Do nothing."""
 
 
 def test_ports() -> None:
@@ -219,7 +219,7 @@ RUN = ("run", "s.xml", "--clock", "real", "--ros2", "dds", "--until", "T0=ERROR"
 
 
 def test_a_connection_over_a_topic(module: str) -> None:
-    """The time of a sample is that of its arrival: it went by way of std_msgs/Float64."""
+    """The time of a sample is that of its arrival: it went through std_msgs/Float64."""
     pytest.importorskip("cyclonedds", reason="cyclonedds is not installed")
     import importlib
 

@@ -1,6 +1,6 @@
-"""Ports as topics beside readers and writers of cyclonedds and Zenoh that know only ROS's names.
+"""Ports as topics, with readers and writers of cyclonedds and Zenoh that use only ROS's names.
 
-Names, types and hashes of the other side are written down as ROS 2 has them.
+Names, types and hashes of the other side are written by hand as ROS 2 has them.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ WAIT = 20.0
 
 
 def await_(condition: Callable[[], Any]) -> Any:
-    """The value of a condition once it is true."""
+    """Return the value of a condition once it is true."""
     deadline = time.monotonic() + WAIT
     while not (found := condition()) and time.monotonic() < deadline:
         time.sleep(0.01)
@@ -105,7 +105,7 @@ def test_dds(messages: dict[str, ModuleType], stack: ExitStack) -> None:
 def test_dds_shows_the_hash_and_the_node(
     messages: dict[str, ModuleType], stack: ExitStack
 ) -> None:
-    """In USER_DATA, and on `ros_discovery_info`, whose reader is made of rtgen's messages."""
+    """In USER_DATA, and on `ros_discovery_info`, whose reader uses rtgen's messages."""
     from cyclonedds.builtin import (
         BuiltinDataReader,
         BuiltinTopicDcpsParticipant,
@@ -166,7 +166,7 @@ def free_port() -> int:
 
 
 def zenoh_pair(stack: ExitStack) -> tuple[Any, Any, str]:
-    """A network of rtgen, a session of Zenoh alone that is joined to it, and its place."""
+    """Return a network of rtgen, a plain session of Zenoh connected with it, and its locator."""
     from rtgen.runtime.ros2.zenoh import ZenohNetwork, configuration
 
     place = f"tcp/127.0.0.1:{free_port()}"
@@ -252,7 +252,7 @@ def test_zenoh_shows_its_tokens(
 def test_late_subscriptions_get_the_last_message(
     kind: str, messages: dict[str, ModuleType], stack: ExitStack
 ) -> None:
-    """A map is published once, and read by nodes that come later."""
+    """A map is published once, and read by nodes that start later."""
     type_ = messages["std_msgs"].Float32
     topic = RosTopic("/map", type_)
     if kind == "dds":

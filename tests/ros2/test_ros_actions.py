@@ -1,7 +1,7 @@
-"""Service ports as actions beside clients and servers of cyclonedds alone.
+"""Service ports as actions, with clients and servers of cyclonedds alone.
 
-The other side is made of what ROS 2 puts on the wire for `lab/action/Go`: three services and two
-topics with their types.
+The other side uses what ROS 2 puts on the wire for `lab/action/Go`: three services and two topics
+with their types.
 """
 
 from __future__ import annotations
@@ -90,7 +90,7 @@ def dds_network() -> Any:
 
 
 class Peer:
-    """Ends of an action made of cyclonedds alone."""
+    """Ends of an action written with cyclonedds alone."""
 
     def __init__(self, action: str) -> None:
         self.part = participant()
@@ -102,7 +102,7 @@ class Peer:
         return Topic(self.part, name, type_of)
 
     def service(self, name: str) -> tuple[Any, Any, Any, Any]:
-        """The topics of a service with their types."""
+        """Return the topics of a service with their types."""
         type_name, request, reply = SERVICES[name]
         types = (
             type_(f"{type_name}_Request", HEAD | request),
@@ -116,7 +116,7 @@ class Peer:
         )
 
     def requests(self, name: str) -> Any:
-        """A client of a service: a function that sends, and returns one that takes the reply."""
+        """Return a client of a service: a function that sends, and returns one for the reply."""
         from cyclonedds.pub import DataWriter
         from cyclonedds.sub import DataReader
 
@@ -151,7 +151,7 @@ def taken(reader: Any, number: int) -> list[Any]:
 
 
 def test_a_client_of_cyclonedds(go: ModuleType, stack: ExitStack) -> None:
-    """Sends a goal, reads feedback and status, waits for the result while others are answered."""
+    """It sends a goal, reads feedback and status, waits for the result beside other requests."""
     mover = component(stack, go, "mover")
     goals = servant(go, mover.events)
     mover.goals.set_servant(goals)
@@ -165,7 +165,7 @@ def test_a_client_of_cyclonedds(go: ModuleType, stack: ExitStack) -> None:
     found = taken(feedback, 2)
     assert [message.feedback.left for message in found] == [6.0, 3.0]
     assert list(found[0].goal_id.uuid) == ONE
-    # A reader that comes later gets the last status, as rcl_action's profile says.
+    # A late reader gets the last status, as by rcl_action's profile.
     status = peer.reader("status", GoalStatusArray, late=True)
     [[last]] = [message.status_list for message in taken(status, 1)]
     assert (list(last.goal_info.goal_id.uuid), last.status) == (ONE, EXECUTING)
@@ -180,7 +180,7 @@ def test_a_client_of_cyclonedds(go: ModuleType, stack: ExitStack) -> None:
 
 
 class Server:
-    """An action server of cyclonedds alone: gives feedback for a goal, and its result at once."""
+    """An action server of cyclonedds alone: sends feedback for a goal, and its result at once."""
 
     def __init__(self, peer: Peer) -> None:
         from cyclonedds.pub import DataWriter
@@ -248,7 +248,7 @@ def test_a_server_of_cyclonedds(go: ModuleType, stack: ExitStack) -> None:
         server.feedback.write(FeedbackMessage(UUID(ONE), Left(float(number))))
         await_(lambda: len(came) > number)  # noqa: B023
     server.answer("get_result", status=SUCCEEDED, result=Outcome(True))
-    # The server goes while a call waits, which nothing else would end.
+    # The server disappears while a call waits, which nothing else would end.
     await_(lambda: server.ends["get_result"][0].take(8))
     server.close()
     thread.join()

@@ -1,6 +1,6 @@
-"""Service ports as actions beside a client and a server of eclipse-zenoh alone.
+"""Service ports as actions, with a client and a server of eclipse-zenoh alone.
 
-The other side knows what rmw_zenoh puts on the network: it finds the key expressions by the tokens
+The other side uses what rmw_zenoh puts on the network: it finds the key expressions by the tokens
 of the graph, and packs and unpacks CDR by `struct`.
 """
 
@@ -68,7 +68,7 @@ class Peer:
         self.keys = {name: await_(lambda n=name: self._key(n)) for name in TYPES}
 
     def _key(self, name: str) -> str | None:
-        """The key expression of a part of the action, of its token in the graph."""
+        """Return the key expression of a part of the action, from its token in the graph."""
         mangled = f"{self._action}/_action/{name}".replace("/", "%")
         kind = self._kinds[name in ("feedback", "status")]
         wanted = f"@ros2_lv/{DOMAIN}/*/*/*/{kind}/*/*/*/{mangled}/*/*/*"
@@ -80,7 +80,7 @@ class Peer:
         return None
 
     def request(self, name: str, body: bytes) -> Callable[[], bytes]:
-        """Send a request; the function returned waits for the body of its response."""
+        """Send a request; the returned function waits for the body of its response."""
         attachment = struct.pack("<qqB16s", next(self._numbers), 5, 16, bytes(16))
         replies = self.session.get(
             self.keys[name],
@@ -101,7 +101,7 @@ class Peer:
 
 
 def test_a_client_of_zenoh(go: ModuleType, stack: ExitStack) -> None:
-    """Sends a goal, reads feedback and status, waits for the result while others are answered."""
+    """It sends a goal, reads feedback and status, waits for the result beside other requests."""
     mover = component(stack, go, "mover")
     mover.goals.set_servant(servant(go, mover.events))
     network, session, _ = zenoh_pair(stack)
@@ -117,7 +117,7 @@ def test_a_client_of_zenoh(go: ModuleType, stack: ExitStack) -> None:
     assert peer.request("send_goal", goal)() == struct.pack("<?3xiI", True, 0, 0)
     await_(lambda: len(feedback) == 2)
     assert [FEEDBACK.unpack(o[4:]) for o in feedback] == [(UUID, 6.0), (UUID, 3.0)]
-    # A subscription that comes later gets the last status, as rcl_action's profile says.
+    # A late subscription gets the last status, as by rcl_action's profile.
     status: list[bytes] = []
     late = zenoh.ext.declare_advanced_subscriber(
         session,
@@ -152,7 +152,7 @@ class Server:
         stack.callback(self.feedback.undeclare)
 
     def answer(self, name: str, body: bytes) -> bytes:
-        """Take a request, reply to it; the body of the request."""
+        """Receive a request and reply to it; return the body of the request."""
         await_(lambda: self.queries[name])
         with self.queries[name].pop() as query:
             octets: bytes = query.payload.to_bytes()
@@ -209,7 +209,7 @@ def test_a_server_of_zenoh(go: ModuleType, stack: ExitStack) -> None:
         server.feedback.put(HEAD + FEEDBACK.pack(UUID, float(number)))
         await_(lambda: len(came) > number)  # noqa: B023
     assert server.answer("get_result", RESULT.pack(SUCCEEDED, True)) == UUID
-    # The server goes while a call waits, which nothing else would end.
+    # The server disappears while a call waits, which nothing else would end.
     await_(lambda: server.queries["get_result"])
     server.close()
     thread.join()

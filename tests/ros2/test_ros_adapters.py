@@ -42,7 +42,7 @@ def table(name: str, from_: str, to: str, more: str = "") -> str:
 
 @pytest.fixture(scope="module")
 def adapters(tmp_path_factory: pytest.TempPathFactory) -> ModuleType:
-    """The generated package with all pairs: `To0`, `From0` and so on."""
+    """Import the generated package with all pairs: `To0`, `From0` and so on."""
     folder = tmp_path_factory.mktemp("adapters")
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
@@ -70,7 +70,7 @@ def adapters(tmp_path_factory: pytest.TempPathFactory) -> ModuleType:
 
 
 def converted(package: ModuleType, name: str, sample: Any) -> Any:
-    """What an adapter makes of a sample in a system, one second after its start."""
+    """Return the output of an adapter for a sample, one second after the system's start."""
     system = System(SimulatedClock())
     module = import_module(f"ros_adapted.adapters.{name.lower()}")
     adapter = getattr(module, name)("X0")
@@ -124,7 +124,7 @@ def test_velocity(adapters: ModuleType) -> None:
     twist = converted(adapters, f"To{number_of('Twist')}", sample)
     back = converted(adapters, f"From{number_of('Twist')}", twist)
     assert back.data == velocity
-    # A Twist has no time: it is that of the conversion.
+    # A Twist has no time stamp: the result has the time of the conversion.
     assert 1.0 <= back.tm.sec + back.tm.nsec / 1e9 <= 2.0
 
 
@@ -152,7 +152,7 @@ def test_angles(adapters: ModuleType) -> None:
 
 
 def test_map(adapters: ModuleType) -> None:
-    """A tile is at its place; cells above 100 are unknown."""
+    """A tile has its position; cells above 100 are unknown."""
     rtc = adapters.rtc
     origin = rtc.Pose2D(rtc.Point2D(1.0, 2.0), math.pi / 2)
     sample = rtc.OccupancyGridMap(

@@ -1,6 +1,6 @@
-"""Operations as services beside servers and clients of cyclonedds and Zenoh alone.
+"""Operations as services, with servers and clients of cyclonedds and Zenoh alone.
 
-The other side is made of what ROS 2 puts on the wire: names of topics and types, the header of
+The other side uses what ROS 2 puts on the wire: names of topics and types, the header of
 rmw_cyclonedds, the key expressions and attachments of rmw_zenoh.
 """
 
@@ -56,7 +56,7 @@ interface Lamp {
 };
 """
 NAME = f"lamp_{uuid4().hex}"
-"""Of the service: no other process of the tests has it."""
+"""A service name that is unique among the processes of the tests."""
 REQUEST = f"rq/lab/{NAME}Request", "std_srvs::srv::dds_::SetBool_Request_"
 REPLY = f"rr/lab/{NAME}Reply", "std_srvs::srv::dds_::SetBool_Response_"
 CLIENT, SEQUENCE = 0x0102030405060708, 41
@@ -66,7 +66,7 @@ DONE = b"\x01\x00\x00\x00" + struct.pack("<I", 5) + b"done\x00"
 
 @pytest.fixture(scope="module")
 def lamp(tmp_path_factory: pytest.TempPathFactory) -> ModuleType:
-    """The generated package."""
+    """Import the generated package."""
     folder = tmp_path_factory.mktemp("services")
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
@@ -97,7 +97,7 @@ def service(lamp: ModuleType) -> RosService:
 
 
 def served(lamp: ModuleType) -> tuple[System, Any]:
-    """A system with a provider, which is active, and a consumer."""
+    """Return a system with a provider, which is active, and a consumer."""
     response = lamp.std_srvs.srv.SetBool_Response
 
     class Servant(lamp.Lamp):  # type: ignore[misc, name-defined]
@@ -123,7 +123,7 @@ def served(lamp: ModuleType) -> tuple[System, Any]:
 def joined(
     stack: ExitStack, network: Any, lamp: ModuleType, *, provides: bool, wait: float
 ) -> Any:
-    """The component with its provider or its consumer as the service."""
+    """Connect the component's provider or consumer with the service."""
     system, component = served(lamp)
     stack.callback(system.close)
     ports = component.providers if provides else component.consumers
@@ -297,7 +297,7 @@ def test_a_server_of_zenoh_is_called(lamp: ModuleType, stack: ExitStack) -> None
 
 
 def test_the_hash_is_that_of_the_definitions(lamp: ModuleType) -> None:
-    """Which `tests/unit/rosidl` compares with one that rmw_zenoh's document shows."""
+    """`tests/unit/rosidl` compares it with one in rmw_zenoh's document."""
     files = [
         ros_file("std_srvs/srv/SetBool.srv"),
         ros_file("service_msgs/msg/ServiceEventInfo.msg"),
@@ -311,7 +311,7 @@ def test_the_hash_is_that_of_the_definitions(lamp: ModuleType) -> None:
 
 @pytest.mark.parametrize("text", ["", "a", "ab", "abc", "abcd", "abcde"])
 def test_messages_that_are_filled_up(lamp: ModuleType, text: str) -> None:
-    """By zeros to a multiple of four, as rmw_cyclonedds does it."""
+    """Padded with zeros to a multiple of four, as by rmw_cyclonedds."""
     type_ = lamp.std_srvs.srv.SetBool_Response
     whole = type_(True, text)
     octets = b"\x00\x01\x00\x00" + whole.to_cdr(True)
@@ -422,7 +422,7 @@ def run_lamps(
 def test_of_a_system(
     lamp: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Its consumer calls its provider by way of the service."""
+    """Its consumer calls its provider through the service."""
     monkeypatch.syspath_prepend(Path(str(lamp.__file__)).parents[1])
     text = '"L0.power.set" = "x/set"\n"L0.other.set" = "x/set"'
     _, module = run_lamps(tmp_path, monkeypatch, text)
@@ -457,7 +457,7 @@ def test_refused_before_the_start(
 def test_a_reply_waits_for_the_reader_of_its_client(
     lamp: ModuleType, stack: ExitStack, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Another client's reader, which is there already, is not that of the request."""
+    """Another client's reader, which exists already, does not belong to the request."""
     from cyclonedds.pub import DataWriter
     from cyclonedds.qos import Policy, Qos
     from cyclonedds.sub import DataReader
@@ -473,7 +473,7 @@ def test_a_reply_waits_for_the_reader_of_its_client(
     writer = DataWriter(part, Topic(part, REQUEST[0], request), own)
     await_(writer.get_matched_subscriptions)
     writer.write(request(CLIENT, SEQUENCE, True))
-    # rmw_cyclonedds makes it first, but discovery keeps no order. Time for a reply that is early:
+    # rmw_cyclonedds creates it first, but discovery keeps no order. Time for an early reply:
     time.sleep(0.2)
     reader = DataReader(part, Topic(part, REPLY[0], reply), own)
     [found] = await_(lambda: reader.take(8))

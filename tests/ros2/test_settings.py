@@ -1,4 +1,4 @@
-"""`[ros2]` of rtgen.toml and `rtgen run --ros2`: what is read, what is refused."""
+"""`[ros2]` of rtgen.toml and `rtgen run --ros2`: accepted and refused settings."""
 
 from __future__ import annotations
 

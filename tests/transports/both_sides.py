@@ -1,4 +1,4 @@
-"""The near side of a transport in this process, and the far one in a process of its own."""
+"""The near side of a transport in this process, and the far side in a process of its own."""
 
 from __future__ import annotations
 
@@ -39,36 +39,36 @@ class FarProcess:
 
     @property
     def log(self) -> str:
-        """What it wrote to standard error."""
+        """Its standard error."""
         return self._log.read_text(encoding="utf-8")
 
     def ready(self) -> None:
-        """Waits until it is connected and ACTIVE."""
+        """Wait until the far side is connected and ACTIVE."""
         assert self._process.stdout is not None
         assert self._process.stdout.readline() == "ready\n", self.log
 
     def freeze(self) -> None:
-        """Stop it as a debugger does; `thaw` lets it go on."""
+        """Stop the process as a debugger does; `thaw` continues it."""
         self._process.send_signal(signal.SIGSTOP)
         os.waitpid(self._process.pid, os.WUNTRACED)
 
     def thaw(self) -> None:
-        """Let it go on."""
+        """Continue the process."""
         self._process.send_signal(signal.SIGCONT)
 
     def kill(self) -> None:
-        """End it without a farewell."""
+        """Kill the process."""
         self._process.kill()
         self._process.communicate()
 
     def close(self) -> None:
-        """End it in order."""
+        """End the process in order."""
         self._process.communicate(timeout=PATIENCE)
         assert self._process.returncode == 0, self.log
 
 
 class Pair:
-    """The near side in this process, and what it asks of the far one."""
+    """The near side in this process, with calls to the far one."""
 
     def __init__(self, near: Side) -> None:
         self.near = near
@@ -76,27 +76,27 @@ class Pair:
         self.rpc: Any = near.end.rpc.object
 
     def ask(self, request: str, number: int = 0) -> bytes:
-        """What the far component replies."""
+        """Call the far component; return its reply."""
         reply: bytes = self.rpc.begin(request.encode(), number)
         return reply
 
     def answers(self) -> bool:
-        """Whether a call comes back."""
+        """Return whether a call is answered."""
         try:
             return self.ask("echo x", 2) == b"xx"
         except runtime.ServiceError:
             return False
 
     def write(self, port: str, number: int, octets: bytes = b"") -> Any:
-        """The status of a write."""
+        """Return the status of a write."""
         return self.end.out_ports[port].write(sample(number, octets))
 
     def taken(self, port: str) -> list[tuple[int, int]]:
-        """Number and size of what the far component has received since the last time."""
+        """Return number and size of the samples received by the far side since the last call."""
         return [*struct.iter_unpack("<II", self.ask(f"take {port}"))]
 
     def numbers(self, port: str, count: int) -> list[int]:
-        """The numbers of so many samples there, and of those that came with them."""
+        """Return numbers of `count` samples at the far side, and of those received with them."""
         found: list[int] = []
 
         def are_there() -> bool:
@@ -109,7 +109,7 @@ class Pair:
 
 @contextmanager
 def near_side(network: media.Transports, timeout: float = TIMEOUT) -> Iterator[Pair]:
-    """The near side, before its connections stand."""
+    """Return the near side, before its connections are established."""
     with Side(network.open(timeout), NEAR) as near:
         near.connect_data()
         near.system.connect((NEAR, "taken"), (FAR, "given"))

@@ -1,4 +1,4 @@
-"""What a medium delivered, and waiting for it."""
+"""Collects samples and changes of a medium, and waits for them."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ class Samples(list[Sample]):
 
 
 class Changes(list[tuple[str, bool]]):
-    """What a watch reported."""
+    """The reports of a watch."""
 
     def on_change(self, name: str, present: bool) -> None:
         self.append((name, present))
 
 
 def wait_for(condition: Callable[[], Any]) -> Any:
-    """What a condition gives, once it is true."""
+    """Return the value of a condition, once it is true."""
     deadline = time.monotonic() + PATIENCE
     while not (found := condition()):
         assert time.monotonic() < deadline
@@ -44,12 +44,12 @@ def wait_for(condition: Callable[[], Any]) -> Any:
 
 
 def payload(number: int, size: int = 4) -> bytes:
-    """A serialized sample with a number and so many octets, a multiple of four."""
+    """Return a serialized sample with a number and `size` octets, a multiple of four."""
     return b"\0\1\0\0" + struct.pack("<III", number, 0, size) + bytes(size)
 
 
 def number_of(sample: Sample) -> int:
-    """The number of `payload`."""
+    """Return the number of `payload`."""
     return int.from_bytes(sample.octets[4:8], "little")
 
 
@@ -66,7 +66,7 @@ class Sender:
         self.sent += 1
 
     def reach(self, number: int, *readers: Samples) -> None:
-        """Publish numbers from this one on, until all subscriptions have got one of them."""
+        """Publish numbers from this one on, until each subscription has received one of them."""
         following = count(number)
 
         def all_have() -> bool:

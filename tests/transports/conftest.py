@@ -1,4 +1,4 @@
-"""The conformance suite runs over every engine."""
+"""Runs the conformance suite over every engine."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def engine(request: pytest.FixtureRequest) -> Iterator[media.Engine]:
 
 @pytest.fixture
 def join(engine: media.Engine) -> Iterator[Callable[..., Medium]]:
-    """Makes media of one network, which are closed at the end."""
+    """Return a function that creates media of one network, which are closed at the end."""
     with ExitStack() as stack:
 
         def made(system: str = media.SYSTEM) -> Medium:

@@ -2,8 +2,8 @@
 
     python far_side.py ADDRESS
 
-is the far side in a process of its own: it prints one line when its component is ACTIVE and its
-connections stand, and ends when its input does. What it does is asked for by its provider.
+runs the far side in a process of its own: it prints one line when its component is ACTIVE and its
+connections are established, and ends with its input. Calls to its provider control it.
 """
 
 from __future__ import annotations
@@ -27,24 +27,24 @@ from rtgen.runtime.opaque_rpc.interface import OpaqueRpc, OpaqueRpcFailed
 
 NEAR, FAR = "near", "far"
 TIMEOUT = 10.0
-"""Seconds of a call that is expected to return."""
+"""Time-out of a call that is expected to return [s]."""
 DATA: dict[tuple[str, str], dict[str, str]] = {
     ("many", "many"): {"buffer.length": "1000"},
     ("few", "oldest"): {"buffer.length": "2", "buffer.write.full_policy": "do_nothing"},
     ("few", "newest"): {"buffer.length": "2", "buffer.write.full_policy": "overwrite"},
     ("pulled", "pulled"): {"dataflow_type": "pull"},
 }
-"""Connections of an OutPort and an InPort, which there are in both directions."""
+"""Connections between an OutPort and an InPort, in both directions."""
 OUT_PORTS = sorted({source for source, _ in DATA})
 
 
 def sample(number: int, octets: bytes = b"") -> TimedOctetSeq:
-    """A sample with a number and octets."""
+    """Return a sample with a number and octets."""
     return TimedOctetSeq(Time(number, 0), octets)
 
 
 def wait_for(condition: Callable[[], object]) -> Any:
-    """What a condition gives, once it is true."""
+    """Return the value of a condition, once it is true."""
     deadline = time.monotonic() + PATIENCE
     while not (found := condition()):
         assert time.monotonic() < deadline
@@ -53,7 +53,7 @@ def wait_for(condition: Callable[[], object]) -> Any:
 
 
 class Asked(OpaqueRpc):
-    """Does what the first word of a request says."""
+    """Executes the first word of a request."""
 
     def __init__(self, end: End) -> None:
         self._end = end
@@ -75,7 +75,7 @@ class Asked(OpaqueRpc):
         raise KeyError(reason)
 
     def _take(self, port: bytes, _: int) -> bytes:
-        """The numbers of the samples that have come, and how many octets each has."""
+        """Return the numbers of the received samples, and their octet counts."""
         pairs = [(s.tm.sec, len(s.data)) for s in self._end.take(port.decode())]
         return b"".join(struct.pack("<II", *pair) for pair in pairs)
 
@@ -94,16 +94,16 @@ class Asked(OpaqueRpc):
         return b""
 
     def more(self, count: int) -> bytes:
-        """Holds the call until it is released."""
+        """Hold the call until it is released."""
         self._carried_out += 1
         self._let_go.wait(PATIENCE)
         return bytes(count)
 
     def end(self) -> None:
-        """Not used."""
+        """Do nothing."""
 
     def reset(self) -> None:
-        """Not used."""
+        """Do nothing."""
 
 
 class Board(MotorBoard):
@@ -123,7 +123,7 @@ class Board(MotorBoard):
 
 
 class End(runtime.Component):
-    """Ports of each kind; what it does comes from outside."""
+    """A component with ports of each kind, controlled from outside."""
 
     profile = runtime.ComponentProfile("End", rate=100.0)
 
@@ -145,7 +145,7 @@ class End(runtime.Component):
         return runtime.RTC_OK
 
     def take(self, port: str) -> list[TimedOctetSeq]:
-        """The samples that have come since the last time."""
+        """Return the samples received since the last call."""
         in_port: Any = self.in_ports[port]
         found = []
         while in_port.is_new():
@@ -177,14 +177,14 @@ class Side:
         self._stack.close()
 
     def connect_data(self) -> None:
-        """The connections of data ports, in both directions."""
+        """Connect the data ports, in both directions."""
         for one, other in ((NEAR, FAR), (FAR, NEAR)):
             for (source, target), properties in DATA.items():
                 stated = {f"dataport.{key}": text for key, text in properties.items()}
                 self.system.connect((one, source), (other, target), stated)
 
     def activate(self) -> None:
-        """Makes the component ACTIVE."""
+        """Make the component ACTIVE."""
         name, active = self.end.instance_name, runtime.LifeCycleState.ACTIVE_STATE
         self.system.activate(name)
         self.system.run(round(PATIENCE * 1e9), lambda s: s.state(name) is active)
@@ -192,7 +192,7 @@ class Side:
 
 
 def far_side(transport: Any) -> Side:
-    """The far side, before its connections stand."""
+    """Return the far side, before its connections are established."""
     side = Side(transport, FAR)
     side.connect_data()
     side.activate()

@@ -1,6 +1,6 @@
-"""A process of its own on a network; what it does is given by its arguments.
+"""A process on a network, whose actions are given by its arguments.
 
-It prints one line for each thing that has happened, and ends when its input does.
+It prints one line for each event, and ends with its input.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from rtgen.runtime.distribution.rpc_header import serve_octets
 
 
 def publish(medium: Medium) -> None:
-    """Samples without end, as soon as somebody reads them."""
+    """Publish samples without end, once there is a reader."""
     publisher = medium.publisher(TOPIC, Qos())
     number = 0
     pause = threading.Event()
@@ -27,12 +27,12 @@ def publish(medium: Medium) -> None:
 
 
 def subscribe(medium: Medium) -> None:
-    """Handles samples one by one, each acknowledged by a line."""
+    """Handle samples one by one, each acknowledged by a line."""
     medium.subscribe(TOPIC, Qos(depth=None), lambda _: say("sample"))
 
 
 def hold(medium: Medium) -> None:
-    """Takes requests, and replies to none."""
+    """Accept requests, and reply to none."""
     replies: list[Reply] = []
 
     def on_request(octets: bytes, reply: Reply) -> None:
@@ -43,17 +43,17 @@ def hold(medium: Medium) -> None:
 
 
 def serve(medium: Medium) -> None:
-    """Replies with what it gets."""
+    """Reply with the request."""
     serve_octets(medium, "s/op", lambda octets, reply: reply(octets))
 
 
 def announce(medium: Medium) -> None:
-    """Is present."""
+    """Announce its presence."""
     medium.announce("peer/1")
 
 
 def say(what: str) -> None:
-    """One line."""
+    """Print one line."""
     sys.stdout.write(f"{what}\n")
     sys.stdout.flush()
 

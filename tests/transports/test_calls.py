@@ -1,4 +1,4 @@
-"""Calls between media: one server, at most once, and an end in time whatever happens."""
+"""Calls between media: one server, at most one execution, and an end in time in any case."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ Join = Callable[..., Medium]
 
 
 class Server:
-    """Replies with what it gets, in reverse; `held` keeps the replies back."""
+    """Replies with the reversed request; `held` keeps the replies back."""
 
     def __init__(self, *, holds: bool = False) -> None:
         self.requests: list[bytes] = []
@@ -39,7 +39,7 @@ class Server:
 
 
 def served(client: OctetsClient, octets: bytes = b"probe") -> bytes:
-    """The reply of a service that other media may not have found yet."""
+    """Return the reply of a service that other media may not have discovered yet."""
 
     def attempt() -> bytes | None:
         try:
@@ -114,7 +114,7 @@ def test_a_server_that_ends_meanwhile(join: Join) -> None:
         target=lambda: (wait_for(lambda: server.held), there.close())
     )
     closing.start()
-    # An engine that does not notice the loss ends the call in time.
+    # An engine that does not detect the loss ends the call in time.
     with pytest.raises((PeerLostError, ReplyTimeoutError)):
         wait_for(partial(_until_served, client, 5.0))
     closing.join()

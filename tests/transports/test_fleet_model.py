@@ -1,4 +1,4 @@
-"""The simulation behind docs/fleets.md: who learns of whom, and what that costs."""
+"""The simulation behind docs/fleets.md: discovery, and its cost."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Systems whose other process dies or stands still, over transports: calls end, and all goes on."""
+"""Systems whose other process dies or freezes: calls end, and the system continues."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ pytestmark = [pytest.mark.slow, pytest.mark.waits]
 
 
 class Mortal:
-    """Both sides, of which the far one is killed or frozen, and perhaps started again."""
+    """Both sides, of which the far one is killed or frozen, and perhaps restarted."""
 
     def __init__(self, network: media.Transports, folder: Path, pair: Pair) -> None:
         self.pair = pair
@@ -43,14 +43,14 @@ class Mortal:
         return FarProcess(address, self._folder / f"{time.monotonic_ns()}.txt")
 
     def start_again(self) -> None:
-        """Another process in place of the last one; it may read what waits at the near side."""
+        """Start a new far process, which may read pending samples of the near side."""
         for numbers in self._taken.values():
             numbers.clear()
         self.far = self._started()
         self.far.ready()
 
     def lose(self) -> None:
-        """Calls and writes go on while the far side does not answer, and end in time."""
+        """Check that calls and writes continue without the far side, and end in time."""
         for _ in range(2):
             with pytest.raises(runtime.ServiceError):
                 self.pair.ask("echo x", 1)
@@ -58,13 +58,13 @@ class Mortal:
             self._read()
 
     def write(self) -> None:
-        """Write the next number; whatever the status is, nothing is raised."""
+        """Write the next number; no status is an error."""
         self._written += 1
         for port in self._taken:
             self.pair.write(port, self._written)
 
     def flows(self) -> None:
-        """Wait until calls and samples go in both directions again; none comes twice."""
+        """Wait until calls and samples pass in both directions again; none arrives twice."""
         wait_for(self.pair.answers)
         self._take()
         wait_for(self._reaches)
@@ -89,7 +89,7 @@ class Mortal:
         return self._read()
 
     def _read(self) -> bool:
-        """Take what has come; whether there was something of each connection."""
+        """Take received samples; return whether each connection had some."""
         new = {p: [s.tm.sec for s in self.pair.end.take(p)] for p in self._came}
         for port, numbers in new.items():
             self._came[port] += numbers

@@ -1,4 +1,4 @@
-"""Processes that are killed or frozen: the others notice, go on, and find the next one."""
+"""Killed or frozen processes: the others detect it, continue, and find the next one."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class Peer:
         assert any(found == f"{line}\n" for found in self.process.stdout), line
 
     def freeze(self) -> None:
-        """Stop it as a debugger does; `thaw` lets it go on."""
+        """Stop the process as a debugger does; `thaw` continues it."""
         self.process.send_signal(signal.SIGSTOP)
         os.waitpid(self.process.pid, os.WUNTRACED)
 
@@ -58,7 +58,7 @@ class Peer:
         self.process.send_signal(signal.SIGCONT)
 
     def kill(self) -> None:
-        """End it without a farewell."""
+        """Kill the process."""
         self.process.kill()
         self.process.wait()
         for stream in (self.process.stdin, self.process.stdout):

@@ -1,4 +1,4 @@
-"""Presence between media: what is announced is seen, and seen to end."""
+"""Presence between media: announcements are discovered, and so is their end."""
 
 from __future__ import annotations
 

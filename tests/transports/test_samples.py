@@ -1,4 +1,4 @@
-"""Samples between media: each at most once, in order, losses countable, histories for late ones."""
+"""Samples between media: at most once, in order, losses countable, histories for late readers."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def test_every_subscription_gets_all_samples_in_order(join: Join) -> None:
     publisher = here.publisher(TOPIC, Qos(depth=None))
     wait_for(lambda: publisher.matched)
     sender = Sender(publisher)
-    # The first subscription known is perhaps that of the same medium.
+    # The first known subscription may be that of the same medium.
     sender.reach(1, *got)
     for number in range(1_000_000, 1_002_000):
         sender.send(number)
@@ -141,7 +141,7 @@ def test_big_samples_arrive_whole(join: Join, megabytes: int) -> None:
     for sequence, sample in enumerate(samples, 1):
         publisher.publish(sample, sequence)
     wait_for(lambda: len(got) == 3)
-    # Without a diff of megabytes.
+    # Avoid a diff of megabytes.
     assert all(sample.octets == sent for sample, sent in zip(got, samples, strict=True))
 
 

@@ -1,4 +1,4 @@
-"""Systems over every transport, CORBA included, by ports alone: what components rely on."""
+"""Systems over every transport, CORBA included, by ports alone: guarantees for components."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ def test_a_late_reader_of_a_pulled_connection_finds_what_waits(pair: Pair) -> No
 @pytest.mark.parametrize("megabytes", [1, 10])
 def test_big_samples_arrive_whole(pair: Pair, megabytes: int) -> None:
     octets = bytes(megabytes << 20)
-    # Without megabytes in what a failure shows.
+    # Avoid megabytes in the message of a failure.
     status = pair.write("many", 7, octets)
     assert status is runtime.PORT_OK
     found: list[tuple[int, int]] = []
@@ -179,7 +179,7 @@ def test_a_call_that_takes_too_long_is_sent_once(
 
 
 def _garble(pair: Pair, kind: str) -> None:
-    """Sends octets that are no sample the way that samples take."""
+    """Send invalid octets by the way of samples."""
     if kind != "corba":
         medium = pair.near.transport._medium
         topic = out_topic(NEAR, "many", type(sample(0)))

@@ -1,4 +1,4 @@
-"""No circle of imports across files, counting those for type checkers and inside functions."""
+"""No import cycles across files, including imports for type checkers and inside functions."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ MODULES = _modules()
 
 
 def _imports(name: str) -> set[str]:
-    """The modules of rtgen that a module imports anywhere in its text."""
+    """Return the modules of rtgen that a module imports anywhere in its text."""
     found = set()
     for node in ast.walk(ast.parse(MODULES[name].read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):

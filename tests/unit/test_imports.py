@@ -1,4 +1,4 @@
-"""What importing a package loads: the runtime is light, the commands are lazy."""
+"""Modules loaded by importing a package: the runtime is light, the commands are lazy."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ DEVICE_LIBRARIES = ("serial", "canopen", "can")
 
 
 def loaded_by(code: str) -> set[str]:
-    """The top-level modules that are loaded after running the code in a new interpreter."""
+    """Return the top-level modules that are loaded after running the code in a new interpreter."""
     probe = (
         f"{code}\nimport sys\nprint(*sorted({{m.split('.')[0] for m in sys.modules}}))"
     )

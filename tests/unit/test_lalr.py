@@ -1,4 +1,4 @@
-"""The parser on lark's tables gives what lark itself gives."""
+"""The parser on lark's tables returns the results of lark itself."""
 
 from __future__ import annotations
 
@@ -117,7 +117,7 @@ def test_tables_are_the_same_from_the_file(
 
 @pytest.fixture(scope="module")
 def peer() -> Lark:
-    """lark's own parser and contextual lexer."""
+    """Return lark's own parser and contextual lexer."""
 
     def reserve(token: Token) -> Token:
         if token in RESERVED:
@@ -158,7 +158,7 @@ def test_every_definition_file_has_the_tree_that_lark_gives(
 
 @pytest.mark.parametrize("name", ["idl", "cdl"])
 def test_tables_do_not_depend_on_hashes(name: str) -> None:
-    """States are numbered in the order of a walk; lark's numbers follow the order of a set."""
+    """States are numbered in the order of a traversal; lark's numbers follow the order of a set."""
     tables = lalr_tables.make(grammar_file(f"{name}.lark").read_text("utf-8"))
     met = [tables["start"]]
     for state in met:

@@ -1,8 +1,8 @@
 """The doors: all places where octets from outside enter rtgen, each a function of octets.
 
-A door returns whether it takes the input, and raises for a defect only: what is documented to be
-raised for bad input counts as a refusal. `harness.py` explores doors, guided by coverage;
-`test_doors.py` replays the inputs in `corpus/`.
+A door returns whether it accepts the input, and raises for a defect only: documented exceptions for
+bad input count as a refusal. `harness.py` explores doors, guided by coverage; `test_doors.py`
+replays the inputs in `corpus/`.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ CORPUS = Path(__file__).parent.parent / "corpus"
 
 @dataclass(frozen=True, slots=True)
 class Door:
-    """A door; `make` draws an input by the grammar of what the door reads."""
+    """A door; `make` draws an input by the grammar of its format."""
 
     enter: Callable[[bytes], bool]
     make: Callable[[Random], bytes]
@@ -76,11 +76,11 @@ def door(name: str, folder: Path) -> Door:
 
 
 def corpus(name: str) -> list[Path]:
-    """The kept inputs of a door."""
+    """Return the stored inputs of a door."""
     folder = CORPUS / name
     return sorted(folder.iterdir()) if folder.is_dir() else []
 
 
 def variant(data: bytes) -> int:
-    """A number that the octets decide, where a door has more than one way to read them."""
+    """Return a number from the octets that selects one of a door's ways to read them."""
     return sum(data[:64]) + len(data)

@@ -1,4 +1,4 @@
-"""CAN: SDO, PDO, EMCY, LSS, whole nodes, and the texts that hubs speak."""
+"""Doors for CAN: SDO, PDO, EMCY, LSS, whole nodes, and the text protocols of hubs."""
 
 from __future__ import annotations
 
@@ -48,11 +48,11 @@ from rtgen.runtime.canopen.wire.sdo_server import SdoServer
 
 NODE = 1
 _MAX_ANSWERS = 300
-"""A response is not longer than a block of segments and what else may be due."""
+"""Maximum number of frames in a response: a block of segments and other frames that may be due."""
 
 
 def _messages(data: bytes, size: int = 8) -> Iterator[tuple[int, bytes]]:
-    """Each message has an octet before it: its length, and whether time passes."""
+    """Yield the messages; an octet before each has its length, and whether time passes."""
     for at in range(0, len(data), size + 1):
         yield data[at], data[at + 1 : at + 1 + size]
 
@@ -60,7 +60,7 @@ def _messages(data: bytes, size: int = 8) -> Iterator[tuple[int, bytes]]:
 def _of_frames(
     can_ids: tuple[int, ...], chance: Random, heads: bytes = b"\0\0\0\1\x80"
 ) -> bytes:
-    """What strangers send to these identifiers, as messages."""
+    """Return messages of other stations with these identifiers."""
     parts: list[bytes] = []
     while len(parts) < 40 and (not parts or chance.random() < 0.95):
         strange = frames.strange(chance)
@@ -77,7 +77,7 @@ def _few(found: list[Frame]) -> list[Frame]:
 
 
 class _Objects:
-    """Objects of any size, which refuse some numbers."""
+    """Objects of any size; some numbers are refused."""
 
     def __init__(self) -> None:
         self.values: dict[tuple[int, int], bytes] = {}
@@ -100,7 +100,7 @@ class _Objects:
 
 
 def _sdo_server(_folder: Path) -> Door:
-    """Messages of a client; an odd octet before one lets the time of a transfer pass."""
+    """Return the door for messages of a client; an odd octet before one means a time-out."""
 
     def enter(data: bytes) -> bool:
         objects = _Objects()
@@ -120,7 +120,7 @@ def _sdo_server(_folder: Path) -> Door:
 
 
 def _sdo_client(_folder: Path) -> Door:
-    """Messages of a server; the first octet decides which transfer they answer."""
+    """Return the door for messages of a server; the first octet selects the transfer."""
 
     def enter(data: bytes) -> bool:
         client = SdoClient(NODE, timeout=MILLISECOND)
@@ -165,7 +165,7 @@ _PDOS = tuple(base + node for base in range(0x180, 0x580, 0x80) for node in (1, 
 
 
 def _pdo(_folder: Path) -> Door:
-    """PDOs, right and wrong ones, for an operational node and for who decodes the bus."""
+    """Return the door for valid and invalid PDOs, for an operational node and for a decoder."""
     decoder = frames.Decoder(frames._known())
 
     def enter(data: bytes) -> bool:
@@ -224,7 +224,7 @@ def _emcy(_folder: Path) -> Door:
 
 
 def _lss_slave(_folder: Path) -> Door:
-    """Messages of a master; what the slave keeps stays within what is allowed."""
+    """Return the door for messages of a master; stored settings of the slave stay valid."""
     address = LssAddress(1, 2, 3, 4)
 
     def enter(data: bytes) -> bool:
@@ -243,7 +243,7 @@ def _lss_slave(_folder: Path) -> Door:
 
 
 def _lss_master(_folder: Path) -> Door:
-    """Messages of slaves; every procedure ends, with a result or with LssError."""
+    """Return the door for messages of slaves; every procedure ends, with a result or LssError."""
     wanted = (1, 2, None, None)
 
     def enter(data: bytes) -> bool:
@@ -262,7 +262,7 @@ def _lss_master(_folder: Path) -> Door:
         for head, message in _messages(data[1:]):
             answer = message
             if head & 4:
-                # What the slave of this address would answer.
+                # The answer of the slave with this address.
                 answer = bytes((master._asked.answer or 0,)) + message[1:]
             size = 8 if head < 0x80 else head % 8
             master.receive(Frame(LSS_RESPONSE, answer[:size]), now)
@@ -307,7 +307,7 @@ _HUB = (
 
 
 def _socketcand(_folder: Path) -> Door:
-    """Elements of both ends of socketcand's protocol; frames survive being written again."""
+    """Return the door for both ends of socketcand's protocol; parsed frames are written again."""
 
     def enter(data: bytes) -> bool:
         stream, read = Elements(), False
@@ -331,7 +331,7 @@ def _socketcand(_folder: Path) -> Door:
 
 
 def _words(text: bytes) -> str:
-    """The content of the one element of a text."""
+    """Return the content of the only element of a text."""
     stream = Elements()
     stream.feed(text)
     words = stream.take()

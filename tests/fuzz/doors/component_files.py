@@ -1,4 +1,4 @@
-"""Profiles of components in XML and YAML, and those of systems."""
+"""Doors for profiles of components in XML and YAML, and those of systems."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from doors import Door
 from doors.definitions import of_target
 
 WAYS = {"rtc-xml": 1, "rtc-yaml": 7, "rts-xml": 5}
-"""The numbers by which the target chooses what the octets are."""
+"""The numbers by which the target selects the format of the octets."""
 
 
 def _door(name: str) -> Callable[[Path], Door]:

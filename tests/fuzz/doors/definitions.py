@@ -1,4 +1,4 @@
-"""Definition files: IDL, CDL, C headers, EDS and DCF, ROS 2 interfaces, modules to be adopted."""
+"""Doors for definition files: IDL, CDL, C headers, EDS, DCF, ROS 2 interfaces, modules to adopt."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ from rtgen.frontends import cdl, openrtm_python, rosidl
 from rtgen.inspection.models import inspect
 
 REFUSED = ("rejected", "errors", "no system")
-"""The labels of targets that say so."""
+"""The labels of targets that stand for a refusal."""
 
 
 def known(found: Iterable[Diagnostic]) -> bool:
-    """Whether there are no errors. Raises ViolationError for a finding of an unknown rule."""
+    """Return whether there are no errors. Raises ViolationError for an unknown rule."""
     found = tuple(found)
     for each in found:
         if each.code not in rules() or each.span is None:
@@ -41,7 +41,7 @@ def of_target(
     make: Callable[[Random], bytes] | None = None,
     way: int | None = None,
 ) -> Door:
-    """The door of a target; `way` is the number that it is given, else the octets decide."""
+    """Return the door of a target; `way` is its number, by default taken from the octets."""
 
     def enter(data: bytes) -> bool:
         number = variant(data) if way is None else way
@@ -58,7 +58,7 @@ def _idl(folder: Path) -> Door:
 
 
 def _preprocessor(folder: Path) -> Door:
-    """Directives: an input is lines of them, which IDL hardly interrupts."""
+    """Return the door for directives: lines of them, hardly interrupted by IDL."""
     words = [word.encode() for word in (*LINES, *NAMES, *NUMBERS, *TEXTS)]
     words += [
         b"(a,b) a##b #a",

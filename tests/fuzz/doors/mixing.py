@@ -1,4 +1,4 @@
-"""Inputs by mixing the pieces of valid ones: lines, tokens, octets."""
+"""Mixes pieces of valid inputs: lines, tokens, octets."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from random import Random
 from fuzzing import log_uniform
 
 ROOT = Path(__file__).parents[3]
-LARGEST = 50_000
+MAX_OCTETS = 50_000
 
 _TOKEN = re.compile(rb"\s+|\w+|\"(?:\\.|[^\"\\\n])*\"|.", re.DOTALL)
 _ODD = (
@@ -22,14 +22,14 @@ _ODD = (
 
 
 def files(*patterns: str) -> list[bytes]:
-    """The octets of the repository's files, in the order of their names."""
+    """Return the contents of the repository's files, in the order of their names."""
     found = {path for pattern in patterns for path in ROOT.glob(pattern)}
     texts = [path.read_bytes() for path in sorted(found) if path.is_file()]
-    return [text for text in texts if 0 < len(text) <= LARGEST]
+    return [text for text in texts if 0 < len(text) <= MAX_OCTETS]
 
 
 def mixing(seeds: Sequence[bytes]) -> Callable[[Random], bytes]:
-    """Draws inputs: tokens of a seed changed, doubled, exchanged, nested or left out."""
+    """Return a generator of inputs: a seed with tokens changed, doubled, exchanged or nested."""
     tokens: list[list[bytes]] = []
 
     def make(chance: Random) -> bytes:
@@ -38,7 +38,7 @@ def mixing(seeds: Sequence[bytes]) -> Callable[[Random], bytes]:
         mixed = list(chance.choice(tokens))
         for _ in range(log_uniform(1, 12, chance.random()) - 1):
             _change(chance, mixed, chance.choice(tokens))
-        return b"".join(mixed)[:LARGEST]
+        return b"".join(mixed)[:MAX_OCTETS]
 
     return make
 

@@ -1,4 +1,4 @@
-"""Files of a project: bus files, `rtgen.toml`, timelines."""
+"""Doors for files of a project: bus files, `rtgen.toml`, timelines."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Recordings: MCAP as such and for a replay, and logs of CAN frames."""
+"""Doors for recordings: MCAP files, also for a replay, and logs of CAN frames."""
 
 from __future__ import annotations
 
@@ -93,7 +93,7 @@ def _mcap(folder: Path) -> Door:
 
 
 def _replay(folder: Path) -> Door:
-    """The recording of one component, replayed for the others."""
+    """Return the replay of a recording of one component for the others."""
     seeds, path = _mcap_seeds(folder), folder / "input.mcap"
 
     def enter(data: bytes) -> bool:
@@ -108,7 +108,7 @@ def _replay(folder: Path) -> Door:
 
 
 def _log(folder: Path) -> Door:
-    """What `rtgen log` reads: recordings with their values, and JSON lines."""
+    """Return the input of `rtgen log`: recordings with their values, and JSON lines."""
     path = folder / "input.log"
     seeds = _mcap_seeds(folder)
     lines = [

@@ -1,4 +1,4 @@
-"""Remote calls: OpaqueRPC on both sides, bodies of GIOP, and DDS-RPC."""
+"""Doors for remote calls: OpaqueRPC on both sides, bodies of GIOP, and DDS-RPC."""
 
 from __future__ import annotations
 
@@ -46,14 +46,14 @@ _FILES = (
     "specs/tecs/board.cdl",
     "tests/fuzz/calls.cdl",
 )
-_HEAD = 2
-"""Octets before a message: the number of what reads it."""
+_HEADER_LENGTH = 2
+"""Octets before a message: the number of its reader."""
 _ORDERS = ("network", "little", "big")
 
 
 @cache
 def _services() -> tuple[Service, ...]:
-    """Those of the repository's definitions that OpaqueRPC can carry, in each byte order."""
+    """Return the services of this repository that OpaqueRPC can carry, in each byte order."""
     found = []
     for path in _FILES:
         for unit in cdl.load([ROOT / path], root=ROOT).model.tecs:
@@ -73,7 +73,7 @@ def _functions() -> tuple[Function, ...]:
 
 
 def _padded(function: Function, octets: bytes) -> tuple[object, ...]:
-    """The arguments that octets say, with zeros and the end where they are too short."""
+    """Return the arguments encoded in octets, padded with zeros if they are too short."""
     rest = octets
     end = function._codec.tdr.int16(
         EOP_NOTHING_FOLLOWS if function.oneway else EOP_REPLY_FOLLOWS
@@ -88,7 +88,7 @@ def _padded(function: Function, octets: bytes) -> tuple[object, ...]:
 
 
 def _requests() -> list[bytes]:
-    """For each service a request of each function with arguments of zeros."""
+    """Return for each service a request of each function with arguments of zeros."""
     found = []
     for number, service in enumerate(_services()):
         for function in service.functions.values():
@@ -134,7 +134,7 @@ def _rpc_server(_folder: Path) -> Door:
 
 
 def _tdr(_folder: Path) -> Door:
-    """Arguments of a function, which are written again if they can be read."""
+    """Return the door for arguments of a function, which are encoded again once decoded."""
     functions = _functions()
     seeds = [bytes((n % 256, n // 256)) for n in range(len(functions))]
 
@@ -176,7 +176,7 @@ def _rpc_client(_folder: Path) -> Door:
 
 
 def _rpc_script(_folder: Path) -> Door:
-    """The lines of JSON that `rtgen rpc serve --script` takes."""
+    """Return the door for the lines of JSON of `rtgen rpc serve --script`."""
     services = _services()
     lines = [
         json.dumps(
@@ -200,11 +200,11 @@ def _rpc_script(_folder: Path) -> Door:
 
 @cache
 def _operations() -> tuple[tuple[type[Servant], str], ...]:
-    """The operations of all interfaces of a definition with every construct."""
+    """Return the operations of all interfaces of a definition with every construct."""
     path = octets.CONSTRUCTS[-1]
     made = Generated(generate(idl.load([path], root=path.parent).model))
     modules = made.load().values()
-    # What operations refer to is imported when they are looked at.
+    # Types of operations are imported on their first use.
     sys.meta_path.insert(0, made)
     found: list[tuple[type[Servant], str]] = []
     for value in chain.from_iterable(vars(module).values() for module in modules):
@@ -217,7 +217,7 @@ def _operations() -> tuple[tuple[type[Servant], str], ...]:
 
 
 def _nothing(_operation: str, _arguments: tuple[object, ...]) -> None:
-    """Answers None, which is the result of few operations."""
+    """Return None, which is the result of few operations."""
 
 
 def _giop_server(_folder: Path) -> Door:
@@ -239,7 +239,7 @@ def _giop_server(_folder: Path) -> Door:
 
 def _giop_client(_folder: Path) -> Door:
     def send(_operation: str, _body: bytes, _oneway: bool) -> None:
-        """Nothing is sent: replies are given to the client at once."""
+        """Send nothing: replies are passed to the client directly."""
 
     known = [(Client(interface, send), name) for interface, name in _operations()]
     seeds = [
@@ -262,16 +262,16 @@ def _giop_client(_folder: Path) -> Door:
 
 @cache
 def _rpc_interfaces() -> tuple[type[Servant], ...]:
-    """Those that DDS and Zenoh carry."""
+    """Return the interfaces that DDS and Zenoh carry."""
     return tuple(dict.fromkeys(interface for interface, _ in _operations()))
 
 
 def _head(number: int) -> bytes:
-    return number.to_bytes(_HEAD, "little")
+    return number.to_bytes(_HEADER_LENGTH, "little")
 
 
 def _dds_rpc_server(_folder: Path) -> Door:
-    """Requests by DDS-RPC's basic mapping, with their headers, as DDS and Zenoh carry them."""
+    """Return the door for requests by DDS-RPC's basic mapping with headers, as on DDS and Zenoh."""
     known = [(RpcServer(i, _nothing), interface_types(i)) for i in _rpc_interfaces()]
     seeds = []
     for number, (_, types) in enumerate(known):
@@ -284,8 +284,8 @@ def _dds_rpc_server(_folder: Path) -> Door:
                 seeds.append(_head(number) + octets_)
 
     def enter(data: bytes) -> bool:
-        server, _ = known[int.from_bytes(data[:_HEAD], "little") % len(known)]
-        request = data[_HEAD:]
+        server, _ = known[int.from_bytes(data[:_HEADER_LENGTH], "little") % len(known)]
+        request = data[_HEADER_LENGTH:]
         with suppress(CdrError):
             rpc_header.server_of(request)
         try:
@@ -300,7 +300,7 @@ def _dds_rpc_server(_folder: Path) -> Door:
 
 
 def _dds_rpc_client(_folder: Path) -> Door:
-    """Replies of the same mapping."""
+    """Return the door for replies of the same mapping."""
     known = [
         (i, name) for i, name in _operations() if name in interface_types(i).operations
     ]
@@ -321,10 +321,12 @@ def _dds_rpc_client(_folder: Path) -> Door:
     clients = {i: RpcClient(i, nobody, 1.0) for i, _ in known}
 
     def enter(data: bytes) -> bool:
-        interface, name = known[int.from_bytes(data[:_HEAD], "little") % len(known)]
+        interface, name = known[
+            int.from_bytes(data[:_HEADER_LENGTH], "little") % len(known)
+        ]
         operation = interface_types(interface).operations[name]
         try:
-            clients[interface]._result(name, operation, data[_HEAD:])
+            clients[interface]._result(name, operation, data[_HEADER_LENGTH:])
         except (ServiceError, UserException, CdrError):
             return False
         return True

@@ -1,4 +1,4 @@
-"""Encoded values: CDR, XCDR1, XCDR2, and values of `any` with their type codes."""
+"""Doors for encoded values: CDR, XCDR1, XCDR2, and values of `any` with their type codes."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ from rtgen.runtime import idl
 from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.values import decoded, encoded
 
-_HEAD = 2
-"""An input begins with the number of the encoding that reads the rest."""
+_HEADER_LENGTH = 2
+"""Octets before an input: the number of the encoding that reads the rest."""
 _COUNTS = (0, 0, 1, 1, 1, 2, 3, 4, 5, 8, 255, 2**16, 2**31 - 1, 2**31, 2**32 - 1)
 
 
@@ -32,7 +32,7 @@ def _types() -> tuple[type[Any], ...]:
 
 @cache
 def _encoding(name: str, number: int) -> Encoding | None:
-    """An encoding of a type, big- or little-endian; None if the type has none of that name."""
+    """Return an encoding of a type, big- or little-endian; None if it has none of that name."""
     type_ = _types()[number // 2 % len(_types())]
     found = Encoding(type_, name, bool(number % 2))
     least = octets._least(found)
@@ -41,14 +41,14 @@ def _encoding(name: str, number: int) -> Encoding | None:
 
 def _door(name: str, _folder: Path) -> Door:
     def enter(data: bytes) -> bool:
-        encoding = _encoding(name, int.from_bytes(data[:_HEAD], "little"))
+        encoding = _encoding(name, int.from_bytes(data[:_HEADER_LENGTH], "little"))
         if encoding is None:
             return False
-        return octets._tried(encoding, data[_HEAD:]).endswith("value")
+        return octets._tried(encoding, data[_HEADER_LENGTH:]).endswith("value")
 
     def make(chance: Random) -> bytes:
         number = chance.randrange(2 * len(_types()))
-        head = number.to_bytes(_HEAD, "little")
+        head = number.to_bytes(_HEADER_LENGTH, "little")
         if (encoding := _encoding(name, number)) is None:
             return head
         grown = encoding.least
@@ -60,7 +60,7 @@ def _door(name: str, _folder: Path) -> Door:
 
 
 def _type_code(_folder: Path) -> Door:
-    """A value of `any`, little-endian: the type code, then the value."""
+    """Return the door for values of `any`, little-endian: the type code, then the value."""
 
     def enter(data: bytes) -> bool:
         try:
@@ -79,7 +79,7 @@ def _type_code(_folder: Path) -> Door:
 
 
 def _any(chance: Random, depth: int) -> bytes:
-    """Words, most of them kinds of type codes, lengths of encapsulations, texts and ids."""
+    """Return words: mostly kinds of type codes, lengths of encapsulations, texts and ids."""
     parts: list[bytes] = []
     for _ in range(chance.randrange(1, 12)):
         match chance.randrange(5):

@@ -185,7 +185,7 @@ PROBES = [
         B="eventtype B: A; y: long",
     ),
     alone("forward eventtype", "eventtype E; eventtype E {};", E="eventtype E"),
-    # Read only
+    # Parsed, but not supported
     alone("porttype", _I + "porttype P { provides I a; uses I b; };", "IDL0302"),
     alone(
         "extended port",

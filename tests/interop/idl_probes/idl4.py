@@ -1,4 +1,4 @@
-"""Section 6 of the language: IDL 4.2, DDS and ROS 2. omniidl knows none of it."""
+"""Section 6 of the language: IDL 4.2, DDS and ROS 2, which omniidl does not support."""
 
 from idl_probes.probe import Probe, alone
 
@@ -33,7 +33,7 @@ _PLACES = {
 
 
 def _words() -> list[Probe]:
-    """Every contextual word as the name of every kind of declaration."""
+    """Return every contextual word as the name of every kind of declaration."""
     probes = []
     for place, text in _PLACES.items():
         for word in _WORDS:
@@ -82,7 +82,7 @@ PROBES = [
     alone("value of a bit", "bitmask M { @value(1) A };", "IDL0801"),
     alone("position of a bit field", "bitset B { @position(1) bitfield<3> a; };"),
     alone("key of a bit field", "bitset B { @key bitfield<3> a; };", "IDL0801"),
-    # Keys as DDS had them before annotations
+    # Keys of DDS before annotations
     alone(
         "key as a comment",
         "struct S {\n @optional long a; //@key\n @optional long b; //@Key\n @optional long c ;// @key //@ID 3\n @optional long d, e; //@key\n};",

@@ -10,7 +10,7 @@ PROBES = [
     same("utf-8 in a comment", "// größe 日本\n" + _S),
     same("euc-jp in a comment", b"// \xc6\xfc\xcb\xdc\xb8\xec\n" + _S.encode()),
     same("shift-jis in a comment", b"// \x93\xfa\x96{\x8c\xea\n" + _S.encode()),
-    # omniidl takes the second byte of the character for a continuation: T is a comment then
+    # omniidl reads the second byte of the character as a continuation: then T is a comment
     alone(
         "shift-jis that ends in a backslash",
         "// 表\nstruct T { long b; };\n".encode("shift-jis"),

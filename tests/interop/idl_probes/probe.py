@@ -1,4 +1,4 @@
-"""Probes: the smallest definitions that show one rule, with what is expected of them."""
+"""Probes: the smallest definitions for single rules, with their expected results."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from enum import Enum
 
 
 class Relation(Enum):
-    """What omniidl makes of a probe, in comparison with ours."""
+    """Result of omniidl for a probe, compared with rtgen's."""
 
     SAME = "both accept it, and read the same"
     REFUSED = "both refuse it"
@@ -44,7 +44,7 @@ def same(
     gives: Mapping[str, str] | None = None,
     ignore_case: bool = False,
 ) -> Probe:
-    """Accepted by both with equal facts; `codes` are those of our warnings."""
+    """Return a probe that both accept with equal facts; `codes` are those of rtgen's warnings."""
     return Probe(
         name,
         text,
@@ -65,7 +65,7 @@ def refused(
     folders: tuple[str, ...] = (),
     ignore_case: bool = False,
 ) -> Probe:
-    """Refused by both."""
+    """Return a probe that both refuse."""
     return Probe(
         name,
         text,
@@ -85,7 +85,7 @@ def better(
     gives: Mapping[str, str] | None = None,
     **more: str,
 ) -> Probe:
-    """Legal, or common enough, but refused by omniidl; ours accepts it."""
+    """Return a legal or common definition that rtgen accepts, but omniidl refuses."""
     return Probe(
         name,
         text,
@@ -99,7 +99,7 @@ def better(
 def stricter(
     name: str, text: str | bytes, *codes: str, files: Mapping[str, str] | None = None
 ) -> Probe:
-    """Wrong, but accepted by omniidl; ours refuses it."""
+    """Return an invalid definition that rtgen refuses, but omniidl accepts."""
     return Probe(name, text, Relation.STRICTER, codes, files=files or {})
 
 
@@ -111,7 +111,7 @@ def alone(
     gives: Mapping[str, str] | None = None,
     **more: str,
 ) -> Probe:
-    """CORBA 3 or IDL 4: what is expected stands here, and omniidl is not asked."""
+    """Return a probe of CORBA 3 or IDL 4, which is not compared with omniidl."""
     return Probe(
         name,
         text,

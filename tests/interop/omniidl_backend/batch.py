@@ -1,7 +1,7 @@
-"""omniidl over many files in one run: a fork for each, so that none can harm the next.
+"""Runs omniidl over many files: a fork for each, so that none can affect the next.
 
-Standard input: a JSON list of {folder, file, arguments}; standard
-output: a list of {status, facts, messages}, where a negative status is the number of a signal.
+Standard input: a JSON list of {folder, file, arguments}; standard output: a list of {status, facts,
+messages}, where a negative status is the number of a signal.
 """
 
 import json

@@ -29,7 +29,7 @@ def name(declaration):
 
 
 def bases(found):
-    """The names of bases, of those behind typedefs."""
+    """Return the names of bases, with typedefs resolved."""
     return [name(behind(base)) for base in found]
 
 

@@ -1,16 +1,16 @@
-"""A CANopen slave by hand, of struct and python-can alone: nothing of rtgen, nothing of `canopen`.
+"""A hand-written CANopen slave, of struct and python-can alone, without rtgen and `canopen`.
 
     python canopen_slave_peer.py NODE INTERFACE CHANNEL [KEY=VALUE...]
 
-It knows NMT, boot-up, heartbeat (1017h), EMCY, and an SDO server for expedited, segmented and
-block transfers with CRC. Its PDOs are these:
+It knows NMT, boot-up, heartbeat (1017h), EMCY, and an SDO server for expedited, segmented and block
+transfers with CRC. Its PDOs are these:
 
   TPDO 1: counter UNSIGNED32 (2001h), position INTEGER32 (2002h)
   RPDO 1: target INTEGER32 (2003h), mode UNSIGNED8 (2004h)
 
-The position is the last target. TPDO 1 goes at every SYNC (type 1) or as the event timer says.
-Further objects: 2000h is a DOMAIN of up to 100,000 octets, 2005h is written to have an EMCY of that
-code sent, 2006h makes the node mute from then on when it is 1.
+The position is the last target. TPDO 1 is sent at every SYNC (type 1) or by the event timer.
+Further objects: 2000h is a DOMAIN of up to 100,000 octets, a write of 2005h sends an EMCY of that
+code, 1 in 2006h makes the node mute from then on.
 """
 
 from __future__ import annotations
@@ -27,15 +27,15 @@ READ_ONLY, WRITE_ONLY, LENGTH = 0x06010002, 0x06010001, 0x06070010
 TOGGLE, COMMAND, CRC, SEQUENCE = 0x05030000, 0x05040001, 0x05040004, 0x05040003
 TOO_LONG, MEMORY = 0x06070012, 0x05040005
 INVALID = 1 << 31
-MOST = 100_000
+MAX_OCTETS = 100_000
 
 
 class Abort(Exception):  # noqa: N818
-    """The transfer is given up."""
+    """The transfer is aborted."""
 
 
 def crc16(data: bytes) -> int:
-    """CCITT, bit by bit."""
+    """Return the CRC (CCITT), computed bit by bit."""
     register = 0
     for octet in data:
         register ^= octet << 8
@@ -48,7 +48,7 @@ def crc16(data: bytes) -> int:
 
 
 def table(node: int) -> dict[tuple[int, int], list]:
-    """Index and sub-index: access, struct format ("" for octets), value."""
+    """Return the objects by index and sub-index: access, struct format ("" for octets), value."""
     return {
         (0x1000, 0): ["ro", "<I", 0x00000191],
         (0x1001, 0): ["ro", "<B", 0],
@@ -93,7 +93,7 @@ class Slave:
         self.transfer = None
         self.target = bytes(3)
         self.in_segments = False
-        """Whether segments of a block come now, whose first octet may be anything."""
+        """Whether segments of a block are being received, whose first octet may be anything."""
 
     # The bus
 
@@ -109,7 +109,7 @@ class Slave:
             self.step()
 
     def step(self) -> None:
-        """Takes a frame if one comes, and does what is due."""
+        """Process a frame if there is one, and run what is due."""
         due = [when for when in (self.next_beat, self.next_pdo) if when is not None]
         wait = min([0.05, *(when - time.monotonic() for when in due)])
         message = self.bus.recv(max(0.0, wait))
@@ -152,7 +152,7 @@ class Slave:
             self.enter({1: OPERATIONAL, 2: STOPPED, 0x80: PRE_OPERATIONAL}[command])
 
     def reset(self, keep: int = 0) -> None:
-        """Takes the defaults, but for the application's if communication alone is reset."""
+        """Reset to the defaults; those of the application only if `keep` is not set."""
         fresh = table(self.node)
         for number, entry in self.objects.items():
             if keep and number[0] >= keep:
@@ -168,7 +168,7 @@ class Slave:
         self.settle()
 
     def settle(self) -> None:
-        """Timers follow the objects and the state."""
+        """Set the timers by the objects and the state."""
         now = time.monotonic()
         beat = self.number(0x1017) / 1000
         self.next_beat = now + beat if beat else None
@@ -211,7 +211,7 @@ class Slave:
             raise Abort(READ_ONLY)
         if size is not None and form and size != struct.calcsize(form):
             raise Abort(LENGTH)
-        if size is not None and size > MOST:
+        if size is not None and size > MAX_OCTETS:
             raise Abort(MEMORY)
 
     def write(self, index: int, sub: int, value: bytes) -> None:
@@ -309,7 +309,7 @@ class Slave:
             if request[0] & 0x10 != toggle:
                 raise Abort(TOGGLE)
             value += request[1 : 8 - (request[0] >> 1 & 7)]
-            if len(value) > (MOST if size is None else size):
+            if len(value) > (MAX_OCTETS if size is None else size):
                 raise Abort(TOO_LONG)
             answer = bytes((0x20 | toggle,))
             toggle ^= 0x10
@@ -338,7 +338,7 @@ class Slave:
                 if last_here or number == most:
                     break
                 request = yield []
-            if len(value) > MOST + 7:
+            if len(value) > MAX_OCTETS + 7:
                 raise Abort(MEMORY)
             self.in_segments = not last
             request = yield [bytes((0xA2, got, most))]
@@ -385,7 +385,7 @@ class Slave:
 
 
 def argument(text: str) -> object:
-    """A number or a truth if it looks like one."""
+    """Return a number or a truth if it looks like one."""
     if text in ("true", "false"):
         return text == "true"
     return int(text) if text.isdecimal() else text

@@ -1,4 +1,4 @@
-"""A module as an author of OpenRTM components writes it, for tests with processes."""
+"""A module as written by an author of OpenRTM components, for tests with processes."""
 
 import sys
 
@@ -17,7 +17,7 @@ doubler_spec = [
 
 
 class Doubler(OpenRTM_aist.DataFlowComponentBase):
-    """Writes `factor` times what it reads."""
+    """A component that writes `factor` times the sample read."""
 
     def __init__(self, manager):
         OpenRTM_aist.DataFlowComponentBase.__init__(self, manager)

@@ -1,7 +1,7 @@
-"""Makes the OpenRTM of `make test-openrtm` importable as an installed one, in every process.
+"""Makes the OpenRTM of `make test-openrtm` importable like an installed one, in every process.
 
-Its folder and what its .pth file adds come behind the standard library, where the `uuid` that
-OpenRTM has beside its own modules does no harm; on PYTHONPATH they would come before it.
+Its folder and those of its .pth file are appended after the standard library, where OpenRTM's own
+`uuid` does no harm; PYTHONPATH would put them before it.
 """
 
 from __future__ import annotations

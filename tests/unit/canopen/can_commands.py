@@ -1,4 +1,4 @@
-"""A bus in this process, and commands of `rtgen can` on it."""
+"""Runs commands of `rtgen can` on a bus in this process."""
 
 from __future__ import annotations
 
@@ -15,29 +15,29 @@ from rtgen.cli import run
 
 
 def on(channel: str) -> list[str]:
-    """The options for the virtual bus of a channel."""
+    """Return the options for the virtual bus of a channel."""
     return ["--interface", "virtual", "--channel", channel]
 
 
 def command(channel: str, *arguments: str) -> int:
-    """Runs `rtgen can ...` on a channel and gives its exit code."""
+    """Run `rtgen can ...` on a channel and return its exit code."""
     return run(["can", *arguments, *on(channel)])
 
 
 @contextmanager
 def bus(channel: str) -> Iterator[can.BusABC]:
-    """A peer on the channel."""
+    """Yield a peer on the channel."""
     with can.Bus(interface="virtual", channel=channel) as made:
         yield made
 
 
 def listeners(channel: str) -> int:
-    """How many are on the channel."""
+    """Return the number of listeners on the channel."""
     return len(channels.get(channel, ()))
 
 
 def eventually(condition: Callable[[], bool]) -> None:
-    """Waits till something holds."""
+    """Wait until a condition holds."""
     end = time.monotonic() + PATIENCE
     while not condition():
         assert time.monotonic() < end, "it did not come"
@@ -46,7 +46,7 @@ def eventually(condition: Callable[[], bool]) -> None:
 
 @contextmanager
 def meanwhile(action: Callable[[], None]) -> Iterator[None]:
-    """Does something in a thread during the block; what it raises is raised at the end."""
+    """Run an action in a thread during the block; its exception is raised at the end."""
     failures: list[BaseException] = []
 
     def do() -> None:
@@ -66,7 +66,7 @@ def meanwhile(action: Callable[[], None]) -> Iterator[None]:
 
 
 def messages(*frames: str, start: float = 1_700_000_000.0) -> list[can.Message]:
-    """Messages of `ID#HEX` or `ID#R`, a hundredth of a second between them."""
+    """Return messages of `ID#HEX` or `ID#R`, a hundredth of a second between them."""
     found = []
     for place, text in enumerate(frames):
         identifier, _, data = text.partition("#")
@@ -85,7 +85,7 @@ def messages(*frames: str, start: float = 1_700_000_000.0) -> list[can.Message]:
 
 
 def texts(found: list[can.Message]) -> list[str]:
-    """`ID#HEX` of messages."""
+    """Return messages as `ID#HEX`."""
     return [
         f"{m.arbitration_id:0{8 if m.is_extended_id else 3}X}#"
         + ("R" if m.is_remote_frame else m.data.hex())
@@ -94,7 +94,7 @@ def texts(found: list[can.Message]) -> list[str]:
 
 
 def received(peer: can.BusABC, count: int) -> list[can.Message]:
-    """The next messages of a bus."""
+    """Return the next messages of a bus."""
     found: list[can.Message] = []
     end = time.monotonic() + PATIENCE
     while len(found) < count and time.monotonic() < end:

@@ -23,7 +23,7 @@ SPECS = Path(__file__).parents[3] / "specs" / "canopen"
 
 @cache
 def description(name: str | Path) -> DeviceDescription:
-    """The generated description of a file, or of `specs/canopen/<name>.eds`."""
+    """Return the generated description of a file, or of `specs/canopen/<name>.eds`."""
     path = name if isinstance(name, Path) else SPECS / f"{name}.eds"
     (device,) = eds.load([path], root=path.parent).model.devices
     made: dict[str, Any] = {"__name__": path.stem}
@@ -38,9 +38,9 @@ def description(name: str | Path) -> DeviceDescription:
 def nodes(
     channel: str | Link, names: Mapping[int, str], serial: int = 0
 ) -> Iterator[dict[int, DeviceNode]]:
-    """Slaves by node-id, booted, on a virtual channel or a link.
+    """Yield booted slaves by node-id, on a virtual channel or a link.
 
-    Above 200 they have no node-id; serial numbers follow each other.
+    Node-ids above 200 stand for nodes without one; serial numbers are consecutive.
     """
     link = (
         open_link(RealClock(), "virtual", channel)

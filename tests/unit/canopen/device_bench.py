@@ -1,4 +1,4 @@
-"""A device with an object of every kind, and a bench that plays the bus for its node."""
+"""A device with an object of every kind, and a bench that simulates the bus of its node."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ KINDS: tuple[Kind, ...] = (
     "time_of_day", "time_difference", "string", "wstring", "octets",
 )  # fmt: skip
 FIRST = 0x2000
-"""The objects of `KINDS` follow each other from here, readable, writable and mappable."""
+"""Index of the first object of `KINDS`; all are readable, writable and mappable."""
 
 
 def number_of(kind: Kind) -> int:
-    """The index of the object of a kind."""
+    """Return the index of the object of a kind."""
     return FIRST + KINDS.index(kind)
 
 
@@ -55,7 +55,7 @@ def var(
 def pdo_objects(
     base: int, count: int, *, access: str = "rw"
 ) -> list[ObjectDescription]:
-    """The parameters of PDOs, with room for `count` entries."""
+    """Return the parameters of PDOs with `count` entries each."""
     mapped = base + 0x200
     kinds: tuple[tuple[int, Kind], ...] = (
         (1, "u32"), (2, "u8"), (3, "u16"), (5, "u16"), (6, "u8"),
@@ -157,12 +157,12 @@ DEVICE = DeviceDescription(
 
 
 def with_pdos(*pdos: PdoDescription, granularity: int = 1) -> DeviceDescription:
-    """The device with other PDOs."""
+    """Return the device with other PDOs."""
     return replace(DEVICE, pdos=pdos, granularity=granularity)
 
 
 class Bench:
-    """Gives a node frames and the time, and keeps what it sends."""
+    """Passes frames and the time to a node, and records its frames."""
 
     def __init__(self, node: DeviceNode | None = None, *, boot: bool = True) -> None:
         self.node = node or DeviceNode(DEVICE, NODE_ID, serial_number=99)
@@ -178,7 +178,7 @@ class Bench:
         return got
 
     def give(self, can_id: int, data: bytes = b"", **kind: bool) -> list[Frame]:
-        """What the node sends after a frame."""
+        """Pass a frame; return the node's frames."""
         return self.note(self.node.receive(Frame(can_id, data, **kind), self.now))
 
     def command(self, command: NmtCommand, node_id: int = NODE_ID) -> list[Frame]:
@@ -191,7 +191,7 @@ class Bench:
         return self.note(self.node.flush(self.now))
 
     def run(self, milliseconds: float) -> list[Frame]:
-        """Lets time pass; what the node sends by its timers."""
+        """Advance the time; return the frames of the node's timers."""
         end = self.now + round(milliseconds * MILLISECOND)
         got: list[Frame] = []
         while (due := self.node.deadline) is not None and due <= end:
@@ -201,7 +201,7 @@ class Bench:
         return self.note(got)
 
     def read(self, index: int, subindex: int = 0, *, block: bool = False) -> bytes:
-        """Reads by SDO. Raises SdoAbort."""
+        """Read by SDO. Raises SdoAbort."""
         return self._transfer(
             self._client.upload(index, subindex, self.now, block=block)
         )
@@ -209,14 +209,14 @@ class Bench:
     def write(
         self, index: int, subindex: int, value: bytes | int, size: int = 0
     ) -> None:
-        """Writes by SDO; an integer in as many octets as the object has. Raises SdoAbort."""
+        """Write by SDO; an integer in as many octets as the object has. Raises SdoAbort."""
         if isinstance(value, int):
             size = size or self.node.dictionary.writable_size(index, subindex)
             value = value.to_bytes(size, "little", signed=value < 0)
         self._transfer(self._client.download(index, subindex, value, self.now))
 
     def refusal(self, index: int, subindex: int, value: bytes | int) -> int:
-        """The abort code of a write, 0 if it is taken."""
+        """Return the abort code of a write, 0 for success."""
         try:
             self.write(index, subindex, value)
         except SdoAbort as abort:

@@ -1,4 +1,4 @@
-"""Device descriptions made for tests: objects in, text of an EDS out."""
+"""Writes device descriptions for tests: objects in, text of an EDS out."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ WIDTHS = {
 
 @dataclass(frozen=True, slots=True)
 class Thing:
-    """An object: its name, the code of its data type, access, and whether PDOs may carry it."""
+    """An object: its name, the code of its data type, its access, and whether it is mappable."""
 
     name: str
     type: int = 0x06
@@ -41,7 +41,7 @@ def eds(
     rpdos: Mapping[int, Sequence[int]] | None = None,
     first: int = 0x2000,
 ) -> str:
-    """The text. Objects are numbered from `first` on; a PDO is the entries that it maps."""
+    """Return the text, with objects numbered from `first` on; a PDO is a list of mapped entries."""
     objects = {first + place: thing for place, thing in enumerate(things)}
     manufacturer = [f"0x{index:04X}" for index in objects]
     pdos = [
@@ -82,7 +82,7 @@ def eds(
 
 
 def entry(index: int, bits: int, subindex: int = 0) -> int:
-    """An entry of a mapping."""
+    """Return an entry of a mapping."""
     return index << 16 | subindex << 8 | bits
 
 

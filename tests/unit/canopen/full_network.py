@@ -1,4 +1,4 @@
-"""A bus with all 127 nodes: 126 slaves of one kind, each of which takes what another one sends."""
+"""A bus with all 127 nodes: 126 equal slaves, each of which receives the values of another."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ SLAVES = 126
 MANAGER = 127
 SYNC_PERIOD = 100 * MS
 HEARTBEAT = 1000
-"""ms, of every node."""
+"""Heartbeat time of every node [ms]."""
 TIMEOUT = 3000
 
 COUNT, NODE, HEARD = 0x2000, 0x2001, 0x2002
@@ -61,7 +61,7 @@ SLAVE = DeviceDescription(
 
 
 def before(node_id: int) -> int:
-    """The slave that a slave listens to."""
+    """Return the slave from which a slave receives."""
     return (node_id - 2) % SLAVES + 1
 
 
@@ -72,7 +72,7 @@ def _u32(value: int) -> bytes:
 def _pdo_writes(
     base: int, cob_id: int, transmission_type: int, *entries: int
 ) -> tuple[Write, ...]:
-    """A mapping in the order that CiA 301 wants."""
+    """Return the writes that set a mapping, in the order of CiA 301."""
     mapped = base + 0x200
     return (
         Write(base, 1, _u32(cob_id | 1 << 31)),
@@ -85,7 +85,7 @@ def _pdo_writes(
 
 
 def described(node_id: int) -> NodeDescription:
-    """A slave in the network: it sends at every SYNC, and takes what the one before it sends."""
+    """Return a slave that sends at every SYNC, and receives the values of the previous slave."""
     sent, heard = 0x180 + node_id, 0x180 + before(node_id)
     return NodeDescription(
         name=f"n{node_id}",
@@ -115,7 +115,7 @@ NETWORK = Network(
 
 
 class Counter:
-    """A slave with its application, which counts; `heard` are the values received by RPDO."""
+    """A slave with its application, a counter; `heard` are the values received by RPDO."""
 
     def __init__(self, node_id: int) -> None:
         self.heard: list[tuple[int, int]] = []
@@ -132,7 +132,7 @@ class Counter:
 
 
 class Collector:
-    """A station that keeps every PDO, and what all frames and their times add up to."""
+    """A station that records every PDO, and a check sum of all frames with their times."""
 
     identifiers = None
     deadline = None
@@ -159,7 +159,7 @@ class Collector:
 
     @property
     def sum(self) -> str:
-        """The parameters of a run."""
+        """The check sum of a run, to compare runs."""
         return self._sum.hexdigest()
 
 
@@ -182,16 +182,16 @@ class FullNetwork:
         self._runs = 0
 
     def run(self, seconds: float) -> None:
-        """Runs up to an instant."""
+        """Run up to a time."""
         self.system.run(round(seconds * SECOND))
 
     @property
     def phases(self) -> set[NodePhase]:
-        """Those of all nodes."""
+        """The phases of all nodes."""
         return {node.phase for node in self.manager.nodes.values()}
 
     def lost_or_doubled(self) -> int:
-        """Samples that did not come once and in turn, at the collector or at a slave."""
+        """Return the number of samples not received exactly once and in order."""
         wrong = 0
         for node_id, samples in self.collector.samples.items():
             first = samples[0][0]

@@ -66,17 +66,17 @@ class HubProcess:
         return line.rstrip("\n")
 
     def error_line(self) -> str:
-        """The next line on standard error."""
+        """Return the next line on standard error."""
         assert self._process.stderr is not None
         line: str = self._process.stderr.readline()
         return line.rstrip("\n")
 
     def tell(self, number: int) -> None:
-        """Sends it a signal."""
+        """Send a signal to the hub."""
         os.kill(self._process.pid, number)
 
     def end(self, how: int = signal.SIGINT) -> str:
-        """End it; returns its output on standard error since the last call."""
+        """End the hub; return its output on standard error since the last call."""
         if self._process.returncode is None:
             os.kill(self._process.pid, how)
             _, rest = self._process.communicate(timeout=30)
@@ -88,17 +88,17 @@ class HubProcess:
         return f"host={self.host},port={self.port},tcp_tune=True{more}"
 
     def link(self, channel: str = "can0", more: str = "") -> Link:
-        """A link of this process; `more` makes further ones."""
+        """Return a link of this process; `more` creates further ones."""
         return open_link(RealClock(), "socketcand", channel, 0, self.options(more))
 
     def connect(self) -> socket.socket:
-        """A connection that has said nothing yet."""
+        """Return a connection without any message yet."""
         end = socket.create_connection((self.host, self.port), 20)
         assert end.recv(256) == b"< hi >"
         return end
 
     def raw(self, channel: str = "can0") -> socket.socket:
-        """A connection in raw mode."""
+        """Return a connection in raw mode."""
         end = self.connect()
         for command in (f"< open {channel} >", "< rawmode >"):
             end.sendall(command.encode())

@@ -101,7 +101,7 @@ _TYPES = {str: "string", bool: "boolean", int: "long"}
 
 
 class DriveProxy(CanopenProxy):
-    """OutPort `tpdo1` has positions, InPort `rpdo1` targets."""
+    """A proxy whose OutPort `tpdo1` has positions, and InPort `rpdo1` targets."""
 
     description = DESCRIPTION
     networks = "canopen_networks"
@@ -163,7 +163,7 @@ class DriveProxy(CanopenProxy):
 
 
 class Objects:
-    """Octets by number; `aborts` has the codes of those that are refused, and how."""
+    """Octets by number; `aborts` has the abort codes of refused objects."""
 
     def __init__(self) -> None:
         self.values: dict[ObjectNumber, bytes] = {
@@ -241,7 +241,7 @@ class SimpleNode:
         self.send(Frame(ERROR_CONTROL + self.id, bytes((state,))))
 
     def mute(self) -> None:
-        """Sends no heartbeat any more."""
+        """Stop the heartbeat."""
         with self.link.lock:
             self._producer.stop()
             self.link.refresh(self)
@@ -299,7 +299,7 @@ class SimpleNode:
 
 @dataclass
 class Bench:
-    """A system with a proxy, its bus with a node of the same process, and what was seen."""
+    """A system with a proxy, its bus with a node of the same process, and records of both."""
 
     clock: SimulatedClock | RealClock = field(default_factory=SimulatedClock)
     settings: Mapping[str, Any] = field(default_factory=dict)
@@ -346,7 +346,7 @@ class Bench:
         self.system.run(self.system.time + round(seconds * SECOND))
 
     def until(self, state: str, seconds: float = 10.0) -> None:
-        """Runs till the proxy is in a state; fails if it does not get there."""
+        """Run until the proxy is in a state; fails if it does not get there."""
         wanted = LifeCycleState[f"{state}_STATE"]
         limit = self.system.time + round(seconds * SECOND)
         self.system.run(limit, until=lambda s: s.state("Drive0") is wanted)
@@ -357,11 +357,11 @@ class Bench:
         self.until("ACTIVE")
 
     def commands(self) -> list[tuple[int, int]]:
-        """NMT commands on the bus."""
+        """Return the NMT commands on the bus."""
         return [(f.data[0], f.data[1]) for f in self.recorder.frames if f.can_id == NMT]
 
     def error_control(self) -> list[int]:
-        """States in the node's error control on the bus, without repetitions."""
+        """Return the states in the node's error control on the bus, without repetitions."""
         found: list[int] = []
         for frame in self.recorder.frames:
             if frame.can_id == ERROR_CONTROL + NODE and frame.data[0] not in found[-1:]:

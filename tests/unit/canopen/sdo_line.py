@@ -1,4 +1,4 @@
-"""A client and a server on a line that loses and doubles frames, and a dictionary to serve."""
+"""A client and a server on a line that loses and doubles frames, with a dictionary."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class Values:
 
 
 class Line:
-    """Carries frames in order; `fates` says what happens to each, and then every one arrives."""
+    """Carries frames in order; `fates` are the fates of the first frames, later ones all arrive."""
 
     def __init__(
         self, client: SdoClient, server: SdoServer, fates: Iterable[int] = ()
@@ -63,7 +63,7 @@ class Line:
         self._waiting: deque[Frame] = deque()
 
     def run(self, frames: list[Frame]) -> bytes:
-        """Carries frames until the client is ready again; gives its result."""
+        """Carry frames until the client is ready again; return its result."""
         self._send(frames)
         while self._waiting or not self.client.ready:
             if self._waiting:
@@ -88,7 +88,7 @@ class Line:
 
 
 def line(values: Values, fates: Iterable[int] = (), block_size: int = 127) -> Line:
-    """Node 5's two ends."""
+    """Return a line with both ends of node 5."""
     return Line(
         SdoClient(5, block_size=block_size),
         SdoServer(5, values, block_size=block_size),

@@ -1,4 +1,4 @@
-"""A slave to be managed: what a manager talks to, with faults on order."""
+"""A slave for tests of managers, with faults on demand."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ class Slave:
         return []
 
     def power_on(self, now: int) -> None:
-        """Starts anew, with the values of 1017h and 2000h and up lost."""
+        """Start again; the values of 1017h and from 2000h on are lost."""
         self.nmt = NmtSlave(self.node_id)
         self._heartbeat = HeartbeatProducer(self.node_id)
         self._server = SdoServer(self.node_id, self)

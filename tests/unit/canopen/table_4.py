@@ -38,7 +38,7 @@ def _unsigned(bits: int) -> Values:
 
 @dataclass(frozen=True)
 class Kind:
-    """A data type: its code, its bits in a PDO, and values at its ends."""
+    """A data type: its code, its bits in a PDO, and its extreme values."""
 
     name: str
     code: int
@@ -81,7 +81,7 @@ KINDS = (
     Kind("TIME_DIFFERENCE", 0x0D, 48, ()),
     Kind("DOMAIN", 0x0F, 0, (b"", b"\0", bytes(range(256)) * 20)),
 )
-"""Table 4, and what goes beyond it. Times are checked by their members."""
+"""Table 4 with extensions. Times are checked by their members."""
 GROUPS = (
     ("BOOLEAN", "UNSIGNED8", "VISIBLE_CHAR", "INTEGER16", "UNSIGNED16"),
     ("INTEGER32", "UNSIGNED32"),
@@ -101,17 +101,17 @@ GROUPS = (
     ("TIME_OF_DAY",),
     ("TIME_DIFFERENCE",),
 )
-"""What each PDO carries, the first one as TPDO 1 and RPDO 1."""
+"""The content of each PDO, the first one as TPDO 1 and RPDO 1."""
 BY_NAME = {kind.name: kind for kind in KINDS}
 _TIMES = {
-    # Seconds since 1970; a day of 1984 is the first that there is.
+    # Seconds since 1970; the first possible day is in 1984.
     "TIME_OF_DAY": ((_DAYS_1984 * 86400, 0), ((_DAYS_1984 + 65535) * 86400 + 86399, 999000000)),
     "TIME_DIFFERENCE": ((0, 0), (65535 * 86400 + 86399, 999000000)),
 }  # fmt: skip
 
 
 def eds() -> str:
-    """The file. Objects 2000h.. go in by RPDO, 2100h.. out by TPDO, 2200h.. are for SDO."""
+    """Return the file. Objects 2000h.. are for RPDOs, 2100h.. for TPDOs, 2200h.. for SDO."""
     objects: dict[int, list[str]] = {
         0x1000: _variable("Device type", 7, "ro", "0x00000000"),
         0x1001: _variable("Error register", 5, "ro", "0"),
@@ -202,26 +202,26 @@ def _pdo(
 
 
 def rounds(number: int, struct: type[Any], time: type[Any]) -> Iterator[Any]:
-    """Samples for a PDO, in which every field has each of its values."""
+    """Yield samples for a PDO, in which every field has each of its values."""
     lists = [values(name, time) for name in GROUPS[number - 1]]
     for n in range(max(map(len, lists))):
         yield struct(time(), *(found[n % len(found)] for found in lists))
 
 
 def values(name: str, time: type[Any]) -> Values:
-    """The values of a data type, as generated code has them."""
+    """Return the values of a data type, as generated code has them."""
     if name in _TIMES:
         return tuple(time(*fields) for fields in _TIMES[name])
     return BY_NAME[name].values
 
 
 def content(sample: Any) -> list[Any]:
-    """The members of a sample but its time stamp."""
+    """Return the members of a sample except its time stamp."""
     return [getattr(sample, name) for name in type(sample).__match_args__][1:]
 
 
 def generate(folder: Path) -> Path:
-    """Generates the components of the file; gives the folder to import `PACKAGE` from."""
+    """Generate the components of the file; return the folder to import `PACKAGE` from."""
     (folder / "table_4.eds").write_text(eds(), encoding="latin-1")
     operations = ", ".join(f'"{0x2200 + n:04X}"' for n in range(len(KINDS)))
     bus = (
@@ -238,12 +238,12 @@ def generate(folder: Path) -> Path:
 
 
 def proxy(name: str) -> Any:
-    """The generated proxy, as a component of that name."""
+    """Return the generated proxy, as a component of that name."""
     return import_module(f"{PACKAGE}.canopen.table4.proxy").Table4Proxy(name)
 
 
 def device(name: str) -> Any:
-    """The generated device, as a component of that name; it sends back what it gets."""
+    """Return the generated device, as a component of that name; it sends back what it receives."""
     base = import_module(f"{PACKAGE}.components.table4_device").Table4DeviceBase
 
     class Echo(base):  # type: ignore[misc]
@@ -279,7 +279,7 @@ def device(name: str) -> Any:
 
 
 def configured(component: Any, settings: Mapping[str, object]) -> Any:
-    """The component with these parameters, in no network: the bus file asks for operations."""
+    """Return the component with these parameters, without a network to operate."""
     component.configuration_sets.set("network", "")
     for name, value in settings.items():
         component.configuration_sets.set(name, str(value))
@@ -287,7 +287,7 @@ def configured(component: Any, settings: Mapping[str, object]) -> Any:
 
 
 class Source(Component):
-    """Has an OutPort for each InPort of a proxy."""
+    """A component with an OutPort for each InPort of a proxy."""
 
     def __init__(self, target: Component) -> None:
         super().__init__("Source0")
@@ -296,7 +296,7 @@ class Source(Component):
 
 
 class Exchange:
-    """A proxy in a system, with what it is sent and what comes out of it."""
+    """A proxy in a system, with its input and its output."""
 
     def __init__(self, clock: Clock, settings: Mapping[str, object]) -> None:
         self.system = System(clock)
@@ -327,9 +327,9 @@ class Exchange:
         assert self.system.state("Proxy0") is ACTIVE_STATE, self.proxy.reason
 
     def pdos(self) -> Iterator[tuple[int, list[Any], list[Any]]]:
-        """Sends every value in every PDO; gives number, what was sent, and what came back."""
+        """Send every value in every PDO; yield number, sent values, and returned values."""
         time = import_module(f"{PACKAGE}.rtc").Time
-        # What the device sends when it becomes operational.
+        # The device's samples on becoming OPERATIONAL.
         self.system.run(self.system.time + SECOND // 2)
         self.got.clear()
         for number in range(1, len(GROUPS) + 1):
@@ -347,7 +347,7 @@ class Exchange:
             yield number, sent, self.got.get(name, [])
 
     def objects(self) -> Iterator[tuple[str, list[Any], list[Any]]]:
-        """Writes and reads every value by the typed operations of the SDO service."""
+        """Write and read every value by the typed operations of the SDO service."""
         time = import_module(f"{PACKAGE}.rtc").Time
         consumer = self.source.add_consumer("sdo", "sdo", self._interface())
         self.system.connect(("Source0", "sdo"), ("Proxy0", "sdo"))
@@ -365,9 +365,9 @@ class Exchange:
 
 
 def serve(settings: Mapping[str, object]) -> None:
-    """The process of a device: says `ready`, and does what it reads until its input ends.
+    """Run the process of a device: print `ready`, then execute commands until the input ends.
 
-    To each line it says what state it is in, and which callbacks there were.
+    It answers each line with its state and its callbacks.
     """
     with System(RealClock()) as system:
         component = configured(device("Device0"), settings)

@@ -1,4 +1,4 @@
-"""Whose turn it is on a CAN bus, and how long frames take."""
+"""Arbitration on a CAN bus, and the length of frames."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ FRAMES = st.builds(
 
 
 def bits_one_by_one(frame: Frame) -> int:
-    """The same by the standard's words: a list of bits, the CRC shifted, stuffing counted."""
+    """Compute the length literally: a list of bits, the CRC shifted, stuffing counted."""
 
     def of(value: int, width: int) -> list[int]:
         return [value >> place & 1 for place in reversed(range(width))]

@@ -1,4 +1,4 @@
-"""What a device sends comes out of its proxy at once, however slow the proxy's context is."""
+"""Received data leave a proxy at once, however slow the proxy's context is."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from rtgen.runtime import RealClock, SampleRecord
 
 @pytest.fixture(params=[0.1, 1.0, 100.0])
 def slow(request: pytest.FixtureRequest) -> Bench:
-    """A proxy, ACTIVE, in a context of this rate."""
+    """Return an ACTIVE proxy in a context of this rate."""
     bench = Bench()
     bench.with_node()
     bench.run(0.05)
@@ -64,7 +64,7 @@ def test_nothing_comes_out_of_one_that_is_not_active() -> None:
 
 
 def test_in_real_time_a_slow_context_is_woken() -> None:
-    """The next tick is far away: whatever arrives in time came without it."""
+    """The next tick is far away: data that arrive in time did not wait for it."""
     with Bench(RealClock(), settings={"channel": "can0"}) as bench:
         bench.with_node()
         bench.activate()

@@ -46,7 +46,7 @@ def out(capfd: pytest.CaptureFixture[str]) -> str:
 
 
 def shown(text: str) -> str:
-    """The text of a message box or of findings, in one line."""
+    """Return the text of a message box or of findings, in one line."""
     return " ".join(text.split())
 
 

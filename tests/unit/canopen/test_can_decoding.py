@@ -1,4 +1,4 @@
-"""Frames in words: every service, PDOs by the present mapping, SDO as a third station sees it."""
+"""Decoded frames: every service, PDOs by the present mapping, SDO as a third station sees it."""
 
 from __future__ import annotations
 
@@ -161,7 +161,7 @@ def test_lengths(linked: NodeIndex) -> None:
 
 
 def write(decoder: Decoder, index: int, subindex: int, value: int, size: int) -> None:
-    """A write that node 1 confirms."""
+    """Decode a write that node 1 confirms."""
     head = bytes((index & 0xFF, index >> 8, subindex))
     command = bytes((0x23 | (4 - size) << 2,))
     decoder.decode(Frame(0x601, command + head + value.to_bytes(4, "little")))
@@ -280,7 +280,7 @@ def value_of(size: int) -> bytes:
 
 
 def follow(frames: list[Frame]) -> list[tuple[bytes | None, bytes | None]]:
-    """What each message carries, and what the variable holds by it."""
+    """Return the content of each message, and the value of the variable that it completes."""
     follower = SdoFollower()
     found = []
     for frame in frames:

@@ -29,7 +29,7 @@ def access(hub: HubProcess) -> list[str]:
 
 @contextmanager
 def started(*arguments: str) -> Iterator[subprocess.Popen[str]]:
-    """A command in a process, killed at the end if it has not ended."""
+    """Yield a command in a process, which is killed at the end if it still runs."""
     process = subprocess.Popen(
         [sys.executable, "-m", "rtgen", "can", *arguments],
         stdout=subprocess.PIPE,
@@ -45,7 +45,7 @@ def started(*arguments: str) -> Iterator[subprocess.Popen[str]]:
 
 
 def ended(process: subprocess.Popen[str]) -> tuple[str, str]:
-    """What a process has said when it ended by Ctrl-C."""
+    """Return the output of a process that was ended by Ctrl-C."""
     process.send_signal(signal.SIGINT)
     output = process.communicate(timeout=PATIENCE)
     assert process.returncode == 0, output[1]
@@ -58,7 +58,7 @@ def frames(text: str) -> list[dict[str, Any]]:
 
 
 def between(found: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """The frames from the first command to the last answer."""
+    """Return the frames from the first command to the last answer."""
     kinds = [line["kind"] for line in found]
     first, last = kinds.index("nmt"), len(kinds) - kinds[::-1].index("sdo")
     return found[first:last]
@@ -89,7 +89,7 @@ def test_a_record_of_a_network_shows_what_was_live(
                 made[2].set(0x6401, 1, 1234)
                 link.send(made[2].flush(link.now()), made[2])
             assert run([*sdo, "read", "palette", "1018:2"]) == 0
-            # The hub has given the answer to all when this one has it, or soon after.
+            # The hub has sent the answer to all when this client has it, or soon after.
             time.sleep(0.3)
             _, errors = ended(recorder)
             live = frames("".join(heads) + ended(monitor)[0])

@@ -1,4 +1,4 @@
-"""`rtgen can monitor`, `record` and `replay`: live and from a record the same is shown."""
+"""`rtgen can monitor`, `record` and `replay`: live output equals that of a record."""
 
 from __future__ import annotations
 
@@ -217,7 +217,7 @@ def test_files_that_are_no_records(
     captured = capfd.readouterr()
     assert captured.out == ""
     if name != "a.asc":
-        # python-can passes over lines that are not messages in ASC.
+        # python-can skips lines that are not messages in ASC.
         assert code == 2
         assert "this is no" in captured.err
 

@@ -1,4 +1,4 @@
-"""What is written to nodes at start-up, and its order."""
+"""Values written to nodes at start-up, and their order."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ Written = list[tuple[str, str]]
 
 @pytest.fixture
 def bus(tmp_path: Path) -> Callable[..., Bus]:
-    """A bus of one sampler, and what is behind it in the file."""
+    """Return a reader of a bus with one sampler and further text."""
 
     def make(text: str, change: Callable[[str], str] = str) -> Bus:
         eds = change(SAMPLER.read_text(encoding="utf-8"))
@@ -50,7 +50,7 @@ def bus(tmp_path: Path) -> Callable[..., Bus]:
 
 @pytest.fixture
 def written(bus: Callable[..., Bus]) -> Callable[..., Written]:
-    """What is written to the node with these values, as (object, octets)."""
+    """Return a function for the writes to the node: (object, octets)."""
 
     def make(values: str = "", change: Callable[[str], str] = str) -> Written:
         text = f"[device.sampler.values]\n{values}"

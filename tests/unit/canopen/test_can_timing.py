@@ -24,7 +24,7 @@ MS = 1_000_000
     [(0, 55, 80), (1, 65, 90), (7, 125, 150), (8, 135, 160)],
 )
 def test_frames(octets: int, standard: int, extended: int) -> None:
-    """55 + 10 s and 80 + 10 s bits for s octets."""
+    """s octets have 55 + 10 s and 80 + 10 s bits."""
     assert frame_bits(octets) == standard
     assert frame_bits(octets, extended=True) == extended
 
@@ -74,7 +74,7 @@ def test_arbitration() -> None:
 
 
 def simulated(messages: list[Message], which: int) -> int:
-    """The longest response of a message if all are queued as a longer frame begins."""
+    """Return the longest response of a message if all are queued as a longer frame begins."""
     costs = [frame_bits(m.octets) * BIT for m in messages]
     now = max(costs[which + 1 :], default=0)
     sent = [0] * (which + 1)
@@ -96,7 +96,7 @@ def simulated(messages: list[Message], which: int) -> int:
     st.lists(st.tuples(st.integers(0, 8), st.integers(60, 900)), min_size=1, max_size=6)
 )
 def test_against_a_simulated_bus(drawn: list[tuple[int, int]]) -> None:
-    """The critical instant of the analysis, played through frame by frame."""
+    """The critical instant of the analysis, simulated frame by frame."""
     messages = [
         Message(f"m{n}", n, octets, 4 * period * BIT)
         for n, (octets, period) in enumerate(drawn)
@@ -134,7 +134,7 @@ def test_jitter_comes_on_top() -> None:
 
 
 def test_an_sdo_frame_blocks_what_is_more_urgent() -> None:
-    """Two small PDOs take 260 us at 500 kbit/s; behind an SDO frame it is 530."""
+    """Two small PDOs take 260 us at 500 kbit/s; after an SDO frame it is 530."""
     pdos = [Message("one", 0x181, 1, 10 * MS), Message("two", 0x182, 1, 10 * MS)]
     sdo = Message("SDO", 0x581, 8, 1000 * MS)
 
@@ -153,7 +153,7 @@ def test_a_queue_lets_an_urgent_message_wait_for_its_last_one() -> None:
     assert alone == {"SYNC": 190_000, "pdo": 190_000}
     both = [sync, beat, pdo]
     queued = {t.message.name: t.response for t in response_times(both, 1000)}
-    # A heartbeat that has just begun, SYNC behind the next one, and the PDO before that one.
+    # A heartbeat that has just begun, then SYNC, and the previous PDO.
     assert queued["SYNC"] == queued["beat"] == 65_000 + 135_000 + 65_000 + 55_000
 
 

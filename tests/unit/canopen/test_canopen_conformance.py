@@ -1,4 +1,4 @@
-"""`rtgen conformance`: our own nodes pass, and each check fails for a node that breaks just it."""
+"""`rtgen conformance`: rtgen's nodes pass, and each check fails for a node that violates it."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ Alter = Callable[[Frame, list[Frame]], list[Frame]]
 
 
 class SimulatedLine:
-    """A node alone on a line, in simulated time; `alter` changes what it sends."""
+    """A node alone on a line, in simulated time; `alter` changes its frames."""
 
     remote_frames = True
 
@@ -94,7 +94,7 @@ def test_our_own_nodes_conform(name: str) -> None:
 
 
 def limited(folder: Path) -> Path:
-    """f_palette with objects that it lacks: limits, a write-only one, node guarding."""
+    """Return f_palette with additional objects: limits, a write-only one, node guarding."""
     text = (SPECS / "f_palette.eds").read_text()
     for group, objects in (
         ("Optional", {0x100C: ("0x0006", "rw", ""), 0x100D: ("0x0005", "rw", "")}),
@@ -157,7 +157,7 @@ def test_without_actuate_the_node_stays_as_it_was(tmp_path: Path) -> None:
     assert {i for i in written - read_only if i >= 0x2000} <= {0x5FFF, 0xFFFF}
 
 
-# Mutants: each breaks what one check asserts, and nothing else.
+# Mutants: each violates one check only.
 
 
 def sdo_abort(cause: Frame, code: int) -> list[Frame]:
@@ -170,7 +170,7 @@ def acknowledged(cause: Frame) -> list[Frame]:
 
 
 def at(cause: Frame, command: int, index: int, sub: int = 0) -> bool:
-    """Whether it is the first message of a transfer: 0x40 reads, 0x20 writes."""
+    """Return whether it is the first message of a transfer: 0x40 reads, 0x20 writes."""
     number = bytes((index & 0xFF, index >> 8, sub))
     is_sdo = cause.can_id == 0x600 + ID and not cause.remote
     return is_sdo and cause.data[0] & 0xE0 == command and cause.data[1:4] == number
@@ -191,7 +191,7 @@ def accepting(command: int, index: int, sub: int = 0, most: int = 4) -> Alter:
 
 
 def answering(index: int, sub: int, first: int, value: bytes) -> Alter:
-    """Gives another expedited value where an object is read."""
+    """Return another expedited value for an object."""
     return lambda cause, out: (
         [Frame(0x580 + ID, bytes((first,)) + cause.data[1:4] + value.ljust(4, b"\0"))]
         if out and at(cause, 0x40, index, sub)
@@ -202,7 +202,7 @@ def answering(index: int, sub: int, first: int, value: bytes) -> Alter:
 def changed(
     can_id: int, change: Callable[[bytes], bytes | None], *, of: Alter = unaltered
 ) -> Alter:
-    """Changes the data of the frames of an identifier; None drops the frame."""
+    """Change the data of the frames of an identifier; None drops the frame."""
 
     def alter(cause: Frame, out: list[Frame]) -> list[Frame]:
         made = []
@@ -223,7 +223,7 @@ def to_command(first: int, answer: Callable[[Frame], list[Frame]]) -> Alter:
 
 
 class EverySecondBeat:
-    """Loses every second heartbeat."""
+    """Drops every second heartbeat."""
 
     def __init__(self) -> None:
         self.count = 0
@@ -237,7 +237,7 @@ class EverySecondBeat:
 
 
 class AfterAbort:
-    """Gives another first segment of 1008h after the client has aborted a transfer."""
+    """Returns another first segment of 1008h after the client has aborted a transfer."""
 
     def __init__(self) -> None:
         self.aborted = False
@@ -274,7 +274,7 @@ class RefusesItsOwnValue:
 
 
 class OldValues:
-    """Answers reads of the application, after an RPDO, with what was there before."""
+    """Answers reads of the application, after an RPDO, with the previous values."""
 
     def __init__(self) -> None:
         self.values: dict[bytes, list[Frame]] = {}

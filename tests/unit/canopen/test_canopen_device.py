@@ -55,7 +55,10 @@ def _port(get: Getter, now: int, type_: type[Any], number: ObjectNumber) -> Any:
 
 
 class Slave(CanopenDevice):
-    """What a generated base gives; every callback is noted and answers what `answers` has."""
+    """An implementation of the generated base, which records callbacks.
+
+    `answers` are the codes that they return.
+    """
 
     description: ClassVar[DeviceDescription] = DEVICE
     profile: ClassVar[ComponentProfile] = ComponentProfile(
@@ -123,7 +126,7 @@ class Slave(CanopenDevice):
 
 
 class Listener:
-    """Hears everything on the bus."""
+    """Records all frames on the bus."""
 
     identifiers = None
     deadline = None
@@ -143,7 +146,7 @@ class Listener:
 
 
 class Setup:
-    """A device in a system, and a listener on its bus that also plays the master."""
+    """A device in a system, and a listener on its bus that also acts as the master."""
 
     def __init__(self, device: Slave | None = None) -> None:
         clock = SimulatedClock()
@@ -156,7 +159,7 @@ class Setup:
         self.run()
 
     def run(self, milliseconds: int = 30) -> list[Frame]:
-        """What the device sends meanwhile."""
+        """Advance the time; return the device's frames."""
         self.listener.received.clear()
         end = self.system.clock.elapsed() + milliseconds * MILLISECOND
         self.system.run(until_ns=end)
@@ -175,7 +178,7 @@ class Setup:
         return self.system.state(self.device.instance_name), self.device.node.state
 
     def calls(self) -> list[str]:
-        """The callbacks since the last question."""
+        """Return the callbacks since the last call."""
         called = list(self.device.called)
         self.device.called.clear()
         return called

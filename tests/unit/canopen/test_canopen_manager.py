@@ -48,7 +48,7 @@ class _Service(Servant):
 
 
 class SampleManager(CanopenManager):
-    """As generated, but that its samples are numbers: 100 times the id, and the phase."""
+    """A manager like a generated one, whose samples are 100 times the node-id, and the phase."""
 
     networks = "sample_networks"
     profile = ComponentProfile(
@@ -82,7 +82,7 @@ class SampleManager(CanopenManager):
 
 
 class Listener(Component):
-    """Keeps the states of the manager."""
+    """Records the states of the manager."""
 
     profile = ComponentProfile("Listener", rate=1000.0)
 
@@ -163,7 +163,7 @@ def test_a_mandatory_node_that_fails_leads_to_error(bench: Bench) -> None:
     assert bench.run(0.32) is ERROR_STATE
     expected = "left (node 5): its heartbeat is lost: none for 300 ms"
     assert bench.manager.reason == expected
-    # The other one works on, and is still served.
+    # The other one continues, and is still served.
     assert bench.slaves[6].nmt.state is NmtState.OPERATIONAL
     assert bench.manager.refusal(NmtCommand.STOP, 6) == ""
     bench.run(0.2)

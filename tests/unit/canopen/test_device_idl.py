@@ -1,4 +1,4 @@
-"""The IDL of devices: in what is included, in the model of a project, and what it cannot be."""
+"""The IDL of devices: for inclusion, in the model of a project, and devices without IDL."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ Make = Callable[..., Compilation]
 
 @pytest.fixture
 def make(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Make:
-    """Compiles a project of these files."""
+    """Return a compiler for a project of these files."""
 
     def compiled(target: str = "embedded", **files: str) -> Compilation:
         here = tmp_path / "specs"
@@ -66,12 +66,12 @@ def make(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Make:
 
 
 def codes(made: Compilation) -> list[str]:
-    """The codes but those about what a made file has not: keys for readers, a heartbeat."""
+    """Return the codes except those about missing parts: keys for readers, a heartbeat."""
     return [d.code for d in made.diagnostics if d.code not in ("EDS0201", "EDS0711")]
 
 
 def declared(name: str) -> object:
-    """A declaration of the project around the working folder."""
+    """Return a declaration of the project around the working folder."""
     model = read(load(), lowered=True).model
     return model.find(tuple(name.split("::")))
 
@@ -249,7 +249,7 @@ def test_a_misspelt_include_of_a_device(make: Make) -> None:
 
 
 def test_rtc_types_of_the_project(make: Make) -> None:
-    """A project's own file is taken; it is not copied beside the devices'."""
+    """A project's own file is used; it is not copied beside the devices'."""
     own = (Path(__file__).parents[3] / "specs/idl/BasicDataType.idl").read_text()
     made = make("openrtm", drive_eds=DRIVE, BasicDataType_idl=own)
     paths = {a.path for a in made.artifacts}
@@ -260,7 +260,7 @@ def test_rtc_types_of_the_project(make: Make) -> None:
 
 
 def test_idl_of_rtgen_is_copied_for_other_compilers(make: Make) -> None:
-    """Only where one reads the IDL of devices."""
+    """Only if another compiler reads the IDL of devices."""
     shared = {"robots/canopen/Canopen.idl", "robots/canopen/BasicDataType.idl"}
     for_corba = {a.path for a in make("openrtm", drive_eds=DRIVE).artifacts}
     embedded = {a.path for a in make(drive_eds=DRIVE).artifacts}
@@ -339,7 +339,7 @@ def test_other_toml_files_are_no_bus_files(make: Make) -> None:
 
 
 def _alike(declaration: Declaration) -> object:
-    """A declaration without its places and texts for readers."""
+    """Return a declaration without its positions and texts for readers."""
 
     def stripped(value: object) -> object:
         if isinstance(value, Span):

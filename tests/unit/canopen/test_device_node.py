@@ -391,7 +391,7 @@ def test_another_node_of_the_same_id_is_noticed_once(can_id: int) -> None:
     assert collisions == [can_id]
 
 
-# The bus goes and comes back
+# Bus off and recovery
 
 
 @pytest.mark.parametrize(

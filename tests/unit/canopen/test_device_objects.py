@@ -18,7 +18,7 @@ from rtgen.runtime.canopen.wire.sdo import SdoAbort
 
 
 def refused(bench: Bench, index: int, subindex: int = 0) -> int:
-    """The abort code of a read."""
+    """Return the abort code of a read."""
     with pytest.raises(SdoAbort) as caught:
         bench.read(index, subindex)
     return caught.value.code

@@ -1,4 +1,4 @@
-"""PDOs of the slave: mapping by SDO with its rules, what is taken and when something is sent."""
+"""PDOs of the slave: rules of mapping by SDO, reception, and transmission."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ SPARE = 0x2FFF
 def remap(
     bench: Bench, communication: int, *entries: tuple[int, int, int], **parameters: int
 ) -> None:
-    """Maps by SDO as CiA 301 wants it, from invalid to valid; parameters as `s2=255`."""
+    """Map by SDO in the order of CiA 301, from invalid to valid; parameters as `s2=255`."""
     cob_id = int(bench.node.get(communication, 1)) & ~INVALID
     mapped = communication + 0x200
     bench.write(communication, 1, cob_id | INVALID)
@@ -522,7 +522,7 @@ _FIELDS = [(kind, KIND_BITS[kind]) for kind in KINDS if kind in KIND_BITS]
 
 
 class Bits:
-    """Data as a string of bits, bit 0 of octet 0 first: nothing but text operations."""
+    """Data as a string of bits, bit 0 of octet 0 first: an independent implementation on text."""
 
     def __init__(self, text: str = "") -> None:
         self.text = text

@@ -1,4 +1,4 @@
-"""Which emergencies stop a proxy, which are only reported, and how it leaves ERROR by itself."""
+"""Emergencies that stop a proxy, those that are only reported, and recovery from ERROR."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Random devices: what is generated is in black's form, compiles, and carries what it should."""
+"""Random devices: generated code is in black's form, compiles, and carries all values."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class RandomDevice:
         for direction, base in (("T", 0x1800), ("R", 0x1400)):
             for number in range(3):
                 self.pdo(direction, base + number, self.fields())
-        # One field alone, and as many as there can be.
+        # A single field, and as many as possible.
         self.pdo("T", 0x1803, [(DataType.INTEGER32, 32)])
         self.pdo("R", 0x1403, [(DataType.INTEGER32, 32)])
         first = self._next
@@ -66,7 +66,7 @@ class RandomDevice:
         self.variable("1001", "Error register", 5)
 
     def fields(self) -> list[tuple[int, int]]:
-        """Types and lengths of fields that a PDO has room for."""
+        """Return types and lengths of fields that fit a PDO."""
         found: list[tuple[int, int]] = []
         room = 64
         while room and self.random.random() < 0.9:
@@ -97,7 +97,7 @@ class RandomDevice:
         fields: list[tuple[int, int]],
         known: int | None = None,
     ) -> None:
-        """Maps new objects, or those from an index on that are `known`."""
+        """Map new objects, or those from an index on that are `known`."""
         number = index & 0x3FF
         title = f"{direction}PDO {number + 1}"
         self.section(f"{index:04X}", ParameterName=title, ObjectType=9, SubNumber=3)
@@ -154,7 +154,7 @@ def test_random_devices(
 
 
 def there_and_back(package: str) -> None:
-    """What a proxy makes of octets is what a device puts into them, and the other way round."""
+    """A proxy decodes what a device encodes, and the other way round."""
     device = importlib.import_module(f"{package}.canopen.it.device")
     codecs = importlib.import_module(f"{package}.canopen.it.proxy")
     proxy = codecs.ItProxy("it")
@@ -185,7 +185,7 @@ def there_and_back(package: str) -> None:
 
 
 def sample_octets(mapping: tuple[tuple[int, int, int], ...], description: Any) -> bytes:
-    """Octets with small positive numbers: no NaN, no half characters, no odd times."""
+    """Return octets with small positive numbers: no NaN, no half characters, no odd times."""
     at = number = 0
     for index, subindex, bits in mapping:
         kind = description.by_number[index, subindex].kind
@@ -201,7 +201,7 @@ def compare(
     values: dict[tuple[int, int], Any],
     description: Any,
 ) -> None:
-    """The object dictionary agrees with the codec, where both have the value."""
+    """Check that the object dictionary agrees with the codec on common values."""
     for field, (index, subindex, _) in zip(fields, mapping, strict=True):
         kind = description.by_number[index, subindex].kind
         value = values[index, subindex]

@@ -22,7 +22,7 @@ LATE, CORRUPT, RESET = "late", "corrupt", "reset"
 
 
 class FaultyLine(Line):
-    """One frame of a transfer is late, has a wrong octet, or resets the server."""
+    """A line on which one frame of a transfer is late, has a wrong octet, or resets the server."""
 
     fault = ""
     place = 0
@@ -42,14 +42,15 @@ class FaultyLine(Line):
 
     def _send(self, frames: list[Frame]) -> None:
         super()._send(frames)
-        # Who waited has given up, and its abort is under way: only now the late frame comes.
+        # After the time-out of the waiting end, its abort is under way: only now the late frame
+        # comes.
         if self._held is not None and any(frame.data[0] == 0x80 for frame in frames):
             held, self._held = self._held, None
             super()._send([held])
 
 
 def transfer(wire: Line, write: bool, block: bool) -> bytes | SdoAbort:
-    """The outcome of one transfer."""
+    """Return the outcome of one transfer."""
     client, now = wire.client, wire.now
     try:
         if write:
@@ -76,13 +77,14 @@ def test_a_fault_at_each_frame_of_a_transfer(
             wire.fault, wire.place = fault, place
         outcome = transfer(wire, write, block)
         assert wire.now <= bound("sdo")
-        # The object has its old value or the new one, and an error tells that it may be the old.
+        # The object has its old value or the new one, and the error says that it may be the old
+        # one.
         assert values.value in (OLD, NEW)
         assert len(values.writes) <= 1
         if not isinstance(outcome, SdoAbort):
             assert values.value == (NEW if write else OLD)
             assert write or outcome == OLD
-        # The next transfer is not disturbed by what is left of this one.
+        # The next transfer is not disturbed by frames of this one.
         again = line(values)
         again.client, again.server, again.now = wire.client, wire.server, wire.now
         assert again.run(again.client.upload(0x2000, 0, again.now)) == values.value
@@ -92,7 +94,7 @@ CONFIGURATION = (HEARTBEAT, Write(0x2003, 0, bytes(range(40))), Write(0x2002, 0,
 
 
 class BootFault:
-    """Puts a fault at the frame of that number between manager and node."""
+    """Applies a fault to the frame of that number between manager and node."""
 
     def __init__(self, kind: str, place: int, bench: Bench) -> None:
         self.kind = kind
@@ -123,7 +125,7 @@ class BootFault:
 
 
 def boot(kind: str, place: int) -> tuple[Bench, BootFault]:
-    """A node that is booted by its manager, with a fault at one frame."""
+    """Return a node that is booted by its manager, with a fault at one frame."""
     bench = Bench(described(configuration=CONFIGURATION, restarts=3))
     bench.slave()
     fault = BootFault(kind, place, bench)

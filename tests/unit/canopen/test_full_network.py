@@ -11,12 +11,12 @@ from rtgen.runtime.canopen.wire.nmt import NmtState
 
 @pytest.mark.slow
 def test_a_minute_of_a_full_bus() -> None:
-    """SYNC each 100 ms, heartbeats each second, 1 Mbit/s; twice the same, bit for bit."""
+    """SYNC each 100 ms, heartbeats each second, 1 Mbit/s; two runs are equal, bit for bit."""
     network, again = FullNetwork(), FullNetwork()
     network.run(3)
     assert network.phases == {NodePhase.RUNNING}
     for slave in network.slaves:
-        # Each listens to another slave, as only its configuration tells.
+        # Each slave receives from another one, as set by its configuration.
         assert slave.node.state is NmtState.OPERATIONAL
         assert slave.node.get(HEARD, 1) == (slave.node.node_id - 2) % SLAVES + 1
     network.run(63)

@@ -35,7 +35,7 @@ CASE = Path(__file__).parents[2] / "golden/cases/canopen_devices/input"
 
 @pytest.fixture(scope="module")
 def lab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """The generated packages `lab` and `mylab` can be imported."""
+    """Make the generated packages `lab` and `mylab` importable."""
     work = tmp_path_factory.mktemp("lab")
     shutil.copytree(CASE, work, dirs_exist_ok=True)
     with pytest.MonkeyPatch.context() as patch:
@@ -50,7 +50,7 @@ def lab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
 
 
 class Probe(Component):
-    """Has what comes out of ports, and writes to others."""
+    """A component that records samples of ports, and writes to others."""
 
     profile = ComponentProfile("Probe", rate=100.0)
 
@@ -110,15 +110,15 @@ class Bench:
         self.system.run(self.system.time + round(seconds * SECOND))
 
     def got(self, port: str) -> Any:
-        """The newest sample that came out of a port: `proxy.tpdo1`."""
+        """Return the newest sample of a port: `proxy.tpdo1`."""
         return self.probe.in_ports[port].read_newest()
 
     def send(self, port: str, sample: Any) -> None:
-        """Gives a sample to a port."""
+        """Write a sample to a port."""
         self.probe.out_ports[f"to {port}"].write(sample)
 
     def call(self, operation: str, *arguments: object) -> Any:
-        """Calls the SDO service of the first device's proxy."""
+        """Call the SDO service of the first device's proxy."""
         return self.proxy.sdo.call(operation, arguments)
 
 
@@ -130,7 +130,7 @@ def bench(lab: None) -> Iterator[Bench]:
 
 
 def fields(sample: Any) -> tuple[Any, ...]:
-    """The members behind the time stamp."""
+    """Return the members after the time stamp."""
     names = [m.name for m in type(sample)._descriptor_.members]
     return tuple(getattr(sample, name) for name in names[1:])
 
@@ -231,7 +231,7 @@ def test_objects_to_the_device(bench: Bench) -> None:
     bench.run(0.1)
     assert bench.second.objects.Ticks_56 == 1 << 55
     assert bench.second.objects.Level == 9
-    # The others have their defaults, or what they had.
+    # The others have their defaults, or their previous values.
     assert bench.second.objects.Gear == -1
     bench.send("pieces.Gear_in", rtc.TimedShort(data=2))
     bench.run(0.1)
@@ -266,7 +266,7 @@ def test_objects_by_sdo(bench: Bench, name: str, values: tuple[Any, ...]) -> Non
 
 
 def test_objects_by_name(bench: Bench) -> None:
-    """Values as they are on the wire: of the proxy itself, and by its service port."""
+    """Values as transferred: of the proxy itself, and by its service port."""
     table = of("lab.canopen.sampler", "SamplerObjects")
     consumer = bench.probe.add_consumer(
         "objects", "objects", of("lab.canopen", "ObjectDictionary")

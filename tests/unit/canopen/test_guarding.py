@@ -58,7 +58,7 @@ def test_a_repeated_toggle_bit_is_no_sign_of_life() -> None:
     assert guard.accepts(answer(0x85))
     guard.poll(
         200
-    )  # This request stays without an answer: the next one may have either.
+    )  # This request is unanswered: the next one may have either toggle bit.
     guard.poll(300)
     assert guard.accepts(answer(0x85))
 
@@ -93,7 +93,7 @@ class GuardedNode(SimpleNode):
 
 
 def guarded(guard_time: int = 0, factor: int = 0) -> tuple[Bench, GuardedNode]:
-    """A proxy, ACTIVE, that is the master, and its node."""
+    """Return a proxy, ACTIVE, that is the master, and its node."""
     bench = Bench()
     node = GuardedNode(bench, guard_time, factor)
     bench.run(0.05)

@@ -85,7 +85,7 @@ def until(link: Link, condition: Callable[[], bool]) -> None:
 
 
 def frames_of(end: socket.socket, count: int) -> list[str]:
-    """The identifiers and data of frames, as a raw client reads them."""
+    """Return the identifiers and data of frames, as a raw client reads them."""
     text = b""
     while text.count(b">") < count:
         data = end.recv(65536)
@@ -94,7 +94,7 @@ def frames_of(end: socket.socket, count: int) -> list[str]:
     return re.findall(r"< frame (\S+ )\S+( \S*) >", text.decode())
 
 
-# Buses of their own: what a bus does is seen without sockets.
+# Buses without sockets.
 
 
 class FakePort(Port):
@@ -564,7 +564,7 @@ def test_a_link_over_slcan_and_the_end_of_its_line() -> None:
         a, b = Recorder(), Recorder(answer=lambda frame: [Frame(2, frame.data)])
         link.attach(a)
         line.attach(b)
-        # What comes before the hub has read that the line is open does not go there.
+        # Data that arrive before the hub knows that the line is open are not forwarded.
         line.send([Frame(3)], b)
         until(link, lambda: a.frames == [Frame(3)])
         link.send([Frame(1, b"12345678")], a)
@@ -598,12 +598,12 @@ def test_a_hub_that_stands_still_stops_nobody() -> None:
 
 
 def test_bus_off_and_other_faults() -> None:
-    """The bus is off so many seconds after the start: later, if this machine needs longer."""
+    """The bus is off for some seconds after the start: longer, if this machine is slow."""
     assert any(_frames_before_bus_off(seconds) for seconds in (3, 30, 90))
 
 
 def _frames_before_bus_off(seconds: int) -> bool:
-    """Whether the first frames came before the bus was off; then it is back, and carries more."""
+    """Return whether the first frames came before bus-off; then check the recovered bus."""
     faults = (f"bus-off={seconds}:0.3", "loss=1@111", "delay=500@222")
     a, b = Recorder(), Recorder()
     with (
@@ -700,7 +700,7 @@ def test_what_cannot_be_served(capfd: pytest.CaptureFixture[str]) -> None:
 def send_until_full_then_receive(bus: OpenBus, hub_end: socket.socket) -> None:
     while bus.send(Frame(1, bytes(8))):
         continue
-    # No part of the last frame was sent. Now the hub ends in the midst of a text.
+    # No part of the last frame was sent. Now the hub ends within a text.
     hub_end.sendall(b"< frame 123 1.0")
     hub_end.shutdown(socket.SHUT_WR)
     while True:

@@ -39,7 +39,7 @@ FRAMES = st.builds(
     st.integers(0, (1 << 29) - 1),
     st.binary(max_size=8),
 )
-# Octets that come near what the protocols are made of.
+# Octets that resemble those of the protocols.
 NEARLY = st.lists(
     st.one_of(
         st.sampled_from(
@@ -52,7 +52,7 @@ NEARLY = st.lists(
 
 
 def taken(stream: Elements | Lines) -> Iterable[str | None]:
-    """All that can be taken; None for what is refused."""
+    """Yield all complete texts; None for a refused one."""
     while True:
         before = stream.waiting
         try:
@@ -282,7 +282,7 @@ def test_what_is_no_fault(text: str) -> None:
 
 
 def spellings(text: bytes, chance: Random) -> bytes:
-    """A text with some octets changed, doubled or left out."""
+    """Return a text with some octets changed, doubled or left out."""
     octets = bytearray(text)
     for _ in range(chance.choice((0, 0, 1, 1, 2, 3))):
         at = chance.randrange(len(octets))

@@ -1,4 +1,4 @@
-"""The LSS master: selection, fastscan, node-ids, bit rates; and what can go wrong."""
+"""The LSS master: selection, fastscan, node-ids, bit rates; and its errors."""
 
 from __future__ import annotations
 
@@ -156,7 +156,7 @@ def test_assignment_of_nobody() -> None:
 
 
 def answered(command: LssCommand, *rest: int) -> Callable[[bytes], bytes | None]:
-    """A slave that is selected by anything, and answers one command so."""
+    """Return a slave that is always selected, and answers one command so."""
 
     def answer(data: bytes) -> bytes | None:
         reply = {

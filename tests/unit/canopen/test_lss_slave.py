@@ -1,4 +1,4 @@
-"""The LSS slave: selected, scanned, asked and configured, message by message (CiA 305)."""
+"""The LSS slave: selection, fastscan, inquiry and configuration, by messages (CiA 305)."""
 
 from __future__ import annotations
 
@@ -168,7 +168,7 @@ def test_what_is_no_request_has_no_answer(frame: Frame) -> None:
 
 
 def scan(slaves: Sequence[LssSlave]) -> tuple[int, ...] | None:
-    """An independent fastscan master: the smallest address, bit by bit; None without a slave."""
+    """Return the smallest address, by an independent fastscan master; None without a slave."""
 
     def ask(number: int, bit: int, part: int, following: int) -> bool:
         frame = Frame(

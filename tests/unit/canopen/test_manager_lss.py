@@ -1,4 +1,4 @@
-"""Nodes that have no node-id, or another one, get theirs from the manager."""
+"""Nodes without a node-id, or with another one, get theirs from the manager."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ def test_unknown_serial_numbers_are_found_by_fastscan() -> None:
         s3=7,
     )
     bench.run(8)
-    # Those of one kind get their ids in the order of their serial numbers.
+    # Nodes of one kind get their ids in the order of their serial numbers.
     assert bench.ids() == {14: 5, 900: 6, 3: 7}
     assert bench.phases == {NodePhase.RUNNING}
 
@@ -154,7 +154,7 @@ def test_a_halt_ends_the_assignment() -> None:
 
 
 def test_the_proxy_of_a_node_that_forgets_its_id_waits_for_lss() -> None:
-    """Without storage LSS comes after the boot time-out: a reset of the proxy takes longer."""
+    """Without storage LSS follows the boot time-out: a reset of the proxy takes longer."""
     bench = Bench(described(5, 7), s7=UNCONFIGURED)
     slave = bench.slaves[7]
     slave.lss.stored.node_id = UNCONFIGURED

@@ -1,4 +1,4 @@
-"""The manager of a network: boot, supervision, restarts, requests of others, faults."""
+"""The manager of a network: boot, supervision, restarts, requests of other stations, faults."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ class Bench:
 
 
 def booted(*nodes: NodeDescription, **options: int) -> Bench:
-    """A bench whose slaves all run."""
+    """Return a bench whose slaves are all operational."""
     bench = Bench(*(nodes or (described(),)), **options)
     for node in nodes or (described(),):
         bench.slave(node.id)
@@ -212,7 +212,7 @@ def test_one_master_for_each_bus() -> None:
         other.start()
 
 
-# Nodes that do not come up
+# Nodes that do not boot
 
 
 def test_a_mandatory_node_that_never_speaks_fails() -> None:
@@ -323,7 +323,7 @@ def test_an_sdo_server_that_is_silent() -> None:
 
 
 def losing(can_id: int, *commands: int) -> Bench:
-    """A bench that loses the first frame of each of these commands; 2003h gets 100 octets."""
+    """Return a bench that loses the first frame of each command; 2003h gets 100 octets."""
     writes = (HEARTBEAT, Write(0x2003, 0, bytes(100)), Write(0x2002, 0, VALUE))
     bench = Bench(described(configuration=writes))
     bench.slave()
@@ -462,7 +462,7 @@ def test_restarts() -> None:
     slave.dead = True
     bench.run(0.35)
     assert bench.node().phase is NodePhase.FAILED
-    # A boot-up message brings it back in any case.
+    # A boot-up message makes it restart in any case.
     slave.dead = False
     slave.power_on(bench.bus.now())
     bench.bus.refresh(slave)
@@ -506,7 +506,7 @@ def test_a_node_that_leaves_operational_by_itself() -> None:
     assert bench.node().reason == "it has stopped by itself"
 
 
-# Requests of others
+# Requests of other stations
 
 
 @pytest.mark.parametrize(
@@ -579,7 +579,7 @@ def test_what_is_asked_while_a_node_boots_waits() -> None:
     slave.boot_time = 100 * MS
     bench.manager.request(RESET_NODE, 5)
     bench.run(0.05)
-    # Stopped, it would be mute, and could not be configured.
+    # STOPPED, it would send nothing, and could not be configured.
     bench.manager.request(STOP, 5)
     bench.run(0.5)
     assert bench.node().phase is NodePhase.READY
@@ -637,7 +637,7 @@ def test_another_node_has_the_id_of_the_manager() -> None:
     assert bench.manager.failure == "another node has the manager's node-id 127"
 
 
-# The bus goes and comes back
+# Bus off and recovery
 
 
 def test_bus_off_and_return() -> None:
@@ -687,7 +687,7 @@ def test_126_nodes_are_looked_at_only_when_they_are_due() -> None:
     bench.manager.poll = counted  # type: ignore[method-assign]
     bench.run(3)
     assert {node.phase for node in bench.manager.nodes.values()} == {NodePhase.RUNNING}
-    # 126 heartbeats each 0.1 s, and a time-out of 0.3 s: a look for each node and time-out.
+    # 126 heartbeats each 0.1 s, and a time-out of 0.3 s: one check for each node and time-out.
     assert polls <= 126 * 3 / 0.3 * 1.5
 
 

@@ -1,4 +1,4 @@
-"""The profile of a proxy: every PDO of the device turned round, 400h away."""
+"""The mirrored profile for a proxy: every PDO in the other direction, its number + 400h."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ FILES = [*sorted((ROOT / "specs/canopen").glob("*.eds")), SAMPLER]
 TURNED = {"tpdo": "rpdo", "rpdo": "tpdo"}
 
 ODD = {
-    "EDS0503",  # fields of fewer bits than their types
+    "EDS0503",  # fields with fewer bits than their types
     "EDS0509",  # a gap, which only RPDOs may have
 }
 
@@ -29,7 +29,7 @@ def read(path: Path) -> Device:
 
 @pytest.fixture(params=FILES, ids=lambda path: path.stem)
 def pair(request: pytest.FixtureRequest, tmp_path: Path) -> tuple[Device, Device]:
-    """A device, and its mirror as a reader of the file has it."""
+    """Return a device, and its mirror as parsed from the file."""
     device = read(request.param)
     path = tmp_path / "mirror.eds"
     path.write_text(eds_text(mirrored(device, path.name)), encoding="utf-8")

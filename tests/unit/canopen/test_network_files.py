@@ -46,12 +46,12 @@ AccessType=rw
 
 @pytest.fixture
 def bus(tmp_path: Path) -> Bus:
-    """The network of the golden case; its devices can keep configurations of others."""
+    """Return the network of the golden case, whose devices can store configurations of others."""
     return changed(tmp_path, "[2001]", KEEPER)
 
 
 def changed(folder: Path, old: str, new: str) -> Bus:
-    """The network of the golden case with another text in its files."""
+    """Return the network of the golden case with another text in its files."""
     for path in CASE.iterdir():
         text = path.read_text(encoding="utf-8").replace(old, new)
         (folder / path.name).write_text(text, encoding="utf-8")
@@ -100,7 +100,7 @@ def test_a_dcf_has_the_place_and_the_values_of_its_node(
 def test_a_configuration_from_a_dcf_is_that_of_the_bus_file(
     bus: Bus, tmp_path: Path
 ) -> None:
-    """Whoever writes what a DCF has, in that order, has configured the node."""
+    """Writing the values of a DCF, in that order, configures the node."""
     for node in bus.nodes:
         device = read(text_of(bus, f"bench/{node.name}.dcf"), tmp_path)
         wanted = {

@@ -73,7 +73,7 @@ def test_commands(before: NmtState, command: NmtCommand, node_id: int) -> None:
 def test_merged_stop(
     before: NmtState, command: NmtCommand, ok: bool, after: NmtState
 ) -> None:
-    """Figure 111: the return code decides what a stop is; out of Error only by reset."""
+    """Figure 111: the return code decides the effect of a stop; Error is left by a reset only."""
     slave = slave_in(before, merged_stop=True, ok=ok)
     slave.receive(command_frame(command, 5))
     assert slave.state is after
@@ -222,7 +222,7 @@ def test_without_supervision() -> None:
 
 
 def test_a_command_to_where_the_node_is() -> None:
-    """It is answered by the next heartbeat; a later visit there was not asked for."""
+    """It is answered by the next heartbeat; a later state of that kind is not an answer."""
     consumer = HeartbeatConsumer(5, timeout=100)
     beat(consumer, OPERATIONAL, 0)
     consumer.ask(OPERATIONAL)

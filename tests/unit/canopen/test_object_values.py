@@ -1,4 +1,4 @@
-"""Values of objects: boundaries of every kind, against `struct` and arithmetic of their own."""
+"""Values of objects: boundaries of every kind, compared with `struct` and own arithmetic."""
 
 from __future__ import annotations
 
@@ -235,7 +235,7 @@ def test_wide_text(text: str) -> None:
     ],
 )
 def test_strings_of_devices(octets: bytes, text: str) -> None:
-    """UTF-8 where it is that, else Latin-1."""
+    """UTF-8 if valid, else Latin-1."""
     assert decode("string", octets) == text
 
 

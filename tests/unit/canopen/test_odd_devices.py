@@ -1,4 +1,4 @@
-"""Devices whose names and mappings are in everybody's way are generated like any other."""
+"""Devices with clashing names and unusual mappings are generated like any other."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ id = 1
 
 
 def names() -> str:
-    """A device with all the names, four of them in a PDO, both ways."""
+    """Return a device with all the names, four of them in a PDO, both ways."""
     things = [Thing(name) for name in NAMES]
     entries = [entry(0x2000 + place, 16) for place in range(len(things))]
     pdos = {n // 4 + 1: entries[n : n + 4] for n in range(0, len(entries), 4)}
@@ -90,7 +90,7 @@ def names() -> str:
 
 
 def types() -> str:
-    """A device with all types, and mappings that are not easy."""
+    """Return a device with all types, and difficult mappings."""
     codes = list(CODES)
     things = [
         Thing(f"T {code:02X}", code, default="" if code in OTHERS else "0")
@@ -114,7 +114,7 @@ def types() -> str:
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The project."""
+    """Return the folder of the project."""
     root = tmp_path_factory.mktemp("odd")
     (root / "rtgen.toml").write_text(
         '[sources]\npaths = ["eds"]\n'
@@ -139,7 +139,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def made(folder: Path) -> Compilation:
-    """What is generated; it is written, too."""
+    """Generate and write the files."""
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
         project = load()
@@ -167,7 +167,7 @@ def test_everything_is_in_blacks_form(made: Compilation) -> None:
 
 
 def test_everything_is_imported_and_made(folder: Path, made: Compilation) -> None:
-    """Each module is imported, and each component made."""
+    """Import each module, and create each component."""
     code = (
         "import importlib, pkgutil, odd\n"
         "for each in pkgutil.walk_packages(odd.__path__, 'odd.'):\n"
@@ -212,7 +212,7 @@ def test_omniidl_reads_the_idl(folder: Path, made: Compilation) -> None:
 
 @pytest.mark.slow
 def test_the_order_of_files_does_not_matter(folder: Path, made: Compilation) -> None:
-    """Each file is as it was when the sources are read the other way round."""
+    """Each file is the same if the sources are read in reverse order."""
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
         project = load()

@@ -1,4 +1,4 @@
-"""Mappings that a description configures reach the node, also where no network is known."""
+"""Mappings that a description configures reach the node, also without a network."""
 
 from __future__ import annotations
 
@@ -115,7 +115,7 @@ COMMISSIONING = "[DeviceComissioning]\nNodeID=5\nNodeName=drive\nBaudrate=500"
 
 
 def made(folder: Path, text: str) -> dict[str, Any]:
-    """The module `objects` of a description."""
+    """Return the module `objects` of a description."""
     (folder / "drive.eds").write_text(text, encoding="utf-8")
     (device,) = eds.load([folder / "drive.eds"], root=folder).model.devices
     tables: dict[str, Any] = {"__name__": "drive"}

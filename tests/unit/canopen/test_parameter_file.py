@@ -1,4 +1,4 @@
-"""Stored parameters that outlive the process: the file of a device."""
+"""Stored parameters that survive the process: the file of a device."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def powered() -> Bench:
-    """A node that was switched on, with what the file has."""
+    """Return a node that was switched on, with the values of the file."""
     file = ParameterFile(NAME, DEVICE)
     node = DeviceNode(DEVICE)
     node.store.values, node.store.keep = file.read(), file.write

@@ -1,4 +1,4 @@
-"""PDO codecs: generated from random mappings, against a plain writer of bits and `canopen`."""
+"""PDO codecs: generated from random mappings, compared with a plain writer and `canopen`."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ INTEGERS = {**SIGNED, **UNSIGNED}
 
 
 def module_text(codecs: Sequence[PdoCodec]) -> str:
-    """A module with both functions of each codec."""
+    """Return a module with both functions of each codec."""
     imports = [f"from {module} import {name}\n" for module, name in IMPORTS]
     standard, runtime = "".join(imports[:2]), imports[2]
     head = f"from __future__ import annotations\n\n{standard}\n{runtime}\n"
@@ -42,7 +42,7 @@ def module_text(codecs: Sequence[PdoCodec]) -> str:
 
 
 def compiled(mapped: Sequence[Mapped], name: str = "tpdo1") -> ModuleType:
-    """The module with the codec of a mapping."""
+    """Return the module with the codec of a mapping."""
     module = ModuleType("codec")
     text = module_text([PdoCodec(name, name.upper(), layout(mapped))])
     exec(compile(text, "codec", "exec"), module.__dict__)
@@ -50,13 +50,13 @@ def compiled(mapped: Sequence[Mapped], name: str = "tpdo1") -> ModuleType:
 
 
 def codec(mapped: Sequence[Mapped]) -> tuple[Callable[..., bytes], Callable[..., Any]]:
-    """Its two functions."""
+    """Return the two functions of a mapping's codec."""
     module = compiled(mapped)
     return module.encode_tpdo1, module.decode_tpdo1
 
 
 def bits_of(entry: Mapped, value: Any) -> int:
-    """The bits of a value, by the definition of its type."""
+    """Return the bits of a value, by the definition of its type."""
     if entry.data_type == DataType.REAL32:
         return int.from_bytes(struct.pack("<f", value), "little")
     if entry.data_type == DataType.REAL64:
@@ -71,7 +71,7 @@ def bits_of(entry: Mapped, value: Any) -> int:
 
 
 def written(mapped: Sequence[Mapped], values: Sequence[Any]) -> bytes:
-    """The data of a PDO, bit after bit."""
+    """Return the data of a PDO, bit after bit."""
     number, at, left = 0, 0, list(values)
     for entry in mapped:
         if entry.name is not None:
@@ -81,7 +81,7 @@ def written(mapped: Sequence[Mapped], values: Sequence[Any]) -> bytes:
 
 
 def values_of(entry: Mapped) -> st.SearchStrategy[Any]:
-    """Values of a field, its limits among them."""
+    """Return values of a field, including its limits."""
     code, bits = entry.data_type, entry.bits
     if code in SIGNED:
         half = 1 << bits - 1
@@ -105,7 +105,7 @@ def values_of(entry: Mapped) -> st.SearchStrategy[Any]:
 
 @st.composite
 def mappings(draw: st.DrawFn, aligned: bool = False) -> list[Mapped]:
-    """Random mappings of up to 64 bits, with gaps."""
+    """Draw mappings of up to 64 bits, with gaps."""
     found: list[Mapped] = []
     left = 64
     while left and draw(st.integers(0, 9)):
@@ -181,7 +181,7 @@ def test_black_leaves_it(data: st.DataObject) -> None:
 @QUICK
 @given(st.data())
 def test_as_canopen_packs_octets(data: st.DataObject) -> None:
-    """Where every field begins and ends at an octet, the package's own coding is right."""
+    """If every field begins and ends at an octet, the package's own coding is right."""
     canopen = pytest.importorskip(
         "canopen", reason="the package canopen is not installed"
     )

@@ -109,7 +109,7 @@ def test_synchronous_acyclic() -> None:
 
 @pytest.mark.parametrize("kind", [1, 2, 3, 240])
 def test_synchronous_cyclic(kind: int) -> None:
-    """On every n-th SYNC, whether there was an event or not."""
+    """On every n-th SYNC, with an event or without."""
     transmitter = tpdo(kind)
     assert transmitter.update(b"a", 0) is None
     due = [n for n in range(1, 3 * kind + 1) if transmitter.sync(0, n)]
@@ -185,7 +185,7 @@ def test_reserved_types(kind: int) -> None:
     st.sampled_from([0, 0, 5, 20]),
 )
 def test_nothing_is_lost_uncounted(pauses: list[int], inhibit: int, timer: int) -> None:
-    """Frames keep their distance and order; each event was sent or is counted; the last is sent."""
+    """Frames keep their distance and order; each event is sent or counted; the last is sent."""
     transmitter = tpdo(255, inhibit=inhibit, timer=timer)
     frames: list[tuple[int, int]] = []
 

@@ -21,7 +21,7 @@ from rtgen.runtime.canopen.wire.sdo import SdoAbort
 
 
 def ready(**settings: object) -> Bench:
-    """A proxy, INACTIVE, whose node has booted."""
+    """Return a proxy, INACTIVE, whose node has booted."""
     bench = Bench(settings=settings)
     bench.with_node()
     bench.run(0.05)
@@ -259,7 +259,7 @@ def test_objects_are_read_and_written_by_their_types() -> None:
 
 
 def test_values_of_another_length() -> None:
-    """Some servers send 4 octets whatever the type; fewer than the type has are not value."""
+    """Some servers send 4 octets for any type; fewer octets than the type has are no value."""
     with active() as bench:
         bench.node.objects.values[0x1001, 0] = b"\x11\0\0\0"
         assert bench.proxy.read_object(0x1001) == 0x11
@@ -340,7 +340,7 @@ def test_a_lost_answer_is_a_time_out() -> None:
 
 @pytest.mark.parametrize("way", ["lost", "doubled"])
 def test_a_lost_or_doubled_segment(way: str) -> None:
-    """A lost segment of an answer is a time-out, a doubled one a toggle error."""
+    """A lost segment of an answer gives a time-out, a doubled one a toggle error."""
     name = b"a rather long name of a drive"
     with active() as bench:
         bench.node.objects.values[0x1008, 0] = name

@@ -1,4 +1,4 @@
-"""Figure 110 with both of its ends as components: a proxy and a device, driven from either side."""
+"""Figure 110 with components at both ends: a proxy and a device, driven from either side."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ PROXY, DEVICE_NAME = "Slave0", "slave"
 
 
 class Pair:
-    """A proxy and a device on a simulated bus, with everything that goes over it."""
+    """A proxy and a device on a simulated bus, with a record of its frames."""
 
     def __init__(self) -> None:
         self.system = System()
@@ -42,7 +42,7 @@ class Pair:
         self.system.run(self.system.time + round(seconds * SECOND))
 
     def both(self, state: str, seconds: float = 5.0) -> None:
-        """Runs till both are in that state."""
+        """Run until both are in that state."""
 
         def there(system: System) -> bool:
             return self.states == (state, state)
@@ -52,7 +52,7 @@ class Pair:
 
     @property
     def states(self) -> tuple[str, str]:
-        """Of the proxy and of the device."""
+        """The states of the proxy and of the device."""
         names = [self.system.state(name).name for name in (PROXY, DEVICE_NAME)]
         return names[0].removesuffix("_STATE"), names[1].removesuffix("_STATE")
 
@@ -71,7 +71,7 @@ class Pair:
 
     @property
     def called(self) -> list[str]:
-        """The device's callbacks since the last time."""
+        """The device's callbacks since the last call."""
         calls, self.device.called[:] = list(self.device.called), []
         return calls
 

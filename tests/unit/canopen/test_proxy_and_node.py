@@ -1,4 +1,4 @@
-"""A proxy against the complete slave: values of every kind by SDO, and what the slave finds."""
+"""A proxy with the complete slave: values of every kind by SDO, and detection of a second node."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ SECOND = 1000 * MILLISECOND
 
 
 class SlaveProxy(DriveProxy):
-    """Of the slave with an object of each kind; without PDOs of its own."""
+    """The proxy of the slave with an object of each kind; without PDOs."""
 
     description = DEVICE
 

@@ -1,4 +1,4 @@
-"""A proxy whose node is in a network: its PDOs, identity, configuration, and with a manager."""
+"""A proxy whose node is in a network: PDOs, identity, configuration, and with a manager."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ NETWORK = Network("net", 500, 127, 0, 100, (PLACED,))
 
 
 def put(monkeypatch: pytest.MonkeyPatch, network: Network) -> None:
-    """Makes it what the generated module `net` has."""
+    """Use it as the content of the generated module `net`."""
     package, module = ModuleType("canopen_networks"), ModuleType("canopen_networks.net")
     package.__path__ = [str(Path(__file__).parent / "networks")]
     module.NETWORK = network  # type: ignore[attr-defined]
@@ -293,7 +293,7 @@ def test_a_node_that_the_manager_misses(monkeypatch: pytest.MonkeyPatch) -> None
 def test_a_heartbeat_is_watched_when_the_manager_has_configured_it(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """Before that a node may beat as its EDS has it, ever so slowly."""
+    """Before that a node may send heartbeats at the rate of its EDS, however slowly."""
     idle = replace(NETWORK, nodes=(replace(PLACED, start=False),))
     put(monkeypatch, idle)
     with ready(master=False) as bench:

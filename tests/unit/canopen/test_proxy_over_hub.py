@@ -1,4 +1,4 @@
-"""A proxy in real time over a hub that dies, and comes back."""
+"""A proxy in real time over a hub that is killed and restarted."""
 
 from __future__ import annotations
 

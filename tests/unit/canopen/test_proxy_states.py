@@ -28,7 +28,7 @@ BOOT, STOPPED, OPERATIONAL, PRE_OPERATIONAL = 0x00, 0x04, 0x05, 0x7F
 
 
 def ready(**settings: object) -> Bench:
-    """A proxy, INACTIVE, whose node has booted."""
+    """Return a proxy, INACTIVE, whose node has booted."""
     bench = Bench(settings=settings)
     bench.with_node()
     bench.run(0.05)
@@ -166,7 +166,7 @@ def test_error_is_left_by_reset_alone() -> None:
         assert bench.system.activate("Drive0") is PRECONDITION_NOT_MET
 
 
-# From the node's side: what nobody asked for.
+# From the node's side: unrequested changes.
 
 
 def test_3_an_operational_node_activates() -> None:
@@ -320,7 +320,7 @@ def test_a_storm_of_emergencies_is_one_error(caplog: pytest.LogCaptureFixture) -
         bench.activate()
 
 
-# What can go wrong on the way.
+# Failures on the way.
 
 
 def test_a_node_that_is_missing_at_start() -> None:

@@ -177,7 +177,7 @@ def test_timers(channel: str, peer: can.BusABC) -> None:
     time.sleep(0.03)
     assert len(producer.polls) == polls
     assert producer.polls == sorted(producer.polls)
-    # One that is far away comes forward.
+    # A distant timer is set to an earlier time.
     with link.lock:
         producer.deadline = link.now() + 3600 * SECOND
         link.refresh(producer)

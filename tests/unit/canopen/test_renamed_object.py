@@ -1,4 +1,4 @@
-"""How much of the generated tree one renamed object changes."""
+"""The extent of changes in the generated tree for one renamed object."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ ROOT = Path(__file__).parents[3]
 SPECS = ROOT / "specs/canopen"
 DEVICES = ("ftmd", "motor_core_unit", "f_palette", "epos_drive")
 NETWORKS = ("fourx", "pdo_linking", "rh3_beego")
-MOST = 5
+MAX_CHANGES = 5
 
 
 def tree(folder: Path, monkeypatch: pytest.MonkeyPatch) -> dict[str, str]:
-    """What is generated of the definitions of a folder."""
+    """Return the generated files for the definitions of a folder."""
     with monkeypatch.context() as patch:
         patch.chdir(folder)
         assert run(["generate", "--no-cache", "--quiet"]) == 0
@@ -42,7 +42,7 @@ def tree(folder: Path, monkeypatch: pytest.MonkeyPatch) -> dict[str, str]:
 def test_of_a_renamed_object_few_files_differ(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, device: str, name: str
 ) -> None:
-    """An object that no PDO has by default; ports are called after those that it has."""
+    """An object that no PDO maps by default; ports are named after their objects."""
     for file in (*(f"{d}.eds" for d in DEVICES), *(f"{n}.toml" for n in NETWORKS)):
         (tmp_path / file).write_bytes((SPECS / file).read_bytes())
     (tmp_path / "rtgen.toml").write_text(
@@ -58,4 +58,4 @@ def test_of_a_renamed_object_few_files_differ(
     changed = sorted(path for path in before if before[path] != after[path])
     assert before.keys() == after.keys()
     assert f"renamed/canopen/{device}/__init__.py" in changed
-    assert len(changed) <= MOST, changed
+    assert len(changed) <= MAX_CHANGES, changed

@@ -1,4 +1,4 @@
-"""What a proxy sends: the newest value once per SYNC, inhibit times, every value otherwise."""
+"""RPDOs sent by a proxy: the newest value once per SYNC, inhibit times, every value otherwise."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from rtgen.runtime.canopen.wire.frames import SYNC, Frame
 
 @pytest.fixture
 def drive(monkeypatch: pytest.MonkeyPatch) -> Callable[..., Bench]:
-    """Makes a bench whose RPDO has these parameters, ACTIVE, with a writer of targets."""
+    """Return a maker of an ACTIVE bench with these parameters of the RPDO, and a writer."""
 
     def made(**changes: int) -> Bench:
         pdos = tuple(

@@ -1,4 +1,4 @@
-"""SDO client and server: against each other, on a bad line, and message by message."""
+"""SDO client and server: with each other, on a bad line, and message by message."""
 
 from __future__ import annotations
 
@@ -131,7 +131,7 @@ def test_refused_values() -> None:
 
 
 def test_a_transfer_after_an_abort_that_was_lost() -> None:
-    """The server, still in the block, takes what can be not a segment for the next request."""
+    """The server, still in the block, treats a message that cannot be a segment as a request."""
     values = Values()
     first = line(values, [ONCE, TWICE, ONCE, LOST, LOST], block_size=1)
     with pytest.raises(SdoAbort):
@@ -155,7 +155,7 @@ FATES = st.lists(st.sampled_from([LOST, ONCE, ONCE, ONCE, ONCE, TWICE]), max_siz
 def test_downloads_on_a_bad_line(
     fates: list[int], size: int, block: bool, block_size: int
 ) -> None:
-    """The whole value or nothing is written; what the client holds for written, is."""
+    """The value is written completely or not at all; the client is right about the written part."""
     values, value = Values(), value_of(size)
     wire = line(values, fates, block_size)
     try:
@@ -181,7 +181,7 @@ def test_downloads_on_a_bad_line(
 def test_uploads_on_a_bad_line(
     fates: list[int], size: int, block: bool, block_size: int
 ) -> None:
-    """The value or an abort; afterwards the next transfer works."""
+    """The result is the value or an abort; afterwards the next transfer works."""
     value = value_of(size)
     wire = line(Values(value), fates, block_size)
     try:
@@ -218,7 +218,7 @@ def test_a_lost_segment_of_a_block_comes_again(lost: int) -> None:
     )
 )
 def test_any_messages(messages: list[tuple[int, bytes, bytes]]) -> None:
-    """Neither end raises, and a message brings at most one block of answers."""
+    """Neither end raises, and a message causes at most one block of answers."""
     server, client = SdoServer(5, Values(value_of(2000))), SdoClient(5)
     client.upload(0x2000, 0, 0, block=True)
     for head, target, rest in messages:
@@ -258,7 +258,7 @@ def test_time_out_aborts_and_drains() -> None:
 
 
 def test_draining_ends() -> None:
-    """A server that never stops to talk holds the client for ten times the silence only."""
+    """A server that sends forever delays the client for ten times the silence only."""
     client = SdoClient(5, timeout=100, drain=50)
     client.upload(0x2000, 0, 0)
     client.poll(100)
@@ -353,7 +353,7 @@ def test_small_values_by_block_upload_may_come_at_once() -> None:
 
 
 def test_size_untold() -> None:
-    """22h takes as many octets as the object has; 42h gives four."""
+    """22h has as many octets as the object; 42h returns four."""
     values = Values()
     values.limit = 2
     server = SdoServer(5, values)
@@ -388,7 +388,7 @@ def test_acknowledgements_that_cannot_be() -> None:
 
 
 def test_blocks_of_which_nothing_arrives() -> None:
-    """Five in a row, and the sender gives up."""
+    """After five in a row, the sender gives up."""
     server = SdoServer(5, Values(value_of(20)))
     server.receive(request("a400200002000000"), 0)
     server.receive(request("a3" + "00" * 7), 0)
@@ -439,7 +439,7 @@ def test_toggle_of_upload_requests() -> None:
 
 
 def test_a_request_after_the_last_block() -> None:
-    """Within blocks every message is a segment; behind them a transfer may begin."""
+    """Within blocks every message is a segment; after them a transfer may begin."""
     server = SdoServer(5, Values(b"x"))
     server.receive(request("c400200000000000"), 0)
     server.receive(request("81" + "61" * 7), 0)

@@ -1,4 +1,4 @@
-"""Bounds of SDO transfers (CiA 301, 7.2.4.3): sizes of each kind, and what is refused."""
+"""Bounds of SDO transfers (CiA 301, 7.2.4.3): sizes of each kind, and refusals."""
 
 import pytest
 

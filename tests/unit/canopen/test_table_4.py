@@ -87,7 +87,7 @@ class DeviceProcess:
         self._process.stdin.flush()
 
     def state(self) -> list[str]:
-        """Its state, and its callbacks since the last time."""
+        """Return the device's state, and its callbacks since the last call."""
         self.send_command("state")
         return self._read().replace("_STATE", "").split()
 
@@ -116,7 +116,7 @@ def test_in_two_processes(generated: Path, hub: HubProcess) -> None:
 
 
 class Observer:
-    """NMT commands and states on the bus, by python-can alone."""
+    """Observes NMT commands and states on the bus, by python-can alone."""
 
     def __init__(self, hub: HubProcess) -> None:
         self._bus = can.Bus(
@@ -139,7 +139,7 @@ class Observer:
         self._bus.send(can.Message(arbitration_id=0, data=data, is_extended_id=False))
 
     def seen(self, last: int) -> list[str]:
-        """Frames up to the error control frame of state `last`, which is sent once."""
+        """Return frames up to the error control frame of state `last`, which is sent once."""
         found: list[str] = []
         limit = time.monotonic() + PATIENCE
         while time.monotonic() < limit:
@@ -160,7 +160,7 @@ class Observer:
 
 
 def test_life_cycle_in_two_processes(generated: Path, hub: HubProcess) -> None:
-    """Each transition of figure 110 from both sides, with the frames that a third sees."""
+    """Each transition of figure 110 from both sides, with the frames on the bus."""
     bus = bus_of(hub)
     settings = {**bus, "master": True}
     with (
@@ -171,7 +171,7 @@ def test_life_cycle_in_two_processes(generated: Path, hub: HubProcess) -> None:
         system = exchange.system
 
         def both(state: LifeCycleState, *wanted_calls: str) -> None:
-            """Run till proxy and device are there, and the device called these callbacks.
+            """Run until proxy and device are in the state; check the callbacks of the device.
 
             The state changes after `on_activated`, but before `on_aborting`.
             """
@@ -238,7 +238,7 @@ def test_life_cycle_in_two_processes(generated: Path, hub: HubProcess) -> None:
         assert "EMCY 6200" in observer.seen(0x04)
         system.reset("Proxy0")
         both(INACTIVE_STATE, "on_reset")
-        # 3 from elsewhere on the bus.
+        # 3 from another station on the bus.
         observer.send(NmtCommand.START)
         both(ACTIVE_STATE, "on_activated")
         observer.send(NmtCommand.ENTER_PRE_OPERATIONAL)

@@ -34,12 +34,12 @@ class _NoImports:
 
 
 def source(text: str) -> Source:
-    """The text as a file."""
+    """Return the text as a file."""
     return Source("some.cdl", "some.cdl", Path("some.cdl"), text.encode(), "utf8")
 
 
 def parsed(text: str) -> tuple[Unit, list[Diagnostic]]:
-    """The unit with its statements, and the syntax errors."""
+    """Return the unit with its statements, and the syntax errors."""
     found: list[Diagnostic] = []
     unit = Unit(source(text))
     unit.items = parse(unit, TypeNames(frozenset()), _NoImports(), found.append)
@@ -47,7 +47,7 @@ def parsed(text: str) -> tuple[Unit, list[Diagnostic]]:
 
 
 def analysed(text: str) -> tuple[Table, list[str]]:
-    """The table of a text without syntax errors, and the messages of all passes."""
+    """Return the table of a text without syntax errors, and the messages of all passes."""
     unit, errors = parsed(text)
     assert not errors
     found: list[Diagnostic] = []
@@ -57,14 +57,14 @@ def analysed(text: str) -> tuple[Table, list[str]]:
 
 
 def celltype(table: Table, name: str) -> Celltype:
-    """What is known of a celltype."""
+    """Return the entry of a celltype."""
     found = component(table.root.entities[name])
     assert isinstance(found, Celltype)
     return found
 
 
 def cell(table: Table, name: str) -> Cell:
-    """What is known of a cell at file scope."""
+    """Return the entry of a cell at file scope."""
     found = component(table.root.entities[name])
     assert isinstance(found, Cell)
     return found

@@ -1,4 +1,4 @@
-"""Cells: what they set, prototypes, use."""
+"""Cells: initial values, prototypes, use."""
 
 from cdl_stages import CELLTYPES, analysed, cell
 

@@ -1,4 +1,4 @@
-"""Joins: targets, signatures, call ports that stay open."""
+"""Joins: targets, signatures, unconnected call ports."""
 
 from cdl_stages import CELLTYPES, analysed, cell
 

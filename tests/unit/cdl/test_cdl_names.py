@@ -1,4 +1,4 @@
-"""The table of a unit: scopes, declarations, names that are taken."""
+"""The table of a unit: scopes, declarations, name clashes."""
 
 from cdl_stages import analysed
 

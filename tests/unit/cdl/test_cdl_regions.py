@@ -1,4 +1,4 @@
-"""Regions: scopes of cells, plug-ins on the way from one to another."""
+"""Regions: scopes of cells, plug-ins between regions."""
 
 from cdl_stages import CELLTYPES, analysed
 

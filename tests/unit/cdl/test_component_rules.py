@@ -1,4 +1,4 @@
-"""What is taken and what is refused of celltypes, composites, cells, joins and regions."""
+"""Accepted and refused celltypes, composites, cells, joins and regions."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ BASE = (FOLDER / "base.cdl").read_text(encoding="utf-8")
 
 
 def cases(name: str) -> dict[str, str]:
-    """The texts of a file by their titles."""
+    """Return the texts of a file by their titles."""
     _, *blocks = (FOLDER / name).read_text(encoding="utf-8").split("\n== ")
     return dict(block.split("\n", 1) for block in blocks)
 
@@ -27,7 +27,7 @@ REFUSED = cases("refused.txt")
 
 
 def errors(text: str) -> list[str]:
-    """The errors that a text gives behind what all cases share."""
+    """Return the errors of a text that is appended to the common part."""
     _, found = read_text(BASE + text)
     return [d.code for d in found if d.severity is Severity.ERROR]
 
@@ -89,7 +89,7 @@ def test_a_join_inside_a_composite_leads_to_a_cell_of_it(
 
 
 def test_joins_of_a_cell_whose_celltype_is_missing() -> None:
-    """The file is what is wrong; where the join leads is seen all the same."""
+    """The error is in the file; the target of the join is resolved all the same."""
     text = "import( <no_file.cdl> ); cell tMissing M { cX = Worker.eWork; };"
     unit, found = read_text(BASE + text)
     assert [d.code for d in found if d.severity is Severity.ERROR] == ["CDL0006"]

@@ -13,7 +13,7 @@ from rtgen.model.tecs import Signature, TecsConst
 
 VALUES: dict[str, bool | int | float] = {
     "const int32_t A = -(3) + ~4;": -8,
-    "const int32_t A = (-7) / 2;": -4,  # as Ruby has it
+    "const int32_t A = (-7) / 2;": -4,  # as in Ruby
     "const int32_t A = (-7) % 4;": 1,
     "const int32_t A = (7 & 6 | 8) ^ 1;": 15,
     "const int32_t A = 3 << 4;": 48,
@@ -103,7 +103,7 @@ SIZES = {
 
 
 def mistake(text: str) -> str | None:
-    """The one error of a text, if it has any."""
+    """Return the only error of a text, or None."""
     _, findings = read_text(text)
     errors = [d.message for d in findings if d.severity is Severity.ERROR]
     assert len(errors) < 2

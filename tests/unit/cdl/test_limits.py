@@ -1,4 +1,4 @@
-"""Texts that nest or repeat without end: read in bounded depth, with a finding that says so."""
+"""Texts with unlimited nesting or repetition: read in bounded depth, with a finding."""
 
 from __future__ import annotations
 

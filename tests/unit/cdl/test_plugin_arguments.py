@@ -1,4 +1,4 @@
-"""The argument of our plug-in: names and values with their places."""
+"""The argument of rtgen's plug-in: names and values with their positions."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ cell tWorker Worker {};
 
 
 def user(plugin: str, argument: str) -> str:
-    """A cell with that plug-in on its join."""
+    """Return a cell with that plug-in on its join."""
     return f"cell tUser User {{ [through( {plugin}, {argument} )] cWork = Worker.eWork; }};\n"
 
 
 def through(argument: str, plugin: str = "RTCPlugin") -> tuple[Through, list[str]]:
-    """The plug-in on a join with that argument (with its quotes), and the codes of its findings."""
+    """Return the plug-in of a join for an argument (with its quotes), and codes of findings."""
     unit, found = read_text(HEAD + user(plugin, argument))
     ((_, join),) = unit.joins_through("RTCPlugin")
     return join.through[0], [d.code for d in found if d.severity is not Severity.NOTE]
 
 
 def values(argument: str) -> dict[str, str]:
-    """The options of an argument that has no mistake."""
+    """Return the options of an argument without errors."""
     made, codes = through(argument)
     assert codes == []
     return {option.name: option.value for option in made.options}
@@ -95,7 +95,7 @@ def test_names(plugin: str) -> None:
 
 
 def test_places() -> None:
-    """Each name and value is found in the source, over several literals and lines."""
+    """Each name and value has its position in the source, over several literals and lines."""
     text = HEAD + (
         "cell tUser User {\n"
         '  [through( RTCPlugin, "port=8931, "\n'

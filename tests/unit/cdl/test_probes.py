@@ -1,6 +1,6 @@
-"""Short CDL texts: what tecsgen 1.7 takes is taken; what it refuses is refused, by which rule.
+"""Short CDL texts that rtgen accepts if tecsgen 1.7 does, or refuses by which rule.
 
-Each row has the message of tecsgen (empty where it has none), the rule of ours, and the text.
+Each row has the message of tecsgen (empty without one), rtgen's rule, and the text.
 """
 
 from __future__ import annotations

@@ -45,7 +45,7 @@ def _read(
     prelude: bool = True,
     **files: str,
 ) -> FrontendResult:
-    """What a folder of files gives; `main_cdl` is the main file."""
+    """Return the result of reading a folder of files; `main_cdl` is the main file."""
     for name, text in files.items():
         path = folder / name.replace("__", "/").replace("_", ".")
         path.parent.mkdir(exist_ok=True)

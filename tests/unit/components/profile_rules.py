@@ -191,7 +191,7 @@ RULES = {
     "rtcExt:Properties": Rule(
         attributes={"!rtcExt:name": FILLED, "rtcExt:value": TEXT}
     ),
-    # Constraints: of several children that an element may have it has exactly one.
+    # Constraints: elements with exactly one of several children.
     "rtc:Constraint": Rule(children={f"rtc:{kind}": (0, 1) for kind in KINDS}),
     "rtc:ConstraintUnitType": Rule(
         attributes=texts("rtc:key"), children={f"rtc:{name}": (0, 1) for name in UNITS}
@@ -217,13 +217,13 @@ _PREFIXES = {uri: prefix for prefix, uri in NAMESPACES.items()}
 
 
 def check_schema(root: etree._Element) -> None:
-    """Asserts that a profile keeps all rules."""
+    """Assert that a profile satisfies all rules."""
     broken = sorted(set(broken_rules(root)))
     assert not broken, broken
 
 
 def broken_rules(root: etree._Element) -> Iterable[str]:
-    """What is against the rules, in words."""
+    """Yield the violations of the rules, as texts."""
     if dict(root.nsmap) != NAMESPACES:
         yield "the prefixes are not the usual ones"
     if _name(root) != "rtc:RtcProfile":
@@ -288,7 +288,7 @@ def _rule(element: etree._Element, name: str) -> Rule | None:
 
 
 def _whole(root: etree._Element) -> Iterable[str]:
-    """What several elements have to agree in."""
+    """Yield violations of consistency between elements."""
     info = root.find("rtc:BasicInfo", NAMESPACES)
     if info is None:
         return

@@ -1,4 +1,4 @@
-"""Components in IDL with whatever a definition may have, for hypothesis."""
+"""Random components in IDL with all constructs of definitions, for hypothesis."""
 
 from __future__ import annotations
 
@@ -93,14 +93,14 @@ class Definition:
 
 
 def quoted(text: str) -> str:
-    """A string literal of IDL."""
+    """Return a string literal of IDL."""
     escapes = {"\\": "\\\\", '"': '\\"', "\t": "\\t"}
     return '"' + "".join(escapes.get(c, c) for c in text) + '"'
 
 
 @st.composite
 def docs(draw: st.DrawFn, margin: str = "    ") -> str:
-    """A doc comment of any number of lines, or none."""
+    """Draw a doc comment of any number of lines, or none."""
     line = st.lists(
         st.sampled_from(
             ["<br/>", "word", "  ", "&amp;", "日本", "é", "]]>", "- item", "\\n"]
@@ -118,7 +118,7 @@ def docs(draw: st.DrawFn, margin: str = "    ") -> str:
 
 @st.composite
 def _annotations(draw: st.DrawFn, own: list[str]) -> str:
-    """Annotations in any order, some of them the user's."""
+    """Draw annotations in any order, some of them the user's."""
     chosen = [*own, *draw(st.lists(st.sampled_from(_USER), max_size=1))]
     return "".join(f"    {each}\n" for each in draw(st.permutations(chosen)))
 
@@ -147,7 +147,7 @@ def _port(draw: st.DrawFn, name: str) -> str:
 
 @st.composite
 def _number(draw: st.DrawFn, type_: str) -> list[str]:
-    """Annotations of a parameter that is a number: default, bounds, constraint, widget."""
+    """Draw annotations of a numeric parameter: default, bounds, constraint, widget."""
     if type_ in _FLOATS:
         low, high, default = sorted(draw(st.tuples(*[st.integers(-64, 64)] * 3)))
         texts = [str(value / 4) for value in (low, high, default)]
@@ -222,7 +222,7 @@ def _parameter(draw: st.DrawFn, name: str) -> str:
 
 @st.composite
 def _rtc(draw: st.DrawFn) -> str:
-    """`@rtc` with some arguments, or none of it."""
+    """Draw `@rtc` with some arguments, or nothing."""
     text = _FREE.map(quoted)
     plain = st.sampled_from(["a", "Lab é", ' x"y '.strip()]).map(quoted)
     arguments = {
@@ -248,7 +248,7 @@ def _rtc(draw: st.DrawFn) -> str:
 
 @st.composite
 def definitions(draw: st.DrawFn, *, alone: bool = False) -> Definition:
-    """A file with a component; `alone`: its types stand in the same file."""
+    """Draw a file with a component; `alone`: its types stand in the same file."""
     names = draw(
         st.lists(
             st.sampled_from(_NAMES),

@@ -1,4 +1,4 @@
-"""What is refused before a component is emitted, by rule."""
+"""Definitions that are refused before a component is emitted, by rule."""
 
 import pytest
 from component_models import (

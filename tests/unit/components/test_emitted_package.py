@@ -34,7 +34,7 @@ USER = component(
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with the package `robots` and the skeletons in `behaviours`."""
+    """Return a folder with the package `robots` and the skeletons in `behaviours`."""
     target = tmp_path_factory.mktemp("emitted")
     found = model(SOURCE, USER)
     for backend in (TYPES, BACKEND):
@@ -51,7 +51,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def behaviours(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> Iterator[dict[str, ModuleType]]:
-    """The modules of the skeletons, by name."""
+    """Import the modules of the skeletons, by name."""
     before = set(sys.modules)
     monkeypatch.syspath_prepend(str(folder))
     yield {

@@ -1,4 +1,4 @@
-"""The emitted Python: what it says, and that black finds nothing to do in it."""
+"""The emitted Python: its content, and its form by black."""
 
 import ast
 import keyword

@@ -1,4 +1,4 @@
-"""Every type an attribute can have, with every annotation: a finding, or a profile."""
+"""Every possible type of an attribute, with every annotation: a finding, or a profile."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A profile of rtgen that was edited in RTCBuilder: the edit counts, the rest stays."""
+"""A profile of rtgen that was edited in RTCBuilder: edits are adopted, the rest is unchanged."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def key(name: str) -> str:
 
 
 def named(root: etree._Element, name: str) -> etree._Element:
-    """The part of that name."""
+    """Return the part of that name."""
     found = [e for e in root.iter("{*}*") if e.get(key("rtc:name")) == name]
     return found[-1]
 
@@ -120,7 +120,7 @@ def port(found: dict[str, Any], name: str) -> dict[str, Any]:
 
 
 def argument(item: dict[str, Any], name: str) -> Any:
-    """The argument of an annotation, None without it."""
+    """Return the argument of an annotation, None without it."""
     found = [a["arguments"] for a in item["annotations"] if a["name"] == name]
     return found[0].get("value", found[0]) if found else None
 
@@ -128,7 +128,7 @@ def argument(item: dict[str, Any], name: str) -> Any:
 def edited(
     folder: Folder, edit: Edit
 ) -> tuple[dict[str, Any], dict[str, Any], list[str]]:
-    """The declaration before and after an edit, and the diagnostics of reading the profile."""
+    """Return the declaration before and after an edit, and the diagnostics of reading."""
     model, component, _ = folder.read(folder.write("Arm.idl", ARM))
     root = etree.fromstring(folder.profile(model, component).encode())
     edit(root)
@@ -252,7 +252,7 @@ def test_what_is_inherited(folder: Folder) -> None:
     assert any("Ancestor" in message for message in messages)
 
 
-# The checker of the rules itself.
+# The checker of the rules.
 
 
 def broken(root: etree._Element) -> list[str]:

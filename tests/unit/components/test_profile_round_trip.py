@@ -1,4 +1,4 @@
-"""IDL to RtcProfile to IDL: the component stays what it is, and edits of the profile win."""
+"""IDL to RtcProfile to IDL: the component is unchanged, except for edits of the profile."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ class Folder:
 
 
 def declaration(model: Model, component: Component) -> dict[str, Any]:
-    """What `inspect --json` says of a component, but for where it stands."""
+    """Return the output of `inspect --json` for a component, without positions."""
     found: dict[str, Any] = next(
         d
         for d in inspect(model, ())["declarations"]
@@ -88,7 +88,7 @@ def told_of_profiles(found: list[Diagnostic]) -> list[str]:
 
 
 def check_round_trip(folder: Folder, path: Path) -> None:
-    """Through XML and through YAML, read as a definition, and as the IDL that both give."""
+    """Compare XML and YAML, read as definitions, and the IDL written from both."""
     model, component, _ = folder.read(path)
     wanted = declaration(model, component)
     xml = folder.profile(model, component)

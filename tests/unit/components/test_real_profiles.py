@@ -23,7 +23,7 @@ pytestmark = pytest.mark.skipif(
 
 
 def facts(element: Element) -> Any:
-    """What YAML has of an element; the order of those of different names is the schema's."""
+    """Return the YAML content of an element; elements of different names in the schema's order."""
     attributes = {
         k: v for k, v in element.attributes.items() if k[0] != profile_yaml.XSI
     }

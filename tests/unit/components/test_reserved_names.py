@@ -1,4 +1,4 @@
-"""The names that ports cannot have, against the runtime that has them."""
+"""The names that ports cannot have, compared with the runtime that defines them."""
 
 from rtgen.runtime import Component
 from rtgen.runtime.canopen.master.manager import CanopenManager
@@ -25,7 +25,7 @@ def test_names_are_those_of_the_bases_of_canopen() -> None:
         for name in (*vars(class_), *vars(class_).get("__annotations__", ()))
         if not name.startswith("_") and class_ is not object
     }
-    # Attributes of instances, and ports that a manager has.
+    # Attributes of instances, and ports of managers.
     own = {"node", "objects", "station"}
     assert (found | own) - COMPONENT_NAMES - {"manager", "states"} == CANOPEN_NAMES
 

@@ -1,4 +1,4 @@
-"""The emitted `RTC.xml` against the rules of the RtcProfile schema, version 0.3."""
+"""The emitted `RTC.xml` by the rules of the RtcProfile schema, version 0.3."""
 
 import re
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""What the file of a system holds beyond the model is there again when the system is saved."""
+"""Content of a system's file outside of the model is kept when the system is saved."""
 
 from __future__ import annotations
 
@@ -98,12 +98,12 @@ def read(text: str | bytes, file: str = "s.xml") -> System:
 
 
 def content(text: str | bytes) -> list[str]:
-    """A line for each element, attribute and text, with its way from the root."""
+    """Return a line for each element, attribute and text, with its path from the root."""
     found: list[str] = []
 
     def add(element: etree._Element, way: str) -> None:
         name = etree.QName(element).localname
-        # An element is known by what names it, so that siblings need no order.
+        # An element is identified by its names, so that siblings need no order.
         marks = ("id", "instanceName", "connectorId", "name", "groupId", "portName")
         given = {etree.QName(k).localname: v for k, v in element.attrib.items()}
         mark = next((given[key] for key in marks if key in given), "")
@@ -193,7 +193,7 @@ def test_what_changed_is_written_and_the_rest_is_kept() -> None:
     gone = "\n".join(sorted(lost(WHOLE, text)))
     assert "vendor.grid" in gone
     assert "vendor.route" in gone
-    assert "A0.x]" in gone  # the port that the component no longer has
+    assert "A0.x]" in gone  # a port that the component no longer has
     assert "vendor.colour" not in gone
     lines = content(text)
     assert f"{here}/Components[RTC:Lab:Move:A:1.0.0]/Location[]@x=7" in lines

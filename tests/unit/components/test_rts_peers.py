@@ -1,4 +1,4 @@
-"""Systems pass through rtsprofile, the library of rtshell, and lose nothing that rtgen reads."""
+"""Systems survive a round trip through rtsprofile, the library of rtshell."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ pytestmark = pytest.mark.once
 
 
 def meaning(system: System) -> tuple[object, ...]:
-    """What rtgen knows of a system, wherever it stands."""
+    """Return the content of a system without positions."""
     return (
         *(system.id, system.abstract, system.created, system.updated),
         [

@@ -1,4 +1,4 @@
-"""RtsProfile to model.System: what is read, what is tolerated, what is refused and where."""
+"""RtsProfile to model.System: accepted and refused files, with positions."""
 
 import random
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""model.System to RtsProfile: the rules of the format, and the same system when read again."""
+"""model.System to RtsProfile: the rules of the format, and the round trip."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def again(text: str) -> System:
 
 
 def plain(system: System) -> System:
-    """The system without places, its connectors in the order of the schema."""
+    """Return the system without positions, its connectors in the order of the schema."""
     nowhere = Span("", 1, 1, 1, 1)
     by_kind = sorted(system.connections, key=lambda c: c.service)
     return replace(
@@ -143,7 +143,7 @@ NAMES = TEXTS.filter(lambda text: bool(text.strip()) and "." not in text)
 
 @st.composite
 def systems(draw: st.DrawFn) -> System:
-    """A system with everything that the model has, its texts as odd as XML allows."""
+    """Draw a system with everything in the model, its texts as odd as XML allows."""
     span = Span("", 1, 1, 1, 1)
     instances = draw(st.lists(NAMES, min_size=1, max_size=4, unique=True))
     pairs = st.lists(st.tuples(NAMES, TEXTS), max_size=3, unique_by=lambda p: p[0])

@@ -1,4 +1,4 @@
-"""Wiring diagrams: what is in them, and that nothing covers anything else."""
+"""Wiring diagrams: their content, and a layout without overlaps."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -86,7 +86,7 @@ def layout(system: System) -> tuple[dict[str, tuple[int, int]], list[Frame], lis
 
 
 def points(path: str) -> list[tuple[float, float]]:
-    """Points along a path of M, L, H, Q and C commands, close together."""
+    """Return points along a path of M, L, H, Q and C commands, close together."""
     found: list[tuple[float, float]] = []
     for command, text in re.findall(r"([MLHQC])([^MLHQC]+)", path):
         numbers = [float(n) for n in re.findall(r"-?[\d.]+", text)]
@@ -260,7 +260,7 @@ def test_many_ports_that_carry_nothing_are_one_row() -> None:
 
 
 def with_sets(base: System, sets: Mapping[str, Mapping[str, str]]) -> System:
-    """The system with these parameters in the active sets of its components."""
+    """Return the system with these parameters in the active sets of its components."""
     return replace(
         base,
         components=tuple(
@@ -348,7 +348,7 @@ def test_connections_of_a_timeline_are_dashed_with_their_times() -> None:
 
 
 def luminance(colour: str) -> float:
-    """Relative luminance (WCAG 2.1) of #rrggbb."""
+    """Return the relative luminance (WCAG 2.1) of #rrggbb."""
     shares = [int(colour[n : n + 2], 16) / 255 for n in (1, 3, 5)]
     linear = [
         s / 12.92 if s <= 0.04045 else ((s + 0.055) / 1.055) ** 2.4 for s in shares

@@ -1,4 +1,4 @@
-"""Diagnostics about profiles in YAML stand where the YAML has what they are about."""
+"""Positions of diagnostics about profiles in YAML."""
 
 from __future__ import annotations
 

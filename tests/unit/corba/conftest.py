@@ -1,6 +1,6 @@
-"""What tests of runs over omniORB share: a project, a naming service, processes.
+"""Fixtures of runs over omniORB: a project, a naming service, processes.
 
-Modules of omniORB are imported when they are needed: the tests are skipped without it.
+Modules of omniORB are imported on their first use: the tests are skipped without it.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 @pytest.fixture(scope="session")
 def generated_project(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A project with a component that calls and one that is called."""
+    """Return a project with a component that calls and one that is called."""
     folder = tmp_path_factory.mktemp("corba") / "project"
     shutil.copytree(Path(__file__).with_name("corba_system"), folder)
     with pytest.MonkeyPatch.context() as patch:
@@ -34,7 +34,7 @@ def generated_project(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def project(generated_project: Path) -> Iterator[Path]:
-    """The project, in which the tests of a module work."""
+    """Make the project the working folder of a module's tests."""
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(generated_project)
         added = [str(generated_project), str(generated_project / "generated")]
@@ -45,7 +45,7 @@ def project(generated_project: Path) -> Iterator[Path]:
 
 @pytest.fixture(scope="module")
 def names() -> Iterator[str]:
-    """The address of a naming service."""
+    """Yield the address of a naming service."""
     from rtgen.runtime.corba.name_server import NameServer
 
     with NameServer() as server:
@@ -54,7 +54,7 @@ def names() -> Iterator[str]:
 
 @pytest.fixture
 def start(project: Path, names: str) -> Iterator[Callable[..., Run]]:
-    """Starts processes, which end with the test."""
+    """Yield a function that starts processes, which end with the test."""
     from corba_runs import Run
 
     runs: list[Run] = []
@@ -70,7 +70,7 @@ def start(project: Path, names: str) -> Iterator[Callable[..., Run]]:
 
 @pytest.fixture
 def serving(start: Callable[..., Run]) -> Callable[[], Run]:
-    """Starts a process with Counter0, and waits until it is ACTIVE."""
+    """Return a function that starts a process with Counter0, and waits until it is ACTIVE."""
 
     def started() -> Run:
         run = start("--only", "Counter0")

@@ -1,4 +1,4 @@
-"""Runs over omniORB: in processes of their own, and the other side in the process of the tests."""
+"""Runs over omniORB in processes of their own, and the other side in the tests' process."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ REAL = ["--clock", "real", "--transport", "corba"]
 
 
 def wait_for(condition: Callable[[], object]) -> Any:
-    """What a condition gives, once it is true."""
+    """Return the value of a condition, once it is true."""
     deadline = time.monotonic() + PATIENCE
     while not (found := condition()):
         assert time.monotonic() < deadline
@@ -57,39 +57,39 @@ class Run:
             )
 
     def error_text(self) -> str:
-        """What it wrote to standard error so far."""
+        """The standard error so far."""
         return self.errors.read_text(encoding="utf-8")
 
     def wait_for(self, text: str) -> None:
-        """Waits until it wrote that."""
+        """Wait until standard error has a text."""
         wait_for(lambda: self.process.poll() is not None or text in self.error_text())
         assert text in self.error_text(), self.error_text()
 
     def end(self) -> int:
-        """Asks it to end in order; its exit code."""
+        """End the process in order; return its exit code."""
         self.process.send_signal(signal.SIGTERM)
         return self.code()
 
     def code(self) -> int:
-        """Waits for its end; its exit code."""
+        """Wait for the end; return the exit code."""
         self.output, _ = self.process.communicate(timeout=PATIENCE)
         return self.process.returncode
 
     def kill(self) -> None:
-        """Ends it at once, if it still runs."""
+        """Kill the process, if it still runs."""
         self.process.kill()
         assert self.process.stdout is not None
         if not self.process.stdout.closed:
             self.process.communicate()
 
     def samples(self) -> list[dict[str, Any]]:
-        """The samples that were written so far."""
+        """Return the samples written so far."""
         lines = self.log.read_text().split("\n")[:-1]
         events = [json.loads(line) for line in lines]
         return [event for event in events if event["event"] == "sample"]
 
     def results(self) -> list[tuple[int, str]]:
-        """The samples of Caller0."""
+        """Return the samples of Caller0."""
         values = [event["value"] for event in self.samples()]
         return [(value["number"], value["error"]) for value in values]
 
@@ -110,7 +110,7 @@ class Here:
         self.system.add(self.caller)
 
     def connect(self, **properties: str) -> None:
-        """Connects the caller with what another process has."""
+        """Connect the caller with the component of another process."""
         names = {key.replace("_", "."): text for key, text in properties.items()}
         self.system.connect(("Caller0", "adding"), ("Counter0", "adding"), names)
 
@@ -121,7 +121,7 @@ class Here:
 
 
 def answers(here: Here) -> bool:
-    """Whether a call comes back."""
+    """Return whether a call is answered."""
     try:
         return bool(here.adder.add(2, 3) == 5)
     except runtime.CommunicationFailure:

@@ -1,4 +1,4 @@
-"""A TCP port that hands everything over to another one, so that calls cannot stay in a process."""
+"""A TCP port that forwards to another one, so that calls cannot stay in a process."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from rtgen.runtime.marshalling.octets import ObjectReference
 
 @contextmanager
 def forwarded(reference: ObjectReference) -> Iterator[ObjectReference]:
-    """A reference to the same object by another port."""
+    """Yield a reference to the same object by another port."""
     (tag, profile), *others = reference.profiles
     # IIOP (CORBA 3.3 part 2, 9.7.2): byte order, version, host, port.
     order = "<" if profile[0] else ">"
@@ -32,9 +32,9 @@ def forwarded(reference: ObjectReference) -> Iterator[ObjectReference]:
 
 
 class _Forwarder:
-    """Hands over what connections bring, in threads of its own.
+    """Forwards data of connections, in threads of its own.
 
-    A socket is closed when no thread uses it any more: its number may be another's at once.
+    A socket is closed when no thread uses it any more: its number may be reused at once.
     """
 
     def __init__(self, server: socket.socket, address: tuple[str, int]) -> None:

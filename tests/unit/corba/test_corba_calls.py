@@ -116,7 +116,7 @@ def test_only_ports_that_are_there_reach_other_processes(here: Here) -> None:
 def test_samples_go_between_processes(here: Here, names: str, stack: ExitStack) -> None:
     from calc_nodes import Counter
 
-    # Objects of another transport are those of another process, as far as this one knows.
+    # For this transport, objects of another one are those of another process.
     transport = stack.enter_context(CorbaTransport(name_server=names))
     system = stack.enter_context(runtime.System(runtime.RealClock(), transport))
     counter = Counter("Counter0")
@@ -135,7 +135,7 @@ def test_samples_go_between_processes(here: Here, names: str, stack: ExitStack) 
 
 @pytest.fixture(params=["an ORB of its own", "a running ORB"])
 def orb_before(request: pytest.FixtureRequest) -> Iterator[None]:
-    """Perhaps an ORB with another time-out."""
+    """Create an ORB with another time-out, or none."""
     import omniORB
 
     if request.param != "a running ORB" or omniORB.orb is not None:

@@ -1,4 +1,4 @@
-"""Systems over omniORB: what goes wrong, and what is refused."""
+"""Systems over omniORB: failures and refusals."""
 
 from __future__ import annotations
 
@@ -159,7 +159,7 @@ def test_refusals(
 
 
 def test_an_address_of_another_machine(start: Callable[..., Run]) -> None:
-    # In a process of its own: an ORB that runs already keeps its end point.
+    # In a process of its own: a running ORB keeps its end point.
     run = start("--endpoint", "203.0.113.1")
     assert run.code() == 3
     assert "omniORB cannot listen at 203.0.113.1" in run.error_text()

@@ -54,7 +54,10 @@ def objects() -> Iterator[Objects]:
 
 @pytest.fixture(params=["in the process", "by a socket"])
 def connect(objects: Objects, request: pytest.FixtureRequest) -> Iterator[Connect]:
-    """A servant's stub. omniORB calls the objects of its own process without a socket."""
+    """Yield a function that returns a servant's stub.
+
+    omniORB calls objects of its own process without a socket.
+    """
     with ExitStack() as stack:
 
         def connected(interface: Any, servant: Any) -> Any:

@@ -135,7 +135,7 @@ def test_a_client_of_omniidl_stops_the_base_and_lets_it_go(
     assert run.end() == 1  # before its time is over
     wheels = [e["value"]["data"] for e in run.samples() if e["port"] == "OutWheelAngle"]
     moving = [one != other for one, other in pairwise(wheels)]
-    # Standing, driving, stopped for a while, driving again.
+    # At rest, driving, stopped for a while, driving again.
     first = moving.index(True)
     stopped = "".join(map("01".__getitem__, moving[first:]))
     assert "0" * 100 in stopped

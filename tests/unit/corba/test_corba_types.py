@@ -1,4 +1,4 @@
-"""Types that travel in another form by omniORB, and those that cannot travel."""
+"""Types whose form differs in omniORB, and those that cannot be transferred."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ def m(tmp_path_factory: pytest.TempPathFactory) -> Any:
 
 @pytest.fixture(params=["in the process", "by a socket"])
 def connect(m: Any, request: pytest.FixtureRequest) -> Iterator[Connect]:
-    """The stub of a servant that gives back what it is given."""
+    """Yield the stub of a servant that returns its arguments."""
     orb = Orb(timeout=PATIENCE)
     objects = Objects(orb)
     with ExitStack() as stack:

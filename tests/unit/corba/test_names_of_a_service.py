@@ -1,4 +1,4 @@
-"""All names of a naming service: in order, however many they are and whatever they contain."""
+"""All names of a naming service: in order, in any number, with any characters."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from rtgen.runtime.corba.naming import Naming
 from rtgen.runtime.corba.orb import Orb
 
 MANY = 250
-"""More than a naming service lists at once."""
+"""More names than a naming service lists at once."""
 
 
 @pytest.fixture
@@ -28,7 +28,7 @@ def orb() -> Iterator[Any]:
 
 @pytest.fixture
 def service(orb: Any) -> Iterator[tuple[Naming, Any]]:
-    """A client of a naming service, and its root."""
+    """Yield a client of a naming service, and its root."""
     with NameServer() as server:
         root = orb.string_to_object(f"corbaloc::{server.address}/NameService")
         yield Naming(orb, server.address), root._narrow(CosNaming.NamingContext)

@@ -1,4 +1,4 @@
-"""The names by which others know the type of an interface, over CORBA."""
+"""The names of an interface's type over CORBA."""
 
 from __future__ import annotations
 

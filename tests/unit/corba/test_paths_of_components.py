@@ -1,4 +1,4 @@
-"""Where a component of another process is looked for: by its name, path, host, or address."""
+"""Finding a component of another process: by name, path, host, or address."""
 
 from __future__ import annotations
 
@@ -29,14 +29,14 @@ def orb() -> Iterator[Orb]:
 
 @pytest.fixture(scope="module")
 def servers() -> Iterator[tuple[str, str]]:
-    """Two naming services; the second one has `lab.host_cxt/X0.rtc` and `Y0.rtc`."""
+    """Yield two naming services; the second one has `lab.host_cxt/X0.rtc` and `Y0.rtc`."""
     with NameServer() as first, NameServer() as second:
         yield first.address, second.address
 
 
 @pytest.fixture(scope="module")
 def bound(orb: Orb, servers: tuple[str, str]) -> Any:
-    """What is bound: any object that answers."""
+    """Bind any object that answers."""
     address = f"corbaloc::{servers[1]}/NameService"
     root = orb.orb.string_to_object(address)._narrow(CosNaming.NamingContext)
     lab = root.bind_new_context([CosNaming.NameComponent("lab", "host_cxt")])

@@ -1,6 +1,4 @@
-"""`rtgen conformance` of running components: ours pass, and each check fails for a component that
-breaks what it asserts.
-"""
+"""`rtgen conformance` of running components: rtgen's pass, and violations fail their check."""
 
 from __future__ import annotations
 
@@ -46,9 +44,9 @@ if TYPE_CHECKING:
     from corba_runs import Run
 
 PATIENCE = 5.0
-"""Seconds within which a component that works reaches a state."""
+"""Time for a working component to reach a state [s]."""
 SOON = 0.2
-"""The same for one that never does."""
+"""Time-out for a component that never reaches it [s]."""
 
 IDL = """module Bench {
   struct Level { long value; };
@@ -82,7 +80,7 @@ skeletons = "src/gaugenodes"
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
-    """A project with a component."""
+    """Return a project with a component."""
     folder = tmp_path_factory.mktemp("conformance")
     (folder / "gauge.idl").write_text(IDL)
     (folder / "rtgen.toml").write_text(SETTINGS)
@@ -96,7 +94,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
 
 @pytest.fixture(scope="module")
 def gauge(folder: Path, names: str) -> Iterator[Any]:
-    """The running component."""
+    """Yield the running component."""
     module = importlib.import_module("gaugebot.components.gauge")
     bench = importlib.import_module("gaugebot.bench")
 
@@ -125,7 +123,7 @@ def expected(folder: Path) -> Expected:
 
 
 def definition(file: Path) -> Expected:
-    """What a file says of the component."""
+    """Return the expectations of a definition file."""
     model = compiled([file])
     [name] = (source.name for source in model.files if source.main)
     return Expected(model, chosen(model, name, "Gauge"))
@@ -200,7 +198,7 @@ def test_nothing_is_changed_without_permission(
 def otherwise(
     change: Callable[[Any], Any], when: Callable[..., bool] = lambda *given: True
 ) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """A method whose answer is another one, for some arguments."""
+    """Return a method that returns another answer for some arguments."""
 
     def broken(right: Callable[..., Any]) -> Callable[..., Any]:
         def wrong(self: Any, *given: Any) -> Any:
@@ -215,7 +213,7 @@ def otherwise(
 def instead(
     answer: Callable[..., Any], when: Callable[..., bool] = lambda *given: True
 ) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """A method that does something else, for some arguments."""
+    """Return a method that does something else for some arguments."""
 
     def broken(right: Callable[..., Any]) -> Callable[..., Any]:
         def wrong(self: Any, *given: Any) -> Any:
@@ -227,7 +225,7 @@ def instead(
 
 
 def in_port(name: str, **changed: Any) -> Callable[[Any], Any]:
-    """A component profile whose port of a name is another one."""
+    """Return a component profile in which one port is changed."""
 
     def change(profile: Any) -> Any:
         ports = [
@@ -462,7 +460,7 @@ def test_a_component_of_another_definition(
 
 @pytest.fixture
 def in_error(gauge: Any) -> Iterator[None]:
-    """The component is in ERROR meanwhile."""
+    """Put the component in ERROR meanwhile."""
     [context] = gauge.get_owned_contexts()
     assert context.fail_component(gauge, "by the test") is RTC_OK
     wait_for(lambda: state_of(gauge) == "ERROR_STATE")
@@ -493,7 +491,7 @@ def test_a_component_in_error_stays_there(
 
 @pytest.fixture
 def active(gauge: Any) -> Iterator[None]:
-    """The component is ACTIVE meanwhile."""
+    """Put the component in ACTIVE meanwhile."""
     [context] = gauge.get_owned_contexts()
     assert context.activate_component(gauge) is RTC_OK
     wait_for(lambda: state_of(gauge) == "ACTIVE_STATE")

@@ -1,4 +1,4 @@
-"""`rtgen run --supervise`: a process for each group, started again when it dies."""
+"""`rtgen run --supervise`: a process for each group, restarted when it dies."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from rtgen.runtime import CheckpointFolder
 
 GOAL = Path(__file__).parents[3] / "specs" / "navigation" / "rh3_goal.xml"
 WITH_STATE = ["OmniTo2WD0", "Odometry0", "RefHardRh30"]
-"""Those that keep what nobody sends again."""
+"""Components with state that is not sent again."""
 OTHERS = ["PathFollower0", "Navigation0", "PositionInput0"]
 PLACE = Span("s.xml", 1, 1, 1, 2)
 
@@ -42,7 +42,7 @@ class Supervised(LoggedProcess):
         super().__init__(command, folder, {**os.environ, "PYTHONPATH": paths}, log)
 
     def activates(self, name: str, times: int = 1) -> None:
-        """Wait until a component has become ACTIVE so often."""
+        """Wait until a component has been activated that many times."""
         state = re.compile(rf"{name} \| [0-9.]+ s: {name} ACTIVE")
         self.wait_for(lambda: len(state.findall(self.text)) >= times)
 
@@ -55,7 +55,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         patch.chdir(made)
         assert rtgen(["generate", "-q"]) == 0
     nodes = made / "calc_nodes.py"
-    # Each process writes its number down.
+    # Each process writes its number to a file.
     nodes.write_text(
         nodes.read_text().replace(
             "import time\n",
@@ -153,7 +153,7 @@ def test_rh3_reaches_its_goal_though_each_component_is_killed_once(
         for name in (*WITH_STATE, *OTHERS):
             run.activates(name)
         for names in (*([name] for name in WITH_STATE), OTHERS):
-            # On the way: the wheels have turned since the last one was killed.
+            # Under way: the wheels have turned since the last process was killed.
             before = base().angles
             run.wait_for(lambda before=before: base().angles != before)
             for name in names:

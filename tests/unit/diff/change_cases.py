@@ -2,7 +2,7 @@
 
 A case has definitions of an old and a new version (`old` and `new`: a text, texts by file, or
 replacements in the files of `cases/base` that the table names), files of both (`both`), the code,
-what the change breaks, and the codes of further changes that come with it (`also`).
+the classes of breaks, and the codes of accompanying changes (`also`).
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ class Case:
         return f"{self.code} {self.form}"
 
     def changes(self, folder: Path) -> list[Change]:
-        """What is found between the two versions, written below `folder`."""
+        """Return the changes between the two versions, which are written below `folder`."""
         sources = []
         for label, files in (("old", self.old), ("new", self.new)):
             below = folder / label
@@ -68,7 +68,7 @@ class Case:
 
 @cache
 def cases() -> list[Case]:
-    """All cases, by code."""
+    """Return all cases, by code."""
     found = []
     for path in sorted(FOLDER.glob("*.toml")):
         content = tomllib.loads(path.read_text(encoding="utf-8"))
@@ -108,14 +108,14 @@ def _texts(
 
 
 def _text(text: str) -> str:
-    """A text, or that of the file in `base` whose name it is in <>."""
+    """Return a text, or that of the file in `base` whose name is given in <>."""
     if name := re.fullmatch(r"<([\w.]+)>", text):
         return (FOLDER / "base" / name[1]).read_text("utf-8")
     return text.rstrip("\n") + "\n"
 
 
 def table() -> str:
-    """The table of docs/diff.md."""
+    """Return the table of docs/diff.md."""
     rows = [
         f"| {case.code} | {TITLES[case.code]} | {case.form.replace('|', chr(92) + '|')} | "
         f"{case.breaks} |"
@@ -126,7 +126,7 @@ def table() -> str:
 
 
 def page(code: str) -> str:
-    """The page of `rtgen explain` for a kind: why, its first case, and what all forms break."""
+    """Return the page of `rtgen explain` for a kind: reason, first case, breaks of all forms."""
     kind = next(k for k in KINDS if k.code == code)
     own = [case for case in cases() if case.code == code]
     lines = [*_wrapped(f"{kind.why[0].upper()}{kind.why[1:]}."), ""]
@@ -137,7 +137,7 @@ def page(code: str) -> str:
 
 
 def _example(case: Case) -> Iterator[str]:
-    """Both versions of short texts, the difference of long ones."""
+    """Yield both versions of short texts, the difference of long ones."""
     texts = [*case.old.values(), *case.new.values()]
     if max(text.count("\n") for text in texts) <= 20:
         for label, files in (("before", case.old), ("after", case.new)):

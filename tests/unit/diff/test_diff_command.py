@@ -18,7 +18,7 @@ COMPONENT = '#include "pose.idl"\ncomponent Base { consumes Pose Where; };\n'
 
 
 def git(*arguments: str) -> None:
-    """Run git as somebody."""
+    """Run git with an author set."""
     names = ["-c", "user.name=me", "-c", "user.email=me@example.com"]
     subprocess.run(["git", *names, *arguments], check=True, capture_output=True)
 
@@ -40,7 +40,7 @@ def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def changes(capfd: pytest.CaptureFixture[str]) -> list[dict[str, object]]:
-    """The changes that were printed as JSON."""
+    """Return the changes that were printed as JSON."""
     found = valid(capfd.readouterr().out, "diff.schema.json")
     listed: list[dict[str, object]] = found["changes"]
     return listed

@@ -1,4 +1,4 @@
-"""Each kind of change is found, with its classes; pages and documentation say the same."""
+"""Each kind of change is found, with its classes; pages and documentation agree."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ BEGIN, END = "<!-- table of changes -->\n\n", "\n<!-- end of the table -->"
 
 @pytest.fixture(autouse=True)
 def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """No project is around the versions."""
+    """Work in a folder without a project around."""
     monkeypatch.chdir(tmp_path)
 
 

@@ -1,4 +1,4 @@
-"""Whom a change breaks: types, ports, instances, connections, systems, celltypes, cells, nodes."""
+"""Users affected by a change: types, ports, instances, connections, systems, cells, nodes."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from change_cases import Case, cases
 
 
 def users(case: Case, folder: Path) -> list[tuple[str, str]]:
-    """The users of the change that a case is about."""
+    """Return the users affected by the change of a case."""
     [change] = [c for c in case.changes(folder) if c.kind.code == case.code]
     return [(user.kind, user.name) for user in change.users]
 
@@ -20,7 +20,7 @@ GAIN = "ParameterName=Gain\nObjectType=0x7\nDataType=0x0006\nAccessType="
 
 
 def of_bases(code: str, names: tuple[str, ...], before: str, after: str) -> Case:
-    """A case that replaces a text in files of `base`."""
+    """Return a case that replaces a text in files of `base`."""
     folder = Path(__file__).parent / "cases" / "base"
     old = {name: (folder / name).read_text("utf-8") for name in names}
     new = {name: text.replace(before, after) for name, text in old.items()}

@@ -1,4 +1,4 @@
-"""Random changes of TECS signatures: what `rtgen diff` says of TDR and ids is what codecs do."""
+"""Random changes of TECS signatures: `rtgen diff` agrees with the codecs about TDR and ids."""
 
 from __future__ import annotations
 
@@ -34,12 +34,12 @@ from rtgen.model.tecs import (
 )
 from rtgen.runtime.opaque_rpc import RpcError, make_tdr
 
-MOST_WITNESSES = 60
+MAX_WITNESSES = 60
 TDRS = (
     make_tdr("network"),
     make_tdr("network", short_bits=32, int_bits=64, long_bits=64, intptr_bits=64),
 )
-"""What breaks may do so for other widths of `short`, `int`, `long` and `intptr_t` alone."""
+"""Breaks may occur only for other widths of `short`, `int`, `long` and `intptr_t`."""
 _OTHER = {
     Scalar.INT8: Scalar.UINT8,
     Scalar.UINT8: Scalar.INT16,
@@ -55,7 +55,7 @@ Changer = Callable[[Random, list[TecsFunction]], None]
 
 
 def _sized(function: TecsFunction) -> set[str]:
-    """The parameters that sizes refer to."""
+    """Return the parameters that sizes refer to."""
     sizes = (
         e
         for p in function.parameters
@@ -65,7 +65,7 @@ def _sized(function: TecsFunction) -> set[str]:
 
 
 def _free(function: TecsFunction) -> list[TecsParameter]:
-    """The parameters without sizes that no size refers to."""
+    """Return the parameters without sizes that no size refers to."""
     used = _sized(function)
     return [p for p in function.parameters if p.name not in used and p.sizes == Sizes()]
 
@@ -186,7 +186,7 @@ CHANGERS: tuple[Changer, ...] = (
 
 
 def changed(found: Sample, random: Random) -> tuple[TecsUnit, Signature]:
-    """The signature with a change or two; ids count anew."""
+    """Return the signature with a change or two, and new ids."""
     functions = list(found.signature.functions)
     for _ in range(random.choice((1, 1, 2))):
         random.choice(CHANGERS)(random, functions)
@@ -197,14 +197,14 @@ def changed(found: Sample, random: Random) -> tuple[TecsUnit, Signature]:
 
 
 def _same(read: object, written: object) -> bool:
-    """Whether values are equal, and of the same types: a truth value is not a number."""
+    """Return whether values and their types are equal: a truth value is not a number."""
     return repr(plain(read)) == repr(plain(written))
 
 
 def readings(
     old: Function, new: Function, calls: Iterator[Call]
 ) -> Iterator[tuple[bool, object]]:
-    """Whether messages of one version are read equal by the other, and written equal again."""
+    """Yield whether messages of one version are read as equal by the other, and written equal."""
     for call in calls:
         values = tuple(call.args[item.name] for item in old.layout.arguments)
         request = old.encode_request(values)
@@ -269,7 +269,7 @@ def test_tdr_is_as_diff_says(random: Random) -> None:
     old, new = services[0]
     for name in old.functions.keys() & new.functions.keys():
         broken = _breaks(changes, name)
-        count = MOST_WITNESSES if broken else 5
+        count = MAX_WITNESSES if broken else 5
         compared = (
             reading
             for one, other in services
@@ -292,7 +292,7 @@ def test_tdr_is_as_diff_says(random: Random) -> None:
 
 
 def test_a_service_of_each_version_is_made() -> None:
-    """The changes above apply: each of them leaves a signature that is transferred."""
+    """Each of the changes above leaves a signature that can be transferred."""
     for number, change in enumerate(CHANGERS):
         random = Random(number)
         functions = list(sample(random).signature.functions)

@@ -1,4 +1,4 @@
-"""Random changes of PDO mappings: what `rtgen diff` says of PDOs is what their codecs do."""
+"""Random changes of PDO mappings: `rtgen diff` agrees with the codecs."""
 
 from __future__ import annotations
 
@@ -38,14 +38,14 @@ TYPES = (
     *(DataType.BOOLEAN, DataType.INTEGER8, DataType.UNSIGNED8, DataType.INTEGER16),
     *(DataType.UNSIGNED16, DataType.INTEGER32, DataType.UNSIGNED32, DataType.REAL32),
 )
-MOST_WITNESSES = 60
+MAX_WITNESSES = 60
 
 Objects = dict[int, DataType]
 """The data types of mapped objects, by index."""
 
 
 def device(objects: Objects, entries: Sequence[int]) -> Device:
-    """A device with objects and one TPDO that maps some of them."""
+    """Return a device with objects and one TPDO that maps some of them."""
     made = tuple(
         Object(
             index=index,
@@ -97,7 +97,7 @@ Codec = tuple[Callable[..., bytes], Callable[[bytes], Any]]
 
 
 def codec(objects: Objects, entries: Sequence[int]) -> Codec:
-    """The functions of the generated codec."""
+    """Return the functions of the generated codec."""
     mapped = [Mapped(f"o{i:04x}", objects[i], BITS[objects[i]]) for i in entries]
     imports = [f"from {module} import {name}\n" for module, name in IMPORTS]
     codecs = [PdoCodec("tpdo1", "TPDO1", layout(mapped))]
@@ -108,7 +108,7 @@ def codec(objects: Objects, entries: Sequence[int]) -> Codec:
 
 
 def value(code: DataType, random: Random) -> Any:
-    """A value of a data type, other than zero."""
+    """Return a value of a data type, other than zero."""
     if code is DataType.BOOLEAN:
         return random.random() < 0.5
     if code is DataType.REAL32:
@@ -124,9 +124,9 @@ def read_equal(
     entries: tuple[list[int], list[int]],
     random: Random,
 ) -> bool:
-    """Whether the second version reads each object that it maps as the first one wrote it.
+    """Return whether the second version reads its mapped objects as the first one wrote them.
 
-    A receiver takes the first octets of a longer PDO, and drops a shorter one.
+    A receiver uses the first octets of a longer PDO, and drops a shorter one.
     """
     (encode, _), (_, decode) = (
         codec(o, e) for o, e in zip(objects, entries, strict=True)
@@ -150,7 +150,7 @@ def read_equal(
 
 
 def changed(objects: Objects, entries: list[int], random: Random) -> None:
-    """One change of a mapping or of a mapped object."""
+    """Change a mapping or a mapped object."""
     match random.randrange(5):
         case 0 if len(entries) > 1:
             entries.pop(random.randrange(len(entries)))
@@ -199,7 +199,7 @@ def test_pdos_are_as_diff_says(random: Random) -> None:
     ]
     readings = (
         read_equal(*way, random)
-        for _ in range(MOST_WITNESSES if broken else 4)
+        for _ in range(MAX_WITNESSES if broken else 4)
         for way in ways
     )
     if broken:

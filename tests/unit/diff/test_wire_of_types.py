@@ -1,7 +1,7 @@
-"""Random pairs of versions of types: what `rtgen diff` says of the wire is what codecs do.
+"""Random pairs of versions of types: `rtgen diff` agrees with the codecs about encodings.
 
-Where no change breaks an encoding for a type, each version reads what the other wrote: all of it,
-or, of appendable and mutable types, all that both have. Where one breaks, a witness shows it.
+If no change breaks an encoding for a type, each version reads what the other wrote: all of it, or,
+of appendable and mutable types, the common part. If one breaks it, a witness shows it.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.marshalling.trees import has_headers
 
 ROOTS = ("Inner", "Choice", "Middle", "Outer")
-MOST_WITNESSES = 400
+MAX_WITNESSES = 400
 EQUAL_READINGS = 12
 _CALLED = re.compile(r"(\w+)\.(\w+) was called (\w+)")
 
@@ -47,7 +47,7 @@ FORMS: Mapping[Wire, tuple[str, str]] = {
 
 
 class Pair:
-    """Two versions of a type, and the names that parts have in the other version."""
+    """Two versions of a type, and the names of parts in the other version."""
 
     def __init__(self, old: Any, new: Any, changes: list[Change]) -> None:
         self._classes = (old, new)
@@ -60,7 +60,7 @@ class Pair:
     def readings(
         self, wire: Wire, random: Random, count: int
     ) -> Iterator[tuple[bool, object]]:
-        """Whether a value was read equal by the other version, for values of both."""
+        """Yield whether a value was read as equal by the other version, for values of both."""
         to, from_ = FORMS[wire]
         classes = self._classes
         headed = all(has_headers(c._descriptor_) for c in classes)
@@ -98,7 +98,7 @@ def test_the_wire_is_as_diff_says(random: Random, tmp_path_factory: Any) -> None
     first = drawing.definitions()
     texts = (first.text(), drawing.changed(first).text())
     results = [rtgen.read(text) for text in texts]
-    assume(not any(has_errors(r.diagnostics) for r in results))  # ids that clash
+    assume(not any(has_errors(r.diagnostics) for r in results))  # clashing ids
     versions = [Version(r.model) for r in results]
     found = compare_declarations(*versions)
     folder: Path = tmp_path_factory.mktemp("versions")
@@ -112,7 +112,7 @@ def test_the_wire_is_as_diff_says(random: Random, tmp_path_factory: Any) -> None
         broken = found.broken.get((root,), frozenset())
         for wire in FORMS:
             if wire in broken:
-                readings = pair.readings(wire, random, MOST_WITNESSES)
+                readings = pair.readings(wire, random, MAX_WITNESSES)
                 shown = any(not same for same, _ in readings)
                 assert shown, (root, wire, found.changes, texts)
             else:

@@ -1,4 +1,4 @@
-"""Values of two versions of a type: samples of one, and whether a reader got what was written."""
+"""Values of two versions of a type: samples of one, and a comparison after reading."""
 
 from __future__ import annotations
 
@@ -31,12 +31,12 @@ RANGES = {
     "unsigned long": (0, (1 << 32) - 1),
     "long long": (-(1 << 63), (1 << 63) - 1),
 }
-_LONGEST = 5
+_MAX_ITEMS = 5
 """Longer than every bound of random definitions."""
 
 
 def sample(descriptor: Descriptor, random: Random) -> Any:
-    """A value, often at an end of its range; no part of it is the initial value."""
+    """Return a value, often an extreme one; no part of it is the initial value."""
     descriptor = plain(descriptor)
     match descriptor:
         case PrimitiveDescriptor("boolean"):
@@ -50,10 +50,10 @@ def sample(descriptor: Descriptor, random: Random) -> Any:
             number = random.choice((low or high, high, random.randint(low, high)))
             return number or 1
         case StringDescriptor(bound=bound):
-            length = random.randint(1, bound or _LONGEST)
+            length = random.randint(1, bound or _MAX_ITEMS)
             return "".join(random.choice("abcxyz") for _ in range(length))
         case SequenceDescriptor(element, bound):
-            count = random.choice((1, 2, min(bound or _LONGEST, _LONGEST)))
+            count = random.choice((1, 2, min(bound or _MAX_ITEMS, _MAX_ITEMS)))
             return _items(element, min(count, bound or count), random)
         case ArrayDescriptor(element, (length,)):
             return _items(element, length, random)
@@ -90,7 +90,7 @@ def _items(element: Descriptor, count: int, random: Random) -> Any:
 
 
 class Reading:
-    """Whether values that one version wrote are read equal by the other.
+    """Compares values that one version wrote with those that the other read.
 
     `names` maps names of parts of the writer to those of the reader, by the type's name.
     """
@@ -102,7 +102,7 @@ class Reading:
     def same(
         self, writer: Descriptor, written: Any, reader: Descriptor, read: Any, top: bool
     ) -> bool:
-        """Compare what was written with what was read."""
+        """Compare a written value with the one read."""
         writer, reader = plain(writer), plain(reader)
         match writer, reader:
             case PrimitiveDescriptor(a), PrimitiveDescriptor(b):
@@ -196,5 +196,5 @@ class Reading:
 
 
 def samples(descriptor: Descriptor, random: Random, count: int) -> Iterator[Any]:
-    """So many values."""
+    """Yield `count` values."""
     return (sample(descriptor, random) for _ in range(count))

@@ -15,7 +15,7 @@ EXTENSIBILITIES = ("", "@appendable ", "@mutable ")
 
 @dataclass
 class Member:
-    """A member or branch; `number` is a written id, `dimension` that of an array."""
+    """A member or branch; `number` is an explicit id, `dimension` that of an array."""
 
     name: str
     type: str
@@ -25,7 +25,7 @@ class Member:
     labels: tuple[int, ...] = ()
 
     def text(self) -> str:
-        """The declaration in IDL."""
+        """Return the declaration in IDL."""
         number = "" if self.number is None else f"@id({self.number}) "
         optional = "@optional " * self.optional
         array = f"[{self.dimension}]" * bool(self.dimension)
@@ -43,7 +43,7 @@ class Composite:
     union: bool = False
 
     def text(self) -> str:
-        """The declaration in IDL."""
+        """Return the declaration in IDL."""
         inner = " ".join(member.text() for member in self.members)
         head = "union" if self.union else "struct"
         switch = " switch (long)" * self.union
@@ -52,7 +52,7 @@ class Composite:
 
 @dataclass
 class Definitions:
-    """An enum, a bitmask, and composites of which later ones use earlier ones."""
+    """An enum, a bitmask, and composites, which may use earlier ones."""
 
     enumerators: list[tuple[str, int]]
     bound: int
@@ -60,13 +60,13 @@ class Definitions:
     names: int = 0
 
     def text(self) -> str:
-        """The definitions in IDL."""
+        """Return the definitions in IDL."""
         listed = ", ".join(f"@value({n}) {name}" for name, n in self.enumerators)
         head = f"@bit_bound({self.bound}) enum Mode {{ {listed} }};\n"
         return head + "".join(c.text() for c in self.composites)
 
     def fresh(self, prefix: str) -> str:
-        """A name that nothing has."""
+        """Return an unused name."""
         self.names += 1
         return f"{prefix}_{self.names}"
 
@@ -78,7 +78,7 @@ class Drawing:
         self._random = random
 
     def definitions(self) -> Definitions:
-        """Three structs and a union."""
+        """Return three structs and a union."""
         random = self._random
         made = Definitions(
             [("RED", 0), ("GREEN", 1), ("BLUE", 5)], random.choice((8, 16, 32))
@@ -92,7 +92,7 @@ class Drawing:
         return made
 
     def member(self, of: Definitions, composite: Composite) -> Member:
-        """A member of types that are declared before."""
+        """Return a member of previously declared types."""
         random = self._random
         name = of.fresh("m")
         dimension = random.choice((0, 0, 0, 0, 2, 3))
@@ -109,7 +109,7 @@ class Drawing:
         return Member(name, type_, 0 if optional else dimension, optional, number)
 
     def type(self, of: Definitions, composite: Composite) -> str:
-        """A type expression."""
+        """Return a type expression."""
         random = self._random
         known = [c.name for c in of.composites if c.name != composite.name]
         choice = random.random()
@@ -126,7 +126,7 @@ class Drawing:
         return f"sequence<{inner}{bound}>"
 
     def changed(self, of: Definitions) -> Definitions:
-        """The definitions with one to three changes."""
+        """Return the definitions with one to three changes."""
         made = deepcopy(of)
         for _ in range(self._random.choice((1, 1, 1, 2, 3))):
             self._change(made)

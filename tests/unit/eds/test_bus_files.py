@@ -22,7 +22,7 @@ BUSES = sorted((ROOT / "specs/canopen").glob("*.toml"))
 
 
 def bus(folder: Path, text: str) -> Bus:
-    """The bus of a text without findings, but that its boards have no heartbeat."""
+    """Return the bus of a text, whose only findings are missing heartbeats."""
     (folder / "net.toml").write_text(text, encoding="utf-8")
     shutil.copy(BASE, folder / "board.eds")
     result = load(folder / "net.toml", root=folder)

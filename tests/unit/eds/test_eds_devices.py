@@ -28,7 +28,7 @@ BASE = Path(__file__).parents[2] / "golden/eds_errors/base.eds"
 def device(
     folder: Path, text: str, name: str = "a.eds", node: int | None = None
 ) -> Device:
-    """The device of a text without errors."""
+    """Return the device of a text without errors."""
     path = folder / name
     path.write_text(text, encoding="utf-8")
     result = load([path], root=folder, node_id=node)
@@ -95,7 +95,7 @@ NrOfEntries=1
 
 
 def test_mapping_of_a_compact_record(tmp_path: Path) -> None:
-    """As one generator of master DCFs writes every mapping."""
+    """The mapping as one generator of master DCFs writes it."""
     text = BASE.read_text(encoding="ascii")
     start, end = text.index("[1A00]"), text.index("[2000]")
     compact = """[1A00]
@@ -133,7 +133,7 @@ NrOfEntries=1
 def test_communication_objects_without_a_type(
     tmp_path: Path, section: str, index: int, subindex: int, expected: DataType
 ) -> None:
-    """They have those of CiA 301."""
+    """They have the types of CiA 301."""
     text = f"[{section}]\nParameterName=A\nAccessType=rw\n"
     if subindex:
         text = f"[{section[:4]}]\nParameterName=R\nObjectType=9\n" + text

@@ -1,4 +1,4 @@
-"""Values, formulas and types as EDS files write them."""
+"""Values, formulas and types in EDS files."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ U8, I16, U32 = DataType.UNSIGNED8, DataType.INTEGER16, DataType.UNSIGNED32
 
 
 def value(text: str, type_: int) -> tuple[Value | None, list[str]]:
-    """The value of a text, and the codes of what is found."""
+    """Return the value of a text, and the codes of findings."""
     findings = Findings()
     entry = Entry("a.eds", 1, 1, "DefaultValue", text, 14)
     return numbers.value(entry, type_, findings), [d.code for d in findings.diagnostics]

@@ -1,4 +1,4 @@
-"""CANopen's tables, and the same values through the compiler's writer and the runtime's reader."""
+"""CANopen's tables, and their values through the compiler's writer and the runtime's reader."""
 
 import struct
 from datetime import UTC, datetime

@@ -1,4 +1,4 @@
-"""The same connector properties through the check of systems and the embedded runtime."""
+"""The same connector properties in the check of systems and the embedded runtime."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ CONNECTION = Connection(name="c", source=END, target=END, service=False, span=SP
 
 
 def checked(properties: Mapping[str, str], *, service: bool) -> bool:
-    """Whether the check of a system takes the properties."""
+    """Return whether the check of a system accepts the properties."""
     connection = replace(
         CONNECTION, service=service, properties=tuple(properties.items())
     )
@@ -44,7 +44,7 @@ def checked(properties: Mapping[str, str], *, service: bool) -> bool:
 
 
 def connected(properties: Mapping[str, str], *, service: bool) -> bool:
-    """Whether the runtime takes them."""
+    """Return whether the runtime accepts them."""
     read = read_properties if service else runtime.parse
     try:
         read(properties)

@@ -1,4 +1,4 @@
-"""Constraint texts, their trees, and what they allow."""
+"""Constraint texts, their trees, and the allowed values."""
 
 from decimal import Decimal
 

@@ -1,4 +1,4 @@
-"""The table of primitive types against `struct`, which is what packs them."""
+"""The table of primitive types compared with `struct`, which packs them."""
 
 import struct
 

@@ -1,4 +1,4 @@
-"""Names, QoS, tokens and attachments of ROS 2 beside recorded ones.
+"""Names, QoS, tokens and attachments of ROS 2 compared with recorded ones.
 
 Recorded: the design document of rmw_zenoh, tests of rmw_dds_common, rmw_cyclonedds.
 """
@@ -109,7 +109,7 @@ def test_no_hash(data: bytes) -> None:
 
 
 def test_endpoint_id() -> None:
-    """As `std::setw(2)` without a fill writes it."""
+    """As written by `std::setw(2)` without a fill."""
     gid = bytes((1, 16, 0xAB, 0)) + bytes(12)
     assert ros_names.endpoint_id(gid) == " 1.10.ab.0" + ".0" * 12
 

@@ -1,5 +1,4 @@
-"""The same constraint texts through the compiler and the runtime: both accept the same, and allow
-the same values."""
+"""Compiler and runtime accept the same constraint texts, and allow the same values."""
 
 from __future__ import annotations
 
@@ -39,7 +38,7 @@ SPAN = Span("some.idl", 1, 1, 1, 2)
 
 
 def compiled(text: str, value: float) -> bool | None:
-    """Whether the compiler allows the default; None where it cannot read the text."""
+    """Return whether the compiler allows the default; None if it cannot read the text."""
     parameter = ConfigurationParameter(
         span=SPAN,
         name="p",
@@ -56,7 +55,7 @@ def compiled(text: str, value: float) -> bool | None:
 
 
 def run(text: str, value: float) -> bool | None:
-    """The same of the runtime."""
+    """Return whether the runtime allows the value; None if it cannot read the text."""
     profile = ParameterProfile("p", str(value), "double", constraint=text)
     try:
         converter = Converter(profile, 0.0)

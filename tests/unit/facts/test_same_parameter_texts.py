@@ -1,4 +1,4 @@
-"""The same texts of values through the compiler and the runtime."""
+"""Compiler and runtime read the same texts of values."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ KINDS = (*INTEGERS, Primitive.FLOAT, Primitive.DOUBLE, Primitive.BOOLEAN)
 
 
 def compiled(type_: Type, text: str) -> object:
-    """The value that the compiler reads, as text; None if it refuses."""
+    """Return the value that the compiler reads, as text; None if it refuses."""
     try:
         if isinstance(type_, SequenceType):
             PARAMETERS.check_value(type_, text)
@@ -33,7 +33,7 @@ def compiled(type_: Type, text: str) -> object:
 
 
 def run(type_: Type, text: str) -> object:
-    """The same of the runtime."""
+    """Return the value that the runtime reads, as text; None if it refuses."""
     example = [] if isinstance(type_, SequenceType) else None
     try:
         value = Converter(ParameterProfile("p", "", str(type_)), example)(text)

@@ -1,4 +1,4 @@
-"""The letters and widths of C's basic types, which compiler and runtime read."""
+"""The letters and widths of C's basic types for compiler and runtime."""
 
 import struct
 from dataclasses import fields

@@ -1,4 +1,4 @@
-"""Random layouts of valid texts, and what a formatter must not change."""
+"""Random layouts of valid texts, and their content, which a formatter must not change."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ TEXTS = {
         "composite tC { entry sA e ; cell tA In { cB => composite.c ; } ; composite.e => In.eA ; } ;",
     ),
 }  # fmt: skip
-"""Texts whose tokens stand apart."""
+"""Texts with separated tokens."""
 
 _GAPS = (
     *(" ", "\n", "\t", "   ", "\n\n", "\n\n\n  ", " \n\t "),
@@ -41,7 +41,7 @@ _DIRECTIVES = (
 
 
 def layout(number: int) -> tuple[str, Language]:
-    """A text with random space, comments and preprocessor lines between its tokens."""
+    """Return a text with random space, comments and preprocessor lines between its tokens."""
     chance = random.Random(number)
     language = chance.choice(list(Language))
     words = chance.choice(TEXTS[language]).split(" ")
@@ -68,7 +68,7 @@ def layout(number: int) -> tuple[str, Language]:
 
 
 def content(text: str, language: Language) -> tuple[list[str], list[list[str]]]:
-    """The tokens of a text, and its comments and preprocessor lines without their indentation."""
+    """Return the tokens of a text, its comments and preprocessor lines, without indentation."""
     found = tokens(text, language)
     plain = [
         _spelt(token)

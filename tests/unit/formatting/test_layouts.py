@@ -1,4 +1,4 @@
-"""Random layouts: the form keeps every token and comment, and is the form of itself."""
+"""Random layouts: the formatter keeps every token and comment, and is idempotent."""
 
 import pytest
 from layouts import content, layout

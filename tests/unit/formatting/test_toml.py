@@ -1,4 +1,4 @@
-"""`rtgen fmt` of TOML files: values, their order and comments stay, a second run changes nothing."""
+"""`rtgen fmt` of TOML files: content and comments are kept, a second run changes nothing."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def check(text: str, options: Options = DEFAULT) -> None:
 
 
 def random_text(random: Random) -> str:
-    """A document with odd white space and comments at all places where TOML allows them."""
+    """Return a document with odd white space and comments wherever TOML allows them."""
     numbers = iter(range(10_000))
 
     def space() -> str:
@@ -140,7 +140,7 @@ def test_line_ends_and_mark_are_kept() -> None:
 def test_without_tombi(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    """A file that is named needs it; one below a folder is left out, the others are formatted."""
+    """A named file needs tombi; one below a folder is skipped, the others are formatted."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(toml, "_program", lambda: None)
     Path("bus.toml").write_text("[bus]\nbit_rate=500\n")

@@ -1,4 +1,4 @@
-"""Small definitions and the codes of the findings that they give, in order of place."""
+"""Small definitions and the codes of their findings, in order of position."""
 
 ACCEPTED: dict[str, str] = {
     "empty": "",

@@ -22,19 +22,19 @@ Messages = list[str]
 
 
 def source(text: str) -> Source:
-    """The text as a file."""
+    """Return the text as a file."""
     return Source("some.idl", "some.idl", Path("some.idl"), text.encode())
 
 
 def preprocessed(text: str) -> tuple[Unit, Messages]:
-    """The unit, and the messages of the preprocessor."""
+    """Return the unit, and the messages of the preprocessor."""
     preprocessor = Preprocessor(Library(Path(), []))
     unit = preprocessor.translation_unit(source(text), predefined({}))
     return unit, [diagnostic.message for diagnostic in unit.findings.diagnostics]
 
 
 def parsed(text: str) -> tuple[Unit, tuple[tree.Item, ...], Messages]:
-    """The unit, its tree, and the syntax errors."""
+    """Return the unit, its tree, and the syntax errors."""
     unit, messages = preprocessed(text)
     assert not messages
     found: list[Diagnostic] = []
@@ -43,7 +43,7 @@ def parsed(text: str) -> tuple[Unit, tuple[tree.Item, ...], Messages]:
 
 
 def resolved(text: str) -> tuple[Tables, Messages]:
-    """The tables of a text without syntax errors, and the messages of name resolution."""
+    """Return the tables of a text without syntax errors, and the messages of name resolution."""
     unit, items, errors = parsed(text)
     assert not errors
     found: list[Diagnostic] = []
@@ -53,7 +53,7 @@ def resolved(text: str) -> tuple[Tables, Messages]:
 
 
 def typed(text: str) -> tuple[Types, list[Diagnostic]]:
-    """The types of a text whose names are all known, and the list that findings are put into."""
+    """Return the types of a text with known names, and the list that receives findings."""
     tables, errors = resolved(text)
     assert not errors
     found: list[Diagnostic] = []
@@ -61,13 +61,13 @@ def typed(text: str) -> tuple[Types, list[Diagnostic]]:
 
 
 def entity(tables: Tables, name: str) -> Entity:
-    """The declaration of a scoped name."""
+    """Return the declaration of a scoped name."""
     [found] = [e for e in tables.declared if e.scoped == name]
     return found
 
 
 def lowered(text: str) -> tuple[dict[str, Declaration], Messages]:
-    """The declarations of the model by name, before they are checked, and the messages."""
+    """Return the declarations of the model by name, unchecked, and the messages."""
     types, found = typed(text)
     lowering = Lowering(types, found.append)
     made = [lowering.declaration(e) for e in types.tables.declared]

@@ -1,4 +1,4 @@
-"""The commonest mistakes: each gives one message, at the place marked §, and a hint.
+"""The commonest errors: each gives one message, at the place marked §, and a hint.
 
 Beside each definition lie `wheel.idl`, which declares Wheel, and `axle.idl`, whose last `;` is
 missing.

@@ -1,4 +1,4 @@
-"""Every rule by the smallest definition that breaks it, and what is accepted without a word."""
+"""Every rule by the smallest definition that breaks it, and definitions without findings."""
 
 from pathlib import Path
 

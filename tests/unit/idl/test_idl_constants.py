@@ -1,4 +1,4 @@
-"""Constants: the value of an expression for the type that it is assigned to."""
+"""Constants: the value of an expression for the type of the constant."""
 
 from decimal import Decimal
 

@@ -1,4 +1,4 @@
-"""Lowering: what each kind of declaration is in the model."""
+"""Lowering of each kind of declaration to the model."""
 
 from idl_stages import lowered
 

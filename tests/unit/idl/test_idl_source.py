@@ -1,4 +1,4 @@
-"""A source and its unit: what is blanked and joined, and places in the file."""
+"""A source and its unit: blanked and joined text, and positions in the file."""
 
 from idl_stages import preprocessed, source
 

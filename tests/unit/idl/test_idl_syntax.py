@@ -1,4 +1,4 @@
-"""The parser: the tree of a text, places, and what is read behind an error."""
+"""The parser: the tree of a text, positions, and recovery from errors."""
 
 import pytest
 from idl_stages import parsed

@@ -1,4 +1,4 @@
-"""Definitions that are written from the model say what the model says, to us and to omniidl."""
+"""IDL written from the model means the same to rtgen and to omniidl."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ module Names {
 
 
 def without_places(value: object) -> object:
-    """The value as a tree; where it stands in a file is left out."""
+    """Return the value as a tree without positions."""
     if isinstance(value, msgspec.Struct):
         return (
             type(value).__name__,
@@ -105,7 +105,7 @@ IDL4 = (
     "dynamic.idl",
     "typescript.idl",
 )
-"""Files with what omniidl does not know, annotations apart."""
+"""Files with constructs unknown to omniidl, not counting annotations."""
 
 
 @pytest.mark.parametrize(

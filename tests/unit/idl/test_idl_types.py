@@ -1,4 +1,4 @@
-"""Types: those of the tree as those of the model, aliases, enumerators."""
+"""Types: from the tree to the model, aliases, enumerators."""
 
 import pytest
 from idl_stages import entity, typed

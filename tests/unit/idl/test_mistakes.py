@@ -1,4 +1,4 @@
-"""The commonest mistakes: one message each, at the right place, that a person can act on."""
+"""The commonest errors: one message each, at the right place, with a useful hint."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ ALONE = frozenset(
     or text.count("{") != text.count("}")
     or "file scope" in MISTAKES[name][1]
 )
-"""What depends on the rest of the file: directives, braces, comments, file scope."""
+"""Errors that affect the rest of the file: directives, braces, comments, file scope."""
 
 TOGETHER = [name for name in MISTAKES if name not in ALONE]
 
@@ -52,7 +52,7 @@ def found_as(diagnostic: Diagnostic, folder: Path) -> Found:
 
 
 def expected(name: str, line: int = 1) -> Found:
-    """The expected diagnostics of a mistake whose text starts at a line."""
+    """Return the expected diagnostics of an error whose text starts at a line."""
     text, message, hint = MISTAKES[name]
     before = text.partition("§")[0]
     column = len(before.rpartition("\n")[2]) + 1
@@ -84,7 +84,7 @@ def test_the_last_semicolon_of_an_included_file(folder: Path) -> None:
 def test_independent_mistakes_are_all_told_and_nothing_else(
     seed: int, folder: Path
 ) -> None:
-    """Several mistakes, each in a module of its own, with sound declarations between them."""
+    """Several errors, each in a module of its own, with valid declarations between them."""
     names = Random(seed).sample(TOGETHER, 6)
     lines: list[str] = []
     wanted: list[Found] = []

@@ -1,4 +1,4 @@
-"""What the front end makes of definitions: ids, docs, components, files, dependencies."""
+"""The front end's model of definitions: ids, docs, components, files, dependencies."""
 
 from pathlib import Path
 
@@ -314,7 +314,7 @@ def test_what_is_only_declared_is_not_listed(tmp_path: Path) -> None:
 
 
 def test_files_that_declare_the_same(tmp_path: Path) -> None:
-    """The first declaration counts where two files say the same; doc comments may differ."""
+    """The first declaration is used if two files have the same; doc comments may differ."""
     for name, comment in (("left", "/** In Hz. */"), ("right", "")):
         (tmp_path / f"{name}.idl").write_text(
             f"module M {{ struct Clock {{ {comment} long rate; }}; typedef long Row[3]; }};\n"

@@ -1,4 +1,4 @@
-"""What is not a regular file is not read: a pipe would block, a device has no end."""
+"""Only regular files are read: a pipe would block, a device has no end."""
 
 import os
 from pathlib import Path
@@ -20,7 +20,7 @@ def pipe(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def errors_of(text: str | None = None) -> str:
-    """The findings of a text, or of the pipe itself, as they are printed."""
+    """Return the printed findings of a text, or of the pipe itself."""
     if text is not None:
         Path("input.idl").write_text(text)
     path = Path("pipe.idl" if text is None else "input.idl")

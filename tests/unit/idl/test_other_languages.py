@@ -1,4 +1,4 @@
-"""Files in other languages called IDL: one finding each, where there is clear evidence."""
+"""Files in other languages named IDL: one finding each, if there is clear evidence."""
 
 from pathlib import Path
 

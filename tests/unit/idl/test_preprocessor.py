@@ -1,4 +1,4 @@
-"""The preprocessor on its own: texts, conditions, macros, and places in the source."""
+"""The preprocessor alone: texts, conditions, macros, and positions in the source."""
 
 from pathlib import Path
 

@@ -25,7 +25,7 @@ IDL_4 = {
     *("bitfield", "bitmask", "bitset", "map"),
     *("int8", "int16", "int32", "int64", "uint8", "uint16", "uint32", "uint64"),
 }
-"""Words of IDL 4 that are keywords at their places, and names elsewhere."""
+"""Words of IDL 4 that are keywords in some places, and names elsewhere."""
 
 
 def loaded(name: str) -> Any:
@@ -39,7 +39,7 @@ def rules(patterns: list[dict[str, Any]]) -> Iterator[dict[str, Any]]:
 
 
 def words(language: str, *names: str) -> set[str]:
-    """The words in the rules whose scopes begin with the names."""
+    """Return the words in the rules whose scopes begin with the names."""
     grammar = loaded(f"syntaxes/{language}.tmLanguage.json")
     return {
         word
@@ -144,7 +144,7 @@ def test_the_package_is_packed_alike_each_time(tmp_path: Path) -> None:
 
 
 def activated(*command: str) -> dict[str, Any]:
-    """What the extension has done with this command as its setting, with stubs of its editor."""
+    """Return the actions of the extension with this command in its settings, in a stub editor."""
     stubs = Path(__file__).parent / "vscode"
     program = [str(stubs / "run.js"), str(FOLDER / "extension.js")]
     environment = os.environ | {

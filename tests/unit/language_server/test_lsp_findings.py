@@ -1,4 +1,4 @@
-"""Findings of unsaved texts: those of `rtgen lint` for the same texts on the disk."""
+"""Findings of unsaved texts equal those of `rtgen lint` for the same texts on disk."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Clients that send what they should not: the server, as a process, answers each request."""
+"""Invalid messages of clients: the server, as a process, answers each request."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import pytest
 from projects import PROJECT
 
 NO_CLIENT = -32803, -32602, -32601
-"""Codes of answers that refuse: the request failed, wrong parameters, unknown method."""
+"""Error codes for refusals: the request failed, invalid parameters, unknown method."""
 
 POSITIONS = (
     {"line": 0, "character": 4},  # between the units of a character
@@ -31,7 +31,7 @@ ADDRESSES = (
 
 
 class Script:
-    """The messages of a client, sent without a look at what comes back."""
+    """The messages of a client, sent without waiting for answers."""
 
     def __init__(self, *folders: Path) -> None:
         self.messages: list[dict[str, Any]] = []
@@ -71,7 +71,7 @@ class Script:
         self.notify("textDocument/didClose", textDocument={"uri": uri})
 
     def all_requests(self, uri: str, position: dict[str, int]) -> None:
-        """Each request that a feature answers."""
+        """Add each request of all features."""
         document = {"uri": uri}
         there = {"textDocument": document, "position": position}
         range_ = {"start": position, "end": position}
@@ -92,7 +92,7 @@ class Script:
         self.ask("textDocument/formatting", textDocument=document, options=options)
 
     def run(self, folder: Path) -> tuple[list[dict[str, Any]], str]:
-        """The messages of a server that gets all of it at once, and its log."""
+        """Return the messages of a server that receives the script at once, and its log."""
         self.ask("shutdown")
         self.notify("exit")
         sent = b""
@@ -167,7 +167,7 @@ def odd_session(folder: Path) -> Script:
     gone = [{"uri": "file:///gone/x.idl", "type": 3}]
     script.notify("workspace/didChangeWatchedFiles", changes=gone)
     script.ask("workspace/symbol", query="\ud83e")
-    script.close(types)  # it is being analysed
+    script.close(types)  # during its analysis
     script.close(types)
     return script
 

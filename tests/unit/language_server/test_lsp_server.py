@@ -15,7 +15,7 @@ from pytest_lsp import LanguageClient, make_test_lsp_client
 from rtgen.cli import run
 
 PATIENCE = 60.0
-"""Seconds for an answer: what hangs fails, what is slow does not."""
+"""Time-out for an answer [s], reached only if the server hangs."""
 
 
 def project(folder: Path) -> dict[str, Path]:
@@ -70,7 +70,7 @@ def opened(
 async def findings(
     client: LanguageClient, uri: str, *, errors: bool
 ) -> list[types.Diagnostic]:
-    """The findings of a document, once there are errors among them or no more."""
+    """Return the findings of a document, once it has errors, or none any more."""
     while True:
         found = client.diagnostics.get(uri)
         if found is not None:
@@ -92,7 +92,7 @@ def test_a_session(tmp_path: Path) -> None:
         found = await findings(client, document.uri, errors=True)
         wrong = [d for d in found if d.severity is types.DiagnosticSeverity.Error]
         assert [d.code for d in wrong] == ["IDL0200"]
-        # The robot has two units of UTF-16, and one character.
+        # The robot has two units of UTF-16, and is one character.
         assert wrong[0].range == types.Range(
             types.Position(6, 13), types.Position(6, 19)
         )

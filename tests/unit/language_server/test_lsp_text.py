@@ -1,4 +1,4 @@
-"""Positions in UTF-8, UTF-16 and UTF-32, and places that move with edits."""
+"""Positions in UTF-8, UTF-16 and UTF-32, and positions that move with edits."""
 
 from __future__ import annotations
 

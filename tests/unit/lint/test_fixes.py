@@ -1,4 +1,4 @@
-"""`rtgen lint --fix`: an edit for each rule that has one, and nothing where it is not safe."""
+"""`rtgen lint --fix`: an edit for each rule with a fix, and none if it is not safe."""
 
 from pathlib import Path
 
@@ -99,7 +99,7 @@ def test_a_fix_removes_the_finding_alone(
 
 
 def _own(declarations: object) -> object:
-    """The declarations without their places, and without those of a file left out."""
+    """Return the declarations without positions, and without those of a file left out."""
     assert isinstance(declarations, list)
     return [
         {k: v for k, v in d.items() if k != "line"}

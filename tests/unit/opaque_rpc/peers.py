@@ -1,7 +1,7 @@
-"""Peers for channels and servers: a board of three functions by hand, and scripted TCP servers.
+"""Peers for channels and servers: a hand-written board of three functions, and scripted servers.
 
-The board, in network order: 1 `ER set([in] int32_t)`, 2 `oneway void note([in] int32_t)`,
-3 `ER load([in] int32_t n, [in,size_is(n)] const uint8_t *data)`.
+The board, in network order: 1 `ER set([in] int32_t)`, 2 `oneway void note([in] int32_t)`, 3 `ER
+load([in] int32_t n, [in,size_is(n)] const uint8_t *data)`.
 """
 
 from __future__ import annotations
@@ -83,7 +83,7 @@ def _expect(found: bytes, magic: bytes) -> None:
 
 
 def receive(connection: socket.socket, size: int) -> bytes:
-    """So many bytes; fewer at the end of the stream, or where it was reset."""
+    """Return `size` bytes; fewer at the end of the stream, or after a reset."""
     data = b""
     while len(data) < size:
         try:
@@ -97,7 +97,7 @@ def receive(connection: socket.socket, size: int) -> bytes:
 
 
 def rest(connection: socket.socket) -> bytes:
-    """What comes until the end of the stream."""
+    """Return all bytes until the end of the stream."""
     return receive(connection, 1 << 30)
 
 
@@ -105,9 +105,9 @@ Act = Callable[[socket.socket], None]
 
 
 class Scripted:
-    """A TCP server by hand: each connection is taken by the next act; the last one repeats.
+    """A scripted TCP server: each connection is handled by the next act; the last one repeats.
 
-    `requests` has what `answer` acts have read.
+    `requests` has the requests read by `answer` acts.
     """
 
     def __init__(self, *acts: Act) -> None:
@@ -151,7 +151,7 @@ class Scripted:
         self._listener.close()
 
     def answer(self, connection: socket.socket) -> None:
-        """Reads requests to `set` and `note`; answers those that wait for it."""
+        """Read requests to `set` and `note`; reply to two-way ones."""
         while len(request := receive(connection, 10)) == 10:
             self.requests.append(request)
             if request.endswith(TWO_WAY):
@@ -160,7 +160,7 @@ class Scripted:
 
 @contextmanager
 def scripted(*acts: Act | str) -> Iterator[Scripted]:
-    """A scripted server; the text `answer` stands for the act of that name."""
+    """Yield a scripted server; the text `answer` stands for the act of that name."""
     server = Scripted()
     server._acts = [server.answer if isinstance(act, str) else act for act in acts]
     try:

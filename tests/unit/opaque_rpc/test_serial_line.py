@@ -1,4 +1,4 @@
-"""Calls over pseudo terminals: noise, cut messages, silence, and how both ends find together."""
+"""Calls over pseudo terminals: noise, cut messages, silence, and resynchronization."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ class Terminal:
         os.write(self.far, data)
 
     def read(self, size: int, seconds: float = LONG) -> bytes:
-        """So many bytes; fewer when time is over."""
+        """Return `size` bytes; fewer after the time-out."""
         data = b""
         end = time.monotonic() + seconds
         while len(data) < size:
@@ -71,7 +71,7 @@ class Terminal:
 
 @pytest.fixture
 def line() -> Iterator[Terminal]:
-    """A line whose far end the test has in hand."""
+    """Yield a line whose far end the test controls."""
     terminal = Terminal()
     yield terminal
     terminal.close()
@@ -79,7 +79,7 @@ def line() -> Iterator[Terminal]:
 
 @pytest.fixture
 def cable() -> Iterator[tuple[Terminal, Terminal]]:
-    """Two terminals, each connected to the other."""
+    """Yield two terminals that are connected."""
     ends = (Terminal(), Terminal())
     stop, alarm = os.pipe()
     other = {ends[0].far: ends[1].far, ends[1].far: ends[0].far}
@@ -104,7 +104,7 @@ def cable() -> Iterator[tuple[Terminal, Terminal]]:
 
 @pytest.fixture
 def silent_again() -> Iterator[threading.Event]:
-    """Is set when a server has waited for silence after an error."""
+    """Yield an event that is set when a server has waited for silence after an error."""
     event = threading.Event()
 
     class Listener(logging.Handler):
@@ -145,7 +145,7 @@ def call(channel: SerialChannel, value: int = 7) -> bytes:
 
 
 def far_answers(terminal: Terminal, *answers: bytes) -> threading.Thread:
-    """Answers each request at the far end, with noise or truncated replies on request."""
+    """Answer each request at the far end, with noise or truncated replies on request."""
 
     def run() -> None:
         for answer in answers:

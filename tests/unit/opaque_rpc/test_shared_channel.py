@@ -89,7 +89,7 @@ def test_a_reply_counts_though_the_connection_breaks_behind_it() -> None:
 
 
 def receive_nothing_more(channel: TcpChannel) -> None:
-    """Waits until the peer has reset the connection."""
+    """Wait until the peer has reset the connection."""
     with pytest.raises(ChannelError):
         channel.more(1)
 

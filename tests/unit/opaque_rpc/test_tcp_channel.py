@@ -1,4 +1,4 @@
-"""Calls over TCP against peers that break off, keep silent, lie, or answer late."""
+"""Calls over TCP to peers that disconnect, stay silent, send wrong data, or answer late."""
 
 from __future__ import annotations
 
@@ -33,10 +33,10 @@ from rtgen.runtime.opaque_rpc import (
 SHORT = 0.15
 """A time-out that a test waits for."""
 MEDIUM = 1.5
-"""The same where the next call of the channel has to succeed within it, under load, too."""
+"""A short time-out in which the channel's next call must succeed, also under load."""
 LONG = 20.0
 PAUSE = 0.06
-"""Longer than a connection is used again unseen."""
+"""Longer than a connection is reused without a check."""
 
 
 @contextmanager
@@ -57,7 +57,7 @@ def call(channel: TcpChannel, value: int = 7) -> bytes:
 
 
 def failure(channel: TcpChannel, value: int = 7) -> int:
-    """The code of a call that fails."""
+    """Return the code of a call that fails."""
     with pytest.raises(ChannelError) as caught:
         channel.begin(set_request(value), REPLY_SIZE)
     return caught.value.sub

@@ -1,4 +1,4 @@
-"""A server against clients that break off, keep silent, lie, or ask for too much."""
+"""A server with clients that disconnect, stay silent, send wrong data, or request too much."""
 
 from __future__ import annotations
 
@@ -57,14 +57,14 @@ def connect(server: TcpServer) -> socket.socket:
 
 
 def good_call(server: TcpServer, value: int = 42) -> None:
-    """The next client is served."""
+    """Check that the next client is served."""
     with connect(server) as client:
         client.sendall(set_request(value))
         assert receive(client, REPLY_SIZE) == reply(value)
 
 
 def answer(server: TcpServer, request: bytes) -> bytes:
-    """All that comes until the server closes."""
+    """Return all bytes until the server closes."""
     with connect(server) as client:
         client.sendall(request)
         return rest(client)
@@ -268,7 +268,7 @@ def test_nothing_is_allocated_for_a_size_that_lies() -> None:
 
 
 class Recorder(MessageReader):
-    """Gives bytes of a stream one at a time and records how many were asked for."""
+    """Returns bytes of a stream one at a time and records how many were requested."""
 
     def __init__(self, stream: bytes, limit: int) -> None:
         super().__init__(limit)

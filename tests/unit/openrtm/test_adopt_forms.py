@@ -78,7 +78,7 @@ def test_python_2_without_its_converter(
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A repository with a component in a folder, and a base and constants elsewhere in it."""
+    """Return a repository with a component in a folder, a base and constants elsewhere."""
     (tmp_path / ".git").mkdir()
     (tmp_path / "common").mkdir()
     (tmp_path / "common/__init__.py").write_text("")

@@ -1,4 +1,4 @@
-"""The text of modules: names that clash, whatever they are, and black's form."""
+"""The text of modules: name clashes of any kind, and black's form."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the parts of the target openrtm agree on: names of ports, files, behaviours."""
+"""Names common to the parts of the target openrtm: ports, files, behaviours."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Types of interfaces are registered by the names that their authors have given them."""
+"""Types of interfaces are registered by their original names."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ SYSTEM = """\
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The working folder, with the definitions of two components and a system."""
+    """Return the working folder, with the definitions of two components and a system."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("RTGEN_CACHE_DIR", str(tmp_path / "cache"))
     (tmp_path / "services.idl").write_text(SERVICE)
@@ -58,7 +58,7 @@ def converted(
 
 
 def registered(kind: str, module: str) -> list[str]:
-    """Instance name and type name of the only interface of a kind that a module registers."""
+    """Return instance name and type name of a module's only interface of a kind."""
     [found] = re.findall(rf'register{kind}\(\s*"(.*?)",\s*"(.*?)"', module)
     return list(found)
 

@@ -1,4 +1,4 @@
-"""What the target openrtm says of types that omniORB cannot have."""
+"""Findings of the target openrtm about types that omniORB does not support."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Compiled templates are kept beside their sources, and made anew where something has changed."""
+"""Compiled templates are stored beside their sources, and compiled again after a change."""
 
 from __future__ import annotations
 

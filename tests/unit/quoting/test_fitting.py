@@ -1,4 +1,4 @@
-"""The line fitter: a text in a literal is not part of the statement, however it looks."""
+"""The line fitter does not treat text in a literal as code."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Identifiers that are made of any text, such as the outside name of a port."""
+"""Identifiers derived from any text, such as the outside name of a port."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Quoting: whatever the text, its language's own parser finds that text at that place."""
+"""Quoting of any text: its language's own parser returns the same text."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ text = st.text(
 
 
 def hostile(test):  # type: ignore[no-untyped-def]
-    """The test with each of the texts that are known to hurt, besides the drawn ones."""
+    """Add the texts that once failed to the drawn ones of a test."""
     for each in HOSTILE:
         test = example(each)(test)
     return given(text)(test)
@@ -198,7 +198,7 @@ def _or_none(quote, value):  # type: ignore[no-untyped-def]
 
 @hostile
 def test_idl_string_and_repository_id(value: str) -> None:
-    """IDL that is written is IDL that is read: the id, the constant, nothing else."""
+    """rtgen reads the IDL that it writes: the id, the constant, nothing else."""
     value = "".join(c for c in value if "\0" < c <= "\xff")
     name = (
         "".join(c for c in value if c.isprintable() and c not in '\\"') or "IDL:a:1.0"

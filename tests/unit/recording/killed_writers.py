@@ -15,8 +15,8 @@ from rtgen.recording import mcap_writer
 from rtgen.recording.mcap_writer import McapWriter
 from rtgen.recording.recorder import Recorder
 
-LONGEST = 0.04
-"""When a writer is killed at the latest [s]."""
+MAX_DELAY = 0.04
+"""Maximum time until a writer is killed [s]."""
 
 
 def write(path: Path, ready: int) -> None:
@@ -38,7 +38,7 @@ def main(folder: Path, count: int, seed: int) -> None:
             finally:
                 os._exit(1)
         os.read(reading, 1)
-        time.sleep(draw.uniform(0.0, LONGEST))
+        time.sleep(draw.uniform(0.0, MAX_DELAY))
         os.kill(child, signal.SIGKILL)
         _, status = os.waitpid(child, 0)
         assert os.WTERMSIG(status) == signal.SIGKILL

@@ -21,7 +21,7 @@ MS = 1_000_000
 
 
 class Counter(Component):
-    """Counts, and tells where it is."""
+    """A component that counts, and reports its position."""
 
     profile = ComponentProfile("Counter")
 
@@ -42,7 +42,7 @@ class Counter(Component):
 
 
 class Adder(Component):
-    """Adds up what it reads."""
+    """A component that adds the samples that it reads."""
 
     profile = ComponentProfile("Adder")
 
@@ -62,7 +62,7 @@ class Adder(Component):
 
 
 def counting(clock: SimulatedClock | None = None) -> System:
-    """A counter at 1000 Hz and an adder at 300 Hz."""
+    """Return a system of a counter at 1000 Hz and an adder at 300 Hz."""
     system = System(clock or SimulatedClock())
     system.add(Adder("Adder0"), 300.0)
     system.add(Counter("Counter0"), 1000.0)

@@ -1,4 +1,4 @@
-"""A live view, seen by a client that speaks Foxglove's protocol itself, over a real WebSocket."""
+"""A live view and a client of Foxglove's protocol, over a real WebSocket."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ class Dictionary(ObjectDictionary):
 
 
 class Node(Component):
-    """Has parameters, and provides an object dictionary."""
+    """A component with parameters, which provides an object dictionary."""
 
     profile: ClassVar[ComponentProfile] = ComponentProfile(
         "Node",
@@ -146,7 +146,7 @@ class Client:
         raise AssertionError(octets)
 
     def text(self, op: str, where: Callable[[Any], bool] = lambda _: True) -> Any:
-        """The next message of a kind."""
+        """Return the next message of a kind."""
         return self.next_of(lambda m: m["op"] == op and where(m))
 
     def next_of(self, wanted: Callable[[Any], bool]) -> Any:
@@ -171,7 +171,7 @@ class Client:
         return {p["name"]: p.get("value") for p in found["parameters"]}
 
     def call(self, name: str, request: Any) -> Any:
-        """The reply of a service, or the text of its failure."""
+        """Return the reply of a service, or the text of its failure."""
         body = request if isinstance(request, bytes) else json.dumps(request).encode()
         head = struct.pack("<BIII", CALL, self.services[name]["id"], 5, 4)
         self.connection.send(head + b"json" + body)
@@ -181,7 +181,7 @@ class Client:
 
 @contextmanager
 def running(clock: Clock) -> Iterator[tuple[System, LiveView]]:
-    """A counter and a node that run in a thread, seen at a port that is free."""
+    """Yield a running counter and node, and their live view at a free port."""
     over = threading.Event()
     with System(clock) as system:
         system.add(Counter("Counter0"), 100.0)
@@ -243,7 +243,7 @@ def test_parameters_are_set_within_their_ranges(seen: tuple[System, LiveView]) -
         assert client.parameters().keys() > {*names, "Node0.steps"}
         assert client.set("Node0.gain", 2.5) == {"Node0.gain": 2.5}
         assert client.set("Node0.limits", [3, 4.5]) == {"Node0.limits": [3.0, 4.5]}
-        # A request is carried out after those before it.
+        # A request is executed after those before it.
         client.call("/Node0/reset", {})
         wait_until(lambda: (node.config.gain, node.config.limits) == (2.5, [3.0, 4.5]))
         for value in (11, -1, "much", [1, 2], {"a": 1}, True):
@@ -323,7 +323,7 @@ def test_a_client_that_reads_nothing_or_goes_holds_nothing_up() -> None:
         address = "127.0.0.1", int(view.address.rpartition(":")[2])
         counter: Any = system.component("Counter0")
         with socket.create_connection(address), Client(view.address) as gone:
-            # The first never finishes its handshake, the second goes without a word.
+            # The first never finishes its handshake, the second leaves without a message.
             gone.subscribe("/Counter0/count")
             gone.connection.socket.shutdown(socket.SHUT_RDWR)
             with Client(view.address) as idle:
@@ -444,7 +444,7 @@ def test_a_pace_waits_for_the_clock(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_requests_that_wait_are_refused_at_the_end(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """At once, not after the time that a call may take."""
+    """At once, not after the time-out of a call."""
     monkeypatch.setattr(live_view, "_CALL_TIMEOUT", 10_000.0)
     with System(SimulatedClock()) as system:
         system.add(Node("Node0"), 100.0)
@@ -469,7 +469,7 @@ def test_requests_that_wait_are_refused_at_the_end(
 
 
 def test_requests_that_go_on_coming_do_not_hold_the_run_up() -> None:
-    """Each instant carries out a bounded number of them."""
+    """Each instant executes a bounded number of them."""
     with System(SimulatedClock()) as system:
         system.add(Node("Node0"), 100.0)
         view = LiveView(system, "test", port=0)

@@ -1,4 +1,4 @@
-"""What a recording holds, as MCAP's own library and rtgen read it."""
+"""The content of a recording, as MCAP's own library and rtgen read it."""
 
 from __future__ import annotations
 

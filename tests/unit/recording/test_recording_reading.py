@@ -1,4 +1,4 @@
-"""Files that are cut off, damaged, or none: what is whole is read, nothing else."""
+"""Truncated, damaged or empty files: complete chunks are read, nothing else."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def recorded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def chunks(data: bytes) -> list[tuple[int, int]]:
-    """Where the chunks of a file begin and end."""
+    """Return the positions of the chunks of a file."""
     found, at = [], len(MAGIC)
     while at < len(data) - len(MAGIC):
         opcode, length = struct.unpack_from("<BQ", data, at)
@@ -91,7 +91,7 @@ def claimed(length: int) -> bytes:
 
 
 def bomb() -> bytes:
-    """A chunk that is a gigabyte of zeros once it is unpacked."""
+    """Return a chunk that is a gigabyte of zeros once it is unpacked."""
     import zstandard
 
     zeros = zstandard.ZstdCompressor().compress(bytes(1 << 24))

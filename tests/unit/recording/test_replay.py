@@ -1,4 +1,4 @@
-"""Replays into random systems: what runs writes what it wrote, octet by octet."""
+"""Replays into random systems: running components write the same samples, octet by octet."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ POLICIES: tuple[Mapping[str, str], ...] = (
 
 
 class Mixer(Component):
-    """Mixes what it reads with what it has, and writes it now and then."""
+    """A component that combines inputs with its state, and writes now and then."""
 
     profile = ComponentProfile("Mixer")
 
@@ -94,14 +94,14 @@ class Drawn:
         self.present = {n for n in self.names if draw.random() < 0.5} or {self.names[0]}
 
     def add(self, system: System, present: Collection[str]) -> None:
-        """The components that are present, players for the others."""
+        """Add the components that are present, players for the others."""
         for name in self.names:
             kind = Mixer if name in present else Player
             system.add(kind(name), self.rates[name])
             system.activate(name)
 
     def connect(self, system: System, name: str) -> None:
-        """A connection of components that are present."""
+        """Connect components that are present."""
         [(source, target, properties, _)] = [x for x in self.links if x[3] == name]
         system.connect(source, target, properties, name)
         if name in self.cut:
@@ -243,7 +243,7 @@ def test_until_ends_a_replay_before_its_end(tmp_path: Path) -> None:
 
 
 class OtherAdder(Component):
-    """Has the same port with another type, or none."""
+    """A component whose port has another type, or that has no port."""
 
     def __init__(self, instance_name: str, port: str = "in") -> None:
         super().__init__(instance_name)

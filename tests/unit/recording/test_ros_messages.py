@@ -1,4 +1,4 @@
-"""Schemas of types of ROS 2: read by rosbags, which knows nothing of rtgen, and by ourselves."""
+"""Schemas of types of ROS 2, read by rosbags and by rtgen."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ STORE = get_typestore(Stores.ROS2_JAZZY)
 
 @pytest.fixture(scope="module")
 def shipped() -> Model:
-    """The messages that ship with rtgen."""
+    """Return the messages that ship with rtgen."""
     files = [ros_file(name) for name in ros_interfaces()]
     return load(files, root=files[0].parents[2]).model
 
@@ -72,7 +72,7 @@ def shipped() -> Model:
 def classes(
     shipped: Model, tmp_path_factory: pytest.TempPathFactory
 ) -> Iterator[ModuleType]:
-    """The generated package of these messages."""
+    """Import the generated package of these messages."""
     folder = tmp_path_factory.mktemp("recorded_ros")
     for artifact in BACKEND.emit(shipped, Options("recorded_ros", "", "0")).artifacts:
         path = folder / artifact.path
@@ -100,7 +100,7 @@ def test_every_shipped_message_has_the_fields_that_rosbags_knows(
             expected = STORE.fielddefs.get(message, (None, None))[1]
             if (
                 expected is not None and fields
-            ):  # Fields of no members differ by a filler.
+            ):  # An empty message has a placeholder field.
                 # `char` is a name of uint8.
                 assert repr(fields) == repr(expected).replace("'char'", "'uint8'")
                 compared += 1
@@ -108,7 +108,7 @@ def test_every_shipped_message_has_the_fields_that_rosbags_knows(
 
 
 class Source(Component):
-    """Writes a grid once a tick."""
+    """A component that writes a grid once a tick."""
 
     profile = ComponentProfile("Source")
 
@@ -195,7 +195,7 @@ def test_what_a_message_cannot_have_is_recorded_with_idl(name: str, idl: str) ->
 
 
 def chain(length: int) -> str:
-    """A message that contains another one, which contains another one ..."""
+    """Return a message that contains another one, which contains another one ..."""
     parts = [f"MSG: lab/M{n}\nlab/M{n + 1} m\n" for n in range(1, length)]
     parts.append(f"MSG: lab/M{length}\nuint8 x\n")
     return f"{SEPARATOR}\n".join(("lab/M1 m\n", *parts))

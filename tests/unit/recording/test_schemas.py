@@ -1,4 +1,4 @@
-"""Schemas: IDL of every type, read by our own front end and by independent ones."""
+"""Schemas: IDL of every type, read by rtgen and by independent parsers."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ module M {
 
 
 def port_types() -> list[Any]:
-    """Every struct and union of the reference build."""
+    """Return every struct and union of the reference build."""
     found = {}
     for module in pkgutil.iter_modules(refrobots._idl.__path__):
         for value in vars(
@@ -80,7 +80,7 @@ def test_a_type_with_everything_that_idl_has() -> None:
 
 
 def lacks(part: Descriptor) -> bool:
-    """Whether messages of ROS 2 cannot have it, or rosbags no codec for it."""
+    """Return whether messages of ROS 2 cannot have it, or rosbags has no codec for it."""
     wide = PrimitiveDescriptor("wchar"), StringDescriptor(wide=True)
     return isinstance(part, EnumDescriptor) or part in wide
 

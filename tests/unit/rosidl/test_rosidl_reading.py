@@ -25,7 +25,7 @@ def write(folder: Path, files: dict[str, str]) -> list[Path]:
 
 
 def read(folder: Path, **named: str) -> Model:
-    """The model of files of the package `lab`: `msg_Name="..."`."""
+    """Return the model of files of the package `lab`: `msg_Name="..."`."""
     files = {}
     for key, text in named.items():
         kind, _, name = key.partition("_")

@@ -78,7 +78,7 @@ SERVICES = {
         "e118de6bf5eeb66a2491b5bda11202e7b68f198d6f67922cf30364858239c81a",
     ),
 }
-"""Interfaces with the hashes that rmw_zenoh's design document shows."""
+"""Interfaces with the hashes in rmw_zenoh's design document."""
 
 
 def test_hash_of_a_service(tmp_path: Path) -> None:
@@ -95,7 +95,7 @@ def test_hash_of_a_service(tmp_path: Path) -> None:
 
 
 def test_hash_of_the_graph(shipped: Model) -> None:
-    """That of rmw_cyclonedds on `ros_discovery_info`; it has an array of `char`."""
+    """The hash of rmw_cyclonedds on `ros_discovery_info`; it has an array of `char`."""
     info = struct(shipped, "rmw_dds_common/msg/ParticipantEntitiesInfo")
     expected = "91a0593bacdcc50ea9bdcf849a938b128412cc1ea821245c663bcd26f83c295e"
     assert type_hash(shipped, info) == f"RIHS01_{expected}"
@@ -173,7 +173,7 @@ def test_all_can_be_included(shipped: Model) -> None:
 
 
 def test_read_and_included_is_declared_once(tmp_path: Path) -> None:
-    """A `.msg` file of the project takes the place of the IDL that is printed of it."""
+    """A `.msg` file of the project replaces the IDL that is printed from it."""
     paths = [
         write(tmp_path, "lab/msg/Place.msg", "std_msgs/Header header\nbool map\n"),
         write(

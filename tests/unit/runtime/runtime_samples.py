@@ -1,4 +1,4 @@
-"""Hand-written data types, as the types back end would make them, and a component of callables."""
+"""Hand-written data types like generated ones, and a component with configurable callbacks."""
 
 from __future__ import annotations
 
@@ -141,7 +141,7 @@ class Actor(Component):
 def activated(
     system: System, *components: Component, rate_hz: float | None = None
 ) -> System:
-    """Adds the components and requests their activation."""
+    """Add the components and request their activation."""
     for component in components:
         system.add(component, rate_hz)
         assert system.activate(component.instance_name) is RTC_OK
@@ -151,7 +151,7 @@ def activated(
 def joined(
     properties: dict[str, str] | None = None, system: System | None = None
 ) -> tuple[System, OutPort[Any], InPort[Any]]:
-    """A writer and a reader with one connection between them, named `c`."""
+    """Return a writer and a reader with one connection between them, named `c`."""
     system = system or System()
     writer, reader = Actor("writer", outputs=("out",)), Actor("reader", inputs=("in",))
     activated(system, writer, reader)
@@ -164,7 +164,7 @@ def long(value: int) -> TimedLong:
 
 
 def drained(port: InPort[Any]) -> list[Any]:
-    """The data of all unread samples, oldest first."""
+    """Return the data of all unread samples, oldest first."""
     values = []
     while port.is_new():
         values.append(port.read().data)

@@ -1,4 +1,4 @@
-"""Components wait for the providers of their services, in any order and in real time, too."""
+"""Components wait for the providers of their services, in any order, also in real time."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class SourceSkeleton(Skeleton, interface=Source):
 
 
 class Stage(Component):
-    """Calls the stage behind it in every callback, as a client of a board does."""
+    """A component that calls the next stage in every callback, like a client of a board."""
 
     profile: ClassVar[ComponentProfile] = ComponentProfile("Stage", max_instances=0)
     calls = False
@@ -80,7 +80,7 @@ NAMES = ("Client", "Marshaller", "Communication")
 
 
 def chain(clock: Clock, order: tuple[str, ...], rates: dict[str, float]) -> System:
-    """A chain of services; all of it is requested to become ACTIVE."""
+    """Return a chain of services; all components are requested to become ACTIVE."""
     system = System(clock)
     for name in order:
         stage = Stage(name)

@@ -1,4 +1,4 @@
-"""Checkpoints: what is kept of a component whose process dies, and when it is not used."""
+"""Checkpoints: the stored state of a component whose process dies, and when it is ignored."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ State = checkpoints.Goals
 
 
 class Keeper(Component):
-    """Keeps what it is given, and finds it again when it is activated."""
+    """A component that stores a value, and restores it on activation."""
 
     def on_initialize(self) -> ReturnCode_t:
         self.kept = self.add_checkpoint(State)
@@ -45,7 +45,7 @@ def state(*places: float) -> State:
 
 
 def opened(folder: Path, type_: type = State) -> Checkpoint[State]:
-    """The checkpoint of K0 in a process that has just been started."""
+    """Return the checkpoint of K0 in a process that has just been started."""
     made = Checkpoint(type_, "K0")
     made.open(CheckpointFolder(folder).file("K0"))
     return made
@@ -102,7 +102,7 @@ def test_a_write_that_was_cut_short_leaves_the_state_before(
     changed = [
         i for i, pair in enumerate(zip(before, after, strict=True)) if len({*pair}) > 1
     ]
-    # Cut at each octet that differs; behind the last one the write was complete.
+    # Cut at each octet that differs; after the last one the write was complete.
     for end in changed:
         file.write_bytes(after[:end] + before[end:])
         assert opened(tmp_path).restored() == state(float(writes - 1))

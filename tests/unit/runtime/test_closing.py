@@ -1,4 +1,4 @@
-"""`System.close`: who exits when, and what components that still run see of it."""
+"""`System.close`: the order of components, and its effects on those that still run."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from rtgen.runtime.marshalling.descriptors import InterfaceDescriptor
 from rtgen.runtime.system import watchdog
 
 BETWEEN = 0.1
-"""Seconds in which a component that still ticks at 1 kHz would call a service."""
+"""Time in which a component that still ticks at 1 kHz would call a service [s]."""
 
 
 class Pump(Servant):
@@ -51,7 +51,7 @@ class PumpSkeleton(Skeleton, interface=Pump):
 
 
 class Plant(Component):
-    """Offers a pump, and calls that of another plant in its callbacks."""
+    """A component that offers a pump, and calls that of another plant in its callbacks."""
 
     profile: ClassVar[ComponentProfile] = ComponentProfile("Plant", max_instances=0)
 
@@ -88,7 +88,7 @@ class Plant(Component):
 def plants(
     clock: Clock, names: str, calls: list[tuple[str, str]]
 ) -> tuple[System, list[str], list[Failure]]:
-    """ACTIVE plants, the order in which they are deactivated, and what fails."""
+    """Return ACTIVE plants, the order of their deactivation, and the failures."""
     events: list[str] = []
     failures: list[Failure] = []
     system = System(clock)

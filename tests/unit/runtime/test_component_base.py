@@ -1,4 +1,4 @@
-"""The component base: ports, reasons of failures, and the weight of the runtime."""
+"""The component base: ports, reasons of failures, and the size of the runtime."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Configuration sets: when values change, what is refused, and `.conf` files over code."""
+"""Configuration sets: when values change, refused values, and `.conf` files over code."""
 
 from __future__ import annotations
 

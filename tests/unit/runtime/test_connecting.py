@@ -1,4 +1,4 @@
-"""What can be connected, what cannot, and what the refusal says."""
+"""Possible and impossible connections, and the messages of refusals."""
 
 from __future__ import annotations
 

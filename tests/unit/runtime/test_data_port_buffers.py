@@ -1,4 +1,4 @@
-"""Reading, writing and the policies of full and empty buffers, where there is one thread."""
+"""Reading, writing and the policies of full and empty buffers, in one thread."""
 
 from __future__ import annotations
 

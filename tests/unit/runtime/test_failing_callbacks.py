@@ -1,4 +1,4 @@
-"""What a callback raises or returns: every callback, every kind of failure, both clocks."""
+"""Failing callbacks: every callback, every kind of failure, both clocks."""
 
 from __future__ import annotations
 
@@ -60,11 +60,11 @@ CALLBACKS = (
 )
 
 AT_THE_END = ("on_deactivated", "on_shutdown", "on_finalize")
-LONGEST = 5_000 * MS
+MAX_DURATION = 5_000 * MS
 
 
 class Naughty(Component):
-    """Fails in one callback; with a callback of ERROR it goes there first, on purpose."""
+    """A component that fails in one callback; for a callback of ERROR it enters ERROR first."""
 
     profile = ComponentProfile("Naughty", rate=1000.0)
 
@@ -130,9 +130,9 @@ def test_a_failure_is_reported_once_and_only_interrupts_end_the_run(
     raised: BaseException | None = None
     try:
         if callback == "on_reset":
-            system.run(LONGEST, lambda _: "on_error" in component.called)
+            system.run(MAX_DURATION, lambda _: "on_error" in component.called)
             system.reset("n0")
-        system.run(LONGEST, lambda _: awaited in component.called)
+        system.run(MAX_DURATION, lambda _: awaited in component.called)
         system.run(system.time + 3 * MS)
     except BaseException as error:
         raised = error

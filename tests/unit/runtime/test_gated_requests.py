@@ -1,4 +1,4 @@
-"""Requests that wait for something outside: gates, and failures that come from there."""
+"""Requests that wait for an external condition: gates and their failures."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ MILLISECOND = 1_000_000
 
 
 class Slow(Component):
-    """Lets a request pass a while after it was first asked for."""
+    """A gate that lets a request pass some time after it was first asked."""
 
     def __init__(self, delay: int = 25 * MILLISECOND) -> None:
         super().__init__("Slow0")
@@ -128,7 +128,7 @@ def test_a_refusal_says_why() -> None:
 
 
 def test_the_parameters_are_there_when_the_gate_is_asked() -> None:
-    """Their values may be what it waits with."""
+    """The gate may need their values."""
     from dataclasses import dataclass
 
     from rtgen.runtime.rtc.profiles import ComponentProfile, ParameterProfile

@@ -46,7 +46,7 @@ def test_a_value_is_printed_as_its_plain_form(sample: Any) -> None:
 @pytest.mark.parametrize(
     ("sample", "printed"),
     [
-        # What a definition does not promise, but a behaviour may write.
+        # Values that no definition allows, but a behaviour may write.
         (iis.TimedState(data=iis.State.TURNING), '"data": "TURNING"'),
         (rtc.TimedDouble(data=3), '"data": 3'),
         (rtc.TimedDouble(data=True), '"data": true'),

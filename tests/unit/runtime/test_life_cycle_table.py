@@ -20,7 +20,7 @@ TICKS = {
 
 
 class Probe(Component):
-    """Notes each callback; lets one of them fail in the wanted way."""
+    """Records each callback; lets one of them fail in a given way."""
 
     def __init__(self) -> None:
         super().__init__("probe")

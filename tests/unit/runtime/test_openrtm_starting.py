@@ -1,4 +1,4 @@
-"""How modules for OpenRTM start, as far as no OpenRTM is needed for it."""
+"""The start of modules for OpenRTM, as far as it needs no OpenRTM."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Data ports beside the simplest model of them: any course of writes, reads and cuts."""
+"""Data ports compared with their simplest model: any sequence of writes, reads and cuts."""
 
 from __future__ import annotations
 

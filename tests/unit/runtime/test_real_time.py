@@ -1,4 +1,4 @@
-"""Real time: threads, overruns, waiting. Nothing here measures how long anything takes."""
+"""Real time: threads, overruns, waiting. Nothing here measures durations."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from rtgen.runtime import (
 from rtgen.runtime.system.real_time import next_instant
 
 WAIT = 10.0
-"""Seconds until a test that hangs gives up."""
+"""Time-out of a test that hangs [s]."""
 
 FULL = "dataport.buffer.write.full_policy"
 EMPTY = "dataport.buffer.read.empty_policy"
@@ -45,7 +45,7 @@ def run_until(system: System, condition: Callable[[], bool]) -> None:
 
 
 class Thread(threading.Thread):
-    """A thread that keeps what its function returned."""
+    """A thread that stores the result of its function."""
 
     def __init__(self, function: Callable[[], object]) -> None:
         super().__init__(daemon=True)

@@ -1,4 +1,4 @@
-"""Providers, consumers, and the calls between them; interfaces as the back end would make them."""
+"""Providers, consumers, and calls between them; hand-written interfaces like generated ones."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ class AdderOfAnotherPackage(Servant):
 
 
 class BetterOfAnotherPackage(AdderOfAnotherPackage):
-    """Derives from Adder by repository id only."""
+    """An interface that derives from Adder by repository id only."""
 
     _descriptor_ = BetterAdder._descriptor_
 

@@ -9,7 +9,7 @@ from rtgen.runtime.timing.simulated_network import SimulatedNetwork, Stream
 
 
 class Echo:
-    """Sends back what it gets."""
+    """A service that sends back what it receives."""
 
     def __init__(self) -> None:
         self.streams: list[Stream] = []

@@ -28,7 +28,7 @@ from rtgen.runtime import (
 
 
 def ticking(*names: str) -> tuple[System, list[tuple[str, int]]]:
-    """Components that note (name, time in ms) at each tick, at 1000 Hz."""
+    """Return components that record (name, time in ms) at each tick, at 1000 Hz."""
     system, notes = System(SimulatedClock()), []
 
     def actor(name: str) -> Actor:
@@ -175,7 +175,7 @@ def test_a_rate_change_counts_from_the_last_tick() -> None:
 
 @pytest.mark.parametrize("kind", [ExecutionKind.EVENT_DRIVEN, ExecutionKind.OTHER])
 def test_only_a_periodic_context_takes_another_rate(kind: ExecutionKind) -> None:
-    """What docs/life-cycle.md says of the other kinds."""
+    """docs/life-cycle.md describes the other kinds."""
     system, notes = System(), []
     system.add(Actor("a", lambda: notes.append(system.time // MS)), 1000.0)
     context = system.add_context(250.0, kind=kind)

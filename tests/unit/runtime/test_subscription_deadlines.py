@@ -1,4 +1,4 @@
-"""Periods without a sample, by a clock of the test."""
+"""Deadlines of subscriptions, by a clock of the test."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from rtgen.runtime.distribution.deadlines import Deadline
 
 
 class Clock:
-    """Seconds that pass when the test says so."""
+    """A clock whose time is set by the test [s]."""
 
     now = 100.0
 

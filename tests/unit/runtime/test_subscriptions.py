@@ -26,7 +26,7 @@ def periodic(rate: float, **more: str) -> dict[str, str]:
 def writing_system(
     properties: dict[str, str], per_tick: int, rate_hz: float = 1000.0
 ) -> tuple[System, list[list[int]], Actor]:
-    """A writer of `per_tick` samples each ms, and what a reader gets in each of its ticks.
+    """Return a writer of `per_tick` samples each ms, and a reader's samples by its ticks.
 
     The reader comes first in the order of equal instants.
     """

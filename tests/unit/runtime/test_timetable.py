@@ -1,4 +1,4 @@
-"""Timetables of simulated time: every call at the instant and in the order of the heap alone."""
+"""Timetables of simulated time: every call at the same time and in the same order as by a heap."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ MS = 1_000_000
 
 
 class Play:
-    """Contexts, watchers and single actions that disturb each other now and then."""
+    """Contexts, watchers and single actions that change each other now and then."""
 
     def __init__(self, seed: int) -> None:
         self.random = Random(seed)

@@ -44,7 +44,7 @@ CALLBACKS = [name for name in vars(Component) if name.startswith("on_")]
 
 
 class Probe(Component):
-    """Notes each callback; lets one of them fail."""
+    """Records each callback; lets one of them fail."""
 
     def __init__(self) -> None:
         super().__init__("probe")

@@ -1,4 +1,4 @@
-"""Names that mean something in Python, in the runtime or in generated code take nothing away."""
+"""Names with a meaning in Python, in the runtime or in generated code cause no clash."""
 
 from __future__ import annotations
 

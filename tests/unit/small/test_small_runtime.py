@@ -1,4 +1,4 @@
-"""The small runtime itself: life cycle, ports of fixed size, codecs that refuse."""
+"""The small runtime itself: life cycle, ports of fixed size, refusals of codecs."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from rtgen.small_runtime import (
 
 
 class Sample:
-    """As a generated struct is: one number."""
+    """A hand-written equivalent of a generated struct of one number."""
 
     def __init__(self, value: int = 0) -> None:
         self.value = value

@@ -1,4 +1,4 @@
-"""Small types and embedded ones write the same octets, and refuse what has no room."""
+"""Small types and embedded ones write the same octets, and refuse what exceeds the capacity."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""CDL files with joins through RTCPlugin, and what rtgen makes of them, written and imported."""
+"""CDL files with joins through RTCPlugin, and rtgen's output for them, written and imported."""
 
 from __future__ import annotations
 
@@ -65,11 +65,11 @@ namespace nBoard {
   };
 };
 """
-"""Structs, arrays, strings, name spaces, names that mean something in IDL or Python."""
+"""Structs, arrays, strings, name spaces, names with a meaning in IDL or Python."""
 
 
 def joined(text: str, *signatures: str, options: str = "") -> str:
-    """The text with a client that calls a server of each signature through our plug-in."""
+    """Return the text with a client of each signature's server, joined through the plug-in."""
     parts = [text]
     for number, signature in enumerate(signatures):
         parts.append(f"""\
@@ -87,7 +87,7 @@ cell tClient{number} Client{number} {{
 def emit(
     folder: Path, files: dict[str, str], *, corba: bool = False
 ) -> tuple[Emission, list[Diagnostic]]:
-    """What the back end gives for CDL files, and all findings but notes."""
+    """Return the output of the back end for CDL files, and all findings but notes."""
     for name, text in files.items():
         (folder / name).write_text(text, encoding="utf-8")
     read = load([folder / name for name in files], root=folder)
@@ -96,7 +96,7 @@ def emit(
 
 
 def emitted(model: Model, *, corba: bool = False) -> tuple[Emission, list[Diagnostic]]:
-    """What the back ends give for the model of CDL files."""
+    """Return the output of the back ends for the model of CDL files, and the findings."""
     made = lowered(model, Settings())
     findings = list(made.diagnostics)
     options = Options("robots", "nodes", "0.1.0", tecs_corba=corba)
@@ -111,13 +111,13 @@ def emitted(model: Model, *, corba: bool = False) -> tuple[Emission, list[Diagno
 
 
 def texts(artifacts: Sequence[Artifact]) -> dict[str, str]:
-    """Path to text; skeletons are in a package beside the generated one, `nodes`."""
+    """Return texts by path; skeletons are in a package beside the generated one, `nodes`."""
     folders = {Owner.RTGEN: "", Owner.USER: "nodes/"}
     return {f"{folders[a.owner]}{a.path}": a.text for a in artifacts}
 
 
 def write(folder: Path, artifacts: Sequence[Artifact]) -> None:
-    """Writes the files below the folder."""
+    """Write the files below the folder."""
     for path, text in texts(artifacts).items():
         file = folder / path
         file.parent.mkdir(parents=True, exist_ok=True)
@@ -126,7 +126,7 @@ def write(folder: Path, artifacts: Sequence[Artifact]) -> None:
 
 @contextmanager
 def imported(folder: Path, *names: str) -> Iterator[list[ModuleType]]:
-    """Modules of the generated package and the skeletons, apart from others of these names."""
+    """Import the generated package and the skeletons, apart from others of these names."""
 
     def take() -> dict[str, ModuleType]:
         found = [n for n in sys.modules if n.partition(".")[0] in ("robots", "nodes")]

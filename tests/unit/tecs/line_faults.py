@@ -2,9 +2,9 @@
 
     python line_faults.py SEED LOG        the board; prints its port
 
-The first parameter of each function is the number of the call; all values follow from the seed
-and the number, so the board knows what it has to receive and to answer. It writes the number to
-LOG before it answers.
+The first parameter of each function is the number of the call; all values follow from the seed and
+the number, so the board knows the right arguments and results. It writes the number to LOG before
+it answers.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ class Script:
         self.generated = Generated(self.service)
 
     def call(self, number: int, function: Function) -> Call:
-        """The values of a call."""
+        """Return the values of a call."""
         random = Random(f"{self.seed} {number} {function.name}")
         declared = function.layout.function
         call = self._found.call(random, declared, self.service.types)
@@ -61,11 +61,11 @@ class Script:
         return call
 
     def arguments(self, function: Function, call: Call) -> tuple[Any, ...]:
-        """What the caller gives."""
+        """Return the arguments of the caller."""
         return tuple(call.args[item.name] for item in function.layout.arguments)
 
     def result(self, function: Function, call: Call) -> Any:
-        """What the board answers."""
+        """Return the result of the board."""
         layout = function.layout
         values = [] if layout.is_void else [call.returned]
         values += [call.outs[item.name] for item in layout.outs]
@@ -73,7 +73,7 @@ class Script:
 
 
 def serve(seed: int, log: str) -> None:
-    """Serves for ever."""
+    """Serve forever."""
     script = Script(seed)
     file = os.open(log, os.O_WRONLY | os.O_APPEND | os.O_CREAT)
 
@@ -97,7 +97,7 @@ def serve(seed: int, log: str) -> None:
 
 
 class Board:
-    """The process."""
+    """The process of a board."""
 
     def __init__(self, seed: int, log: Path) -> None:
         command = [sys.executable, __file__, str(seed), str(log)]
@@ -117,7 +117,7 @@ class Board:
 class Line:
     """Carries bytes between a caller and the board.
 
-    `cut` lets it break after so many further bytes of a direction (0: the caller's).
+    `cut` lets it break after that many further bytes of a direction (0: the caller's).
     """
 
     def __init__(self, port: int) -> None:
@@ -169,10 +169,10 @@ class Line:
                         return
 
     def _pass(self, ends: tuple[socket.socket, socket.socket], direction: int) -> bool:
-        """Carries what is there; whether the line goes on."""
+        """Forward the available bytes; return whether the line goes on."""
         try:
             data = ends[direction].recv(65536)
-            # `mend` puts another list in its place, also while this one is in use here.
+            # `mend` replaces the list, also while it is in use here.
             cuts = self._left
             left = cuts[direction]
             self.carried[direction] += len(data)

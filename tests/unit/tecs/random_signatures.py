@@ -1,4 +1,4 @@
-"""Random signatures of TECS with random values that fit them: all types, directions, sizes."""
+"""Random signatures of TECS with matching random values: all types, directions, sizes."""
 
 from __future__ import annotations
 
@@ -138,14 +138,14 @@ class Call:
 
 @dataclass
 class Group:
-    """Parameters that belong together, and what fills their values in."""
+    """Parameters that belong together, and the function that sets their values."""
 
     parameters: list[TecsParameter]
     fill: Callable[[Random, Call, ModuleType], None]
 
 
 def ranges(kind: Scalar, long_bits: int = 32) -> tuple[int, int]:
-    """The least and the greatest value."""
+    """Return the least and the greatest value."""
     widths = {
         Scalar.CHAR: (8, False),
         Scalar.SCHAR: (8, True),
@@ -170,7 +170,7 @@ def ranges(kind: Scalar, long_bits: int = 32) -> tuple[int, int]:
 
 
 def number(random: Random, kind: Scalar) -> Any:
-    """A value of a basic type, often at an end of its range."""
+    """Return a value of a basic type, often an extreme one."""
     if kind is Scalar.BOOL:
         return random.random() < 0.5
     if kind in FLOATS:
@@ -183,7 +183,7 @@ def number(random: Random, kind: Scalar) -> Any:
 
 
 def text(random: Random, kind: Scalar, length: int) -> Any:
-    """A text of so many units."""
+    """Return a text of `length` units."""
     if kind in TEXT_OCTETS:
         return "".join(chr(random.randint(1, 255)) for _ in range(length))
     low, high = ranges(kind)
@@ -191,7 +191,7 @@ def text(random: Random, kind: Scalar, length: int) -> Any:
 
 
 def value(random: Random, type_: CType, types: ModuleType) -> Any:
-    """A value of a type without sizes."""
+    """Return a value of a type without sizes."""
     match resolve(type_):
         case CPointerType(target):
             return value(random, target, types)
@@ -210,7 +210,7 @@ def value(random: Random, type_: CType, types: ModuleType) -> Any:
 
 
 def array(random: Random, element: CType, count: int, types: ModuleType) -> Any:
-    """An array behind a pointer."""
+    """Return an array behind a pointer."""
     inner = resolve(element)
     if isinstance(inner, CScalarType) and inner.kind in OCTETS:
         return random.randbytes(count)
@@ -218,7 +218,7 @@ def array(random: Random, element: CType, count: int, types: ModuleType) -> Any:
 
 
 def struct_value(random: Random, tag: tuple[str, ...], types: ModuleType) -> Any:
-    """A struct whose lengths are right."""
+    """Return a struct whose lengths are right."""
     found = {}
     for member in _BY_TAG[tag].members:
         sizes, target = member.sizes, resolve(member.type)
@@ -246,14 +246,14 @@ def struct_value(random: Random, tag: tuple[str, ...], types: ModuleType) -> Any
 
 
 class Signatures:
-    """Makes functions of random parameters."""
+    """Generates functions with random parameters."""
 
     def __init__(self, random: Random) -> None:
         self._random = random
         self._names = 0
 
     def name(self, prefix: str) -> str:
-        """A name that nothing has yet, sometimes a keyword of Python."""
+        """Return an unused name, sometimes a keyword of Python."""
         self._names += 1
         if self._random.random() < 0.05:
             return f"{prefix}{self._names}"
@@ -263,13 +263,13 @@ class Signatures:
         return f"{prefix}{self._names}"
 
     def type(self) -> CType:
-        """A basic type or a struct."""
+        """Return a basic type or a struct."""
         if self._random.random() < 0.25:
             return CStructType(self._random.choice(STRUCTS).name)
         return scalar(self._random.choice(SCALARS))
 
     def group(self) -> Group:
-        """A random group."""
+        """Return a random group."""
         often = [self.by_pointer, self.string, self.sized, self.sized]
         make = self._random.choice([self.by_value, self.void, *often])
         return make()
@@ -318,7 +318,7 @@ class Signatures:
     def _size(
         self, direction: TecsDirection
     ) -> tuple[list[TecsParameter], Expression, Callable[[Call, Random], int]]:
-        """Parameters of a size, the size, and what fixes it in a call."""
+        """Return parameters of a size, the size, and the function that sets it in a call."""
         random = self._random
         name = self.name("n")
         kind = random.choice([Scalar.INT32, Scalar.UINT8, Scalar.INT16, Scalar.LONG])
@@ -430,7 +430,7 @@ class Signatures:
         return Group(parameters, fill)
 
     def function(self, number: int) -> tuple[TecsFunction, list[Group], CType]:
-        """A function with an id."""
+        """Return a function with an id."""
         random = self._random
         groups = [self.group() for _ in range(random.randint(0, 4))]
         returns: CType = random.choice(
@@ -482,14 +482,14 @@ def _parameter(
 
 @dataclass
 class Sample:
-    """A unit with one signature, and what makes a call of each function."""
+    """A unit with one signature, and the maker of calls of each function."""
 
     unit: TecsUnit
     signature: Signature
     groups: dict[str, list[Group]]
 
     def call(self, random: Random, function: TecsFunction, types: ModuleType) -> Call:
-        """Values of a call."""
+        """Return values of a call."""
         call = Call()
         for group in self.groups[function.name]:
             group.fill(random, call, types)
@@ -499,7 +499,7 @@ class Sample:
 
 
 def sample(random: Random, functions: int = 3) -> Sample:
-    """A random signature."""
+    """Return a random signature."""
     maker = Signatures(random)
     made = []
     for number in range(1, functions + 1):
@@ -516,7 +516,7 @@ def sample(random: Random, functions: int = 3) -> Sample:
 
 
 def plain(value: Any) -> Any:
-    """A value whose structs are tuples: both ends have classes of their own."""
+    """Return a value with structs as tuples: both ends have classes of their own."""
     if isinstance(value, list | tuple):
         return [plain(each) for each in value]
     slots = getattr(type(value), "__slots__", None)

@@ -1,4 +1,4 @@
-"""An independent OpaqueRPC implementation, scalar by scalar, after `opaque-rpc-wire`."""
+"""An independent OpaqueRPC implementation, scalar by scalar, by `opaque-rpc-wire`."""
 
 from __future__ import annotations
 
@@ -101,7 +101,7 @@ class Wire:
                         continue
             elif parameter.sizes.nullable:
                 given = args[parameter.name]
-                # Of an out the argument is whether there is room; an inout may be a false bool.
+                # An out is sent as whether there is room; an inout may be a false bool.
                 is_out = parameter.direction is TecsDirection.OUT
                 if given is None or (is_out and not given):
                     continue

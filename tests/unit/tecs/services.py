@@ -1,4 +1,4 @@
-"""The generated client and server of a signature, loaded from memory beside its codec."""
+"""The generated client and server of a signature, loaded from memory with its codec."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ from ._types import *
 
 
 class Generated:
-    """The classes that `<name>_marshaller.py` and `<name>_server.py` have for a service.
+    """The classes of `<name>_marshaller.py` and `<name>_server.py` for a service.
 
-    The proxy stands alone, so that types count, too, which no IDL can have.
+    The proxy stands alone, so types that IDL cannot express are included.
     """
 
     def __init__(self, service: Service) -> None:

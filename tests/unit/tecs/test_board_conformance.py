@@ -1,6 +1,4 @@
-"""`rtgen conformance FILE.cdl`: boards of ours pass, and each check fails for a board that breaks
-what it asserts.
-"""
+"""`rtgen conformance FILE.cdl`: rtgen's boards pass, and violations fail their check."""
 
 from __future__ import annotations
 
@@ -42,7 +40,7 @@ CDL = """signature sBench {
 };
 """
 ANSWER, QUIET = 3.0, 0.05
-"""Seconds that a board has, and after which it has nothing to add."""
+"""Time-out of a board, and the time after which it has nothing to add [s]."""
 START, TWO_WAY, ONEWAY = b"\x67\x2a", b"\x5a\x3c", b"\x6d\x5e"
 PEER = Peer(make_tdr("network"), "tecsgen", ANSWER)
 FILLED = 12
@@ -58,7 +56,7 @@ def service(folder: Path, text: str = CDL) -> Service:
 
 @contextmanager
 def served(board: MockBoard) -> Iterator[tuple[str, int]]:
-    """A board at a port, whose log is silent."""
+    """Yield a board at a port, whose log is silent."""
     logging.disable()
     try:
         with TcpServer(board, "127.0.0.1", 0, 4 * ANSWER) as server:
@@ -70,8 +68,8 @@ def served(board: MockBoard) -> Iterator[tuple[str, int]]:
 class Proxy:
     """Stands between a client and a board, one connection after another.
 
-    `request` changes what the client sends, None ends the connection; `reply` changes what comes
-    back, `instead` answers for the board. `most` connections are accepted.
+    `request` changes the client's data, None ends the connection; `reply` changes the answers,
+    `instead` answers for the board. `most` connections are accepted.
     """
 
     def __init__(
@@ -90,7 +88,7 @@ class Proxy:
         self._thread.start()
 
     def close(self) -> None:
-        """Accept no connection any more."""
+        """Accept no more connections."""
         shut(self._listener)
         self._thread.join()
         self._listener.close()
@@ -174,7 +172,7 @@ def test_no_function_is_called_without_permission(tmp_path: Path) -> None:
 def refusing(
     number: int, bad: Callable[[tuple[object, ...]], bool]
 ) -> Callable[[MockBoard, Service], None]:
-    """A board that refuses calls of a function with some arguments."""
+    """Return a board that refuses calls of a function with some arguments."""
 
     def change(board: MockBoard, known: Service) -> None:
         head = known.codec.request_head(number)
@@ -202,7 +200,7 @@ def refusing(
 
 
 def unchanged(board: MockBoard, known: Service) -> None:
-    """A board as it should be."""
+    """Return an unchanged board."""
 
 
 def number_of(data: bytes) -> int:
@@ -210,12 +208,12 @@ def number_of(data: bytes) -> int:
 
 
 def answering(odd: Callable[[bytes], bool]) -> Callable[[bytes], bytes | None]:
-    """Answers to requests that a board must not answer."""
+    """Answer requests that a board must not answer."""
     return lambda data: b"\x56\x1e\0\0\0\0\x6d\x5e" if odd(data) else None
 
 
 def mended(data: bytes) -> bytes:
-    """A request with the end that two-way functions have."""
+    """Return a request with the end of two-way functions."""
     whole = data[:2] == START and 1 <= number_of(data) <= 6 and len(data) > 5
     return data[:-2] + TWO_WAY if whole and number_of(data) != HALT else data
 

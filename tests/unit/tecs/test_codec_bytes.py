@@ -1,4 +1,4 @@
-"""Bytes worked out by hand from `opaque-rpc-wire`, for what the recorded calls do not have."""
+"""Bytes computed by hand from `opaque-rpc-wire`, for cases without recorded calls."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def service(
     reply: ReplyOrder = "tecsgen",
     **widths: int,
 ) -> Service:
-    """The service of a signature with one function, after other declarations."""
+    """Return the service of a signature with one function, after other declarations."""
     text = f"{ALLOCATOR}{before}\nsignature sOne {{ {function} }};"
     unit, found = read_text(text, "one.cdl")
     assert not has_errors(found), [str(d) for d in found]

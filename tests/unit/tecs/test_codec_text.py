@@ -1,4 +1,4 @@
-"""Generated codecs and types of random signatures: black's form, and what type checkers say."""
+"""Generated codecs and types of random signatures: black's form, and type checks."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The text of what one line makes: black's form, profiles, scripts, the plug-in for tecsgen."""
+"""The generated files of one join: black's form, profiles, scripts, the plug-in for tecsgen."""
 
 from __future__ import annotations
 
@@ -171,7 +171,7 @@ end
 need, *arguments = ARGV.drop(1)
 puts RTCPlugin.new(arguments.map { |a| a.split("=", 2) }, need == "true").seen.inspect
 """
-"""What the plug-in uses of tecsgen, with what it is given printed."""
+"""The part of tecsgen that the plug-in uses; it prints its arguments."""
 
 
 def _board(port: int = 8931, address: str = "127.0.0.1", **more: str) -> dict[str, str]:
@@ -243,7 +243,7 @@ def test_no_allocator_where_none_is_needed(tree: Path, tmp_path: Path) -> None:
     "name", ["OpaqueRpc", "ThingMarshaller", "thingclient", "abstractmethod"]
 )
 def test_names_of_what_every_board_has(tmp_path: Path, name: str) -> None:
-    """A constant of such a name once took the place of the interface of the line."""
+    """A constant of such a name once replaced the interface of the line."""
     text = f"""
         const int32_t {name} = 3;
         signature sThing {{ ER abstractmethod( [in] int32_t a ); ER property( void ); }};

@@ -1,4 +1,4 @@
-"""What a user sees when a call or a servant fails, without any logging set up."""
+"""Messages to the user when a call or a servant fails, without any logging set up."""
 
 from __future__ import annotations
 

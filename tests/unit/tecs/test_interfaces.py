@@ -1,4 +1,4 @@
-"""Table 1 and its extension: what each form of a parameter is in IDL, and what cannot be one."""
+"""Table 1 and its extension: the IDL of each form of a parameter, and forms without IDL."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ SCALARS = {
     "int": "long",
     "unsigned short": "unsigned short",
 }
-"""Table 1, and what the contract adds to it."""
+"""Table 1, and the additions of the contract."""
 
 FORMS = {
     "[in,string] const char_t *p": "in string p",
@@ -79,7 +79,7 @@ TRANSFERS = {
     "[receive(sAlloc),string] char_t **p": "out string p",
     "[receive(sAlloc),nullable] int32_t **p": "out Face::LongSeq1 p",
 }
-"""What is handed over with its memory."""
+"""Parameters that are passed with their memory."""
 PRELUDE = """\
 [deviate] signature sAlloc {
   ER alloc( [in] int32_t size, [out] void **p ); ER dealloc( [in] const void *p );
@@ -93,14 +93,14 @@ struct tagList { struct tagList *next; int16_t x; };
 
 
 def idl(folder: Path, text: str, name: str = "Face", options: str = "") -> str:
-    """The IDL of a signature `sFace`."""
+    """Return the IDL of a signature `sFace`."""
     emission, findings = emit(folder, {"f.cdl": joined(text, "sFace", options=options)})
     assert not has_errors(findings), findings
     return texts(emission.artifacts)[f"robots/tecs/f/{name}.idl"]
 
 
 def accepted(path: Path) -> None:
-    """Our own front end and omniidl take the file."""
+    """Check that rtgen and omniidl accept the file."""
     result = load([path], root=path.parent)
     assert not has_errors(result.diagnostics), result.diagnostics
     if programs.OMNIIDL is not None:

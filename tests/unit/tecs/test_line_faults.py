@@ -24,11 +24,11 @@ from rtgen.runtime.opaque_rpc import E_RPC, MERCD, RpcError, TcpChannel
 
 CALLS = budget(700)
 PATIENCE = 5 * TIMEOUT
-"""Seconds that a call may take on a busy machine; one that hangs takes longer."""
+"""Time-out of a call on a busy machine [s]; only a hanging one exceeds it."""
 
 
 class Caller:
-    """Makes the calls of a script over the line, and knows how they ended."""
+    """Makes the calls of a script over the line, and records their outcomes."""
 
     def __init__(self, seed: int, folder: Path) -> None:
         self.script = Script(seed)
@@ -43,7 +43,7 @@ class Caller:
         self.proxy = self.script.generated.proxy(self.channel, codec)
 
     def call(self, function: Function) -> bool:
-        """Makes the next call; whether it has its result."""
+        """Make the next call; return whether it has its result."""
         number, self.number = self.number, self.number + 1
         call = self.script.call(number, function)
         arguments = self.script.arguments(function, call)
@@ -62,7 +62,7 @@ class Caller:
             elif plain(result) == plain(wanted):
                 succeeded = True
             else:
-                # A call that failed, or a board's own E_RPC, which leaves the outs out.
+                # A call that failed, or a board's own E_RPC, which omits the outs.
                 assert is_error_code(layout.function.returns), (function.name, number)
                 assert MERCD(code) == E_RPC, (function.name, number, result, wanted)
                 succeeded = code == call.returned
@@ -72,13 +72,13 @@ class Caller:
         return succeeded
 
     def restart(self) -> None:
-        """Kills the board; another one serves from now on."""
+        """Kill the board and start another one."""
         self.board.kill()
         self.board = Board(self.script.seed, self.log)
         self.line.board = self.board.port
 
     def executed(self) -> list[str]:
-        """The calls that a board has carried out, in that order."""
+        """Return the calls that a board has executed, in that order."""
         return self.log.read_text().splitlines() if self.log.exists() else []
 
     def close(self) -> None:
@@ -87,10 +87,10 @@ class Caller:
         self.board.kill()
 
     def check(self) -> None:
-        """Nothing was executed twice or without a call, and all that was answered was executed.
+        """Check that nothing was executed twice or without a call, and every answered call was.
 
-        The board serves one connection after the other, so an answered call ends what was sent
-        before it: a request that came whole before its connection was cut is executed late.
+        The board serves one connection after the other, so an answered call ends everything sent
+        before it: a request that arrived completely before its connection was cut is executed late.
         """
         self.channel.reset()
         assert any(self.call(f) for f in self.script.functions if not f.oneway)
@@ -114,7 +114,7 @@ def caller(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> Iterator[Caller]
 def test_the_line_is_cut_at_every_byte(caller: Caller) -> None:
     whole = budget(1) > 1
     for function in caller.script.functions:
-        # A oneway call could be written into the connection that was cut at last.
+        # A oneway call could be written into the connection that was cut last.
         caller.channel.reset()
         assert caller.call(function)
         before = list(caller.line.carried)

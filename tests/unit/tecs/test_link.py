@@ -1,4 +1,4 @@
-"""The link of a communication RTC: its settings, and what happens when they change."""
+"""The link of a communication RTC: its settings, and the effect of changes."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from rtgen.runtime.opaque_rpc import (
 
 @dataclass
 class Recorded:
-    """Settings whose channel writes down what it is asked for."""
+    """Settings whose channel records its arguments."""
 
     name: str
     log: list[str] = field(default_factory=list)

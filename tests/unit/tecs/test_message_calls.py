@@ -1,4 +1,4 @@
-"""Calls in one process: what callers and servers see of results, failures and broken streams."""
+"""Calls in one process: results, failures and broken streams for callers and servers."""
 
 from __future__ import annotations
 
@@ -134,7 +134,7 @@ def test_a_target_has_to_have_each_function() -> None:
 
 
 class Scripted:
-    """A channel that replies with given octets, and keeps what is done with it."""
+    """A channel that replies with given octets, and records its use."""
 
     def __init__(self, reply: bytes = b"", fails: bool = False) -> None:
         self.reply = reply
@@ -236,7 +236,7 @@ def test_values_that_cannot_be_sent_are_named() -> None:
 
 
 class Stream(MessageReader):
-    """Requests in the pieces in which they arrive."""
+    """Requests in pieces, as they arrive."""
 
     def __init__(self, *pieces: bytes, limit: int | None = None) -> None:
         super().__init__(limit)
@@ -250,7 +250,7 @@ class Stream(MessageReader):
 
 
 def echo(size: int) -> Handlers:
-    """Handlers of one function that returns all octets of its request but the last two."""
+    """Return handlers of one function that returns all octets of its request but the last two."""
     return {b"abcd": lambda more: b"<" + more(size)[:-2] + more(1) + b">"}
 
 

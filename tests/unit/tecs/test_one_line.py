@@ -1,7 +1,7 @@
-"""One line in a CDL file: what it makes, counted, and what is left when it goes.
+"""One line in a CDL file: the lines generated for it, and the files removed with it.
 
 The paper (Table 3) counts lines without comments and blank lines for one function without
-arguments; so does this, for what it has too.
+arguments; so does this test.
 """
 
 from __future__ import annotations
@@ -38,14 +38,14 @@ PARTS = {
         "robots/tecs/board/RTCPlugin.rb",
     ),
 }
-"""What the paper's authors wrote by hand, then what they did not have.
+"""The parts that the paper's authors wrote by hand, then those that they did not have.
 
-The communication code stands in the runtime.
+The communication code is in the runtime.
 """
 
 
 def lines(path: str, text: str) -> int:
-    """The lines of code: no comments, no docstrings, no blank lines."""
+    """Return the number of lines of code: no comments, no docstrings, no blank lines."""
     if path.endswith(".py"):
         return _python_lines(text)
     text = re.sub(r"/\*.*?\*/|<!--.*?-->", "", text, flags=re.DOTALL)
@@ -84,7 +84,7 @@ def counted(folder: Path) -> dict[str, int]:
 
 
 def test_the_lines_that_one_line_makes(tmp_path: Path) -> None:
-    """`docs/tecs.md` has these figures beside those of the paper."""
+    """`docs/tecs.md` compares these figures with those of the paper."""
     counts = counted(tmp_path)
     assert joined(SIGNATURE, "sServer").count("RTCPlugin") == 1
     assert [part for part in counts if not counts[part]] == ["communication code"]
@@ -135,7 +135,7 @@ def test_without_the_line_all_goes_but_what_is_the_users(project: Path) -> None:
     assert run(["generate"]) == 0
     assert generated(project) == {".rtgen.json", "robots/tecs/board/notes.txt"}
     assert client.read_text() == "# mine\n"
-    assert run(["check"]) == 1  # notes.txt is a stray, as ever
+    assert run(["check"]) == 1  # notes.txt is a stray, as before
     notes.unlink()
     assert run(["check"]) == 0
     board.write_text(text)

@@ -1,4 +1,4 @@
-"""`OpaqueRpc` of the runtime is what rtgen makes of its IDL file, in types and in octets."""
+"""`OpaqueRpc` of the runtime equals the code generated from its IDL file, in types and octets."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def read() -> Model:
 
 @pytest.fixture(scope="module")
 def made(read: Model, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
-    """The interface as the back end makes it of the IDL file."""
+    """Import the code generated from the IDL file."""
     folder = tmp_path_factory.mktemp("made")
     for artifact in BACKEND.emit(read, Options(PACKAGE, "", "0.1.0")).artifacts:
         file = folder / artifact.path

@@ -1,4 +1,4 @@
-"""Basic values, error codes and texts on the wire, as `opaque-rpc-wire` has them."""
+"""Basic values, error codes and texts on the wire, by `opaque-rpc-wire`."""
 
 from __future__ import annotations
 
@@ -187,7 +187,7 @@ def test_a_text_has_its_length_before_it(tdr: Tdr, size: str) -> None:
 
 
 def octets(data: bytes) -> More:
-    """The next octets of a message; no more than there are."""
+    """Return a reader of the next octets of a message; no more than there are."""
     stream = BytesIO(data)
 
     def more(count: int) -> bytes:

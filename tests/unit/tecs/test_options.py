@@ -1,4 +1,4 @@
-"""The options in the argument of RTCPlugin, and what joins have to agree on."""
+"""The options in the argument of RTCPlugin, and the consistency of joins."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A project of many joins stays small: what several signatures have is made once."""
+"""A project of many joins stays small: the common parts of signatures are generated once."""
 
 from __future__ import annotations
 

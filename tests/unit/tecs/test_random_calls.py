@@ -29,7 +29,7 @@ LIMIT = 1 << 20
 
 
 class Answers:
-    """What a target gives back, as the test has laid it out; notes what it was called with."""
+    """The answers of a target, as prepared by the test; records its arguments."""
 
     def __init__(self) -> None:
         self.called: list[tuple[str, tuple[object, ...]]] = []
@@ -42,7 +42,7 @@ class Answers:
             sleep(0.001)
 
     def target(self, generated: Generated) -> Any:
-        """A target that is implemented so."""
+        """Return a target with this implementation."""
         methods = {
             method: self._method(name) for name, method in generated.methods.items()
         }
@@ -57,13 +57,13 @@ class Answers:
 
 
 def handed_back(function: Function, returned: object, outs: Sequence[object]) -> object:
-    """What a method gives: the return value, then the outs; a single value bare."""
+    """Return the result of a method: the return value, then the outs; a single value bare."""
     values = [*([] if function.layout.is_void else [returned]), *outs]
     return None if not values else values[0] if len(values) == 1 else tuple(values)
 
 
 def expected(function: Function, call: Call, reply: ReplyOrder) -> object:
-    """What the caller gets: after an E_RPC inouts unchanged, outs zero or NULL."""
+    """Return the result of the caller: after an E_RPC inouts unchanged, outs zero or NULL."""
     layout = function.layout
     outs: list[object] = [call.outs[item.name] for item in layout.outs]
     skipped = layout.leaves_out and is_rpc_error(call.returned)
@@ -77,7 +77,7 @@ def expected(function: Function, call: Call, reply: ReplyOrder) -> object:
 
 
 def run_calls(random: Random, calls: int) -> int:
-    """Calls each function of a random signature; how many calls were made."""
+    """Call each function of a random signature; return the number of calls."""
     order, reply = random.choice(ORDERS), random.choice(REPLIES)
     found = sample(random)
     client, server = (
@@ -96,7 +96,7 @@ def run_calls(random: Random, calls: int) -> int:
                 call = found.call(random, layout.function, client.types)
                 arguments = tuple(call.args[item.name] for item in layout.arguments)
                 outs = [call.outs[item.name] for item in layout.outs]
-                # The classes of structs differ at both ends; codecs go by their members.
+                # The classes of structs differ at both ends; codecs use their members.
                 answers.result = handed_back(function, call.returned, outs)
                 made.append((name, arguments))
                 result = getattr(proxy, generated.methods[name])(*arguments)

@@ -1,5 +1,7 @@
-"""Random signatures and values: the codec's bytes are those of a plain writer, and read back;
-cut or altered messages end in an RpcError and ask for no more than is allowed."""
+"""Random signatures and values: the codec's bytes equal those of a plain writer, and read back.
+
+Cut or altered messages end in an RpcError and request no more memory than allowed.
+"""
 
 from __future__ import annotations
 
@@ -32,7 +34,7 @@ CALLS = 6
 
 
 class Limited(Reader):
-    """A reader that notes the most that was asked for."""
+    """A reader that records the largest request."""
 
     asked = 0
 
@@ -127,7 +129,7 @@ def test_wrong_messages_end_in_rpc_errors(
 
 
 def wrong_ones(data: bytes, random: Random) -> list[bytes]:
-    """The message cut at each place, and altered in many."""
+    """Return the message cut at each place, and altered in many ways."""
     places = range(len(data)) if len(data) < 60 else random.sample(range(len(data)), 60)
     found = [data[:at] for at in places]
     for at in places:

@@ -1,4 +1,4 @@
-"""`rtgen rpc call` against `rtgen rpc serve` in another process, and without a server."""
+"""`rtgen rpc call` with `rtgen rpc serve` in another process, and without a server."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def cdl(tmp_path: Path) -> Path:
 
 @contextmanager
 def serving(cdl: Path, *options: str) -> Iterator[str]:
-    """A mock board; its address."""
+    """Yield the address of a mock board."""
     command = [sys.executable, "-m", "rtgen", "rpc", "serve", "--cdl", str(cdl)]
     command += ["--signature", "sMove", "--port", "0", *options]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
@@ -58,7 +58,7 @@ def serving(cdl: Path, *options: str) -> Iterator[str]:
 
 @pytest.fixture
 def call(cdl: Path, capsys: pytest.CaptureFixture[str]) -> Call:
-    """Calls a function of a board; exit code and what was printed."""
+    """Call a function of a board; return exit code and output."""
 
     def called(address: str, function: str, **arguments: object) -> tuple[int, Any]:
         words = [f"sMove.{function}", json.dumps(arguments)]

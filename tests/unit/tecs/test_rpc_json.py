@@ -1,4 +1,4 @@
-"""Values as JSON: the form of recorded calls, and what is refused."""
+"""Values as JSON: the form of recorded calls, and refusals."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from rtgen.runtime.opaque_rpc import NETWORK, ArgumentError
 
 
 def function(*parameters: tuple[TecsDirection, CType, Sizes]) -> Function:
-    """A function with parameters a, b, ... that returns a float."""
+    """Return a function with parameters a, b, ... that returns a float."""
     declared = TecsFunction(
         id=1,
         name="f",

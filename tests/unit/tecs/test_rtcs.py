@@ -1,4 +1,4 @@
-"""Client, marshaller and communication RTCs against the generated server, over real sockets."""
+"""Client, marshaller and communication RTCs with the generated server, over real sockets."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def modules(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, Any]
 
 
 WAIT = 10.0
-"""Seconds until a test that hangs gives up."""
+"""Time-out of a test that hangs [s]."""
 
 
 class Pipeline:
@@ -96,7 +96,7 @@ class Pipeline:
         self.system.connect(("Client0", port), ("Marshaller0", port))
 
     def to(self, port: int) -> Any:
-        """The service, once all are ACTIVE and the board is looked for at that port."""
+        """Return the service, once all are ACTIVE and connected with the board at that port."""
         self.link.configuration_sets.set("port", str(port))
         self.link.configuration_sets.set("timeout", "0.5")
         for component in self.components:
@@ -126,7 +126,7 @@ def pipeline(modules: dict[str, Any]) -> Iterator[Callable[[str, str], Pipeline]
 
 @contextmanager
 def serving(unmarshaller: Any) -> Iterator[int]:
-    """A board at a port."""
+    """Yield the port of a board."""
     server = TcpServer(unmarshaller)
     server.start()
     try:

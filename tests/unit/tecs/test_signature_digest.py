@@ -1,4 +1,4 @@
-"""The digest of a signature over the wire: asked for, answered, compared."""
+"""The digest of a signature over the wire: request, answer, comparison."""
 
 from __future__ import annotations
 
@@ -47,13 +47,13 @@ def _codec(folder: Path, text: str) -> Iterator[type[Codec]]:
 
 @pytest.fixture(name="codec", scope="module")
 def codec_fixture(tmp_path_factory: pytest.TempPathFactory) -> Iterator[type[Codec]]:
-    """The codec of the signature."""
+    """Return the codec of the signature."""
     yield from _codec(tmp_path_factory.mktemp("line") / "made", SIGNATURE)
 
 
 @pytest.fixture(name="swapped", scope="module")
 def swapped_fixture(tmp_path_factory: pytest.TempPathFactory) -> Iterator[type[Codec]]:
-    """The codec of the signature with its parameters swapped."""
+    """Return the codec of the signature with its parameters swapped."""
     yield from _codec(tmp_path_factory.mktemp("line") / "made", SWAPPED)
 
 

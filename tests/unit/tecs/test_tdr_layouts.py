@@ -1,4 +1,4 @@
-"""Layouts of OpaqueRPC messages: their steps in wire order, and what is refused where and why."""
+"""Layouts of OpaqueRPC messages: their steps in wire order, and refusals with positions."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ NAME = "struct tagName { int8_t id; [string] char_t *text; };"
 
 
 def parsed(parameters: str, before: str, head: str) -> tuple[TecsUnit, Signature]:
-    """A unit whose third line is a signature with one function."""
+    """Return a unit whose third line is a signature with one function."""
     text = f"{ALLOCATOR}\n{before}\nsignature sOne {{ {head}({parameters}); }};"
     unit, _ = read_text(text, "one.cdl")
     names = {d.name: d for d in unit.declarations if isinstance(d, Signature)}
@@ -49,7 +49,7 @@ def function(parameters: str, before: str = "", head: str = "ER f") -> FunctionL
 
 
 def written(steps: Iterable[Step] | None) -> str:
-    """Letters of runs, `a[]` for elements or units, `a{}` for parts, `a?(...)` for branches."""
+    """Return the steps: letters of runs, `a[]` elements, `a{}` parts, `a?(...)` branches."""
     words = []
     for step in steps or ():
         match step:
@@ -94,12 +94,12 @@ def written(steps: Iterable[Step] | None) -> str:
         ("[out,nullable] int32_t *s", "", "H H b H", "H n | s?(i) | H"),
         ("[inout,nullable] int32_t *s", "", "H H b | s?(i) | H", "H n | s?(i) | H"),
         ("[out] int32_t *s", "", "H H H", "H n i H"),
-        # A size travels before what depends on it; others keep their order.
+        # A size travels before the values that depend on it; others keep their order.
         ("[in] int8_t k, [in,size_is(n)] const int32_t *a, [in] int16_t n", "",
          "H H h b | a[] | H", "H n H"),
         ("[in,size_is(n)] const struct tagName *a, [in] int16_t n", NAME,
          "H H h | a{} | H", "H n H"),
-        # The server reserves what it can know the size of.
+        # The server reserves memory whose size is known.
         ("[out,size_is(n)] int32_t *a, [in] int16_t n", "",
          "H H h H | reserve a", "H n | a[] | H"),
         ("[out,string(n)] char_t *a, [in] int16_t n", "",
@@ -113,7 +113,7 @@ def written(steps: Iterable[Step] | None) -> str:
          "H H h H | reserve a", "H n b | a[] | H"),
         ("[inout,size_is(8),count_is(*n)] int8_t *a, [inout] int8_t *n", "",
          "H H b | a[] | H", "H n b | a[] | H"),
-        # Sent and received values are pointers to what was allocated.
+        # Sent and received values are pointers to allocated memory.
         ("[send(sAlloc),size_is(n)] int8_t *a, [in] int32_t n", "",
          "H H i | a[] | H", "H n H"),
         ("[receive(sAlloc),size_is(*n)] int8_t **a, [out] int32_t *n", "",
@@ -315,7 +315,7 @@ REFUSED = {
 
 @pytest.mark.parametrize("name", REFUSED)
 def test_refusals_say_where_and_why(name: str) -> None:
-    """`@` marks the place."""
+    """`@` marks the position."""
     parameters, before, reason, hint = REFUSED[name]
     unit, signature = parsed(
         parameters.replace("@", ""), before.replace("@", ""), "ER f"

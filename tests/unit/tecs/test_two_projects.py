@@ -49,7 +49,7 @@ print(*(client.__base__.__module__ for client in (LeftClient, RightClient)))
 
 @pytest.fixture
 def environment(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A folder with the packages of both projects, as installing puts them there."""
+    """Return a folder with the packages of both projects, as installing puts them there."""
     monkeypatch.setenv("RTGEN_CACHE_DIR", str(tmp_path / "cache"))
     site = tmp_path / "site"
     site.mkdir()

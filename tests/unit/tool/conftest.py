@@ -1,4 +1,4 @@
-"""The small pipeline in place of the real front and back ends."""
+"""Fixture of a small pipeline that replaces the real front and back ends."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from rtgen.backends import stage
 
 @pytest.fixture
 def pipeline(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Pipeline:
-    """The pipeline in a folder of its own with two inputs, a cache, and no project file."""
+    """Return the pipeline in a folder of its own with two inputs, a cache, and no project file."""
     small = Pipeline()
     monkeypatch.setattr(compiler, "read", small.read)
     monkeypatch.setattr(stage, "backends", small.emitting)

@@ -1,4 +1,4 @@
-"""A front end and a back end of a few lines, where a test is about what lies around them."""
+"""A minimal front end and back end, for tests of the code around them."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from rtgen.project import Project
 
 @dataclass
 class SmallBackend:
-    """One file for each input, which holds the input's hash."""
+    """Emits one file for each input, which holds the input's hash."""
 
     name: str = "small"
 
@@ -30,7 +30,7 @@ class SmallBackend:
 
 @dataclass
 class Pipeline:
-    """Counts how often definitions were read; `warn` adds a warning to each input."""
+    """Counts the readings of definitions; `warn` adds a warning to each input."""
 
     reads: int = 0
     warn: bool = False

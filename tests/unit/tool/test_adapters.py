@@ -1,4 +1,4 @@
-"""Adapters: what is copied, which numbers fit, and what the component does."""
+"""Adapters: copied members, compatible numbers, and the component's behaviour."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ OTHERS = ("boolean", "char", "string", "string<4>")
 
 
 def fits(to: str, from_: str) -> bool:
-    """Whether every value of one type is one of the other."""
+    """Return whether every value of one type is one of the other."""
     if to == from_ or (to, from_) == ("double", "float"):
         return True
     if from_ not in INTEGERS:
@@ -114,7 +114,7 @@ def test_an_adapter_converts_all_that_comes(
 
     first = adm.A(adm.Time(3), 0.5, [1, 2], 7, 9)
     second = adm.A(adm.Time(4), -0.5, [], -7, 9)
-    # `other` is a long here and a double there: it is not copied without being told.
+    # `other` is a long here and a double there: it is not copied without a line for it.
     assert converted("AToB", "a_to_b", first, second) == [
         adm.B(adm.Time(3), adm.Deep(0.5, 7), [1, 2], 0.0),
         adm.B(adm.Time(4), adm.Deep(-0.5, -7), [], 0.0),

@@ -1,4 +1,4 @@
-"""rtgen from Python: models and findings as values, files in memory."""
+"""rtgen as a Python library: models and findings as values, files in memory."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def test_paths_of_any_language(folder: Path) -> None:
     (folder / "a.idl").write_text(POSE)
     (folder / "b.cdl").write_text("signature sOne { void f( void ); };")
     (folder / "rtgen.toml").write_text('[sources]\npaths = ["no.idl"]\n')
-    with pytest.raises(InputError):  # the path of rtgen.toml is not there
+    with pytest.raises(InputError):  # the path of rtgen.toml does not exist
         rtgen.compile(folder / "a.idl")
     (folder / "rtgen.toml").unlink()
     assert rtgen.compile(folder / "a.idl").declarations[0].scoped == "Geo::Pose"

@@ -1,5 +1,7 @@
-"""Bad input of every kind, through the whole tool: findings with place and caret, exit code 2,
-and an output folder that is as it was."""
+"""Bad input of every kind, through the whole tool.
+
+There are findings with position and caret, exit code 2, and an unchanged output folder.
+"""
 
 from __future__ import annotations
 
@@ -58,7 +60,7 @@ BAD: dict[str, bytes] = {
 
 @pytest.fixture
 def generated(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A folder with a tree that was generated from good input."""
+    """Return a folder with a tree that was generated from good input."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("RTGEN_CACHE_DIR", str(tmp_path / "cache"))
     Path("a.idl").write_bytes(GOOD)

@@ -1,4 +1,4 @@
-"""A renamed component leaves its behaviour behind, a renamed port its uses: both are reported."""
+"""Renamed components and ports: the old behaviour file and old uses are reported."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What docs/ci.md offers: hooks, a workflow, and output for programs with its schemas."""
+"""The content of docs/ci.md: hooks, a workflow, and output for programs with its schemas."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ BLOCKS = [yaml.safe_load(b) for b in re.findall(r"```yaml\n(.*?)```", PAGE, re.D
 
 
 def parse(line: str) -> str:
-    """The command of a line; UsageError where it has no such command, option or argument."""
+    """Return the command of a line. Raises UsageError for unknown words."""
     _, name, *words = shlex.split(line)
     context = click.Context(application, info_name="rtgen")
     command = application.get_command(context, name)
@@ -66,7 +66,7 @@ def test_the_workflow_runs_commands_of_rtgen() -> None:
 
 
 def printed(capfd: pytest.CaptureFixture[str], *words: str) -> tuple[Any, Any]:
-    """The JSON on standard output, None if there is none, and on standard error."""
+    """Return the JSON on standard output, None without any, and on standard error."""
     capfd.readouterr()
     run([*words, "--diagnostics", "json"])
     out, err = capfd.readouterr()
@@ -97,7 +97,7 @@ def test_inspected_models_are_valid(
 
 
 def commands_with_json(group: click.Group, *names: str) -> Iterator[str]:
-    """The commands below a group that have the option --json."""
+    """Yield the commands below a group that have the option --json."""
     for name in group.list_commands(click.Context(group)):
         command = group.get_command(click.Context(group), name)
         if isinstance(command, click.Group):

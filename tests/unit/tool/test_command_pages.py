@@ -1,4 +1,4 @@
-"""All commands, as click knows them: help, examples, pages, completion by shells."""
+"""All commands of the command line: help, examples, pages, completion by shells."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ CONSOLE = re.compile(r"```console\n(.*?)```", re.DOTALL)
 
 
 def names() -> Iterator[str]:
-    """The commands as users type them: a group is a package below `rtgen.cli`.
+    """Yield the commands as users type them: a group is a package below `rtgen.cli`.
 
-    Modules of commands are not imported while tests are collected: that of `run` takes the place
-    of the function in `rtgen.cli`.
+    Modules of commands are not imported while tests are collected: the module `run` would replace
+    the function in `rtgen.cli`.
     """
     context = click.Context(application, info_name="rtgen")
     for name in application.list_commands(context):
@@ -69,7 +69,7 @@ def test_help_ends_with_an_example_that_can_be_parsed(
     assert own
     for line in own:
         words = shlex.split(line, comments=True)[1 + len(name.split()) :]
-        # Raises UsageError for options and arguments that the command has not.
+        # Raises UsageError for unknown options and arguments.
         command_of(name).make_context(name, words)
 
 

@@ -1,4 +1,4 @@
-"""The way through front ends and back ends, and what plug-ins may do to it."""
+"""The pipeline of front ends and back ends, and the effects of plug-ins."""
 
 from __future__ import annotations
 

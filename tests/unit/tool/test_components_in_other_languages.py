@@ -1,4 +1,4 @@
-"""Components whose RTC.xml names another language: others run them, rtgen does not."""
+"""Components whose RTC.xml names another language: rtgen does not run them."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ OTHERS += [
 
 @pytest.fixture
 def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """RH3 with an odometry that is defined by the RTC.xml of a component in C++."""
+    """Return RH3 with an odometry that is defined by the RTC.xml of a component in C++."""
     for name in OTHERS:
         shutil.copy(NAVIGATION / name, tmp_path)
     profile = ROOT / "generated/refrobots/components/odometry/RTC.xml"

@@ -55,7 +55,7 @@ def test_members_in_ports_and_observables() -> None:
     assert header == ["t", *selected]
     columns = list(zip(*rows, strict=True))
     assert len([text for text in columns[1] if text]) == 500
-    # The base reads what the follower has written, and is seen 50 times a second.
+    # The base reads what the follower has written, and is recorded 50 times a second.
     assert {text for text in columns[2] if text} <= set(columns[1])
     assert [row[0] for row in rows if row[3]][:3] == ["0.0", "0.02", "0.04"]
 

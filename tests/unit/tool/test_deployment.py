@@ -1,4 +1,4 @@
-"""What docs/deployment.md tells users to copy is read by the programs that it is for."""
+"""Files that docs/deployment.md tells users to copy are valid for their programs."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ UNIT, *ENVIRONMENTS = blocks("ini")
 
 
 def run_options(words: list[str]) -> dict[str, Any]:
-    """The options of `rtgen run` in a command line. Raises UsageError."""
+    """Return the options of `rtgen run` in a command line. Raises UsageError."""
     assert words[0] == "run"
     command = application.get_command(Context(application), "run")
     assert isinstance(command, Command)
@@ -43,7 +43,7 @@ def run_options(words: list[str]) -> dict[str, Any]:
 
 
 def by_systemd() -> list[dict[str, Any]]:
-    """The options of the processes that the unit starts."""
+    """Return the options of the processes that the systemd unit starts."""
     unit = configparser.ConfigParser(interpolation=None, strict=False)
     unit.optionxform = str  # type: ignore[assignment,method-assign]
     unit.read_string(UNIT)
@@ -61,7 +61,7 @@ def by_systemd() -> list[dict[str, Any]]:
 
 
 def in_containers() -> list[dict[str, Any]]:
-    """The options of the processes in the containers."""
+    """Return the options of the processes in the containers."""
     found = re.search(r"^ENTRYPOINT (.*)$", IMAGE, re.MULTILINE)
     assert found is not None
     entry = json.loads(found[1])

@@ -1,4 +1,4 @@
-"""`rtgen docs`: a site of a project's interfaces, whole and without broken links."""
+"""`rtgen docs`: a site of a project's interfaces, complete and without broken links."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ SVG_LINK = "{http://www.w3.org/2000/svg}a"
 
 
 class Links(HTMLParser):
-    """The addresses that a page leads to or loads, and the anchors that it has.
+    """The addresses in links and resources of a page, and its anchors.
 
     `outside` are those of links to other sites.
     """
@@ -59,7 +59,7 @@ def links_of(page: Path) -> Links:
 
 
 def check_links(folder: Path, *, leads_out: bool = False) -> int:
-    """Every address in pages and pictures leads to a file and an anchor; returns how many.
+    """Check that every address in pages and pictures exists; return the number of files.
 
     `leads_out`: links may go to other sites.
     """

@@ -1,4 +1,4 @@
-"""The stories behind the codes."""
+"""The pages of `rtgen explain`."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ SOURCES = Path(rtgen.__file__).parent
 
 
 def test_every_module_with_rules_is_known() -> None:
-    """Rules that one module collects from its neighbours are known through it."""
+    """Rules that one module collects from its neighbours count as known."""
     having = set()
     for file in SOURCES.rglob("*.py"):
         for node in ast.parse(file.read_text(encoding="utf-8")).body:

@@ -1,4 +1,4 @@
-"""The listings of docs/extending.md are a package that works as the page says."""
+"""The listings of docs/extending.md form a package that works as described."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Quiet(Component):
 
 @pytest.fixture(autouse=True)
 def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """The package of the page as if installed, and its project as the working folder."""
+    """Install the package of the page virtually, with its project as the working folder."""
     text = PAGE.read_text(encoding="utf-8")
     for name, content in LISTING.findall(text):
         file = tmp_path / name

@@ -1,4 +1,4 @@
-"""The Makefile and the Python that it finds: too old, missing, or another than asked for."""
+"""The Makefile with a Python that is too old, missing, or not the requested one."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def _make(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
     shutil.copy(ROOT / "Makefile", folder)
     shutil.copy(ROOT / "pyproject.toml", folder)
     command = ["make", "--no-print-directory", *arguments]
-    # Tests may run below a make of several jobs, which is none of this one's concern.
+    # Tests may run below a make of several jobs, which must not affect this one.
     env = {k: v for k, v in os.environ.items() if not k.startswith("MAKE")}
     env.pop("MFLAGS", None)
     return subprocess.run(
@@ -86,7 +86,7 @@ def test_an_environment_of_another_python_is_refused(tmp_path: Path) -> None:
 
 
 def test_each_test_is_run_on_one_interpreter_at_least() -> None:
-    """What `make test` leaves out is what it runs on the further interpreter."""
+    """Tests that `make test` excludes run on the further interpreter."""
     text = (ROOT / "Makefile").read_text(encoding="utf-8")
     [own] = re.findall(r"^test: SELECTED = (.+)$", text, re.MULTILINE)
     markers = ("once", "slow", "peer", "random")
@@ -106,7 +106,7 @@ def test_each_test_is_run_on_one_interpreter_at_least() -> None:
 
 
 def conftest_folders() -> set[Path]:
-    """The folders whose tests are marked as `once`."""
+    """Return the folders whose tests are marked as `once`."""
     text = (ROOT / "tests" / "conftest.py").read_text(encoding="utf-8")
     [names] = re.findall(r"^ONCE = (\(.+?^\))$", text, re.MULTILINE | re.DOTALL)
     return {Path(name) for name in ast.literal_eval(names)}

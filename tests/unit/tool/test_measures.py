@@ -1,4 +1,4 @@
-"""What is measured of the poses in a run."""
+"""Measures of the poses in a run."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def test_distance_from_a_track() -> None:
     assert seen(measure("track", to="B"), course(LINE, ASIDE)) == pytest.approx(
         (0.1**0.5, 2.0**0.5)
     )
-    # Only what has been left by then counts, and only since then.
+    # Only distances from previous positions count, and only since then.
     ahead = course([(0, 0, 0)] * 4, LINE)
     assert seen(measure("track", to="B", begin=3, since=2), ahead) == (2.0, 2.0)
     behind: list[Pose] = [(3, 0, 0), (3, 0, 0), (2, 0, 0), (1, 0, 0)]

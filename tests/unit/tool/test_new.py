@@ -1,4 +1,4 @@
-"""`rtgen new`: what it makes is whole at once, and it overwrites nothing."""
+"""`rtgen new`: the new project is complete, and nothing is overwritten."""
 
 from __future__ import annotations
 
@@ -40,14 +40,14 @@ def work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def started(monkeypatch: pytest.MonkeyPatch, *more: str) -> Path:
-    """A new project as the working folder."""
+    """Return a new project as the working folder."""
     assert run(["new", "project", "my-robot", *more]) == 0
     monkeypatch.chdir("my-robot")
     return Path.cwd()
 
 
 def check_it_is_whole(project: Path, generated: Path | None) -> None:
-    """mypy --strict finds nothing in the project, and its own tests pass."""
+    """Check the project by mypy --strict and its own tests."""
     search = [project / "src", *([generated] if generated else [])]
     check_by_mypy([project / "src", project / "tests"], search)
     command = [sys.executable, "-W", "error", "-m", "pytest", "-q"]

@@ -1,4 +1,4 @@
-"""The output folder: what is written, what is left alone, and what is refused."""
+"""The output folder: files written, left unchanged, and refused."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def skeleton(path: str) -> Artifact:
 
 
 def snapshot(folder: Path) -> dict[str, tuple[int, int, bytes]]:
-    """Inode, time and content of every file."""
+    """Return inode, time and content of every file."""
     return {
         file.relative_to(folder).as_posix(): (
             file.stat().st_ino,

@@ -1,4 +1,4 @@
-"""Faults at each step of writing an output folder; a process of their own makes them."""
+"""Faults at each step of writing an output folder, in a process of their own."""
 
 import subprocess
 import sys

@@ -1,4 +1,4 @@
-"""What `--only` leaves of a system, its timeline and its conditions."""
+"""`--only`: the remaining part of a system, its timeline and its conditions."""
 
 from __future__ import annotations
 

@@ -127,7 +127,7 @@ acme = acme_rtgen:opened
 
 @pytest.fixture(autouse=True)
 def installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """A package with plug-ins, as if installed, and an empty project as working folder."""
+    """Install a package with plug-ins virtually; the working folder is an empty project."""
     site = tmp_path / "site"
     (site / "acme-1.0.dist-info").mkdir(parents=True)
     (site / "acme_rtgen.py").write_text(MODULE.replace("Lists:", "_Lists:", 1))

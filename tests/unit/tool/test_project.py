@@ -1,4 +1,4 @@
-"""rtgen.toml: found, checked, and turned into folders."""
+"""rtgen.toml: search, checks, and folders."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What `make lint` says of the form of Python files."""
+"""The check of `make lint` for the form of Python files."""
 
 from __future__ import annotations
 

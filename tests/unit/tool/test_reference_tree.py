@@ -1,4 +1,4 @@
-"""The whole reference build through whole processes: the same bytes everywhere, killed, cached."""
+"""The whole reference build in processes of its own: the same bytes, also if killed or cached."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ RTGEN = [sys.executable, "-m", "rtgen"]
 
 
 def copy_of_specs(folder: Path) -> Path:
-    """The definitions and project file of the reference build, without what is made from them."""
+    """Return the definitions and project file of the reference build, without generated files."""
     folder.mkdir(parents=True)
     shutil.copytree(ROOT / "specs", folder / "specs")
     shutil.copy(ROOT / "rtgen.toml", folder)
@@ -56,7 +56,7 @@ def tree(folder: Path) -> dict[str, bytes]:
 
 @pytest.fixture(scope="module")
 def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The folder of a project with the reference build."""
+    """Return the folder of a project with the reference build."""
     place = tmp_path_factory.mktemp("built")
     folder = copy_of_specs(place / "a")
     rtgen(folder, environment(place), "generate")
@@ -171,7 +171,7 @@ def test_one_character_anywhere_in_the_tree_is_drift(
     chance = random.Random(5)
 
     def assert_drift(*changed: Path) -> None:
-        """Another character in each of the files, and `check` reports each."""
+        """Check that `check` reports each file with a changed character."""
         good = {file: file.read_bytes() for file in changed}
         for file, data in good.items():
             at = chance.randrange(len(data)) if data else 0

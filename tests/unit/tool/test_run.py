@@ -201,7 +201,7 @@ def test_quiet_and_machine_forms_show_no_progress(
         ("0.05", ["--set", "M0.speed=30"], 1, "0.100 m from the goal, allowed 0.05 m"),
         ("0.2, 0.1", ["--set", "M0.speed=30"], 0, ""),
         ("0.05", ["--until", "M0=ERROR", "--set", "M0.speed=30"], 1, "0.100 m from"),
-        # A stretch of the run is asked for, not its end.
+        # The condition is a section of the run, not its end.
         ("0.05", ["--until", "0.1"], 0, ""),
     ],
 )

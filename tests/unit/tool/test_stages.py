@@ -1,4 +1,4 @@
-"""What commands show of their stages: times, progress on a terminal, and colours."""
+"""Stages of commands: times, progress on a terminal, and colours."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ STRUCT = "module robots { struct Lamp { unsigned long colour; }; };\n"
 
 
 class Clock:
-    """A clock that goes on by what each step is said to take."""
+    """A clock that advances by the given duration of each step."""
 
     def __init__(self) -> None:
         self.now = 0
@@ -39,7 +39,7 @@ class Clock:
 
 
 def names(table: str) -> list[str]:
-    """The stages of a table, with their indentation."""
+    """Return the stages of a table, with their indentation."""
     return [
         re.split(r" {2,}(?=\d)", line)[0] for line in table.splitlines()[1:] if line
     ]
@@ -101,7 +101,7 @@ def test_nothing_is_observed_outside() -> None:
 
 @pytest.fixture
 def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A folder with a struct, and a cache of its own."""
+    """Return a folder with a struct, and a cache of its own."""
     monkeypatch.setenv("RTGEN_CACHE_DIR", str(tmp_path / "cache"))
     monkeypatch.setattr("rtgen.cli.stage_times._MIN_NS", 0)
     work = tmp_path / "work"
@@ -195,7 +195,7 @@ def test_errors_have_their_table(
 
 
 class Terminal:
-    """A pseudo-terminal, in the place of standard error once attached; `text` ends it."""
+    """A pseudo-terminal in place of standard error, once attached; `text` ends it."""
 
     def __init__(self) -> None:
         self._main, other = os.openpty()
@@ -342,7 +342,7 @@ def test_colours_are_those_of_rich(
     force_color: str | None,
     term: str,
 ) -> None:
-    """Of findings, and of what rich prints to the same stream."""
+    """Colours of findings, and of rich's output to the same stream."""
     monkeypatch.setenv("TERM", term)
     for name, value in (("NO_COLOR", no_color), ("FORCE_COLOR", force_color)):
         if value is not None:

@@ -28,7 +28,7 @@ def _at_root(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
 
 
 def changed(folder: Path, old: str, new: str) -> str:
-    """The reference system with one text changed."""
+    """Return the reference system with one text changed."""
     text = SYSTEM.read_text(encoding="utf-8")
     assert old in text
     file = folder / "changed.xml"

@@ -1,4 +1,4 @@
-"""What a command prints on a terminal cannot steer it; what goes into a file is unchanged."""
+"""Output of commands cannot control a terminal; output to a file is unchanged."""
 
 from __future__ import annotations
 

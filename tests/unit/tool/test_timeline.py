@@ -1,4 +1,4 @@
-"""What is to happen while a system runs."""
+"""Timelines: planned actions of a run."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A user's component that fails: what `rtgen run` prints, where it points to, how it ends."""
+"""A failing user component: output, position and end of `rtgen run`."""
 
 from __future__ import annotations
 
@@ -198,9 +198,9 @@ def test_quit_at_a_breakpoint_ends_the_run(project: Path, clock: str) -> None:
 
 
 def _interrupted(callback: str, *arguments: str) -> tuple[int, str]:
-    """The exit code and the output of a run that gets Ctrl-C once that callback blocks.
+    """Return the exit code and the output of a run that gets Ctrl-C once that callback blocks.
 
-    On a busy machine others are reported, too, before they return.
+    On a busy machine other callbacks are reported, too, before they return.
     """
     with subprocess.Popen(
         [sys.executable, "-u", "-c", PATIENT, *arguments],
@@ -225,7 +225,7 @@ FIRST = {
     "on_reset": "return 1",
     "on_rate_changed": "self.get_context(0).set_rate(5.0)",
 }
-"""What `on_execute` does first, so that the callback is called."""
+"""The first statement of `on_execute`, so that the callback is called."""
 ASKS_FOR_RESET = """\
     def on_error(self, ec_id):
         return self.get_context(0).reset_component(self)
@@ -243,7 +243,7 @@ CALLBACKS = (
 
 
 def blocking(callback: str) -> Iterator[Break]:
-    """The controller with a callback that does not return."""
+    """Yield the controller with a callback that does not return."""
     begin = '        """Full power below the target, none above."""\n'
     if callback == "on_execute":
         yield Break("", begin, f"{begin}        {WAIT}\n", 1, 0, "")
@@ -270,7 +270,7 @@ def test_a_callback_that_blocks_is_named_and_ctrl_c_ends_the_run(
 ) -> None:
     for change in blocking(callback):
         apply(change, project)
-    # What is called at the end must come soon; all else must come before the end.
+    # Callbacks called at the end must come soon; all others must come before the end.
     until = "0.5" if callback in AT_THE_END else "60"
     command = ("run", "warm.xml", "--until", until, "--clock", clock)
     code, output = _interrupted(callback, *command)

@@ -1,4 +1,4 @@
-"""`rtgen generate --watch`: real files change, and a process notices."""
+"""`rtgen generate --watch` detects changes of real files."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ import pytest
 from rtgen.cli import run
 
 PATIENCE = 120.0
-"""Seconds after which a test gives up, not what is measured."""
+"""Time-out of a test [s], not a measured time."""
 
 
 class Watcher:
-    """`rtgen generate --watch` in a folder, and what it says."""
+    """`rtgen generate --watch` in a folder, and its output."""
 
     def __init__(self, folder: Path) -> None:
         environment = {**os.environ, "RTGEN_CACHE_DIR": str(folder / "cache")}
@@ -43,7 +43,7 @@ class Watcher:
                 self._lines.put(line)
 
     def said(self) -> str:
-        """What it says up to the next time that it begins to watch."""
+        """Return its output up to the next time that it begins to watch."""
         output = ""
         while not output.endswith("watching; Ctrl-C ends it\n"):
             output += self._lines.get(timeout=PATIENCE)
@@ -74,7 +74,7 @@ def folder(tmp_path: Path) -> Path:
 
 
 def put(file: Path, text: str) -> None:
-    """Gives a file another content at once, so that no run sees a part of it."""
+    """Replace the content of a file atomically, so that no run sees a part of it."""
     new = file.parent.parent / "new"
     new.write_text(text, encoding="utf-8")
     new.replace(file)

@@ -1,4 +1,4 @@
-"""The project of two components that docs/systems.md shows, and how a user breaks it."""
+"""The project of two components in docs/systems.md, and ways to break it."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ PATIENT = (
     "import sys; from rtgen.runtime.system import watchdog; watchdog.PATIENCE = 0.4;"
     "from rtgen.cli import run; sys.exit(run(sys.argv[1:]))"
 )
-"""The command line, with less patience for code that does not return."""
+"""The command line, with shorter time-outs for code that does not return."""
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ TEN_WAYS = (
 
 
 def files_of(page: str) -> dict[str, str]:
-    """The files that a page shows: a comment with the name, then a block."""
+    """Return the files of a page: a comment with the name, then a block."""
     text = (DOCS / page).read_text()
     found = re.findall(
         r"^<!-- page: file (\S+) -->\n```\w+\n(.*?)^```", text, re.MULTILINE | re.DOTALL
@@ -76,7 +76,7 @@ def files_of(page: str) -> dict[str, str]:
 
 
 def write(folder: Path) -> None:
-    """Writes the project of docs/systems.md, and generates it."""
+    """Write the project of docs/systems.md, and generate it."""
     for name, text in files_of("systems.md").items():
         file = folder / name
         file.parent.mkdir(parents=True, exist_ok=True)
@@ -86,7 +86,7 @@ def write(folder: Path) -> None:
 
 
 def apply(change: Break, folder: Path) -> None:
-    """Breaks the controller of a project."""
+    """Break the controller of a project."""
     file = folder / CONTROLLER
     text = file.read_text()
     assert change.old in text

@@ -1,9 +1,9 @@
-"""Writes an output folder again and again, with a fault in each run; a fault is a child's.
+"""Writes an output folder again and again, with a fault in each run, in a child process.
 
     python write_faults.py kill|full|readonly
 
-Prints how many runs had a fault. Whatever happens, each file is the old one or the new one, and
-the next run without a fault makes the tree that there would be without any.
+Prints the number of runs with a fault. In any case, each file is the old one or the new one, and
+the next run without a fault writes the same tree as a run without previous faults.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ _CHANGES = {
     *("open", "os.rename", "os.remove", "os.mkdir", "os.rmdir", "os.truncate"),
     *("os.link", "os.symlink", "os.chmod"),
 }
-"""Audit events of what changes a folder, and of the opening of files."""
+"""Audit events of changes of a folder, and of opening files."""
 
 
 def _written(project: Project, paths: list[str], text: bytes) -> None:
@@ -53,7 +53,7 @@ def _tree(project: Project) -> dict[str, bytes]:
 
 
 def _child(act: Callable[[], None]) -> int:
-    """The signal or exit code of a child that acts; 3 for an error that a user would see."""
+    """Return the signal or exit code of a child that acts; 3 for a reported error."""
     sys.stdout.flush()
     if child := os.fork():
         return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
@@ -68,7 +68,7 @@ def _child(act: Callable[[], None]) -> int:
 
 
 def _killed_at(number: int, folder: str) -> None:
-    """Kill this process at its change of that number, or opening, in the folder."""
+    """Kill this process at its n-th change, or opening, in the folder."""
     seen = 0
 
     def hook(event: str, arguments: tuple[object, ...]) -> None:
@@ -82,13 +82,13 @@ def _killed_at(number: int, folder: str) -> None:
 
 
 def _full_at(octets: int) -> None:
-    """No file may have more octets, as if there were no room for them."""
+    """Limit the octets of all files, like a full disk."""
     signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
     resource.setrlimit(resource.RLIMIT_FSIZE, (octets, octets))
 
 
 def _checked(folder: Path, act: Callable[[Project], None]) -> int:
-    """Act in a child on a tree; what became of the child."""
+    """Act in a child on a tree; return the outcome."""
     project = _project(folder / "tree")
     shutil.rmtree(project.root, ignore_errors=True)
     project.root.mkdir()
@@ -122,7 +122,7 @@ def kill(folder: Path) -> int:
 
 
 def full(folder: Path) -> int:
-    """Let the disk be full at a number of octets."""
+    """Simulate a full disk at a number of octets."""
     sizes = (0, 1, 100, len(OLD), len(NEW) - 1)
 
     def act(project: Project, octets: int) -> None:
@@ -136,7 +136,7 @@ def full(folder: Path) -> int:
 
 
 def readonly(folder: Path) -> int:
-    """Write where there is no permission, into each folder of the tree."""
+    """Write without permission into each folder of the tree."""
     places = ("generated", "generated/b", "")
     folder.chmod(0o755)
 

@@ -22,7 +22,7 @@ _numbers = itertools.count()
 
 
 def emit(folder: Path, paths: Sequence[Path], numeric: Numeric = "array") -> ModuleType:
-    """The package that the back end makes of the files, imported from below `folder`.
+    """Return the generated package of the files, imported from below `folder`.
 
     `numeric` is the form of numbers, as `[python] numeric` sets it.
     """
@@ -52,14 +52,14 @@ def emit(folder: Path, paths: Sequence[Path], numeric: Numeric = "array") -> Mod
 
 
 def emit_text(folder: Path, text: str, numeric: Numeric = "array") -> ModuleType:
-    """The same for one IDL text."""
+    """Return the generated package of one IDL text."""
     path = folder / "case.idl"
     path.write_text(text, encoding="utf-8")
     return emit(folder, [path], numeric)
 
 
 def classes(package: ModuleType) -> Iterator[type[Any]]:
-    """The classes with descriptors that a package's modules define."""
+    """Yield the classes with descriptors that a package's modules define."""
     prefix = f"{package.__name__}._idl."
     for name in sorted(n for n in sys.modules if n.startswith(prefix)):
         for value in vars(sys.modules[name]).values():

@@ -1,7 +1,7 @@
-"""Definitions drawn at random: every construct that CORBA's own data types have, in one module.
+"""Random definitions with every construct of CORBA's own data types, in one module.
 
-A seed gives the same text on every machine. Values are drawn from the descriptors of what rtgen
-makes of it, edge values often; values of valuetypes are shared, and refer to each other in circles.
+A seed gives the same text on every machine. Values are drawn from the generated descriptors,
+extreme values often; values of valuetypes are shared, and refer to each other in cycles.
 """
 
 from __future__ import annotations
@@ -72,7 +72,7 @@ class Definitions:
         self._count = 0
 
     def text(self, size: int) -> str:
-        """A module with about so many types."""
+        """Return a module with about `size` types."""
         makers: list[tuple[int, Callable[[], str]]] = [
             (6, self._struct),
             (4, self._union),
@@ -131,7 +131,7 @@ class Definitions:
         return f"sequence<{inner}, {draw.randint(1, 5)}>"
 
     def _declared(self, name: str, type_: str) -> str:
-        """A declarator, sometimes of an array."""
+        """Return a declarator, sometimes of an array."""
         draw = self._random
         lengths = [
             draw.randint(1, 3) for _ in range(draw.choice((0, 0, 0, 0, 1, 1, 2, 3)))
@@ -203,7 +203,7 @@ class Definitions:
         return f"valuetype {name}; valuetype {name}{base} {{ {state}}};"
 
     def _box(self) -> str:
-        """A box of something that never is one object of Python for two values."""
+        """Return a box whose values are never one Python object for two values."""
         name = self._name("Q")
         structs = [self._known(n) for n in self._names if n[0] == "S"]
         kinds = ["string", "sequence<long>", *structs[:1]]
@@ -264,9 +264,9 @@ class Definitions:
 
 
 class Values:
-    """Draws values of descriptors. `anys` are the types that an `any` may hold, `references` the
-    object references that there are, beside nil.
+    """Draws values of descriptors.
 
+    `anys` are the types that an `any` may hold, `references` the object references, beside nil.
     Without `state` all values of valuetypes are null. The number of parts is bounded.
     """
 
@@ -285,7 +285,7 @@ class Values:
         self._shared: dict[str, list[Any]] = {}
 
     def value(self, descriptor: Descriptor, depth: int = 0) -> Any:
-        """A value; nothing is shared with one that was drawn by another object."""
+        """Return a value; it shares nothing with values drawn by another object."""
         draw = self._random
         match descriptor:
             case LinkDescriptor() | AliasDescriptor():
@@ -387,7 +387,7 @@ class Values:
         return items
 
     def _repeated(self, element: Descriptor, items: Any) -> Any:
-        """Many items, where they are not objects that may be shared."""
+        """Return many items, unless they are objects that may be shared."""
         match plain(element):
             case PrimitiveDescriptor(name) if name not in ("any", "ValueBase"):
                 return items * self._random.choice(_LONG)
@@ -414,7 +414,7 @@ class Values:
         return class_of(descriptor)(chosen, value)
 
     def _reused(self, descriptor: Descriptor, made: Any) -> Any:
-        """Often a value that was drawn before."""
+        """Return a previously drawn value, often."""
         pool = self._shared.setdefault(str(descriptor), [])
         if pool and self._random.random() < 0.3:
             return self._random.choice(pool)

@@ -46,11 +46,11 @@ _BITS = {
 _LATIN = st.characters(max_codepoint=255)
 _WIDE = st.characters(max_codepoint=0xFFFF, exclude_categories=["Cs"])
 _TEXT = st.characters(exclude_characters="\0", exclude_categories=["Cs"])
-_LONGEST = 4
+_MAX_ITEMS = 4
 
 
 def values(descriptor: Descriptor, depth: int = 0) -> st.SearchStrategy[Any]:
-    """Trees of values of the descriptor."""
+    """Draw trees of values of the descriptor."""
     match descriptor:
         case PrimitiveDescriptor(name):
             return _primitive(name)
@@ -71,12 +71,12 @@ def values(descriptor: Descriptor, depth: int = 0) -> st.SearchStrategy[Any]:
         case BitsetDescriptor(fields=bits):
             return st.fixed_dictionaries({b.name: _bitfield(b) for b in bits})
         case SequenceDescriptor(element, bound):
-            most = 0 if depth > 3 else min(bound or _LONGEST, _LONGEST)
+            most = 0 if depth > 3 else min(bound or _MAX_ITEMS, _MAX_ITEMS)
             return _joined(element, st.lists(values(element, depth + 1), max_size=most))
         case ArrayDescriptor(element, dimensions):
             return _array(element, dimensions, depth)
         case MapDescriptor(key, value, bound):
-            most = min(bound or _LONGEST, _LONGEST)
+            most = min(bound or _MAX_ITEMS, _MAX_ITEMS)
             return st.dictionaries(values(key), values(value), max_size=most)
         case StructDescriptor(members=fields) | ExceptionDescriptor(members=fields):
             return st.fixed_dictionaries(
@@ -166,7 +166,7 @@ def _array(
 
 
 def build(descriptor: Descriptor, tree: Any, types: dict[str, type[Any]]) -> Any:
-    """The object of a tree; `types` are the generated classes by repository id."""
+    """Return the object of a tree; `types` are the generated classes by repository id."""
     match descriptor:
         case SequenceDescriptor(element) if isinstance(tree, list):
             return [build(element, item, types) for item in tree]

@@ -1,4 +1,4 @@
-"""Properties of types in CDR: sizes at least, what has no layout, recursion, headers."""
+"""Properties of types in CDR: least sizes, types without a layout, recursion, headers."""
 
 from __future__ import annotations
 
@@ -201,7 +201,7 @@ def test_recursion(model: Model) -> None:
 
 
 def test_unset_members(model: Model) -> None:
-    """External ones of a recursive type, or of one that is defined later."""
+    """External members of a recursive type, or of one that is defined later."""
     types = types_of(model)
     early, link = struct_of(model, "Early"), struct_of(model, "Link")
     found = [m.name for m in early.members if types.is_unset(early, m)]
@@ -211,7 +211,7 @@ def test_unset_members(model: Model) -> None:
 
 
 def test_headers(model: Model) -> None:
-    """Those of optional members and of mutable types, however deep they are."""
+    """Headers of optional members and of mutable types, at any depth."""
     types = types_of(model)
     for holder in ("HoldsOptional", "HoldsTagged", "HoldsTaggedKey"):
         for _ in range(2):

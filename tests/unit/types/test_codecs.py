@@ -1,4 +1,4 @@
-"""Codecs of every kind of layout: round trips, zero padding, faults with their places."""
+"""Codecs of every kind of layout: round trips, zero padding, faults with their positions."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What descriptors say: names, member ids, extensibility, aliases."""
+"""The content of descriptors: names, member ids, extensibility, aliases."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def test_members_carry_the_facts_of_the_definition(m: Any) -> None:
         ("c", 8, False),
     ]
     assert [x.id for x in m.Derived._descriptor_.members] == [0, 7, 8, 9]
-    assert m.Derived._descriptor_.extensibility == "appendable"  # that of its base
+    assert m.Derived._descriptor_.extensibility == "appendable"  # the base's hash
     hashed = m.Hashed._descriptor_
     assert hashed.extensibility == "mutable"
     # DDS-XTypes 1.3, 7.3.1.2.1.1 has the hash of `color` for its example.
@@ -87,7 +87,7 @@ def test_generated_values_are_pickled(m: Any) -> None:
 
 
 def test_names_that_two_files_have(tmp_path: Path) -> None:
-    """What is imported never takes the place of what the module makes itself."""
+    """An imported name never replaces one that the module defines."""
     first = tmp_path / "first.idl"
     first.write_text("module A { typedef long Id; interface Role { Id get(); }; };")
     second = tmp_path / "second.idl"
@@ -142,7 +142,7 @@ module Outer { struct F { long a; }; struct Later { long a; }; };
         "I_E": ("appendable", True),
     }
     assert outer.Derived._descriptor_.extensibility == "final"
-    for type_ in (outer.F, outer.Later):  # this opening says nothing
+    for type_ in (outer.F, outer.Later):  # an opening without annotations
         assert (type_._descriptor_.extensibility, type_._descriptor_.nested) == (
             "final",
             False,

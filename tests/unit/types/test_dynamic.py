@@ -58,7 +58,7 @@ def dyn(package: ModuleType) -> Any:
 
 
 def words(octets: bytes) -> str:
-    """Octets in hexadecimal, four at a time."""
+    """Return octets in hexadecimal, four at a time."""
     return " ".join(octets[i : i + 4].hex() for i in range(0, len(octets), 4))
 
 
@@ -150,7 +150,7 @@ def test_hostile_type_codes() -> None:
 
 
 def test_a_type_code_cannot_ask_for_work_without_end(dyn: Any) -> None:
-    """Arrays of arrays of nothing: few octets, many values."""
+    """Arrays of empty arrays: few octets, many values."""
     nothing: Any = StructDescriptor("IDL:None:1.0", "None", ())
     for number in range(4):
         array = ArrayDescriptor(nothing, (60000,))
@@ -472,7 +472,7 @@ def test_links_are_looked_through(dyn: Any) -> None:
 
 
 def test_generated_types_in_an_any_use_their_codecs(tmp_path: Path) -> None:
-    """Their octets and the places of faults are those of the walk along the descriptor."""
+    """Octets and positions of faults equal those of the codec along the descriptor."""
     p = emitted.emit_text(
         tmp_path,
         """

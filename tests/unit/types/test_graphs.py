@@ -1,4 +1,4 @@
-"""Groups, circles and ways in random graphs, against walking from each node."""
+"""Groups, cycles and paths in random graphs, compared with searches from each node."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Types that hold much: their text grows with the definition, not with what could be reached."""
+"""Types with much content: their text grows with the definition, not with all reachable types."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ LEVELS = 24
 
 
 def tower(levels: int = LEVELS) -> str:
-    """Structs each with two sequences and a value of the one before."""
+    """Return structs, each with two sequences and a value of the one before."""
     lines = ["struct S0 { string a; sequence<string> b; octet c; };"]
     lines += [
         f"struct S{n} {{ octet z; sequence<S{n - 1}> a; sequence<S{n - 1}, 4> b; S{n - 1} c; }};"
@@ -35,7 +35,7 @@ def filled(package: Any, level: int) -> Any:
 
 
 def test_structs_in_structs_in_structs(tmp_path: Path) -> None:
-    """The text stays small, compiles, and gives what the codec along descriptors gives."""
+    """The text stays small, compiles, and agrees with the codec along descriptors."""
     package = emitted.emit_text(tmp_path, tower())
     size = sum(path.stat().st_size for path in tmp_path.rglob("*.py"))
     assert size < LEVELS * 80_000

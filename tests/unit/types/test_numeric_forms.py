@@ -1,4 +1,4 @@
-"""Numbers as lists, arrays and numpy arrays: the same octets, equal values, faults with places."""
+"""Numbers as lists, arrays and numpy arrays: the same octets, equal values, located faults."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ WAYS = ("cdr", "xcdr1", "xcdr2")
 
 @pytest.fixture(scope="module")
 def packages(tmp_path_factory: pytest.TempPathFactory) -> dict[Numeric, Any]:
-    """The types with numbers in each form."""
+    """Generate the types with numbers in each form."""
     return {
         form: emitted.emit_text(tmp_path_factory.mktemp(form), IDL, form).n
         for form in FORMS
@@ -77,7 +77,7 @@ def numpies(packages: dict[Numeric, Any]) -> Any:
 
 
 def filled(n: ModuleType, count: int) -> Any:
-    """A value with that many numbers in each sequence, all of them lists."""
+    """Return a value with that many numbers in each sequence, all of them lists."""
     points = [n.Point(i / 7, i / 4, -i, bytes([i % 256] * 8)) for i in range(count)]
     return n.Everything(
         shift=3,

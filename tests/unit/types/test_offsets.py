@@ -1,4 +1,4 @@
-"""Offsets and sizes of members: the octets that change with a member are those of its place."""
+"""Offsets and sizes of members: a changed member changes exactly its octets."""
 
 from __future__ import annotations
 
@@ -106,7 +106,7 @@ def octets(value: Any) -> bytes:
 
 
 def changed(value: Any) -> Any:
-    """Another value of the same type."""
+    """Return another value of the same type."""
     name = type(value).__name__
     if name in CHANGED:
         return CHANGED[name]
@@ -228,13 +228,13 @@ def test_members_name_the_struct_that_declares_them(model: Model) -> None:
 
 
 def test_a_union_begins_with_its_discriminator(package: Any) -> None:
-    """No padding is before a boolean, whatever the cases hold."""
+    """No padding precedes a boolean, for any content of the cases."""
     chosen = package.Chosen(7, package.Choice(True, 9))
     assert octets(chosen) == bytes((7, 1, 9))
 
 
 def test_structs_in_structs(tmp_path: Path) -> None:
-    """Structs are measured to a depth of 64, and their neighbours are measured alike."""
+    """Structs are measured to a depth of 64, and their neighbours likewise."""
     lines = ["struct S0 { octet a; double b; };"]
     lines += [f"struct S{n} {{ octet a; S{n - 1} b; }};" for n in range(1, 80)]
     lines += ["struct Pair { S9 a; S60 b; S60 c; S60 d; };"]

@@ -1,4 +1,4 @@
-"""Random types and values: round trips, damage, and octets cut short."""
+"""Random types and values: round trips, damaged and truncated octets."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ from rtgen.runtime.marshalling.dynamic import decoded, encoded
 MODULES = 4
 TYPES = 40
 EXAMPLES = 1000 // MODULES
-MOST_CUTS = 12
+MAX_CUTS = 12
 SMALL = 48
 
 
 class Types:
-    """The classes of a random module, and what an `any` of theirs may hold."""
+    """The classes of a random module, and the possible types of an `any`."""
 
     def __init__(self, package: Any) -> None:
         found = [t for t in emitted.classes(package) if hasattr(t, "to_cdr")]
@@ -40,7 +40,7 @@ class Types:
         self.anys += self.described
 
     def octets(self, descriptor: Any, value: Any, little_endian: bool) -> bytes:
-        """What the generated codec makes, which is what the walk along the descriptor makes."""
+        """Return the octets of the generated codec, which must equal those of the descriptor's."""
         octets = encoded(descriptor, value, little_endian)
         if isinstance(descriptor, AliasDescriptor):
             class_ = self.classes[descriptor.repository_id]
@@ -80,7 +80,7 @@ def test_round_trips(types: Types) -> None:
 
 
 def test_octets_cut_short_or_changed(types: Types) -> None:
-    """A beginning is always refused; what was changed is read or refused; only by CdrError."""
+    """Truncated octets are refused, changed ones are read or refused; only by CdrError."""
     for number in cases(EXAMPLES // 5):
         draw = random.Random(number)
         descriptor = types.described[number % len(types.described)]
@@ -88,7 +88,7 @@ def test_octets_cut_short_or_changed(types: Types) -> None:
         octets = encoded(descriptor, Values(draw, types.anys).value(descriptor), True)
         places: Sequence[int] = range(len(octets))
         if len(octets) > SMALL:
-            places = draw.sample(places, MOST_CUTS)
+            places = draw.sample(places, MAX_CUTS)
         for place in places:
             with pytest.raises(CdrError):
                 class_.from_cdr(octets[:place])

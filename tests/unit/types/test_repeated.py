@@ -1,4 +1,4 @@
-"""Readers of shapes that repeat: the same values, the same refusals, no more than so many."""
+"""Readers for repeated shapes: the same values, the same refusals, in a limited number."""
 
 import pytest
 
@@ -11,7 +11,7 @@ from rtgen.runtime.marshalling.compiler import CLASSIC, compiled
 
 @pytest.fixture
 def decode():
-    """A decoder of TimedPose2D that has met no body yet."""
+    """Return a decoder of TimedPose2D without readers."""
     kept = iis.TimedPose2D._descriptor_.codecs.pop(("from_cdr", CLASSIC), None)
     function = compiled("from_cdr", iis.TimedPose2D._descriptor_)
     yield function
@@ -20,7 +20,7 @@ def decode():
 
 
 def pose(ids: int, errors: int, start: int = 0) -> iis.TimedPose2D:
-    """A value with so many numbers."""
+    """Return a value with these numbers of ids and errors."""
     return iis.TimedPose2D(
         rtc.Time(start + 1, 2),
         [start + n for n in range(ids)],
@@ -30,13 +30,13 @@ def pose(ids: int, errors: int, start: int = 0) -> iis.TimedPose2D:
 
 
 def readers(function, little_endian: bool):
-    """The readers that a function has, by size."""
+    """Return the readers of a function, by size."""
     order = "little" if little_endian else "big"
     return function.__globals__[f"repeated_{order}"]
 
 
 def learn(function, value, little_endian: bool) -> None:
-    """Decodes bodies of the shape until it has a reader."""
+    """Decode bodies of the shape until there is a reader for it."""
     octets = value.to_cdr(little_endian)
     for _ in range(repeated.SIGHTINGS):
         assert len(octets) not in readers(function, little_endian)
@@ -75,7 +75,7 @@ def test_each_fault_is_found_as_without_a_reader(decode):
 
 
 def outcome(function, octets):
-    """The value, or the text of its CdrError."""
+    """Return the value, or the text of the CdrError."""
     try:
         return function(iis.TimedPose2D, octets)
     except CdrError as error:

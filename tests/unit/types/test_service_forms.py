@@ -36,7 +36,7 @@ def direct(interface: Any, servant: Any) -> Any:
 
 
 def marshalled(interface: Any, servant: Any, little_endian: bool = True) -> Any:
-    """A stub whose calls go through octets, there and back."""
+    """Return a stub whose calls are encoded and decoded."""
     objects = Objects(little_endian)
     server = Server(interface, servant, objects=objects)
 
@@ -70,13 +70,13 @@ class Objects:
 
 @pytest.fixture(params=[direct, marshalled, marshalled_big])
 def connect(request: pytest.FixtureRequest) -> Connect:
-    """A servant's stub, by each way in which calls are carried."""
+    """Return a servant's stub, by each way to carry calls."""
     way: Connect = request.param
     return way
 
 
 def serving(interface: Any, **behaviour: Any) -> Any:
-    """A servant: what is callable becomes a method, anything else an attribute."""
+    """Return a servant: callables become methods, other values attributes."""
     methods = {
         name: (lambda self, *given, _f=value: _f(*given)) if callable(value) else value
         for name, value in behaviour.items()
@@ -392,7 +392,7 @@ def test_a_local_interface_works_in_one_process(forms: Any) -> None:
 
 @pytest.fixture
 def errors(forms: Any) -> Any:
-    """A server whose operations raise what they are given."""
+    """Return a server whose operations raise the given errors."""
 
     class Servant(forms.Errors):  # type: ignore[misc]
         def one(self, which: int) -> None:
@@ -431,7 +431,7 @@ def test_octets(forms: Any, errors: Any) -> None:
     [
         ("one", bytes(3), MarshalError),  # truncated
         ("one", bytes(5), MarshalError),  # an octet too many
-        ("one", b"\2\0\0\0", BadOperation),  # the servant's own call failed so
+        ("one", b"\2\0\0\0", BadOperation),  # failed in the servant
         ("several", bytes(4), MarshalError),  # the result is not a long
         ("repeated", b"", UnknownException),
         ("_get_one", b"", BadOperation),

@@ -1,4 +1,4 @@
-"""Generated interfaces at work: servant, stub and skeleton in one process."""
+"""Generated interfaces: servant, stub and skeleton in one process."""
 
 from __future__ import annotations
 

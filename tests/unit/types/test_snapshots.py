@@ -47,7 +47,7 @@ def part(s: Any, *items: int, weight: float | None = None) -> Any:
 
 
 def values(s: Any) -> Iterator[Any]:
-    """Values of each type, with all members and with none."""
+    """Yield values of each type, with all members and with none."""
     yield part(s, 1, 2, weight=0.5)
     yield s.Plain(1, part(s, 3))
     yield s.Grown()
@@ -71,7 +71,7 @@ def values(s: Any) -> Iterator[Any]:
 
 
 def mutable(value: Any) -> Iterator[Any]:
-    """All parts of a value that can change."""
+    """Yield all mutable parts of a value."""
     if isinstance(value, array):
         yield value
     elif isinstance(value, list | dict):

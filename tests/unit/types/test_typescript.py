@@ -39,7 +39,7 @@ LEFT_OUT = {
 
 @dataclass
 class Both:
-    """The types in Python, and the folder that has them in TypeScript."""
+    """The types in Python, and the folder with the types in TypeScript."""
 
     types: dict[str, type[Any]]
     folder: Path
@@ -65,7 +65,7 @@ def both(tmp_path_factory: pytest.TempPathFactory) -> Both:
 
 
 def drawn(type_: type[Any], types: dict[str, type[Any]], count: int) -> list[Any]:
-    """Values of a type."""
+    """Draw values of a type."""
     found: list[Any] = []
 
     @with_seed(seed())
@@ -85,7 +85,7 @@ def drawn(type_: type[Any], types: dict[str, type[Any]], count: int) -> list[Any
 
 
 def octets(value: Any, version: int, little_endian: bool) -> str:
-    """A body in hexadecimal digits."""
+    """Return a body in hexadecimal digits."""
     return xcdr.encode(type(value), value, version, little_endian).hex()
 
 
@@ -98,7 +98,7 @@ def structs(both: Both) -> list[type[Any]]:
 
 
 def place(type_: type[Any]) -> str:
-    """Module and name in TypeScript."""
+    """Return module and name in TypeScript."""
     *scope, name = type_._descriptor_.name.split("::")
     return f"{'/'.join(scope) or 'index'} {name}"
 
@@ -124,7 +124,7 @@ def test_octets_are_those_of_python(both: Both) -> None:
             continue
         for value in drawn(type_, both.types, 12):
             every = [octets(value, *each) for each in FORMATS]
-            # Optional members have headers in version 1, which TypeScript does not have.
+            # Optional members have headers in version 1, which TypeScript does not support.
             known = every[2:] if place(type_) in OPTIONAL else every
             for (version, little), text in zip(
                 FORMATS[-len(known) :], known, strict=True

@@ -1,4 +1,4 @@
-"""What users do with values as data, each in the way that docs/idl.md names (Values as data)."""
+"""Uses of values as data, each as described in docs/idl.md (Values as data)."""
 
 from __future__ import annotations
 

@@ -43,7 +43,7 @@ class Counted(Aggregated):
 
 
 class Empty(Aggregated):
-    """Nothing."""
+    """A struct without members."""
 
     _descriptor_ = idl.struct("Empty")
 
@@ -68,7 +68,7 @@ def x(tmp_path_factory: pytest.TempPathFactory) -> Any:
 
 
 def both(value: Any, version: int, text: str) -> None:
-    """The little-endian octets of the value, after a round trip in both byte orders."""
+    """Compare the little-endian octets of the value, after a round trip in both byte orders."""
     wanted = bytes.fromhex(text)
     type_ = type(value)
     assert encode(type_, value, version, True).hex(" ", -4) == wanted.hex(" ", -4)
@@ -79,7 +79,7 @@ def both(value: Any, version: int, text: str) -> None:
 
 
 def enveloped(value: Any, version: int, little_endian: bool) -> None:
-    """The payload of the value is header, octets and padding."""
+    """Check that the payload of the value is header, octets and padding."""
     type_ = type(value)
     form = representation_of(type_, version, little_endian)
     octets = encode(type_, value, version, little_endian)
@@ -168,7 +168,7 @@ def test_an_appendable_type_reads_older_and_newer_ones(x: Any) -> None:
         assert decode(x.New, encode(x.Old, old, version, True), version, True) == x.New(
             1
         )
-    # Cut between a and b, and between c and d, which are not in one run.
+    # Truncated between a and b, and between c and d, which are not in one run.
     assert x.New.from_xcdr2(bytes.fromhex("0e000000010000000200000002000000 6300")) == (
         x.New(1, 2, "c")
     )
@@ -292,7 +292,7 @@ def test_unions(x: Any) -> None:
         1,
         "017f0800 00000000 04000000 00 000000 017f0800 09000000 04000000 07 000000 027f0000",
     )
-    # Without its value a union of which the discriminator is known has the initial one.
+    # A union without its value has the initial one of its known discriminator.
     assert x.Growing.from_xcdr2(bytes.fromhex("04000000 00000000")) == x.Growing.of_l(0)
     assert x.Loose.from_xcdr2(bytes.fromhex("05000000 00000000 01")) == x.Loose.of_d(
         0.0
@@ -310,7 +310,7 @@ def test_key_hashes(x: Any) -> None:
     # A nested struct by its own key, or all of it.
     keyed = x.Keyed("not part of it", place, x.Anonymous(6, 7))
     assert keyed.key_hash() == bytes.fromhex("05000000 01020304 0607") + bytes(6)
-    # What may be longer than 16 octets is hashed, however short it is; no headers of members.
+    # Keys that may exceed 16 octets are hashed, however short they are; without member headers.
     octets = bytes.fromhex("00000002 6100")
     assert x.Named("a", 3).key_hash() == hashlib.md5(octets).digest()
     assert x.Holder([x.GREEN]).key_hash() == bytes.fromhex(
@@ -366,7 +366,7 @@ def test_nothing_shorter_or_longer_is_read(x: Any, version: int) -> None:
         octets = encode(type_, value, version, True)
         assert decode(type_, bytearray(octets), version, True) == value
         if version == 1 and type_._descriptor_.extensibility == "appendable":
-            continue  # Nothing but the end of the octets ends it.
+            continue  # It ends only with the octets.
         for length in range(len(octets)):
             with pytest.raises(CdrError):
                 decode(type_, octets[:length], version, True)

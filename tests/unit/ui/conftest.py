@@ -1,4 +1,4 @@
-"""A system behind a server, and its page in a real browser."""
+"""Fixtures of a system behind a server, and its page in a real browser."""
 
 from __future__ import annotations
 
@@ -23,20 +23,20 @@ from rtgen.ui.session import Session
 
 ROOT = Path(__file__).parents[3]
 CARRIED = ROOT / "ui" / "node_modules" / ".chromium"
-"""What `make page` unpacks: a Chromium for Linux on x86-64, its libraries and fonts."""
+"""The files unpacked by `make page`: a Chromium for Linux on x86-64, its libraries and fonts."""
 LIBRARIES = {
     "LD_LIBRARY_PATH": str(CARRIED / "lib"),
     "FONTCONFIG_PATH": str(CARRIED),
 }
 START_MS = 30_000
-"""How long a browser may take to start, and as long again to show a page."""
+"""Time-out of the start of a browser, and of showing a page [ms]."""
 
 
 @pytest.fixture(scope="session")
 def chromium() -> dict[str, Any]:
-    """How the first browser is launched that shows a page on this machine.
+    """Return the launch options of the first browser that shows a page on this machine.
 
-    The Chromium that is named, else that which `make page` has unpacked, else the machine's.
+    In order: the named Chromium, the one unpacked by `make page`, the machine's.
     """
     playwright = pytest.importorskip("playwright.sync_api", reason="no playwright")
     if not (PAGE / "index.html").exists():
@@ -74,7 +74,7 @@ def chromium() -> dict[str, Any]:
 
 @pytest.fixture(scope="module")
 def browser(chromium: dict[str, Any]) -> Iterator[Any]:
-    """A browser; while it is there, the thread has an event loop that runs."""
+    """Yield a browser; while it is open, the thread has a running event loop."""
     from playwright.sync_api import sync_playwright
 
     with sync_playwright() as driver:
@@ -84,7 +84,7 @@ def browser(chromium: dict[str, Any]) -> Iterator[Any]:
 
 
 def _cause(message: str) -> str:
-    """What the browser wrote last, else the first line of playwright's message."""
+    """Return the last output of the browser, else the first line of playwright's message."""
     head, _, _ = message.partition("\nCall log:")
     lines = re.findall(r"\[err\] (.+)", head) or head.splitlines()[:1]
     return re.sub(r"[^ -~]", "?", lines[-1])
@@ -92,7 +92,7 @@ def _cause(message: str) -> str:
 
 @pytest.fixture
 def shown() -> tuple[Path, dict[str, Path] | None]:
-    """The system that the page shows, and the files of its buses; modules have their own."""
+    """Return the system that the page shows, and the files of its buses; modules override it."""
     return GOAL, None
 
 

@@ -1,4 +1,4 @@
-"""A CAN bus on a page: frames in words, states of nodes, load, what a page sends."""
+"""A CAN bus on a page: decoded frames, states of nodes, load, frames sent by the page."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def page(bench: Bench) -> Page:
 
 
 def frames(page: Page) -> list[ui.Frame]:
-    """The frames among the events of the last command."""
+    """Return the frames among the events of the last command."""
     return [
         frame
         for e in page.seen

@@ -1,4 +1,4 @@
-"""The command `rtgen ui`, where it does not serve."""
+"""The command `rtgen ui` without serving."""
 
 from __future__ import annotations
 

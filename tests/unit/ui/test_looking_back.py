@@ -1,4 +1,4 @@
-"""A page looks at the run as it was, over the real socket, while the run goes on."""
+"""A page shows a past time of the run, over the real socket, while the run goes on."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ PORT = "Odometry0.OdometryPosition"
 
 
 class Page:
-    """A page that keeps what the events say, as the real one does."""
+    """A page that applies events as the real one does."""
 
     def __init__(self, socket: ClientConnection) -> None:
         self.socket = socket
@@ -35,7 +35,7 @@ class Page:
         self.until(EventKind.EVENT_SYSTEM)
 
     def until(self, kind: EventKind) -> Any:
-        """Take events in until one of a kind has come; returns its value."""
+        """Process events until one of a kind; return its value."""
         while True:
             data = self.socket.recv(PATIENCE)
             assert isinstance(data, bytes)

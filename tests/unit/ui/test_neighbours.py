@@ -1,4 +1,4 @@
-"""Components of other processes on the page: shown, steered, configured and wired over CORBA."""
+"""Components of other processes on the page: shown, controlled, configured, wired over CORBA."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def process(names: str) -> Iterator[subprocess.Popen[bytes]]:
 
 
 class Watcher:
-    """A page without a system of its own, which follows what it is told."""
+    """A page without a system of its own, which applies events."""
 
     def __init__(self, names: str, transport: CorbaTransport | None = None) -> None:
         project = CommandProject(QUIET, [], transport=transport)
@@ -62,7 +62,7 @@ class Watcher:
         self.session.runner.submit(lambda: self.session.join(self.outbox))
 
     def follow(self) -> None:
-        """Take over what came since the last time."""
+        """Process the events since the last call."""
         data = self.outbox.take()
         for event in ui.ServerMessage.from_cdr(data).events if data else ():
             value: Any = event.value
@@ -89,7 +89,7 @@ class Watcher:
                     self.results[value.request] = value
 
     def until(self, condition: Callable[[], Any]) -> Any:
-        """What a condition gives once it is true."""
+        """Return the value of a condition once it is true."""
         end = time.monotonic() + PATIENCE
         while not (found := condition()):
             assert time.monotonic() < end
@@ -98,7 +98,7 @@ class Watcher:
         return found
 
     def ask(self, branch: str, value: Any) -> ui.Result:
-        """Put a command; returns its result."""
+        """Send a command; return its result."""
         self._number += 1
         asked = getattr(ui.Command, f"of_{branch}")(value)
         message = ui.ClientMessage(request=self._number, asked=asked)
@@ -110,18 +110,18 @@ class Watcher:
         return self.results[number]
 
     def done(self, branch: str, value: Any) -> ui.Result:
-        """Put a command that succeeds."""
+        """Send a command that succeeds."""
         result = self.ask(branch, value)
         assert result.done, f"{result.code}: {result.message}"
         return result
 
     def state(self, name: str) -> ui.State | None:
-        """The state that the page shows."""
+        """Return the state that the page shows."""
         found = self.components.get(name)
         return None if found is None else found.current
 
     def wires(self) -> dict[tuple[str, str], str]:
-        """The names of connections by their ends, without the naming service."""
+        """Return the names of connections by their ends, without the naming service."""
         return {
             (ending(each.source), ending(each.target)): each.name
             for each in self.connections.values()

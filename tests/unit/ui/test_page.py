@@ -1,4 +1,4 @@
-"""The page in a real browser: what is done on it is seen in the system behind it."""
+"""The page in a real browser: actions on it change the system behind it."""
 
 from __future__ import annotations
 

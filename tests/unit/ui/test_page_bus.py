@@ -1,4 +1,4 @@
-"""A CAN bus on the page, in a real browser: what is sent there is seen in the nodes."""
+"""A CAN bus on the page, in a real browser: frames sent there reach the nodes."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def shown() -> tuple[Path, dict[str, Path]]:
 
 @pytest.fixture
 def bus(page: Any) -> Any:
-    """The page with the view of buses, whose nodes are operational."""
+    """Return the page with the view of buses, whose nodes are operational."""
     page.get_by_role("tab", name="Buses").click()
     page.get_by_role("row", name="front_left operational").wait_for()
     return page

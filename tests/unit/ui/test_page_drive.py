@@ -24,7 +24,7 @@ def shown() -> tuple[Path, None]:
 
 @pytest.fixture
 def stick(page: Any, session: Session) -> Any:
-    """The page with its joystick; nobody else drives, and robots never stop by themselves."""
+    """Return the page with its joystick; no other input, and robots never stop by themselves."""
 
     def leave_alone() -> None:
         for connector in [*session.system.connectors]:
@@ -40,13 +40,13 @@ def stick(page: Any, session: Session) -> Any:
 
 
 def take(page: Any, robot: str) -> Any:
-    """Choose a robot; returns its stick."""
+    """Choose a robot; return its stick."""
     page.get_by_label("Driven port").select_option(f"{robot}.moving_command")
     return page.get_by_role("application", name=f"Joystick of {robot}.moving_command")
 
 
 def speed(session: Session, robot: str) -> float:
-    """How fast the body of a robot truly goes [m/s]."""
+    """Return the true speed of a robot's body [m/s]."""
     velocity: Any = session.system.component(robot).observables["velocity"]()
     return hypot(velocity[0], velocity[1]) if velocity else 0.0
 
@@ -155,7 +155,7 @@ def leader(session: Session, robot: str) -> list[int]:
 
 
 def following(session: Session, follower: str) -> str:
-    """Who leads a robot, by the wiring."""
+    """Return the leader of a robot, by the wiring."""
     [found] = [
         each.source.instance
         for each in session.whole().connections

@@ -33,7 +33,7 @@ Point = tuple[float, float]
 
 @dataclass(frozen=True)
 class Look:
-    """What the picture of a system shows: the run at a time, a component, a view beside it."""
+    """The content of a picture: the run at a time, a component, a view beside it."""
 
     file: str
     time: float
@@ -43,7 +43,7 @@ class Look:
 
     @property
     def name(self) -> str:
-        """What the pictures are called."""
+        """The name of the picture."""
         return Path(self.file).stem
 
 
@@ -75,7 +75,7 @@ def session(monkeypatch: pytest.MonkeyPatch) -> Session:
 
 @pytest.fixture
 def still(browser: Any, server: Any) -> Iterator[Any]:
-    """A page whose time does not pass."""
+    """Yield a page whose time stands still."""
     page = browser.new_page(
         viewport={"width": 1440, "height": 900}, color_scheme="light", locale="en"
     )
@@ -147,7 +147,7 @@ def test_each_system_of_the_gallery_has_its_picture_in_the_docs() -> None:
 
 
 def overlap(one: Sequence[float], other: Sequence[float]) -> bool:
-    """Whether two boxes (left, top, right, bottom) cover each other."""
+    """Return whether two boxes (left, top, right, bottom) cover each other."""
     return (
         one[0] < other[2]
         and other[0] < one[2]
@@ -157,7 +157,7 @@ def overlap(one: Sequence[float], other: Sequence[float]) -> bool:
 
 
 def diagram(name: str) -> list[str]:
-    """The lines of the SVG of a system in the gallery."""
+    """Return the lines of the SVG of a system in the gallery."""
     svg = (WIRINGS / f"{name}_wiring.svg").read_text(encoding="utf-8")
     halo = re.search(r'<g class="halo".*?</g>', svg, re.DOTALL)
     assert halo is not None
@@ -165,7 +165,7 @@ def diagram(name: str) -> list[str]:
 
 
 def crossings(lines: Sequence[str]) -> int:
-    """How often lines cross each other."""
+    """Return how often lines cross each other."""
     return sum(
         crosses(*one, *other)
         for first, second in itertools.combinations(map(points, lines), 2)
@@ -175,7 +175,7 @@ def crossings(lines: Sequence[str]) -> int:
 
 
 def crosses(a: Point, b: Point, c: Point, d: Point) -> bool:
-    """Whether the line from a to b goes through the one from c to d."""
+    """Return whether the line from a to b crosses the one from c to d."""
 
     def side(p: Point, q: Point, r: Point) -> float:
         return (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])
@@ -186,7 +186,7 @@ def crosses(a: Point, b: Point, c: Point, d: Point) -> bool:
 
 
 def points(path: str) -> list[Point]:
-    """The points of a path of SVG with absolute M, L, H, V, Q and C; curves in twelve parts."""
+    """Return the points of an SVG path with absolute M, L, H, V, Q and C; curves in 12 parts."""
     found: list[Point] = []
     for command, text in re.findall(r"([MLHVQC])([^MLHVQC]*)", path):
         numbers = [float(each) for each in re.findall(r"-?[\d.]+(?:e-?\d+)?", text)]
@@ -203,7 +203,7 @@ def points(path: str) -> list[Point]:
 
 
 def curve(control: Sequence[Point], part: float) -> Point:
-    """The point of a Bezier curve, by de Casteljau."""
+    """Return the point of a Bezier curve, by de Casteljau."""
     while len(control) > 1:
         control = [
             (p[0] + (q[0] - p[0]) * part, p[1] + (q[1] - p[1]) * part)

@@ -21,7 +21,7 @@ LINK = "javascript:document.title='broken'//"
 
 @pytest.fixture
 def shown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[Path, None]:
-    """The pipeline to one goal with hostile instances, connectors, a parameter and texts."""
+    """Return the pipeline to one goal with hostile instances, connectors, a parameter and texts."""
     text = GOAL.read_text(encoding="utf-8")
     for plain, hostile in {
         "Odometry0": IMAGE,

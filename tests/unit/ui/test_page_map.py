@@ -38,17 +38,17 @@ def shown() -> tuple[Path, None]:
 
 
 class Hits:
-    """How many rays of the last scan have hit something."""
+    """Counts the rays of the last scan that hit something."""
 
     def __init__(self, system: runtime.System) -> None:
         self.count = -1
         system.add_listener(self)
 
     def __call__(self, record: object) -> None:
-        """States are of no interest."""
+        """Ignore states."""
 
     def sample_writer(self, port: Any, elapsed: Callable[[], int]) -> Any:
-        """Counts the hits of the range finder's samples."""
+        """Count the hits of the range finder's samples."""
 
         def write(scan: Any) -> None:
             if port.owner != "LRFCapture_URG0":

@@ -38,7 +38,7 @@ def process(names: str) -> Iterator[Popen[bytes]]:
 
 @pytest.fixture
 def session(names: str, process: Popen[bytes]) -> Session:
-    """The page has a system of its own, too."""
+    """Return the session of the page's own system."""
     project = CommandProject(QUIET, [str(GOAL)])
     return Session(project, str(GOAL), SimulatedClock, [names])
 

@@ -1,4 +1,4 @@
-"""The page looks back by the slider, in a real browser, while the run goes on."""
+"""The page shows the past by the slider, in a real browser, while the run goes on."""
 
 from __future__ import annotations
 

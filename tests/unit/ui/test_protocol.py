@@ -1,4 +1,4 @@
-"""The messages between server and page are what rtgen makes of their IDL, on both sides."""
+"""The messages between server and page equal those generated from their IDL, on both sides."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ PLACES = {"rtgen/ui/protocol": ROOT / "src", "typescript": ROOT / "ui/src/protoc
 
 
 def made() -> dict[Path, str]:
-    """The files that belong into the repository, with their texts."""
+    """Return the files that belong in the repository, with their texts."""
     model = rtgen.compile(IDL)
     found: dict[Path, str] = {}
     for name in ("types", "typescript"):

@@ -62,7 +62,7 @@ def events(socket: ClientConnection) -> list[ui.Event]:
 
 
 def joined(socket: ClientConnection) -> ui.SystemState:
-    """The state that a page gets when it has joined."""
+    """Return the state that a page receives when it has joined."""
     while True:
         for event in events(socket):
             if event.discriminator is ui.EventKind.EVENT_SYSTEM:

@@ -1,4 +1,4 @@
-"""Commands of a page: the state of the system behind it, and what every page is told."""
+"""Commands of a page: the state of the system behind it, and the events to every page."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A session without a server: commands are carried out at once, by the test's thread."""
+"""A session without a server: commands are executed at once, by the test's thread."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ QUIET = Console("text", False, True)
 
 
 class Page:
-    """A page: what it gets, and the commands it puts."""
+    """A page: the events that it receives, and its commands."""
 
     def __init__(self, bench: Bench, *, full: bool = True) -> None:
         self.outbox = Outbox(lambda: None, full=full)
@@ -34,12 +34,12 @@ class Page:
         bench.session.join(self.outbox)
 
     def events(self) -> list[ui.Event]:
-        """The events since the last call."""
+        """Return the events since the last call."""
         data = self.outbox.take()
         return list(ui.ServerMessage.from_cdr(data).events) if data else []
 
     def ask(self, branch: str, value: Any) -> ui.Result:
-        """Put a command; returns its result. The events before it stay in `seen`."""
+        """Send a command; return its result. Earlier events stay in `seen`."""
         self._number += 1
         asked = getattr(ui.Command, f"of_{branch}")(value)
         message = ui.ClientMessage(request=self._number, asked=asked)
@@ -51,13 +51,13 @@ class Page:
         return result
 
     def done(self, branch: str, value: Any) -> ui.Result:
-        """Put a command that succeeds."""
+        """Send a command that succeeds."""
         result = self.ask(branch, value)
         assert result.done, f"{result.code}: {result.message}"
         return result
 
     def kinds(self) -> list[ui.EventKind]:
-        """The kinds of the events that the last command has caused, but its result."""
+        """Return the kinds of the events that the last command caused, except its result."""
         return [e.discriminator for e in self.seen if e.discriminator is not RESULT]
 
 
@@ -79,28 +79,28 @@ class Bench:
         self.commands = Commands(self.session)
 
     def page(self, *, full: bool = True) -> Page:
-        """A page that has joined."""
+        """Return a page that has joined."""
         return Page(self, full=full)
 
     def close(self) -> None:
-        """Close the session, which no thread runs."""
+        """Close the session, which has no thread."""
         self.session.close()
 
 
 def whole(events: list[ui.Event]) -> ui.SystemState:
-    """The state among events."""
+    """Return the state among events."""
     [found] = [e.whole for e in events if e.discriminator is ui.EventKind.EVENT_SYSTEM]
     return found
 
 
 def channels(state: ui.SystemState) -> Iterator[tuple[str, ui.Channel]]:
-    """The channels by `INSTANCE.PORT`."""
+    """Yield the channels by `INSTANCE.PORT`."""
     for channel in state.channels:
         yield f"{channel.port.instance}.{channel.port.port}", channel
 
 
 def until(page: Any, condition: Callable[[], bool]) -> None:
-    """Waits for a condition behind the page, whose events are handled meanwhile."""
+    """Wait for a condition behind the page; its events are handled meanwhile."""
     end = time.monotonic() + PATIENCE
     while not condition():
         assert time.monotonic() < end
@@ -108,7 +108,7 @@ def until(page: Any, condition: Callable[[], bool]) -> None:
 
 
 def started_over_corba(names: str) -> subprocess.Popen[bytes]:
-    """The system in a process of its own, whose components a naming service has."""
+    """Start the system in a process of its own; its components are in a naming service."""
     command = [sys.executable, "-m", "rtgen", "run", str(GOAL), "-q", "--clock", "real"]
     command += ["--transport", "corba", "--nameserver", names]
     return subprocess.Popen(

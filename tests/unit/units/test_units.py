@@ -1,4 +1,4 @@
-"""Units: what texts denote, which of them fit, and that no text is more than data."""
+"""Units: the meaning of texts, their compatibility, and texts as mere data."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What clients do to components, ports and configurations."""
+"""Functions for clients of components, ports and configurations."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .properties import Properties
 
 
 def get_component_profile(rtc: Any) -> Properties:
-    """The properties of a component's profile."""
+    """Return the properties of a component's profile."""
     if CORBA.is_nil(rtc):
         return Properties()
     return properties_of(rtc.get_component_profile().properties)
@@ -70,7 +70,7 @@ def reset(rtc: Any, ec_id: int = 0) -> Any:
 
 
 def get_state(rtc: Any, ec_id: int = 0) -> tuple[bool, Any]:
-    """Whether there is such a context, and the state in it."""
+    """Return whether there is such a context, and the component's state in it."""
     ec = get_actual_ec(rtc, ec_id)
     if CORBA.is_nil(ec):
         return False, RTC.CREATED_STATE
@@ -155,7 +155,7 @@ def _names_of(rtc: Any, kind: str | None) -> list[str]:
 
 
 def get_port_by_name(rtc: Any, port_name: str) -> Any:
-    """The port of a whole name, `<instance>.<port>`; None if there is none."""
+    """Return the port of a full name, `<instance>.<port>`; None if there is none."""
     for port in [] if CORBA.is_nil(rtc) else rtc.get_ports():
         if port.get_port_profile().name == port_name:
             return port
@@ -171,7 +171,7 @@ def get_connector_ids_by_portref(port: Any) -> list[str]:
 
 
 def create_connector(name: str, prop_arg: Properties, port0: Any, port1: Any) -> Any:
-    """A profile; without words about it: pushed over CORBA."""
+    """Return a profile, by default pushed over CORBA."""
     for key, default in (
         ("dataport.dataflow_type", "push"),
         ("dataport.interface_type", "corba_cdr"),
@@ -267,7 +267,7 @@ def get_active_configuration(rtc: Any) -> Properties:
 
 
 def set_configuration(rtc: Any, confset_name: str, value_name: str, value: str) -> bool:
-    """Sets a parameter and activates its set."""
+    """Set a parameter and activate its set."""
     configuration = rtc.get_configuration()
     found = configuration.get_configuration_set(confset_name)
     changed = properties_of(found.configuration_data)

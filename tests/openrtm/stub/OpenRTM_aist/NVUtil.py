@@ -1,4 +1,4 @@
-"""Properties as they travel: lists of name and value, all values texts."""
+"""Properties for transfer: lists of name and value, all values texts."""
 
 from __future__ import annotations
 
@@ -34,14 +34,14 @@ def toString(nv: list[Any], name: str) -> str:
 
 
 def properties_of(nv: list[Any]) -> Properties:
-    """A tree of its own with the texts of a list."""
+    """Return a new tree with the texts of a list."""
     prop = Properties()
     copyToProperties(prop, nv)
     return prop
 
 
 def list_of(prop: Properties) -> list[Any]:
-    """A list of its own with the texts of a tree."""
+    """Return a new list with the texts of a tree."""
     nv: list[Any] = []
     copyFromProperties(nv, prop)
     return nv

@@ -1,12 +1,12 @@
 # ruff: noqa: E402
-"""A small OpenRTM-aist-Python 2.1 to test generated modules with.
+"""A small OpenRTM-aist-Python 2.1 for tests of generated modules.
 
-It does over omniORB what OpenRTM does, its traps included, as far as components, ports,
-configuration, contexts, managers and clients of them go. The stubs of `RTC`, `SDOPackage` and
-`OpenRTM` are made by omniidl from the folder `idl` and the data types of `specs/idl`.
+It behaves over omniORB as OpenRTM does, including its pitfalls, for components, ports,
+configuration, contexts, managers and clients of them. omniidl generates the stubs of `RTC`,
+`SDOPackage` and `OpenRTM` from the folder `idl` and the data types of `specs/idl`.
 """
 
-# Before any other stub, as OpenRTM does: somebody else's package `RTC` ends the import here.
+# Before any other stub, as OpenRTM does: another package `RTC` ends the import here.
 import RTC
 
 assert RTC.RTC_OK is not None

@@ -1,4 +1,4 @@
-"""The ring buffer of a connector, and what ports answer."""
+"""The ring buffer of a connector, and return codes of ports."""
 
 from __future__ import annotations
 
@@ -27,15 +27,15 @@ class DataPortStatus:
 
 
 class RingBuffer:
-    """Values in the order of their coming; policies say what happens if it is full or empty."""
+    """Values in order of arrival; policies define the behaviour if it is full or empty."""
 
     def __init__(self, properties: Properties) -> None:
-        """`properties` is the node `buffer` of a connector."""
+        """Initialize; `properties` is the node `buffer` of a connector."""
         self._changed = threading.Condition()
         self.init(properties)
 
     def init(self, properties: Properties) -> None:
-        """Takes length and policies of a connector; what was in the buffer is lost."""
+        """Adopt length and policies of a connector; the content of the buffer is lost."""
         self._length = int(properties.getProperty("length", "8"))
         self._full = properties.getProperty("write.full_policy", "overwrite")
         self._write_timeout = float(properties.getProperty("write.timeout", "1.0"))
@@ -76,7 +76,7 @@ class RingBuffer:
         return DataPortStatus.PORT_OK
 
     def read(self) -> tuple[int, Any]:
-        """The oldest unread value; the last one again with `readback`, if there is one."""
+        """Return the oldest unread value; the last one again with `readback`, if there is one."""
         with self._changed:
             if not self._unread:
                 if self._empty == "readback" and self._last:
@@ -93,19 +93,19 @@ class RingBuffer:
         return DataPortStatus.PORT_OK, value
 
     def oldest(self) -> Any:
-        """The oldest unread value, which stays; None if there is none."""
+        """Return the oldest unread value, which stays; None if there is none."""
         with self._changed:
             return self._unread[0] if self._unread else None
 
     def forget(self, value: Any) -> None:
-        """Removes a value, if it still is the oldest."""
+        """Remove a value, if it still is the oldest."""
         with self._changed:
             if self._unread and self._unread[0] is value:
                 self._unread.popleft()
                 self._changed.notify_all()
 
     def drop(self, count: int | None = None, keep: int = 0) -> int:
-        """Removes the oldest values, at most `count`, all but `keep`; gives how many."""
+        """Remove the oldest values, at most `count`, all but `keep`; return their number."""
         with self._changed:
             most = max(0, len(self._unread) - keep)
             dropped = most if count is None else min(most, count)

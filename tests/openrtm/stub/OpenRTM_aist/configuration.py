@@ -17,7 +17,7 @@ Trans = Callable[[Any, str], tuple[bool, Any]]
 
 
 class Parameter:
-    """A variable, a list of one element, and the text it was last made of."""
+    """A variable, a list of one element, and the text it was last converted from."""
 
     def __init__(self, name: str, var: list[Any], default: str, trans: Trans) -> None:
         self.name = name
@@ -27,7 +27,7 @@ class Parameter:
         self._text = ""
 
     def update(self, text: str) -> None:
-        """A text that does not convert gives the default."""
+        """Set the variable; a text that does not convert gives the default."""
         if text == self._text:
             return
         self._text = text
@@ -51,7 +51,7 @@ class ConfigAdmin:
     def bindParameter(
         self, name: str, var: list[Any], default: str, trans: Trans | None = None
     ) -> bool:
-        """Whether it was bound: not if the default is empty or does not convert."""
+        """Bind a variable; False if the default is empty or does not convert."""
         trans = trans or stringTo
         with self._lock:
             if not name or not default or name in self._parameters:
@@ -65,7 +65,7 @@ class ConfigAdmin:
             return True
 
     def update(self) -> None:
-        """Gives the variables what the active set says, if something has changed."""
+        """Set the variables by the active set, if something has changed."""
         with self._lock:
             if not (self._changed and self._active):
                 return
@@ -85,7 +85,7 @@ class ConfigAdmin:
         return self._sets.findNode(name)
 
     def setConfigurationSetValues(self, values: Properties) -> bool:
-        """What is set so waits for its set to be activated."""
+        """Set values, which take effect when their set is activated."""
         with self._lock:
             if not values.name or not self._sets.hasKey(values.name):
                 return False
@@ -105,7 +105,7 @@ class ConfigAdmin:
             return True
 
     def removeConfigurationSet(self, name: str) -> bool:
-        """Only what was added can be removed, and not while it is active."""
+        """Remove an added set that is not active."""
         with self._lock:
             if name == self._active_id or name not in self._added:
                 return False
@@ -126,7 +126,7 @@ class ConfigAdmin:
 
 
 class ConfigurationServant(SDOPackage__POA.Configuration):
-    """The sets as tools see them; all values are texts."""
+    """The sets for tools; all values are texts."""
 
     def __init__(self, admin: ConfigAdmin) -> None:
         self._admin = admin

@@ -1,4 +1,4 @@
-"""Both ends of a connection of data ports: pushed, pulled, or handed over in the process."""
+"""Both ends of a connection of data ports: pushed, pulled, or passed directly."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ RECEIVED = {
 
 @dataclass
 class ConnectorInfo:
-    """What a connection is called and was asked for; `properties` is the node `dataport`."""
+    """Name and settings of a connection; `properties` is the node `dataport`."""
 
     name: str
     id: str
@@ -52,7 +52,7 @@ class ConnectorInfo:
 
 
 class Connector:
-    """What both ends have in common."""
+    """Common base of both ends."""
 
     def __init__(self, info: ConnectorInfo) -> None:
         self._info = info
@@ -85,7 +85,7 @@ class Served:
 
 
 class InPortCdrServant(OpenRTM__POA.InPortCdr):
-    """Takes octets into a buffer."""
+    """Puts received octets into a buffer."""
 
     def __init__(self, buffer: RingBuffer) -> None:
         self._buffer = buffer
@@ -95,7 +95,7 @@ class InPortCdrServant(OpenRTM__POA.InPortCdr):
 
 
 class OutPortCdrServant(OpenRTM__POA.OutPortCdr):
-    """Gives octets out of a buffer."""
+    """Returns octets from a buffer."""
 
     def __init__(self, buffer: RingBuffer) -> None:
         self._buffer = buffer
@@ -106,7 +106,7 @@ class OutPortCdrServant(OpenRTM__POA.OutPortCdr):
 
 
 class InPortConnector(Connector):
-    """The InPort's end: its buffer, and how a value comes out of it."""
+    """The InPort's end: its buffer, and the decoding of values."""
 
     def __init__(self, info: ConnectorInfo, like: Any, buffer: RingBuffer) -> None:
         super().__init__(info)
@@ -115,7 +115,7 @@ class InPortConnector(Connector):
         buffer.init(info.properties.getNode("buffer"))
 
     def getBuffer(self) -> Any:
-        """The buffer; None of a connection that has ended."""
+        """Return the buffer; None for a connection that has ended."""
         return self._buffer
 
     def disconnect(self) -> int:
@@ -123,7 +123,7 @@ class InPortConnector(Connector):
         return super().disconnect()
 
     def read(self, data: Any = None) -> tuple[int, Any]:
-        """Status and value; the value is `data` if there was none to read."""
+        """Return status and value; the value is `data` if there was none to read."""
         status, octets = self.readBuff()
         if status != DataPortStatus.PORT_OK:
             return status, data
@@ -134,7 +134,7 @@ class InPortConnector(Connector):
         return status, value
 
     def readBuff(self) -> tuple[int, bytes]:
-        """Status and octets."""
+        """Return status and octets."""
         if self._buffer is None:
             return DataPortStatus.PRECONDITION_NOT_MET, b""
         status, octets = self._buffer.read()
@@ -142,7 +142,7 @@ class InPortConnector(Connector):
 
 
 class InPortPushConnector(InPortConnector):
-    """Octets come by themselves."""
+    """An InPort's end that receives octets."""
 
     def __init__(self, info: ConnectorInfo, like: Any, buffer: RingBuffer) -> None:
         super().__init__(info, like, buffer)
@@ -157,7 +157,7 @@ class InPortPushConnector(InPortConnector):
 
 
 class InPortPullConnector(InPortConnector):
-    """Octets are fetched by `read`; the buffer stays empty."""
+    """An InPort's end that fetches octets by `read`; the buffer stays empty."""
 
     def __init__(
         self, info: ConnectorInfo, like: Any, buffer: RingBuffer, peer: Any
@@ -174,7 +174,7 @@ class InPortPullConnector(InPortConnector):
 
 
 class OutPortPushConnector(Connector):
-    """Sends what is written, as the subscription type says."""
+    """Sends written values by the subscription type."""
 
     def __init__(self, info: ConnectorInfo, subscription: str, peer: Any) -> None:
         super().__init__(info)
@@ -182,7 +182,7 @@ class OutPortPushConnector(Connector):
         self._publisher = PUBLISHERS[subscription](self._send, info.properties)
 
     def write(self, data: Any) -> int:
-        """A value that cannot be marshalled is rejected without a report."""
+        """Write a value; one that cannot be marshalled is rejected without a report."""
         try:
             octets = to_octets(data, self._info.little_endian)
         except Exception:
@@ -202,7 +202,7 @@ class OutPortPushConnector(Connector):
 
 
 class OutPortPullConnector(Connector):
-    """Keeps what is written until it is fetched."""
+    """Stores written values until they are fetched."""
 
     def __init__(self, info: ConnectorInfo) -> None:
         super().__init__(info)
@@ -228,7 +228,7 @@ class OutPortPullConnector(Connector):
 
 
 class OutPortDirectConnector(Connector):
-    """Hands the value itself to an InPort of the process: both then share it."""
+    """Passes the value itself to an InPort of the process: both then share it."""
 
     def __init__(self, info: ConnectorInfo, peer: Any) -> None:
         super().__init__(info)

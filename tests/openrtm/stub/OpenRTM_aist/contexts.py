@@ -16,11 +16,11 @@ from .properties import Properties
 from .values import toBool
 
 FOREIGN = 1000
-"""Handles of contexts of other components begin here."""
+"""First handle of contexts of other components."""
 
 
 class Participant:
-    """A component in a context: its state, what is asked of it, and the callbacks of a cycle."""
+    """A component in a context: its state, requested transitions, and the callbacks of a cycle."""
 
     def __init__(self, component: Any, handle: int) -> None:
         self.component = component
@@ -28,15 +28,15 @@ class Participant:
         self.state = RTC.INACTIVE_STATE
         self._next = RTC.INACTIVE_STATE
         self._asked: Any = None
-        # A component of the process is called as it is, another one over CORBA.
+        # A component of the process is called directly, another one over CORBA.
         self.actions = orb.local(component) or component
 
     def ask(self, state: Any) -> None:
-        """Asks for a transition, which the next cycle makes."""
+        """Request a transition, which the next cycle executes."""
         self._asked = state
 
     def before(self) -> None:
-        """Transitions: the exit action of the old state, then the entry action of the new."""
+        """Execute transitions: exit action of the old state, then entry action of the new."""
         if self._asked is not None and self._next == self.state:
             self._next = self._asked
         self._asked = None
@@ -46,7 +46,7 @@ class Participant:
             self.actions.on_deactivated(self.handle)
         elif self.state == RTC.ERROR_STATE and not self._reset():
             return
-        # The old state is told until the entry action of the new one has returned.
+        # The old state is reported until the entry action of the new one has returned.
         state = self._next
         if state == RTC.ACTIVE_STATE:
             self._check(self.actions.on_activated(self.handle))
@@ -55,7 +55,7 @@ class Participant:
         self.state = state
 
     def _reset(self) -> bool:
-        """Whether the component lets itself be reset; if not it stays in error."""
+        """Reset the component; return whether it succeeded, otherwise it stays in ERROR."""
         if self.actions.on_reset(self.handle) == RTC.RTC_OK:
             return True
         self._next = RTC.ERROR_STATE
@@ -82,10 +82,10 @@ class Participant:
 
 
 class ExecutionContextBase:
-    """What all contexts do; `_cycle_soon` is how a kind of context gets its cycles."""
+    """Common base of contexts; `_cycle_soon` schedules a cycle."""
 
     def __init__(self, properties: Properties) -> None:
-        """`properties` is the node `exec_cxt` of the component."""
+        """Initialize; `properties` is the node `exec_cxt` of the component."""
         self._rate = float(properties.getProperty("periodic.rate", "1000"))
         self._properties = properties
         self._participants: list[Participant] = []
@@ -99,12 +99,12 @@ class ExecutionContextBase:
         return self._objref
 
     def bindComponent(self, component: Any, reference: Any, handle: int) -> None:
-        """Makes a component the owner and first participant."""
+        """Make a component the owner and first participant."""
         self._owner = reference
         self._participants.append(Participant(reference, handle))
 
     def cycle(self) -> None:
-        """One cycle: each phase over all participants before the next."""
+        """Run one cycle: each phase over all participants before the next."""
         with self._cycling:
             participants = list(self._participants)
             for each in participants:
@@ -136,13 +136,13 @@ class ExecutionContextBase:
         return RTC.RTC_OK
 
     def _started(self) -> None:
-        """Cycles begin."""
+        """Start the cycles."""
 
     def _stopped(self) -> None:
-        """Cycles end."""
+        """Stop the cycles."""
 
     def _cycle_soon(self) -> None:
-        """A transition was asked for."""
+        """Schedule a cycle for a requested transition."""
 
     def get_rate(self) -> float:
         return self._rate
@@ -216,7 +216,7 @@ class ExecutionContextBase:
         return RTC.PRECONDITION_NOT_MET if failed else RTC.RTC_OK
 
     def _setting(self, first: str, second: str, kind: str) -> str:
-        """`sync_transition`, `transition_timeout`, or what is said of a kind of transition."""
+        """Return a setting such as `transition_timeout`, by the kind of transition if it is set."""
         own = f"sync_{kind}" if first == "sync" else f"{kind}_timeout"
         return self._properties.getProperty(own) or self._properties.getProperty(
             f"{first}_{second}"
@@ -243,7 +243,7 @@ class ExecutionContextBase:
         )
 
     def exit(self) -> None:
-        """Deactivates who is active, then ends the context."""
+        """Deactivate all active participants, then end the context."""
         with self._cycling:
             for each in self._participants:
                 if each.state == RTC.ACTIVE_STATE:
@@ -283,7 +283,7 @@ class PeriodicExecutionContext(ExecutionContextBase, RTC__POA.ExecutionContextSe
 class ExtTrigExecutionContext(
     ExecutionContextBase, OpenRTM__POA.ExtTrigExecutionContextService
 ):
-    """A cycle for each `tick`, and for each transition that is asked for.
+    """A cycle for each `tick`, and for each requested transition.
 
     OpenRTM's has a thread that is woken by `tick`; here the cycle is over when `tick` returns.
     """

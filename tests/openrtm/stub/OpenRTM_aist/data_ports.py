@@ -40,7 +40,7 @@ class DataPortBase(PortBase):
     def __init__(self, name: str, value: Any) -> None:
         super().__init__(name)
         self._value = value
-        # What listeners are told the type by.
+        # The type name for listeners.
         self._like = copy.deepcopy(value)
         self._connectors: list[Any] = []
         self._properties = Properties()
@@ -56,7 +56,7 @@ class DataPortBase(PortBase):
             self.addProperty(key, text)
 
     def init(self, properties: Properties) -> None:
-        """Takes the port's defaults, `port.inport.<name>.*` or `port.outport.<name>.*`."""
+        """Adopt the port's defaults, `port.inport.<name>.*` or `port.outport.<name>.*`."""
         self._properties.mergeProperties(properties)
 
     def connectors(self) -> list[Any]:
@@ -80,9 +80,9 @@ class DataPortBase(PortBase):
         profile.properties = list_of(given)
 
     def _info(self, profile: Any, given: dict[str, str]) -> ConnectorInfo | None:
-        """What this end is asked for; None if it cannot do it.
+        """Return the settings of this end; None if they are not supported.
 
-        What a connection says of buffers stays with the port: the next one inherits it.
+        Buffer settings of a connection stay with the port: the next one inherits them.
         """
         tree = Properties()
         for key, text in given.items():
@@ -109,7 +109,7 @@ class DataPortBase(PortBase):
 
     def unsubscribeInterfaces(self, profile: Any) -> None:
         ended = [c for c in self._connectors if c.id() == profile.connector_id]
-        # They end before they are taken off the list, where a reader may still find them.
+        # They end before they are removed from the list, where a reader may still find them.
         for connector in ended:
             connector.disconnect()
             self._connectors.remove(connector)
@@ -124,7 +124,10 @@ def is_direct(info: ConnectorInfo) -> bool:
 
 
 class InPort(DataPortBase):
-    """All connectors share one buffer. Without a name, `isNew` and `read` look at the first."""
+    """A port whose connectors share one buffer.
+
+    Without a name, `isNew` and `read` use the first connector.
+    """
 
     PORT_TYPE = "DataInPort"
     END = "inport"
@@ -159,9 +162,9 @@ class InPort(DataPortBase):
         return RTC.RTC_OK
 
     def isNew(self, names: Any = None) -> bool:
-        """Whether the first connector has unread data, or the one of a name.
+        """Return whether the first connector, or the named one, has unread data.
 
-        A list is filled with the names of all connectors that have.
+        A list is filled with the names of all connectors that have unread data.
         """
         with self._lock:
             if self._handed_over:
@@ -178,7 +181,7 @@ class InPort(DataPortBase):
         return not self.isNew(names)
 
     def read(self, name: str | None = None) -> Any:
-        """The oldest unread value; the last one if there is none."""
+        """Return the oldest unread value; the last one if there is none."""
         with self._lock:
             if self._handed_over:
                 self._handed_over = False
@@ -193,7 +196,7 @@ class InPort(DataPortBase):
         return self._value
 
     def write(self, data: Any) -> None:
-        """Takes the value itself, from an OutPort in the process."""
+        """Store the value itself, from an OutPort in the process."""
         with self._lock:
             self._value = data
             self._handed_over = True
@@ -235,7 +238,7 @@ class OutPort(DataPortBase):
         return RTC.RTC_OK
 
     def _peer(self, profile: Any) -> InPort | None:
-        """The InPort of the profile, if it lives in this process."""
+        """Return the InPort of the profile, if it lives in this process."""
         for port in profile.ports:
             servant = orb.local(port)
             if isinstance(servant, InPort):
@@ -243,7 +246,7 @@ class OutPort(DataPortBase):
         return None
 
     def write(self, value: Any = None) -> bool:
-        """Sends a value, by default the bound one; False if not everybody took it."""
+        """Send a value, by default the bound one; False if a connector failed."""
         if value is None:
             value = self._value
         with self._lock:

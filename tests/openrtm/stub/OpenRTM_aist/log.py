@@ -24,7 +24,7 @@ LEVELS = {
 
 
 class Logger:
-    """What components write their messages to."""
+    """The logger of components."""
 
     def __init__(self, name: str) -> None:
         self._log = logging.getLogger(f"openrtm.{name}")
@@ -53,7 +53,7 @@ class Logger:
 
 
 def begin(config: Properties) -> logging.Handler | None:
-    """Where the configuration wants the messages; None if it wants none."""
+    """Return the handler that the configuration selects; None for none."""
     if not toBool(config.getProperty("logger.enable"), "YES", "NO", True):
         return None
     name = config.getProperty("logger.file_name", "./rtc%p.log")

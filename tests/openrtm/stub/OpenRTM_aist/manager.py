@@ -23,19 +23,19 @@ from .values import split, toBool
 
 
 def Delete(component: Any) -> None:
-    """What a factory is given to end a component with."""
+    """Function for a factory to delete a component."""
 
 
 @dataclass
 class Factory:
-    """Makes components of a kind; places in `numbers` are taken by living ones."""
+    """Creates components of a kind; slots in `numbers` belong to living ones."""
 
     profile: Properties
     new: Callable[[Any], Any]
     numbers: list[Any] = field(default_factory=list)
 
     def take(self, component: Any) -> int:
-        """The lowest free number."""
+        """Return the lowest free number."""
         if None not in self.numbers:
             self.numbers.append(None)
         number = self.numbers.index(None)
@@ -93,7 +93,7 @@ class Manager:
         self._init_procedure = procedure
 
     def activateManager(self) -> bool:
-        """Takes calls, preloads, calls the init procedure, creates, connects, activates."""
+        """Accept calls, preload, call the init procedure, create, connect, activate."""
         orb.activate()
         setting = self._config.getProperty
         for name in split(setting("manager.modules.preload")):
@@ -111,7 +111,7 @@ class Manager:
         return True
 
     def runManager(self, no_block: bool | None = None) -> None:
-        """Returns when the manager has ended; at once with `no_block`."""
+        """Return when the manager has ended; at once with `no_block`."""
         if no_block:
             self._runner = threading.Thread(target=self._run, daemon=True)
             self._runner.start()
@@ -119,7 +119,7 @@ class Manager:
             self._run()
 
     def _run(self) -> None:
-        # A wait without a limit would keep signals from being handled.
+        # A wait without a time-out would block the handling of signals.
         while not self._ended.wait(0.2):
             pass
         # The call that ended the last component gets its answer before the ORB ends.
@@ -127,11 +127,11 @@ class Manager:
         self.shutdown()
 
     def terminate(self) -> None:
-        """Asks `runManager` to end."""
+        """Make `runManager` end."""
         self._ended.set()
 
     def shutdown(self) -> None:
-        """Ends all components, the ORB, and the manager."""
+        """End all components, the ORB, and the manager."""
         if Manager._manager is not self:
             return
         self._ended.set()
@@ -143,7 +143,7 @@ class Manager:
         Manager._manager = None
 
     def shutdownORB(self) -> None:
-        """Ends the ORB."""
+        """End the ORB."""
         orb.stop()
 
     def join(self) -> None:
@@ -151,7 +151,7 @@ class Manager:
             self._runner.join()
 
     def load(self, name: str, init_function: str) -> Any:
-        """Imports a module file of the load path and calls its init function."""
+        """Import a module file of the load path and call its init function."""
         for folder in split(self._config.getProperty("manager.modules.load_path")):
             file = Path(folder, name if name.endswith(".py") else f"{name}.py")
             if file.is_file():
@@ -178,10 +178,10 @@ class Manager:
         return True
 
     def createComponent(self, comp_args: str) -> Any:
-        """`Name?key=value&...`: what is said there stays in the factory's profile.
+        """Create a component by `Name?key=value&...`; the properties stay in the factory's profile.
 
-        None if there is no such factory or the component did not initialize; the component that
-        has the instance name already if that is asked for.
+        Returns None if there is no such factory or the component did not initialize; an existing
+        component of the instance name if that is configured.
         """
         name, _, query = comp_args.partition("?")
         factory = self._factories.get(name.strip())
@@ -208,7 +208,7 @@ class Manager:
         return component
 
     def _configure(self, component: Any, factory: Factory) -> None:
-        """The profile, then the .conf file and settings of the type, then of the instance."""
+        """Apply the profile, then the .conf file and settings of the type, then of the instance."""
         properties = Properties(factory.profile)
         number = factory.take(component)
         kind = properties.getProperty("type_name")
@@ -235,7 +235,7 @@ class Manager:
         ]
 
     def notifyFinalized(self, component: Any) -> None:
-        """A component has ended; without any, the process ends as well."""
+        """Remove an ended component; without any, the process ends as well."""
         for name in self._names(component):
             self._naming.unbindObject(name)
         self._components.pop(component.getInstanceName(), None)
@@ -258,7 +258,7 @@ class Manager:
             component.exit()
 
     def _connect(self, text: str) -> None:
-        """`A0.out?port=B0.in&dataflow_type=push&...`."""
+        """Connect by `A0.out?port=B0.in&dataflow_type=push&...`."""
         first, _, query = text.partition("?")
         properties, ports = Properties(), [first.strip()]
         for key, value in _pairs(query):

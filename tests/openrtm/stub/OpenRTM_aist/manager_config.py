@@ -58,11 +58,11 @@ INHERITED = (
     "naming.type",
     "naming.formats",
 )
-"""What a manager copies into every component, over the component's own."""
+"""Properties that a manager copies into every component, over the component's own."""
 
 
 def configuration(argv: list[str]) -> Properties:
-    """The settings of a manager that is started with a command line."""
+    """Return the settings of a manager that is started with a command line."""
     options = _options(argv)
     config = Properties()
     for key, value in DEFAULTS.items():
@@ -87,7 +87,7 @@ def configuration(argv: list[str]) -> Properties:
 
 
 def _options(argv: list[str]) -> list[tuple[str, str]]:
-    """None at all if one of them is unknown."""
+    """Return the options; none at all if one of them is unknown."""
     try:
         return getopt.getopt(argv[1:], "adif:o:p:")[0]
     except getopt.GetoptError:
@@ -107,7 +107,7 @@ def _file(options: list[tuple[str, str]]) -> Path | None:
 
 
 def orb_arguments(config: Properties) -> list[str]:
-    """The end points, then what `corba.args` says."""
+    """Return the end points, then `corba.args`."""
     arguments = []
     for each in config.getProperty("corba.endpoints", "all").split(","):
         place = "" if each.strip() == "all" else each.strip()

@@ -18,7 +18,7 @@ class CorbaNaming:
     """A naming service; names are texts: `context.kind/name.kind`."""
 
     def __init__(self, orb: Any, name_server: str) -> None:
-        """Raises CORBA's exceptions if there is no answer at `host:port`."""
+        """Initialize; raises CORBA's exceptions if there is no answer at `host:port`."""
         host, _, port = name_server.partition(":")
         place = f"corbaloc:iiop:{host}:{port or 2809}/NameService"
         self._root = orb.string_to_object(place)._narrow(CosNaming.NamingContext)
@@ -37,7 +37,7 @@ class CorbaNaming:
         return self._root.resolve(self.toName(name) if isinstance(name, str) else name)
 
     def rebindByString(self, text: str, reference: Any) -> None:
-        """Binds a name; contexts on the way are made."""
+        """Bind a name; missing contexts are created."""
         name = self.toName(text)
         context = self._root
         for step in name[:-1]:
@@ -85,7 +85,7 @@ class NamingManager:
         self._ended.set()
 
     def _everywhere(self, act: Any) -> None:
-        """A server that does not answer is left out until the next update."""
+        """Apply a function to all servers; one without an answer is skipped until the update."""
         for server in self._servers:
             try:
                 act(CorbaNaming(self._orb, server))
@@ -103,7 +103,7 @@ class NamingManager:
 
 
 def formatted(pattern: str, properties: Properties, manager: str) -> str:
-    """A pattern of `naming.formats` for a component."""
+    """Return a pattern of `naming.formats` for a component."""
     for mark, text in (
         ("%n", properties.getProperty("instance_name")),
         ("%t", properties.getProperty("type_name")),

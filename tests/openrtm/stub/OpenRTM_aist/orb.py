@@ -13,21 +13,21 @@ _running: list[Any] = []
 
 
 def start(arguments: list[str]) -> Any:
-    """Starts the ORB; calls wait until `activate`."""
+    """Start the ORB; calls wait until `activate`."""
     running = CORBA.ORB_init(["manager", *arguments], CORBA.ORB_ID)
     _running[:] = [running]
     return running
 
 
 def activate() -> None:
-    """Lets the root POA take calls."""
+    """Let the root POA take calls."""
     poa()._get_the_POAManager().activate()
 
 
 def stop() -> None:
-    """Ends the ORB, and waits for its threads to leave Python.
+    """End the ORB, and wait until its threads have left Python.
 
-    One that is still about to when the interpreter ends would abort the process.
+    A thread that is still active when the interpreter ends would abort the process.
     """
     if _running:
         _running.pop().destroy()
@@ -58,7 +58,7 @@ def from_text(text: str) -> Any:
 
 
 def local(reference: Any) -> Any:
-    """The servant behind a reference; None if it is elsewhere or cannot be called now."""
+    """Return the servant of a reference; None if it is remote or cannot be called now."""
     try:
         return poa().reference_to_servant(reference)
     except CORBA.Exception:

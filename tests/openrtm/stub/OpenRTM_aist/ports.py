@@ -1,4 +1,4 @@
-"""What every port does: its profile, and connecting by handing a profile from port to port."""
+"""Base of ports: the profile, and connecting by passing a profile from port to port."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .properties import Properties
 
 
 class PortBase(RTC__POA.PortService):
-    """Servant of a port; kinds of ports publish and subscribe what a connection needs."""
+    """Servant of a port; subclasses publish and subscribe the data of a connection."""
 
     def __init__(self, name: str) -> None:
         self._name = name
@@ -40,13 +40,13 @@ class PortBase(RTC__POA.PortService):
         return self._objref
 
     def setOwner(self, owner: Any, instance: str) -> None:
-        """Only what follows the last dot of the port's name is kept."""
+        """Set the owner; only the part after the last dot of the port's name is kept."""
         self._owner = owner
         self._instance = instance
         self._full_name = f"{instance}.{self._name.rpartition('.')[2]}"
 
     def setOnConnected(self, on_connected: Callable[[Any], None]) -> None:
-        """`on_connected` is called with the profile of each connection that was made."""
+        """Set the function that is called with the profile of each new connection."""
         self._on_connected = on_connected
 
     def addProperty(self, key: str, value: str) -> None:
@@ -56,27 +56,27 @@ class PortBase(RTC__POA.PortService):
         return self.get_port_profile()
 
     def activateInterfaces(self) -> None:
-        """The component became active."""
+        """Called when the component becomes active."""
 
     def deactivateInterfaces(self) -> None:
-        """The component is active no more."""
+        """Called when the component becomes inactive."""
 
     def exit(self) -> None:
-        """Ends all connections, then the port."""
+        """End all connections, then the port."""
         self.disconnect_all()
         poa = orb.poa()
         poa.deactivate_object(poa.servant_to_id(self))
 
     def publishInterfaces(self, profile: Any, given: dict[str, str]) -> Any:
-        """Makes this end of a connection, and adds to `given` where the other can reach it."""
+        """Create this end of a connection, and add its address to `given`."""
         raise NotImplementedError
 
     def subscribeInterfaces(self, profile: Any, given: dict[str, str]) -> Any:
-        """Takes from `given` where the other end can be reached."""
+        """Read the address of the other end from `given`."""
         raise NotImplementedError
 
     def unsubscribeInterfaces(self, profile: Any) -> None:
-        """Ends this end of a connection."""
+        """End this end of a connection."""
         raise NotImplementedError
 
     def get_port_profile(self) -> Any:
@@ -102,7 +102,7 @@ class PortBase(RTC__POA.PortService):
         return found or RTC.ConnectorProfile("", "", [], [])
 
     def connect(self, profile: Any) -> tuple[Any, Any]:
-        """Lets the first port of the profile begin; what went wrong is undone."""
+        """Start with the first port of the profile; failures are undone."""
         if not profile.ports or any(CORBA.is_nil(port) for port in profile.ports):
             return RTC.BAD_PARAMETER, profile
         refused = self._refused(profile)
@@ -122,14 +122,14 @@ class PortBase(RTC__POA.PortService):
         return code, profile
 
     def _refused(self, profile: Any) -> Any:
-        """A code that refuses the connection, or None."""
+        """Return a code that refuses the connection, or None."""
         return None
 
     def _complete(self, profile: Any) -> None:
-        """Adds properties that a connection always has."""
+        """Add the default properties of a connection."""
 
     def notify_connect(self, profile: Any) -> tuple[Any, Any]:
-        """Publishes, has the next port do the same, then subscribes."""
+        """Publish, notify the next port, then subscribe."""
         given = dict(_texts(profile.properties))
         code = self.publishInterfaces(profile, given)
         if code == RTC.RTC_OK:

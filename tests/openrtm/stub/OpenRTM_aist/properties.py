@@ -1,4 +1,4 @@
-"""Trees of texts: profiles, configuration files, what connectors are asked for."""
+"""Trees of texts: profiles, configuration files, settings of connectors."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Properties:
             self.setDefaults(defaults_str)
 
     def setDefaults(self, flat: Iterable[str]) -> None:
-        """Takes a flat list: key, value, key, value, ..., up to an empty key."""
+        """Add a flat list: key, value, key, value, ..., up to an empty key."""
         items = iter(flat)
         for key in items:
             if not key:
@@ -52,7 +52,7 @@ class Properties:
         return node
 
     def getNode(self, key: str) -> Properties:
-        """The node of a key, which is made if need be."""
+        """Return the node of a key, which is created if necessary."""
         node = self
         for name in key.split("."):
             node = node.leaf.setdefault(name, Properties(key=name))
@@ -72,7 +72,7 @@ class Properties:
         self.getNode(key).value = str(value)
 
     def mergeProperties(self, other: Properties) -> Properties:
-        """Takes over every text of another tree."""
+        """Adopt every text of another tree."""
         for name, node in other.leaf.items():
             mine = self.leaf.setdefault(name, Properties(key=name))
             if node.value or not node.leaf:
@@ -81,7 +81,7 @@ class Properties:
         return self
 
     def propertyNames(self) -> list[str]:
-        """The keys of all nodes that have none below them."""
+        """Return the keys of all nodes that have none below them."""
         return list(self._keys(""))
 
     def _keys(self, prefix: str) -> Iterator[str]:
@@ -92,7 +92,7 @@ class Properties:
                 yield prefix + name
 
     def load(self, lines: Iterable[str]) -> None:
-        """Reads `key: value` lines: `#` begins a comment, a backslash at the end joins lines."""
+        """Read `key: value` lines: `#` begins a comment, a backslash at the end joins lines."""
         joined = ""
         for line in lines:
             text = joined + (line.lstrip() if joined else line).rstrip("\r\n")
@@ -112,5 +112,5 @@ _ESCAPED = {"t": "\t", "n": "\n", "f": "\f", "r": "\r"}
 
 
 def unescape(text: str) -> str:
-    """Backslashes taken away: a few letters behind one stand for control characters."""
+    """Remove backslashes; some letters after one stand for control characters."""
     return re.sub(r"\\(.)", lambda found: _ESCAPED.get(found[1], found[1]), text)

@@ -1,4 +1,4 @@
-"""When a pushing connector sends what was written: at once, from a thread, at a rate."""
+"""Publishers of a pushing connector: at once, by a thread, at a rate."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Send = Callable[[bytes], int]
 
 
 class PublisherFlush:
-    """`write` is the remote call."""
+    """A publisher whose `write` is the remote call."""
 
     def __init__(self, send: Send, properties: Properties) -> None:
         self._send = send
@@ -22,11 +22,11 @@ class PublisherFlush:
         return self._send(octets)
 
     def close(self) -> None:
-        """There is nothing to end."""
+        """Do nothing."""
 
 
 class PublisherNew:
-    """A thread sends what `write` left in a buffer, by the push policy."""
+    """A thread sends the values that `write` puts in a buffer, by the push policy."""
 
     def __init__(self, send: Send, properties: Properties) -> None:
         self._send = send
@@ -42,7 +42,7 @@ class PublisherNew:
         self._thread.start()
 
     def write(self, octets: bytes) -> int:
-        """BUFFER_FULL if the receiver was full the last time, although the value is kept."""
+        """Store a value; BUFFER_FULL if the receiver was full the last time."""
         if self._status == DataPortStatus.CONNECTION_LOST:
             return self._status
         full = self._status == DataPortStatus.SEND_FULL
@@ -85,12 +85,12 @@ class PublisherNew:
             self._send_oldest()
 
     def _drop(self, count: int) -> bool:
-        """Whether there were so many to be skipped."""
+        """Skip values; return whether there were `count`."""
         self._skipped += self._buffer.drop(count=count)
         return self._skipped == self._skip
 
     def _send_oldest(self) -> bool:
-        """Sends a value, and forgets it if it was taken; whether there was one that was."""
+        """Send a value, and remove it if it was accepted; return whether one was."""
         waiting = self._buffer.oldest()
         if waiting is None:
             return False

@@ -1,4 +1,4 @@
-"""The component: callbacks, ports, configuration, contexts, all of it over CORBA as well."""
+"""The component: callbacks, ports, configuration, contexts, also over CORBA."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class RTObject_impl(OpenRTM__POA.DataFlowComponent):
         self._raised = False
         self._objref = self._this()
 
-    # What a component's author defines.
+    # Defined by a component's author.
 
     def onInitialize(self) -> Any:
         return RTC.RTC_OK
@@ -73,7 +73,7 @@ class RTObject_impl(OpenRTM__POA.DataFlowComponent):
     def onReset(self, ec_id: int) -> Any:
         return RTC.RTC_OK
 
-    # What an author calls.
+    # Called by an author.
 
     def getInstanceName(self) -> str:
         return self._properties.getProperty("instance_name")
@@ -96,7 +96,7 @@ class RTObject_impl(OpenRTM__POA.DataFlowComponent):
     def bindParameter(
         self, param_name: str, var: list[Any], def_val: str, trans: Trans | None = None
     ) -> bool:
-        """True in any case, also if the parameter could not be bound."""
+        """Bind a parameter; True in any case, also if it could not be bound."""
         self._configsets.bindParameter(param_name, var, def_val, trans)
         return True
 
@@ -114,7 +114,7 @@ class RTObject_impl(OpenRTM__POA.DataFlowComponent):
             port.init(defaults)
 
     def addPort(self, port: PortBase) -> bool:
-        """False if there is a port of this name."""
+        """Add a port; False if there is a port of this name."""
         port.setOwner(self._objref, self.getInstanceName())
         if any(port.getName() == known.getName() for known in self._ports):
             return False
@@ -189,7 +189,7 @@ class RTObject_impl(OpenRTM__POA.DataFlowComponent):
         return self._call(self.onRateChanged, ec_id)
 
     def _call(self, callback: Callable[..., Any], *arguments: Any) -> Any:
-        """Anything but a return code, and any exception, is an error."""
+        """Call a callback; a result other than a return code, or an exception, is an error."""
         self._raised = False
         try:
             code = callback(*arguments)
@@ -202,7 +202,7 @@ class RTObject_impl(OpenRTM__POA.DataFlowComponent):
     # LightweightRTObject.
 
     def initialize(self) -> Any:
-        """Initializes, makes the own contexts and starts them."""
+        """Initialize, create the own contexts and start them."""
         if not self._created:
             return RTC.PRECONDITION_NOT_MET
         for kind, properties in self._context_plans():
@@ -218,19 +218,19 @@ class RTObject_impl(OpenRTM__POA.DataFlowComponent):
         return RTC.RTC_OK
 
     def _context_plans(self) -> list[tuple[str, Properties]]:
-        """Kind and settings of the own contexts."""
+        """Return kind and settings of the own contexts."""
         common = self._properties.getNode("exec_cxt")
         named = self._properties.getProperty("execution_contexts")
         if not named:
             kind = common.getProperty("periodic.type", "PeriodicExecutionContext")
             return [(kind, common)]
         if named.strip().lower() == "none":
-            # There is always one: then with the defaults of OpenRTM.
+            # There is always one: by default with OpenRTM's settings.
             return [("PeriodicExecutionContext", Properties())]
         return [(each.partition("(")[0].strip(), common) for each in split(named)]
 
     def finalize(self) -> Any:
-        """The last callbacks; then nothing is left of the component."""
+        """Call the last callbacks and release everything."""
         code = self.on_finalize()
         for context in self._own:
             context.close()
@@ -246,7 +246,7 @@ class RTObject_impl(OpenRTM__POA.DataFlowComponent):
         return not self._created and self.get_context_handle(exec_context) >= 0
 
     def exit(self) -> Any:
-        """Leaves the contexts and the manager."""
+        """Leave the contexts and the manager."""
         if self._created:
             return RTC.PRECONDITION_NOT_MET
         self._created = True
@@ -324,4 +324,4 @@ class RTObject_impl(OpenRTM__POA.DataFlowComponent):
 
 
 class DataFlowComponentBase(RTObject_impl):
-    """What components derive from."""
+    """The base class of components."""

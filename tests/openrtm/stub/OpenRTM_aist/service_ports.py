@@ -1,4 +1,4 @@
-"""Service ports: providers, consumers, and how they meet."""
+"""Service ports: providers, consumers, and their matching."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .ports import PortBase
 
 
 class CorbaConsumer:
-    """What a consumer calls through; empty until a connection fills it."""
+    """A consumer's reference; empty until a connection sets it."""
 
     def __init__(self, interfaceType: Any = None) -> None:
         self._type = interfaceType
@@ -36,7 +36,7 @@ class CorbaConsumer:
         self._reference = self._servant = None
 
     def _ptr(self, get_ref: bool = False) -> Any:
-        """None if unconnected; the servant itself if it is in this process and was active."""
+        """Return the object; None if unconnected, the servant if it is local and was active."""
         if get_ref or self._servant is None:
             return self._reference
         return self._servant
@@ -56,7 +56,7 @@ class Provider:
 
 @dataclass
 class Consumer:
-    """A consumer and the reference it holds of which connection."""
+    """A consumer and its reference, with the connection."""
 
     instance_name: str
     type_name: str
@@ -122,9 +122,9 @@ class CorbaPort(PortBase):
         return RTC.RTC_OK
 
     def subscribeInterfaces(self, profile: Any, given: dict[str, str]) -> Any:
-        """A consumer finds what the profile maps it to, else what has its type and name.
+        """Set each consumer by the profile's mapping, else by type and name.
 
-        `strict` asks for a reference only: one of another interface leaves the consumer empty.
+        `strict` requires a reference only: one of another interface leaves the consumer empty.
         """
         strict = given.get("port.connection.strictness") == "strict"
         for each in self._consumers:

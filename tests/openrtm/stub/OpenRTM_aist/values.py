@@ -1,4 +1,4 @@
-"""Texts to values, values of data types, their time stamps and octets."""
+"""Converts texts to values; values of data types, their time stamps and octets."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ NUMBERS = {
 
 
 def split(text: str) -> list[str]:
-    """The trimmed items of a list of texts; none of an empty text."""
+    """Return the trimmed items of a list of texts; none of an empty text."""
     return [item.strip() for item in text.split(",")] if text.strip() else []
 
 
@@ -32,9 +32,9 @@ def toBool(text: str, yes: str, no: str, default: bool) -> bool:
 
 
 def stringTo(value: Any, text: str) -> tuple[bool, Any]:
-    """What a parameter becomes of a text, by the type of what it is; whether that went well.
+    """Convert a text to the type of a parameter; return whether it succeeded, and the value.
 
-    A bool is an int here, and an int takes plain decimals only.
+    A bool is an int here, and an int accepts plain decimals only.
     """
     if not text:
         return False, value
@@ -56,9 +56,9 @@ def _plain(kind: type, text: str) -> Any:
 
 
 def instantiateDataType(kind: Any) -> Any:
-    """A value of a data type with zeros and empty texts and lists.
+    """Return a value of a data type with zeros and empty texts and lists.
 
-    It cannot be marshalled if there are octet or char sequences, chars or enums in it.
+    It cannot be marshalled if the type contains octet or char sequences, chars or enums.
     """
     if isinstance(kind, int):
         descriptor: Any = (kind,)
@@ -84,7 +84,7 @@ def instantiateDataType(kind: Any) -> Any:
 
 
 def setTimestamp(data: Any) -> None:
-    """Sets `tm` to the wall clock."""
+    """Set `tm` to the wall clock."""
     now = time.time_ns()
     data.tm.sec, data.tm.nsec = divmod(now, 1_000_000_000)
 

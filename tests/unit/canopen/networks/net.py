@@ -1,1 +1,1 @@
-"""Stands for a generated network; tests put its content in."""
+"""Stand-in for a generated network, filled by tests."""

@@ -1,1 +1,1 @@
-"""Networks as they are generated."""
+"""Networks like generated ones."""

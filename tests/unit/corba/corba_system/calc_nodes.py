@@ -30,7 +30,7 @@ class _Adding(Adder):
 
 
 class Counter(CounterBase):
-    """Adds."""
+    """A component that adds."""
 
     def on_initialize(self) -> ReturnCode_t:
         self.adder.set_servant(_Adding())
@@ -38,7 +38,7 @@ class Counter(CounterBase):
 
 
 class Caller(CallerBase):
-    """Calls at every tick, and reports the results."""
+    """A component that calls at every tick, and reports the results."""
 
     number = 0
 
