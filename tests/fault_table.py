@@ -16,11 +16,10 @@ ROOT = Path(__file__).parent.parent
 _TABLE = Path(__file__).parent / "faults.toml"
 _HEAD = """# Faults
 
-What a user sees when something breaks, after how long at most, and what became of the data. Each
-row is tried by the tests that it names; most run in simulated time, where a bound is exact.
-Tests over DDS, Zenoh and CORBA wait for a state with patience: leases and time-outs are those that
-are configured.
-This page is made from `tests/faults.toml` by `python tests/fault_table.py`.
+What a user sees in case of a fault, the time bound, and the effect on the data. Each row is
+covered by the tests that it names; most run in simulated time, where a bound is exact. Tests over
+DDS, Zenoh and CORBA wait longer for a state: leases and time-outs are the configured ones.
+This page is generated from `tests/faults.toml` by `python tests/fault_table.py`.
 """
 
 

@@ -301,8 +301,8 @@ ENTRIES = (
 def page() -> str:
     """Return the text of the page."""
     parts = [
-        "# Gallery\n\nEvery system of the reference build: how it is wired, and what came of a"
-        " run in simulated time.\n`make gallery` draws all of it anew.\n\n"
+        "# Gallery\n\nEvery system of the reference build: its wiring, and the result of a run"
+        " in simulated time.\n`make gallery` draws all pictures.\n\n"
         "<!-- page: in the repository -->\n"
     ]
     for entry in ENTRIES:
