@@ -2,9 +2,9 @@
 
     python benchmarks/startup.py
 
-Processor time of whole processes, bytecode present unless stated; interleaved, medians,
-least values, most memory. Yardsticks: an empty interpreter of the same environment, a module of
-plain classes with the same members, and `omniidl -bdump` of the reference IDL files.
+Processor time of whole processes, bytecode present unless stated; interleaved, medians, least
+values, peak memory. Compared with: an empty interpreter of the same environment, a module of plain
+classes with the same members, and `omniidl -bdump` of the reference IDL files.
 """
 
 from __future__ import annotations
@@ -154,7 +154,7 @@ def commands(folder: Path) -> dict[str, Measured]:
 
 
 def cold(folder: Path) -> dict[str, str]:
-    """Return an environment without cache and bytecode."""
+    """Return an environment with an empty cache, in which nothing has been generated."""
     for name in ("o", "cold", "bytecode"):
         shutil.rmtree(folder / name, ignore_errors=True)
     return {"RTGEN_CACHE_DIR": str(folder / "cold")}

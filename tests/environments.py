@@ -1,9 +1,9 @@
-"""Virtual environments and wheels, made by uv within seconds, or by pip where uv cannot do it.
+"""Creates virtual environments and wheels, by uv within seconds, or by pip if uv fails.
 
     python tests/environments.py REQUIREMENT...
 
 installs requirements, or options such as `--editable .`, into the environment of this interpreter.
-uv is that of this environment: the Makefile installs it, if it can be had. It does not read pip's
+uv is that of this environment: the Makefile installs it if possible. It does not read pip's
 configuration, so it may not reach a package index that pip reaches.
 """
 
@@ -65,7 +65,7 @@ def build_wheel(source: Path, folder: Path, **environment: str) -> Path:
 
 
 def _succeeds(*command: str, variables: dict[str, str] | None = None) -> bool:
-    """Whether a command of uv is there and succeeds."""
+    """Return whether a command of uv exists and succeeds."""
     if not UV.exists():
         return False
     return subprocess.run(command, check=False, env=variables).returncode == 0

@@ -19,7 +19,7 @@ pytestmark = pytest.mark.once
 
 @pytest.fixture(autouse=True)
 def few_samples(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Eight samples, whose garbage collections leave out what other tests of the process made."""
+    """Take eight samples, with garbage collections that exclude objects of earlier tests."""
     monkeypatch.setattr(soak, "SAMPLES", 8)
     gc.collect()
     gc.freeze()

@@ -43,7 +43,7 @@ from rtgen.language_server.workspace import View
 
 SESSIONS = 9
 EDITS = 20
-"""Number of edits in each session: 340, and 10,200 with the budget of `make fuzz`."""
+"""Number of edits in each session: 180 in all, 5,400 with the budget of `make fuzz`."""
 
 PIECES = (
     *("{", "}", "(", ")", "[", "]", "<", ">", ";", ",", "::", ".", "=", '"', "'", "\n"),

@@ -151,7 +151,7 @@ class FlagsDescriptor(Named):
 
 
 class BitfieldDescriptor(msgspec.Struct, frozen=True):
-    """A field of a bitset: its width and the bit it begins at, the least significant being 0.
+    """A field of a bitset: its width and its lowest bit, the least significant one being 0.
 
     `signed`: it is in two's complement; `boolean`: its one bit is a boolean.
     """

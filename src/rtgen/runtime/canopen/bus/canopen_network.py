@@ -89,7 +89,7 @@ class NetworkBus(can.BusABC):
                 "use rtgen.runtime.canopen.bus.canopen_network.shared"
             )
         bus, notifier = network.bus, network.notifier
-        # While the network connects, its notifier is still that of the bus before.
+        # While the network connects, its notifier is still that of the previous bus.
         if bus is None or notifier is None or not _notifies_of(notifier, bus):
             raise can.CanInitializationError("the network is not connected")
         super().__init__(channel=name)
@@ -183,7 +183,7 @@ class NetworkBus(can.BusABC):
 
 
 def _notifies_of(notifier: can.Notifier, bus: can.BusABC) -> bool:
-    """Whether a notifier receives from a bus."""
+    """Return whether a notifier receives from a bus."""
     buses = notifier.bus
     return bus in (buses if isinstance(buses, list | tuple) else (buses,))
 
