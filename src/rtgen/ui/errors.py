@@ -17,7 +17,7 @@ FILE: Final = "UIS0010"
 
 
 class CommandError(Exception):
-    """A command that was not carried out; `hint` may be empty."""
+    """A command that was not executed; `hint` may be empty."""
 
     def __init__(self, code: str, message: str, hint: str = "") -> None:
         super().__init__(message)

@@ -1,4 +1,4 @@
-"""The messages that wait for a page: bounded, and never waited for by the run."""
+"""The messages that wait for a page: bounded, so that the run never waits."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from rtgen.ui.protocol.ui import (
 )
 
 MOST_CHANGES: Final = 4096
-"""Changes that wait before the page gets the whole state instead."""
+"""Maximum number of waiting changes; then the page gets the whole state instead."""
 MOST_SAMPLES: Final = 4096
-"""Samples that wait before only the newest of each channel is kept."""
+"""Maximum number of waiting samples; then only the newest of each channel is kept."""
 MOST_TRAFFIC: Final = 2048
-"""Frames and calls that wait before the oldest are dropped."""
+"""Maximum number of waiting frames and calls; then the oldest are dropped."""
 
 _LATEST: Final = (EventKind.EVENT_TIME, EventKind.EVENT_LOAD)
 _ALWAYS: Final = (
@@ -30,17 +30,17 @@ _ALWAYS: Final = (
     EventKind.EVENT_RESULT,
     EventKind.EVENT_END,
 )
-"""What a page gets whatever it shows."""
+"""Kinds of events that a page always gets."""
 _TRAFFIC: Final = (EventKind.EVENT_FRAMES, EventKind.EVENT_BOARD_CALL)
 
 
 @dataclass
 class Outbox:
-    """What a page has still to get. May be used from any thread; `wake` is called for new messages.
+    """The messages for a page. May be used from any thread; `wake` is called for new messages.
 
-    `full`: the page may change the system. `watched`: the channels whose samples it wants.
+    `full`: the page may change the system. `watched`: the channels whose samples it subscribes to.
     `behind`: it has missed changes and needs the whole state. `past`: the time that it shows [s];
-    None for a page that gets what happens as it happens.
+    None for a page that shows the present.
     """
 
     wake: Callable[[], None]
@@ -59,7 +59,7 @@ class Outbox:
     _thinned: set[int] = field(default_factory=set)
 
     def put(self, *events: Event) -> None:
-        """Messages of any kind but samples and statistics; several come at once."""
+        """Add events of any kind except samples and statistics; several arrive together."""
         with self._lock:
             for event in events:
                 self._put(event)
@@ -77,7 +77,7 @@ class Outbox:
                 self._traffic.popleft()
                 self._dropped += 1
         elif kind is EventKind.EVENT_SYSTEM:
-            # It contains all changes before it; results of commands stay.
+            # It contains all earlier changes; results of commands stay.
             self._changes = deque(
                 e for e in self._changes if e.discriminator in _ALWAYS
             )
@@ -90,7 +90,7 @@ class Outbox:
             self.behind = True
 
     def show(self, events: list[Event], past: float | None) -> None:
-        """The state at a time, in place of all that waits; `past` is from now on what it says."""
+        """Show the state at a time instead of all waiting events; sets `past`."""
         with self._lock:
             kept = (e for e in self._changes if e.discriminator in _ALWAYS)
             self._changes = deque((*kept, *events))
@@ -100,18 +100,18 @@ class Outbox:
         self.wake()
 
     def show_more(self, events: list[Event]) -> None:
-        """Events that belong to the time that the page shows."""
+        """Add events of the time that the page shows."""
         with self._lock:
             self._changes.extend(events)
         self.wake()
 
     @property
     def is_crowded(self) -> bool:
-        """Whether so much waits that no more commands should be taken from the page."""
+        """Whether too much waits to accept further commands from the page."""
         return len(self._changes) >= MOST_CHANGES
 
     def sample(self, sample: Sample) -> None:
-        """A sample of a channel that the page watches."""
+        """Add a sample of a channel that the page watches."""
         with self._lock:
             if self.past is not None:
                 return
@@ -124,7 +124,7 @@ class Outbox:
         self.wake()
 
     def statistics(self, found: list[Statistics]) -> None:
-        """The newest statistics of components."""
+        """Set the newest statistics of components."""
         with self._lock:
             if self.past is not None:
                 return
@@ -132,7 +132,7 @@ class Outbox:
         self.wake()
 
     def take(self) -> bytes:
-        """Everything that waits as one message; empty if nothing does."""
+        """Return all waiting events as one message, and remove them; empty if there are none."""
         with self._lock:
             events = [*self._changes]
             if self._statistics:

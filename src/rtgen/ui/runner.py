@@ -11,18 +11,18 @@ from typing import Final
 from rtgen import runtime
 from rtgen.runtime.timing.clocks import SECOND
 
-_SLICE: Final = 0.02
-"""How often requests are carried out while the system runs [s]."""
-_REPORT: Final = 0.1
-"""How often `report` is called [s]."""
-_IDLE: Final = 0.05
-_LATEST: Final = 0.25
-"""How far simulated time may lag behind its pace [s of the wall clock]."""
+_REQUEST_INTERVAL: Final = 0.02
+"""Interval of executing requests while the system runs [s]."""
+_REPORT_INTERVAL: Final = 0.1
+"""Interval of calling `report` [s]."""
+_IDLE_INTERVAL: Final = 0.05
+_MAX_LAG: Final = 0.25
+"""Maximum lag of simulated time behind its pace [s of the wall clock]."""
 MOST_WAITING: Final = 1024
 
 
 class Runner:
-    """Drives a system. All of it but `submit` and `close` belongs to the runner's thread.
+    """Drives a system. All methods but `submit` and `close` belong to the runner's thread.
 
     `speed`: simulated seconds in a second, 0 for as fast as possible; without effect in real time.
     """
@@ -37,7 +37,7 @@ class Runner:
         self.playing = False
         self.speed = 1.0
         self.over = False
-        """Whether the run has ended by an error; nothing plays on."""
+        """Whether the run has ended by an error."""
         self._report = report
         self._ended = ended
         self._requests: queue.Queue[Callable[[], None]] = queue.Queue(MOST_WAITING)
@@ -51,7 +51,7 @@ class Runner:
         return isinstance(self.system.clock, runtime.SimulatedClock)
 
     def start(self) -> None:
-        """Begin to carry out requests."""
+        """Start to execute requests."""
         self._thread.start()
 
     def close(self) -> None:
@@ -63,7 +63,7 @@ class Runner:
             self._thread.join()
 
     def submit(self, request: Callable[[], None]) -> bool:
-        """Have a request carried out between two instants; False if too many wait."""
+        """Execute a request between two instants; return False if too many wait."""
         try:
             self._requests.put_nowait(request)
         except queue.Full:
@@ -81,11 +81,11 @@ class Runner:
         self._keep_pace()
 
     def step(self, duration: int) -> None:
-        """Let a stretch of simulated time pass [ns]; at least the next instant."""
+        """Advance simulated time [ns]; at least to the next instant."""
         self._advance(self.system.time + max(duration, 1))
 
     def replace(self, system: runtime.System) -> None:
-        """Go on with another system; the former one is closed."""
+        """Continue with another system; the former one is closed."""
         former, self.system = self.system, system
         self.playing = self.over = False
         former.close()
@@ -97,28 +97,28 @@ class Runner:
         next_report = 0.0
         try:
             while not self._closing.is_set():
-                self._carry_out(self._play_on() if self.playing else _IDLE)
+                self._carry_out(self._play_on() if self.playing else _IDLE_INTERVAL)
                 now = time.monotonic()
                 if now >= next_report:
-                    next_report = now + _REPORT
+                    next_report = now + _REPORT_INTERVAL
                     self._report()
         finally:
             self.system.close()
 
     def _play_on(self) -> float:
-        """Let one slice pass; returns how long to wait for the next [s]."""
+        """Advance by one slice; return the wait until the next [s]."""
         now = self.system.time
         if not self.is_simulated or self.speed == 0.0:
-            self._advance(now + round(_SLICE * SECOND))
+            self._advance(now + round(_REQUEST_INTERVAL * SECOND))
             return 0.0
         wall, simulated = self._origin
         target = simulated + (time.monotonic() - wall) * self.speed
-        if target - now / SECOND > _LATEST * self.speed:
-            # A machine that is too slow falls behind; it does not run in leaps afterwards.
+        if target - now / SECOND > _MAX_LAG * self.speed:
+            # A machine that is too slow falls behind; later it does not catch up in leaps.
             self._keep_pace()
-            target = now / SECOND + _SLICE * self.speed
+            target = now / SECOND + _REQUEST_INTERVAL * self.speed
         self._advance(round(target * SECOND))
-        return _SLICE
+        return _REQUEST_INTERVAL
 
     def _advance(self, instant: int) -> None:
         try:
@@ -128,7 +128,7 @@ class Runner:
             self._ended(error)
 
     def _carry_out(self, patience: float) -> None:
-        """Carry out what waits, and wait a little for the first."""
+        """Execute waiting requests, and wait a little for the first."""
         try:
             request = self._requests.get(timeout=patience) if patience else None
             while True:

@@ -27,18 +27,18 @@ from rtgen.ui.recorded import Recorded
 from rtgen.ui.session import Session
 
 Served = Session | Recorded
-"""What pages can be shown."""
+"""The contents that pages can show."""
 _Commands = Commands | Recorded
 
 PAGE: Final = Path(__file__).parent / "page"
-"""The built page, which the wheel brings."""
+"""The folder of the built page, which is in the wheel."""
 SUBPROTOCOL: Final = "rtgen-ui.1"
 WRONG_TOKEN: Final = 4401
 WRONG_ORIGIN: Final = 4403
 MOST_OCTETS: Final = 4 << 20
-"""Octets of a message from a page."""
-_INTERVAL: Final = 1 / 30
-"""The least time between two messages to a page [s]."""
+"""Maximum length of a message from a page [octets]."""
+_MIN_INTERVAL: Final = 1 / 30
+"""Minimum interval between two messages to a page [s]."""
 _HOSTS: Final = ("127.0.0.1", "localhost", "[::1]")
 _HEADERS: Final = (
     (
@@ -55,13 +55,13 @@ _HEADERS: Final = (
 
 @dataclass(frozen=True, slots=True)
 class Tokens:
-    """The secrets of a server: one gives the full right, one that to look."""
+    """The secrets of a server: one gives full rights, one read-only rights."""
 
     full: str = field(default_factory=lambda: secrets.token_urlsafe(24))
     read_only: str = field(default_factory=lambda: secrets.token_urlsafe(24))
 
     def right(self, given: str) -> bool | None:
-        """Whether a token gives the full right; None for one that gives none."""
+        """Return whether a token gives full rights; None for an invalid one."""
         if hmac.compare_digest(given.encode(), self.full.encode()):
             return True
         if hmac.compare_digest(given.encode(), self.read_only.encode()):
@@ -70,7 +70,7 @@ class Tokens:
 
 
 def application(session: Served, tokens: Tokens, page: Path = PAGE) -> Starlette:
-    """The ASGI application. The session's runner has to be started."""
+    """Return the ASGI application. The session's runner must be started."""
     commands = session if isinstance(session, Recorded) else Commands(session)
 
     async def socket(websocket: WebSocket) -> None:
@@ -94,10 +94,10 @@ def application(session: Served, tokens: Tokens, page: Path = PAGE) -> Starlette
 
 
 def is_same_origin(headers: Any) -> bool:
-    """Whether Host is a name of loopback, and Origin, if there is one, that of this server.
+    """Return whether Host is a loopback name, and Origin, if there is one, that of this server.
 
     Another site's page could otherwise connect (RFC 6455, 10.2), also by a name of its own that
-    leads to loopback.
+    resolves to loopback.
     """
     host = headers.get("host", "")
     name = host if host.endswith("]") else host.rpartition(":")[0] or host
@@ -112,7 +112,7 @@ def _asset(parameters: dict[str, Any]) -> str:
 def _file(
     page: Path, name: Callable[[Request], str]
 ) -> Callable[[Request], Awaitable[Response]]:
-    """Serves files of the page's folder, and nothing that is not in it."""
+    """Return a handler for files of the page's folder, and no others."""
 
     async def serve(request: Request) -> Response:
         root = page.resolve()
@@ -128,7 +128,7 @@ def _file(
 
 
 class _Guarded:
-    """Refuses requests for other hosts, and adds the headers that keep other content out."""
+    """Refuses requests for other hosts, and adds headers that keep other content out."""
 
     def __init__(self, app: ASGIApp) -> None:
         self._app = app
@@ -151,7 +151,7 @@ class _Guarded:
 
 
 async def _refuse(websocket: WebSocket, code: int) -> None:
-    """Close with a code that the page can see, which it cannot before the socket is open."""
+    """Close with a code that the page can read, which needs an open socket."""
     await websocket.accept()
     await websocket.close(code)
 
@@ -164,7 +164,7 @@ async def _serve(
     news = asyncio.Event()
 
     def wake() -> None:
-        # After the loop has ended there is nobody left to wake.
+        # After the end of the loop, there is nothing to wake.
         if not news.is_set() and not loop.is_closed():
             loop.call_soon_threadsafe(news.set)
 
@@ -183,24 +183,24 @@ async def _serve(
 
 
 async def _send(websocket: WebSocket, outbox: Outbox, news: asyncio.Event) -> None:
-    """Send what waits; a page that does not read lets this wait, and nothing else."""
+    """Send waiting messages; a page that does not read delays only this."""
     while True:
         await news.wait()
         news.clear()
         message = outbox.take()
         if message:
             await websocket.send_bytes(message)
-        await asyncio.sleep(_INTERVAL)
+        await asyncio.sleep(_MIN_INTERVAL)
 
 
 async def _receive(
     websocket: WebSocket, session: Served, commands: _Commands, outbox: Outbox
 ) -> None:
-    """Put the page's commands before the runner."""
+    """Pass the page's commands to the runner."""
     while True:
         data = await websocket.receive_bytes()
         while outbox.is_crowded:
-            await asyncio.sleep(_INTERVAL)
+            await asyncio.sleep(_MIN_INTERVAL)
         try:
             if len(data) > MOST_OCTETS:
                 raise CdrError("ClientMessage", f"{len(data)} octets are too many")

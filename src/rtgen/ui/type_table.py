@@ -1,4 +1,4 @@
-"""The table of types: descriptors of the runtime as nodes that a page makes codecs of."""
+"""The table of types: descriptors of the runtime as nodes, from which a page creates codecs."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from rtgen.runtime.marshalling.descriptors import (
 from rtgen.ui.protocol.ui import TypeKind, TypeMember, TypeNode
 
 NO_TYPE: Final = -1
-"""The number of what a page has no codec for."""
+"""The number of a type without a codec in a page."""
 
 _BASIC: Final = {
     "boolean": TypeKind.TYPE_BOOLEAN,
@@ -42,7 +42,7 @@ _BASIC: Final = {
 
 
 class _NoNodeError(Exception):
-    """A type without a codec in a page."""
+    """The type has no codec in a page."""
 
 
 class TypeTable:
@@ -54,7 +54,7 @@ class TypeTable:
         self._refused: set[int] = set()
 
     def number(self, descriptor: Descriptor | None) -> int:
-        """The number of a type, which is added if it is new; NO_TYPE without a codec."""
+        """Return the number of a type, which is added if it is new; NO_TYPE without a codec."""
         if descriptor is None or id(descriptor) in self._refused:
             return NO_TYPE
         count, known = len(self.nodes), dict(self._numbers)
@@ -148,7 +148,7 @@ def _enumerator(name: str, number: int) -> TypeMember:
 
 
 def _label(label: int | str | bool) -> int:
-    """A label as a number; that of a character is its code."""
+    """Return a label as a number; that of a character is its code."""
     return ord(label) if isinstance(label, str) else int(label)
 
 

@@ -24,14 +24,14 @@ _SECOND = "1_000_000_000"
 
 
 def is_plain(quantity: Quantity) -> bool:
-    """Whether codecs and samples represent the value equally."""
+    """Return whether codecs and samples represent the value equally."""
     code = quantity.variable.data_type
     other = code in _SECONDS or code == DataType.UNICODE_STRING
     return quantity.factor is None and not other
 
 
 def from_codec(quantity: Quantity, value: str, time: str) -> str:
-    """A member of a sample, from a codec's field."""
+    """Return a member of a sample, from a codec's field."""
     code = quantity.variable.data_type
     if quantity.factor is not None:
         return f"{value} * {number_literal(quantity.factor)}"
@@ -43,7 +43,7 @@ def from_codec(quantity: Quantity, value: str, time: str) -> str:
 
 
 def to_codec(quantity: Quantity, value: str) -> str:
-    """A codec's field, from a member of a sample."""
+    """Return a codec's field, from a member of a sample."""
     code = quantity.variable.data_type
     name = string_literal(quantity.name)
     if quantity.factor is not None:
@@ -56,7 +56,7 @@ def to_codec(quantity: Quantity, value: str) -> str:
 
 
 def from_object(quantity: Quantity, value: str, time: str) -> str:
-    """A member of a sample, from a value of the object dictionary."""
+    """Return a member of a sample, from a value of the object dictionary."""
     if quantity.factor is not None:
         return f"{value} * {number_literal(quantity.factor)}"
     if quantity.variable.data_type in _SECONDS:
@@ -65,7 +65,7 @@ def from_object(quantity: Quantity, value: str, time: str) -> str:
 
 
 def to_object(quantity: Quantity, value: str) -> str:
-    """A value of the object dictionary, from a member of a sample."""
+    """Return a value of the object dictionary, from a member of a sample."""
     if quantity.factor is not None:
         return _unscaled(quantity, value)
     if quantity.variable.data_type in _SECONDS:
@@ -74,7 +74,7 @@ def to_object(quantity: Quantity, value: str) -> str:
 
 
 def stamp(time: str) -> str:
-    """The time stamp of a sample, from `now` in ns."""
+    """Return the time stamp of a sample, from `now` in ns."""
     return f"{time}(*divmod(now, {_SECOND}))"
 
 

@@ -28,7 +28,7 @@ from rtgen.model.canopen import (
 )
 
 BIT_RATES = (10, 20, 50, 125, 250, 500, 800, 1000)
-"""CiA 301's bit rates in kbit/s; each has a key."""
+"""CiA 301's bit rates in kbit/s, each with a key in the file."""
 
 _MANDATORY = (0x1000, 0x1001, 0x1018)
 _MANUFACTURER = range(0x2000, 0x6000)
@@ -45,7 +45,10 @@ _Section: TypeAlias = tuple[str, list[_Pair]]
 
 
 def eds_text(device: Device, header: Sequence[str] = ()) -> str:
-    """The file of a device: a DCF if it has a commissioning. `header` are lines of comment."""
+    """Return the file of a device: a DCF if it has a commissioning.
+
+    `header` are lines of comment.
+    """
     lines = [f"; {line}" for line in header]
     for name, pairs in _sections(device):
         lines += ["", f"[{name}]"] if lines else [f"[{name}]"]
@@ -89,7 +92,7 @@ def _numbered(count: str, indices: Sequence[int]) -> list[_Pair]:
 
 
 def _given(**entries: str | int | None) -> Iterator[_Pair]:
-    """The entries that have a value."""
+    """Yield the entries that have a value."""
     for key, value in entries.items():
         if value is not None and value != "":
             yield key, str(value)
@@ -205,7 +208,7 @@ def _variable(
 
 
 def value_text(value: Value | None, data_type: int) -> str | None:
-    """The text of a value in these files; None if it has none."""
+    """Return the text of a value in these files; None if it has none."""
     match value:
         case None | str():
             return value

@@ -15,7 +15,7 @@ from rtgen.typemap.canopen_ports import DevicePorts
 
 
 def idl_of(ports: DevicePorts) -> str:
-    """The text of the IDL file of a device, without its components."""
+    """Return the text of the IDL file of a device, without its components."""
     macro = re.sub(r"[^A-Za-z0-9]", "_", f"{ports.kind.module}_IDL")
     macro = f"CANOPEN_{macro.upper()}"
     made = tuple(declarations(ports))
@@ -31,7 +31,7 @@ def idl_of(ports: DevicePorts) -> str:
 
 
 def idl_files(model: Model) -> dict[str, Callable[[], str]]:
-    """The texts of the files of all devices, by the name that includes them."""
+    """Return the texts of the files of all devices, by the name that includes them."""
     kinds, _ = kinds_of(model.devices, model.buses)
     devices = (DevicePorts(kind.device, kind) for kind in kinds)
     return {file_name(ports): partial(idl_of, ports) for ports in devices}

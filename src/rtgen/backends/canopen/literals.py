@@ -8,7 +8,7 @@ from rtgen.backends.kit.quoting.python import number_literal, string_literal
 
 
 def literal(value: bool | int | float | str | bytes | None) -> str:
-    """A value of an object."""
+    """Return a value of an object."""
     match value:
         case str():
             return string_literal(value)
@@ -22,26 +22,26 @@ def literal(value: bool | int | float | str | bytes | None) -> str:
 
 
 def octets_literal(value: bytes) -> str:
-    """Octets in hexadecimal digits."""
+    """Return octets in hexadecimal digits."""
     return 'b"' + "".join(f"\\x{octet:02x}" for octet in value) + '"'
 
 
 def number(index: int, subindex: int) -> str:
-    """Index and sub-index, as two arguments."""
+    """Return index and sub-index as two arguments."""
     return f"0x{index:04X}, {subindex}"
 
 
 def named(index: int, subindex: int) -> str:
-    """Index and sub-index in words: `6401:1`."""
+    """Return index and sub-index as text: `6401:1`."""
     return f"{index:04X}:{subindex:X}" if subindex else f"{index:04X}"
 
 
 def call(callee: str, *arguments: str, **named_ones: str) -> str:
-    """A call on one line; empty keyword arguments are omitted."""
+    """Return a call on one line; empty keyword arguments are omitted."""
     keywords = (f"{key}={value}" for key, value in named_ones.items() if value)
     return f"{callee}({', '.join((*arguments, *keywords))})"
 
 
 def items(texts: list[str]) -> str:
-    """A tuple on one line."""
+    """Return a tuple on one line."""
     return f"({', '.join(texts)}{',' if len(texts) == 1 else ''})"

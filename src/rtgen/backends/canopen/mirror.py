@@ -35,7 +35,7 @@ _EVENT_DRIVEN = 255
 
 
 def mirrored(device: Device, file_name: str) -> Device:
-    """The description of a proxy as a device: its mandatory objects, PDOs and mapped objects.
+    """Return the profile of a proxy: its mandatory objects, PDOs and mapped objects.
 
     Its `pdos` are omitted: readers of the description derive them.
     """
@@ -78,7 +78,7 @@ def mirrored(device: Device, file_name: str) -> Device:
 
 
 def _shift(index: int) -> int:
-    """The offset of the index of a PDO's object; 0 for other objects."""
+    """Return the offset of the index of a PDO's object; 0 for other objects."""
     for base in (TPDO_COMMUNICATION, TPDO_MAPPING):
         if base <= index < base + PDOS:
             return -SHIFT
@@ -124,7 +124,7 @@ def _members(thing: Object, shift: int) -> Iterator[Variable]:
 
 
 def _received(variable: Variable, highest: int) -> Variable:
-    """A communication parameter of a TPDO, converted to one of an RPDO."""
+    """Return a communication parameter of a TPDO, converted to one of an RPDO."""
     match variable.subindex:
         case 0:
             return replace(
@@ -158,12 +158,12 @@ def _without_rtr(value: Value | None) -> Value | None:
 
 
 def _unasked(value: Value | None) -> Value | None:
-    """The transmission type of an RPDO, which cannot be RTR-only."""
+    """Return the transmission type of an RPDO, which cannot be RTR-only."""
     return _EVENT_DRIVEN if value in _ON_REQUEST else value
 
 
 def _renamed(name: str, shift: int) -> str:
-    """The name with the direction reversed."""
+    """Return the name with the direction reversed."""
     old, new = ("TPDO", "RPDO") if shift < 0 else ("RPDO", "TPDO")
     words, others = ("ransmit", "eceive"), ("T", "R")
     if shift > 0:
@@ -178,7 +178,7 @@ def _renamed(name: str, shift: int) -> str:
 
 
 def _turned(thing: Object, sent: bool, received: bool) -> Object:
-    """A mapped object with the access for the proxy's PDOs."""
+    """Return a mapped object with the access for the proxy's PDOs."""
     variables = tuple(
         replace(v, access=_access(v.access, sent, received)) if v.pdo_mappable else v
         for v in thing.variables

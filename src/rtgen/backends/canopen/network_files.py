@@ -25,7 +25,7 @@ _CONCISE_DCF = 0x1F22
 def network_files(
     buses: Sequence[Bus], options: Options
 ) -> tuple[list[Artifact], list[Diagnostic]]:
-    """All files of all networks, and diagnostics."""
+    """Return all files of all networks, and diagnostics."""
     findings = []
     for bus in buses:
         for node in bus.nodes:
@@ -59,7 +59,7 @@ def _artifacts(buses: Sequence[Bus], options: Options) -> Iterator[Artifact]:
 
 
 def configured(bus: Bus, node: BusNode) -> Device:
-    """A node's device with its settings on the bus.
+    """Return a node's device with its settings on the bus.
 
     A device with object 1F22h (concise DCF) contains the configurations of the other nodes.
     """
@@ -103,7 +103,7 @@ def configured(bus: Bus, node: BusNode) -> Device:
 
 
 def _concise(bus: Bus, keeper: BusNode) -> dict[int, bytes]:
-    """The configurations of the other nodes, by node-id."""
+    """Return the configurations of the other nodes, by node-id."""
     return {
         node.id: concise_dcf(start_up(node)) for node in bus.nodes if node is not keeper
     }

@@ -17,7 +17,7 @@ _BOOT_TIMEOUT = 2000
 
 
 def network_text(bus: Bus, header: str) -> str:
-    """The module. Raises CanValueError for a value that cannot be written."""
+    """Return the module. Raises CanValueError for a value that cannot be written."""
     nodes = [_node(node) for node in bus.nodes]
     used = ["Network", "NodeDescription"]
     used += ["PdoDescription"] * any(node.device.pdos for node in bus.nodes)
@@ -76,7 +76,7 @@ def _hex(number: int | None) -> str:
 def identity(
     node: BusNode,
 ) -> tuple[int | None, int | None, int | None, int | None, int | None]:
-    """The expected values of 1000h and 1018h:1 to 4; None, or 0 in the file, is not checked.
+    """Return the expected values of 1000h and 1018h:1 to 4; None, or 0 in the file, is not checked.
 
     Revision and serial number are those of one node: they are checked if the bus file or a DCF
     states them.

@@ -16,7 +16,7 @@ _IDENTITY = ("1000 device type", "1018:1 vendor", "1018:2 product", "1018:3 revi
 
 
 def start_up_text(bus: Bus, header: Sequence[str]) -> str:
-    """The start-up of each node by the manager of a network, in order.
+    """Return the start-up of each node by the manager of a network, in order.
 
     Raises CanValueError for a value that cannot be written.
     """
@@ -73,7 +73,7 @@ def _what(write: StartWrite) -> str:
 def timing_text(
     bus: Bus, header: Sequence[str], writings: Writings | None = None
 ) -> str:
-    """Load and worst-case response time of every message, the most urgent first.
+    """Return load and worst-case response time of every message, the most urgent first.
 
     `writings`: see `messages`.
     """
@@ -128,7 +128,7 @@ def _milliseconds(seconds: float) -> str:
 
 
 def _table(rows: Sequence[Sequence[str]], margin: str) -> list[str]:
-    """Rows with columns of equal width."""
+    """Return rows with columns of equal width."""
     columns = max(map(len, rows), default=0)
     widths = [
         max((len(row[column]) for row in rows if column < len(row)), default=0)

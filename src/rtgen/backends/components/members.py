@@ -23,7 +23,7 @@ class Attributes:
 
 
 def attributes_of(component: Component, imported: Collection[str] = ()) -> Attributes:
-    """Choose names: those of the definition, with `_` after those of Python or the runtime.
+    """Choose names: those of the definition, with `_` appended to those of Python or the runtime.
 
     `imported` are names in the types of the fields.
     """
@@ -36,7 +36,7 @@ def attributes_of(component: Component, imported: Collection[str] = ()) -> Attri
     used: list[str] = []
     for port in component.ports:
         name = ports[port.identifier]
-        while name in used:  # an InPort and an OutPort may be called the same
+        while name in used:  # an InPort and an OutPort may have the same name
             name += "_"
         used.append(name)
     return Attributes(

@@ -1,4 +1,4 @@
-"""The rules about components: what can be emitted, with the story `rtgen explain` tells."""
+"""The rules about components: restrictions on what can be emitted."""
 
 from __future__ import annotations
 

@@ -17,7 +17,7 @@ def _sources(package: TecsPackage) -> list[str]:
 
 
 def communication_conf(package: TecsPackage, join: RtcJoin, version: str) -> str:
-    """The `.conf` of a join's communication RTC: both sets, and which one is active."""
+    """Return the `.conf` of a join's communication RTC: both sets, and the active one."""
     options = join.options
     span = join.join.span
     index = "" if join.join.index is None else f"[{join.join.index}]"
@@ -43,10 +43,10 @@ def communication_conf(package: TecsPackage, join: RtcJoin, version: str) -> str
 def tecsgen_plugin(
     package: TecsPackage, others: Iterable[TecsPackage], version: str
 ) -> str:
-    """`RTCPlugin.rb`, by which tecsgen generates the board's half from the same CDL file.
+    """Return `RTCPlugin.rb`, by which tecsgen generates the board's half from the same CDL file.
 
-    `others` are the project's packages: tecsgen also generates
-    the joins of main files that this one imports.
+    `others` are the project's packages: tecsgen also generates the joins of main files that this
+    one imports.
     """
     files = {declaration.file for declaration in package.unit.declarations}
     parts = [package, *(p for p in others if p is not package and p.unit.file in files)]
@@ -70,7 +70,7 @@ def tecsgen_plugin(
 
 
 def build_scripts(package: TecsPackage, options: Options) -> dict[str, str]:
-    """`build.sh` and `build.bat`; `options` are those of the package."""
+    """Return `build.sh` and `build.bat`; `options` are those of the package."""
     modules: Sequence[str] = [
         f"{options.package}.{service.module}_{part}"
         for service in package.services

@@ -1,4 +1,4 @@
-"""The codec modules of a package: requests and replies of its signatures, both directions.
+"""The codec modules of a package: requests and replies of its signatures, in both directions.
 
 Functions with equal messages share one class. A class is defined in the module of the signature
 that uses it; one that several signatures use, in `_messages.py`.
@@ -40,7 +40,7 @@ SHARED = "_messages"
 def codec_text(
     unit: TecsUnit, signature: Signature, header: str, order: str = "tecsgen"
 ) -> str:
-    """The self-contained codec module of one signature. Raises TransferError."""
+    """Return the self-contained codec module of one signature. Raises TransferError."""
     (text,) = codec_texts(unit, [(layout_of(unit, signature), order)], header).values()
     return text
 
@@ -69,7 +69,7 @@ class _Signature:
 
 
 def _declaration(function: TecsFunction) -> tuple[object, ...]:
-    """The declaration on which a function's messages depend."""
+    """Return the declaration on which a function's messages depend."""
     parameters = ((p.name, p.type, p.direction, p.sizes) for p in function.parameters)
     return function.oneway, function.returns, *parameters
 
@@ -77,7 +77,7 @@ def _declaration(function: TecsFunction) -> tuple[object, ...]:
 def codec_texts(
     unit: TecsUnit, layouts: Iterable[tuple[SignatureLayout, str]], header: str
 ) -> dict[str, str]:
-    """The codec modules of a package by file name; `header` is their comment.
+    """Return the codec modules of a package by file name; `header` is their comment.
 
     Each layout comes with the order of replies: `tecsgen` sends the return value before the outs,
     `paper` after them. The modules import the structs' classes from `_types` beside them.
@@ -131,7 +131,7 @@ def codec_texts(
 def _named(
     signatures: Sequence[_Signature],
 ) -> tuple[dict[str, CodecClass], dict[str, set[str]]]:
-    """All classes by their name, and the signatures that use each.
+    """Return all classes by their name, and the signatures that use each.
 
     Classes that differ only in their name are merged.
     """

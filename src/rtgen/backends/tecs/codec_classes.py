@@ -68,7 +68,7 @@ def _method(name: str, parameters: Sequence[str], result: str, body: list[str]) 
 
 
 def record_codec(record: Record, structs: Sequence[str]) -> CodecClass:
-    """The writer and reader of a struct whose size depends on values."""
+    """Return the writer and reader of a struct whose size depends on values."""
     attributes = Attributes(structs)
     name = struct_class(record.struct.name)
     paths = {i.name: f"value.{member_name(i.name)}" for i in record.items}
@@ -119,7 +119,7 @@ def _value(scope: Scope, item: Item) -> str:
 
 
 def _guarded(lines: list[str], environment: Environment, name: str) -> list[str]:
-    """The statements, with exceptions of size expressions converted to ProtocolError."""
+    """Return the statements, with exceptions of size expressions converted to ProtocolError."""
     if not environment.is_guarded:
         return lines
     return [
@@ -145,7 +145,7 @@ class FunctionCodec:
         self._first = ""
 
     def codec_class(self) -> CodecClass:
-        """The class; its text contains neither the function's name nor its id."""
+        """Return the class; its text contains neither the function's name nor its id."""
         layout = self._layout
         methods = [self._encode_request(), self._read_request()]
         if self._reply is not None:
@@ -172,7 +172,7 @@ class FunctionCodec:
         return CodecClass(name, base, body, tuple(self._attributes.records))
 
     def _facts(self) -> Iterator[tuple[str, str]]:
-        """The class attributes that differ from the base's."""
+        """Yield the class attributes that differ from the base's."""
         layout = self._layout
         kept = [str(layout.arguments.index(item)) for item in layout.kept]
         if kept:
@@ -188,7 +188,7 @@ class FunctionCodec:
             yield "error_code", "True"
 
     def _unset(self) -> list[str]:
-        """The values of the outs after a failed call that raises no exception."""
+        """Return the values of the outs after a failed call that raises no exception."""
         layout = self._layout
         if not layout.outs or not is_error_code(layout.function.returns):
             return []
@@ -276,7 +276,7 @@ class FunctionCodec:
         )
 
     def _reply_scope(self) -> tuple[Scope, dict[str, str], Environment]:
-        """The scope of a reply, the names of what is kept, the environment of sizes."""
+        """Return the scope of a reply, the names of the kept values, the environment of sizes."""
         layout = self._layout
         scope = Scope([*layout.items, layout.returned], self._attributes.classes)
         kept = {
@@ -381,7 +381,7 @@ class FunctionCodec:
 
 
 def _kept_values(kept: dict[str, str]) -> Iterable[tuple[str, str]]:
-    """The kept values by the name that an error shows."""
+    """Return the kept values by their names in error messages."""
     return ((name, value) for name, value in kept.items() if name == value)
 
 
@@ -392,14 +392,14 @@ def _first_run(steps: Sequence[Step]) -> Run:
 
 
 def _without(steps: Sequence[Step], roles: tuple[Role, ...]) -> list[Step]:
-    """The steps without fields of these roles, which are in the first run."""
+    """Return the steps without fields of these roles, which are in the first run."""
     run = _first_run(steps)
     fields = tuple(field for field in run.fields if field.role not in roles)
     return [*([Run(fields)] if fields else []), *steps[1:]]
 
 
 def _split(steps: Sequence[Step]) -> tuple[Run, list[Step]]:
-    """The steps of SOP and return value, and the other steps."""
+    """Return the steps of SOP and return value, and the other steps."""
     run = _first_run(steps)
     rest = run.fields[2:]
     return Run(run.fields[:2]), [*([Run(rest)] if rest else []), *steps[1:]]

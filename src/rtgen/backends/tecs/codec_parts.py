@@ -28,8 +28,8 @@ _LOCALS = (
     *("packet", "unpacked", "sop", "eop", "eop_bytes", "value"),
 )
 _SIMPLE = re.compile(r"[\w.]+|present\(\w+\)")
-_DEEPEST = 16
-"""The deepest indentation of a statement."""
+_MAX_INDENT = 16
+"""Maximum indentation of a statement."""
 
 _RESERVED = frozenset((*IMPORTED_NAMES, *_LOCALS, *dir(builtins)))
 
@@ -47,7 +47,7 @@ class Attributes:
         self._others: dict[str, str] = {}
 
     def record(self, struct: str) -> str:
-        """The writer and reader of a struct whose size depends on values."""
+        """Return the writer and reader of a struct whose size depends on values."""
         name = record_class(struct)
         if name not in self.records:
             self.records.append(name)
@@ -55,23 +55,23 @@ class Attributes:
         return f"self._{struct}"
 
     def run(self, letters: Iterable[tuple[str, int]]) -> str:
-        """The compiled run of these letters."""
+        """Return the compiled run of these letters."""
         text = kinds_text(letters)
         name = self._runs.setdefault(text, f"_run{len(self._runs) + 1}")
         return f"self.{name}"
 
     def element(self, node: Node) -> str:
-        """The compiled run of one element of an array."""
+        """Return the compiled run of one element of an array."""
         return self.run(kinds(node))
 
     def items(self, basic: Basic) -> str:
-        """The arrays of a kind of numbers."""
+        """Return the arrays of a kind of numbers."""
         name = f"_items_{basic.kind}" if basic.kind != "?" else "_booleans"
         self._others[name] = f'Items(tdr, "{basic.kind}")'
         return f"self.{name}"
 
     def text(self, node: String) -> str:
-        """The texts of a kind of units."""
+        """Return the texts of a kind of units."""
         if not node.is_wide:
             self._others["_text"] = "Text(tdr, codec.encoding)"
             return "self._text"
@@ -79,14 +79,14 @@ class Attributes:
         return f"self._text_{node.kind}"
 
     def statements(self) -> list[str]:
-        """The statements that define the attributes."""
+        """Return the statements that define the attributes."""
         runs = [f"self.{n} = tdr.struct({kinds})" for kinds, n in self._runs.items()]
         others = [f"self.{n} = {value}" for n, value in sorted(self._others.items())]
         return runs + others
 
 
 def record_class(struct: str) -> str:
-    """The class that writes and reads a struct whose size depends on values."""
+    """Return the class that writes and reads a struct whose size depends on values."""
     return f"{struct}Record"
 
 
@@ -101,13 +101,13 @@ class Scope:
         self._loops = numbers(1)
 
     def new(self, name: str) -> str:
-        """An unused name."""
+        """Return an unused name."""
         name = identifier(name, self._taken)
         self._taken.add(name)
         return name
 
     def of(self, item: Item) -> str:
-        """The name of a parameter's or member's value."""
+        """Return the name of a parameter's or member's value."""
         return self._names[item.name]
 
     @property
@@ -119,8 +119,8 @@ class Scope:
 class Environment:
     """The values from which the sizes of a message are computed.
 
-    `values` are the expressions of the values by name; `given` those of the request where the
-    message is a reply. A computed size gets a variable of its own.
+    `values` are the expressions of the values by name; `given` those of the request if the message
+    is a reply. A computed size gets a variable of its own.
     """
 
     def __init__(
@@ -138,22 +138,22 @@ class Environment:
         self.is_guarded = False
 
     def statements(self) -> list[str]:
-        """The statements needed by the expressions returned since the last call."""
+        """Return the statements needed by the expressions returned since the last call."""
         found, self._statements = self._statements, []
         return found
 
     def count(self, node: Counted) -> str:
-        """The number of transferred elements."""
+        """Return the number of transferred elements."""
         return self._variable(self._text(node.count, self._values))
 
     def length(self, node: String) -> str | None:
-        """The size of the sender's buffer; None without one."""
+        """Return the size of the sender's buffer; None without one."""
         if node.length is None:
             return None
         return self._variable(self._text(node.length, self._values))
 
     def capacity(self, node: Counted | String) -> str | None:
-        """The capacity of the receiver in elements or units; None if unknown."""
+        """Return the capacity of the receiver in elements or units; None if unknown."""
         size = node.size if isinstance(node, Counted) else node.length
         if size is None:
             return None
@@ -171,7 +171,7 @@ class Environment:
         return self._variable(text)
 
     def reserved(self, node: Counted | String) -> str:
-        """The capacity of the caller's buffer in elements or units."""
+        """Return the capacity of the caller's buffer in elements or units."""
         size = node.size if isinstance(node, Counted) else node.length
         assert size is not None
         return self._variable(self._text(size, self._values))
@@ -188,6 +188,6 @@ class Environment:
             return text
         name = self._scope.new("size")
         statement = f"{name} = {text}"
-        is_long = len(statement) > WIDTH - _DEEPEST
+        is_long = len(statement) > WIDTH - _MAX_INDENT
         self._statements.append(f"{statement}{SKIPPED}" if is_long else statement)
         return name

@@ -31,14 +31,14 @@ MAGIC_BYTES = {
     "EOP_REPLY_FOLLOWS": "self.awaiting_reply",
     "EOP_NOTHING_FOLLOWS": "self.nothing_follows",
 }
-"""The attributes of codecs with the bytes of a magic that is read alone."""
+"""The attributes of codecs with the bytes of a magic that is read separately."""
 
 
 class Decoder:
     """Writes the body of one method, except for its end.
 
-    `condition` gives the expression of whether a nullable item is present, None if the
-    message has a flag for it. `checks` gives the expected values of magics.
+    `condition` returns the expression of whether a nullable item is present, None if the message
+    has a flag for it. `checks` returns the expected values of magics.
     """
 
     def __init__(
@@ -59,7 +59,7 @@ class Decoder:
         self.needs_budget = False
 
     def body(self, steps: Sequence[Step], first: str | None = None) -> list[str]:
-        """The statements; `first` is the name of bytes that are there: those of the first run."""
+        """Return the statements; `first` is the variable with the bytes of the first run."""
         lines: list[str] = []
         pending: Item | None = None
         for step in steps:
@@ -88,7 +88,7 @@ class Decoder:
         return lines + (self._payload(pending, None) if pending is not None else [])
 
     def run_size(self, run: Run) -> str:
-        """The size of a run in bytes."""
+        """Return the size of a run in bytes."""
         return f"{self._attributes.run(run.kinds)}.size"
 
     def _run(self, run: Run, first: str | None) -> list[str]:
@@ -148,11 +148,11 @@ class Decoder:
         return names[item.name]
 
     def flag(self, item: Item) -> str:
-        """The name of a flag that was read: not 0 for NULL."""
+        """Return the name of a flag that was read: not 0 for NULL."""
         return self._flags[item.name]
 
     def _payload(self, item: Item, run: Run | None) -> list[str]:
-        """Reads elements or units, together with a run after them."""
+        """Read elements or units, together with a run after them."""
         node = item.node
         assert isinstance(node, Counted | String)
         self.needs_budget = True
@@ -185,7 +185,7 @@ class Decoder:
         return f"budget.take({count}, {width}{f', {bound}' if bound else ''})"
 
     def _width(self, node: Counted | String) -> str:
-        """The size of an element or unit in bytes."""
+        """Return the size of an element or unit in bytes."""
         if isinstance(node, String):
             return f"{self._attributes.text(node)}.width" if node.is_wide else "1"
         if node.is_octets:
@@ -219,7 +219,7 @@ class Decoder:
         return lines
 
     def _reserve(self, item: Item) -> list[str]:
-        """Reserves memory for the results of the call."""
+        """Reserve memory for the results of the call."""
         self.needs_budget = True
         node = item.node
         assert isinstance(node, Counted | String)
@@ -237,13 +237,13 @@ class Decoder:
         return lines
 
     def _least(self, node: Counted | String) -> str:
-        """The minimum size of an element in bytes."""
+        """Return the minimum size of an element in bytes."""
         if isinstance(node, Counted) and not is_fixed(node.element):
             return "4"
         return self._width(node)
 
     def _read(self, node: Node) -> str:
-        """An expression that reads a compound value."""
+        """Return an expression that reads a compound value."""
         match node:
             case String():
                 self.needs_budget = True
@@ -267,7 +267,7 @@ def _complaint(role: Role, expected: str, found: str) -> str:
 
 
 def _is_plain(field: Field) -> bool:
-    """Whether a field is one value of `unpack`, without conversion."""
+    """Return whether a field is one value of `unpack`, without conversion."""
     if field.role is not Role.VALUE:
         return True
     assert field.item is not None

@@ -29,8 +29,8 @@ from rtgen.typemap.tecs_python import struct_class
 class Encoder:
     """Writes the body of one method.
 
-    `value` gives the expression of an item's value, `condition` that of whether a nullable one
-    is there, `constants` the expressions of magics and the id.
+    `value` returns the expression of an item's value, `condition` that of whether a nullable one is
+    present, `constants` the expressions of magics and the id.
     """
 
     def __init__(
@@ -51,7 +51,7 @@ class Encoder:
         self._units: dict[str, str] = {}
 
     def body(self, steps: Sequence[Step]) -> list[str]:
-        """The statements; the last one returns the bytes."""
+        """Return the statements; the last one returns the bytes."""
         if any(isinstance(step, Branch) for step in steps):
             lines = ["parts: list[bytes] = []", *self._appended(steps, False)]
             return [*lines, 'return b"".join(parts)']
@@ -78,7 +78,7 @@ class Encoder:
     def _pieces(
         self, steps: Sequence[Step], optional: bool
     ) -> tuple[list[str], list[str]]:
-        """The statements, and the expressions of bytes that use their results."""
+        """Return the statements, and the expressions of bytes that use their results."""
         lines: list[str] = []
         pieces: list[str] = []
         for step in steps:
@@ -100,7 +100,7 @@ class Encoder:
         return lines, pieces
 
     def _of(self, item: Item, optional: bool) -> str:
-        """The value of an item; `optional`: where it is known not to be NULL."""
+        """Return the value of an item; `optional`: whether it is known not to be NULL."""
         value = self._value(item)
         narrowed = self._condition(item) == f"{value} is not None"
         return f"present({value})" if optional and not narrowed else value
@@ -135,7 +135,7 @@ class Encoder:
         return packed(item.node, self._of(item, optional), self._scope.loops)
 
     def _whole(self, node: Node, value: str) -> str:
-        """An expression for all bytes of a value."""
+        """Return an expression for all bytes of a value."""
         match node:
             case Counted():
                 return self._counted(node, value)

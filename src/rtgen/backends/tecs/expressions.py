@@ -37,7 +37,7 @@ _WIDTHS = {
 
 
 def expression_text(expression: Expression, names: Names) -> str:
-    """The expression in Python, an int, without enclosing parentheses."""
+    """Return the expression in Python, an int, without enclosing parentheses."""
     text = _text(expression, names)
     if isinstance(expression, BinaryExpression | ConditionalExpression):
         return text[1:-1] if text[0] == "(" else text
@@ -45,7 +45,7 @@ def expression_text(expression: Expression, names: Names) -> str:
 
 
 def is_simple(expression: Expression, names: Names) -> bool:
-    """Whether evaluating it cannot fail: a number, or a parameter's value."""
+    """Return whether evaluating it cannot fail: a number, or a parameter's value."""
     match expression:
         case Literal():
             return True

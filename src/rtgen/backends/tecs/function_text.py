@@ -17,16 +17,16 @@ from rtgen.typemap.tecs_python import (
 )
 
 LOCALS = frozenset({"_", "self", *dir(builtins)})
-"""Names that no parameter can have."""
+"""Names that a parameter cannot have."""
 
 _ANNOTATIONS = frozenset(
     {"Sequence", "bool", "bytes", "float", "int", "list", "str", "tuple"}
 )
-"""The names used in annotations, which a method of that name would hide in its class."""
+"""The names used in annotations, which a method of the same name would hide in its class."""
 
 
 def function_names(layout: SignatureLayout) -> dict[str, str]:
-    """The Python names of the functions in codec, proxy and target."""
+    """Return the Python names of the functions in codec, proxy and target."""
     return distinct(
         (f.function.name for f in layout.functions),
         {
@@ -40,7 +40,7 @@ def function_names(layout: SignatureLayout) -> dict[str, str]:
 
 
 def struct_classes(layout: SignatureLayout) -> list[str]:
-    """The classes of structs that annotations name."""
+    """Return the classes of structs that annotations name."""
     found = {
         struct_class(record.struct.name)
         for function in layout.functions
@@ -51,7 +51,7 @@ def struct_classes(layout: SignatureLayout) -> list[str]:
 
 
 def target_types(layout: FunctionLayout) -> list[str]:
-    """The annotations of a function's arguments."""
+    """Return the annotations of a function's arguments."""
     return [
         (
             "bool"
@@ -63,20 +63,20 @@ def target_types(layout: FunctionLayout) -> list[str]:
 
 
 def parameters_text(layout: FunctionLayout, names: dict[str, str]) -> str:
-    """The parameters of a method, with `self`."""
+    """Return the parameters of a method, with `self`."""
     pairs = zip(layout.arguments, target_types(layout), strict=True)
     return ", ".join(["self", *(f"{names[i.name]}: {t}" for i, t in pairs)])
 
 
 def result_text(layout: FunctionLayout) -> str:
-    """The annotation of a function's return value."""
+    """Return the annotation of a function's return value."""
     results = [] if layout.is_void else [annotation(layout.returned.node)]
     results += [item_annotation(item) for item in layout.outs]
     return tuple_type(results)
 
 
 def tuple_type(types: Sequence[str]) -> str:
-    """The annotation of several results, of one, or of none."""
+    """Return the annotation of several results, of one, or of none."""
     if len(types) > 1:
         return f"tuple[{', '.join(types)}]"
     return types[0] if types else "None"

@@ -7,7 +7,7 @@ from rtgen.backends.tecs.service_text import ServiceText
 
 
 def proxy_class(text: ServiceText) -> str:
-    """The class `<Name>Proxy`, which calls the functions of a board."""
+    """Return the class `<Name>Proxy`, which calls the functions of a board."""
     return render(
         "tecs/proxy.py.j2",
         proxy=f"{text.name}Proxy",

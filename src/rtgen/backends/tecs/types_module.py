@@ -35,7 +35,7 @@ class _Class:
 
 
 def types_text(unit: TecsUnit, layouts: Iterable[SignatureLayout], header: str) -> str:
-    """The module: the structs that the signatures need, their typedefs, all constants."""
+    """Return the module: structs of the signatures, their typedefs, all constants."""
     records: dict[str, Record] = {}
     for layout in layouts:
         for record in layout.records:
@@ -77,7 +77,7 @@ def _default(node: Node) -> str:
 
 
 def _aliases(unit: TecsUnit, classes: Iterable[str]) -> Iterator[tuple[str, str]]:
-    """The typedefs of structs."""
+    """Yield the typedefs of structs."""
     taken = set(classes)
     for declaration in unit.declarations:
         if not isinstance(declaration, TecsTypedef):

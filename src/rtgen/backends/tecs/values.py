@@ -19,7 +19,7 @@ from rtgen.typemap.tecs_python import member_name, struct_class
 
 
 def packed(node: Node, value: str, letters: Iterator[int]) -> list[str]:
-    """The arguments of `pack` for a value; `letters` number the loops."""
+    """Return the arguments of `pack` for a value; `letters` number the loops."""
     match node:
         case Nothing():
             return []
@@ -59,7 +59,7 @@ def _packed_basic(node: Basic, value: str) -> str:
 
 
 def unpacked(node: Node, source: str, start: str) -> str:
-    """The value from the tuple `source`, whose first part is at index `start`."""
+    """Return the value from the tuple `source`, whose first part is at index `start`."""
     return _unpacked(node, source, _Index(start), numbers(1))
 
 
@@ -72,7 +72,7 @@ class _Index:
         self.offset = int(offset) if offset.isdigit() else 0
 
     def plus(self, count: int) -> _Index:
-        """The index plus a constant."""
+        """Return the index plus a constant."""
         index = _Index(self.name)
         index.offset = self.offset + count
         return index
@@ -116,13 +116,13 @@ def _is_wide(node: Node) -> bool:
 
 
 def fields(record: Record) -> list[Item]:
-    """The transferred members of a struct of fixed size, in wire order."""
+    """Return the transferred members of a struct of fixed size, in wire order."""
     runs = (step for step in record.steps if isinstance(step, Run))
     return [f.item for run in runs for f in run.fields if f.item is not None]
 
 
 def places(node: Node) -> int:
-    """The number of items of `unpack`."""
+    """Return the number of items of `unpack`."""
     match node:
         case Basic() | Octets():
             return 1
@@ -134,7 +134,7 @@ def places(node: Node) -> int:
 
 
 def kinds_text(kinds: Iterable[tuple[str, int]]) -> str:
-    """A string expression for letters that may repeat."""
+    """Return a string expression for letters that may repeat."""
     parts: list[str] = []
     plain = ""
     for text, times in kinds:

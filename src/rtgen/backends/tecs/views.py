@@ -26,7 +26,7 @@ _SIGNED_OCTETS = (Scalar.INT8, Scalar.SCHAR)
 
 
 def to_codec(item: Item, value: str) -> str:
-    """The value of an IDL parameter, converted to CDL's types."""
+    """Return the value of an IDL parameter, converted to CDL's types."""
     if not item.nullable:
         return _to_codec(item.node, value, 0)
     if isinstance(item.node, Basic) and item.node.scalar in _CHARACTERS:
@@ -35,7 +35,7 @@ def to_codec(item: Item, value: str) -> str:
 
 
 def to_idl(item: Item, value: str) -> str:
-    """A value in CDL's types, converted to the type of the IDL parameter."""
+    """Return a value in CDL's types, converted to the type of the IDL parameter."""
     if not item.nullable:
         return _to_idl(item.node, value, 0)
     inner = _to_idl(item.node, value, 0)
@@ -93,7 +93,7 @@ def _each(
 
 
 def used_structs(node: Node) -> Iterator[Record]:
-    """The structs whose conversion functions a value's conversion calls."""
+    """Yield the structs whose conversion functions a value's conversion calls."""
     match node:
         case Record():
             yield node
@@ -105,7 +105,7 @@ def used_structs(node: Node) -> Iterator[Record]:
 class StructViews:
     """The two functions of a struct, `codec_<class>` and `idl_<class>`.
 
-    `to_codec` and `to_idl` are the arguments that they make the other view of.
+    `to_codec` and `to_idl` are the expressions that they convert.
     """
 
     name: str
@@ -115,7 +115,7 @@ class StructViews:
 
 
 def struct_views(record: Record, idl: str, idl_members: tuple[str, ...]) -> StructViews:
-    """The functions of a struct, whose class in IDL is written `idl`."""
+    """Return the functions of a struct; `idl` is the expression of its class in IDL's view."""
     given = [
         to_codec(item, f"value.{member}")
         for item, member in zip(record.items, idl_members, strict=True)

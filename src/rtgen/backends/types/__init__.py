@@ -1,4 +1,4 @@
-"""The back end for data types and interfaces: Python classes with CDR codecs."""
+"""Back end for data types and interfaces: Python classes with CDR codecs."""
 
 from __future__ import annotations
 

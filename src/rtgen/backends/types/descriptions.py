@@ -1,4 +1,4 @@
-"""The expressions of descriptors, which describe types at run time."""
+"""Expressions of descriptors, which describe types at run time."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ class Descriptions:
         self._py = scope
 
     def of(self, type_: Type) -> str:
-        """The descriptor of a type in a member, element or alias."""
+        """Return the descriptor of a type in a member, element or alias."""
         idl = self._py.idl
         match type_:
             case PrimitiveType(kind):
@@ -97,7 +97,7 @@ class Descriptions:
             scoped = string_literal(declaration.scoped)
             return f"{py.PrimitiveDescriptor}({scoped})"
         if isinstance(declaration, Interface):
-            # A reference to an object: the operations are not part of the data.
+            # An object reference: its operations are not part of the data.
             facts = [self._head(declaration), *_interface_kind(declaration)]
             return f"{py.InterfaceDescriptor}({', '.join(facts)})"
         declared = py.reference(name)
@@ -107,7 +107,7 @@ class Descriptions:
         return f"{py.idl}.link({', '.join([*linked, *self._own_id(declaration)])})"
 
     def struct(self, declaration: Struct | ExceptionDecl, representation: int) -> str:
-        """The class variable with the descriptor of a struct or exception, as fitted lines."""
+        """Return the class variable with the descriptor of a struct or exception, as lines."""
         py = self._py
         kind = "struct" if isinstance(declaration, Struct) else "exception"
         facts: list[str] = [string_literal(declaration.scoped)]
@@ -118,7 +118,7 @@ class Descriptions:
         return fit_bracketed(Bracketed(head, facts), 4)
 
     def _member(self, member: Member, attribute: str) -> str:
-        """A member as an argument."""
+        """Return a member as an argument."""
         more = _differing(member, attribute)
         if member.optional or member.key or member.must_understand or member.external:
             for flag in ("optional", "key", "must_understand", "external"):
@@ -131,7 +131,7 @@ class Descriptions:
         return f"{attribute}={type_}"
 
     def value(self, declaration: Valuetype) -> str:
-        """The descriptor of a valuetype."""
+        """Return the descriptor of a valuetype."""
         names = self._names.members(declaration)
         state = [self._member(m, names[m.name]) for m in declaration.state]
         bases = [self._py.reference(b) for b in declaration.bases]
@@ -146,20 +146,20 @@ class Descriptions:
         return f"{self._py.idl}.value({', '.join([*facts, *own_id, *state])})"
 
     def box(self, declaration: ValueBox) -> str:
-        """The descriptor of a boxed value."""
+        """Return the descriptor of a boxed value."""
         facts = [string_literal(declaration.scoped), self.of(declaration.type)]
         facts += self._own_id(declaration)
         return f"{self._py.idl}.box({', '.join(facts)})"
 
     def alias(self, declaration: Typedef, representation: int) -> str:
-        """The descriptor of a typedef."""
+        """Return the descriptor of a typedef."""
         facts = [string_literal(declaration.scoped), self.of(declaration.type)]
         facts += self._own_id(declaration)
         facts += [f"representation={representation}"] * bool(representation)
         return f"{self._py.idl}.alias({', '.join(facts)})"
 
     def enum(self, declaration: Enum | Bitmask, class_: str) -> str:
-        """The statement that describes an enum or a bitmask."""
+        """Return the statement that describes an enum or a bitmask."""
         kind = "enum" if isinstance(declaration, Enum) else "flags"
         names = self._names.enumerators(declaration)
         facts = [class_, string_literal(declaration.scoped)]
@@ -170,7 +170,7 @@ class Descriptions:
         return f"{self._py.idl}.{kind}({', '.join(facts)})"
 
     def bitset(self, declaration: Bitset) -> str:
-        """The descriptor of a bitset."""
+        """Return the descriptor of a bitset."""
         facts = [
             string_literal(declaration.scoped),
             str(bit_count(self._model, declaration)),
@@ -179,7 +179,7 @@ class Descriptions:
         return f"{self._py.idl}.bitset({', '.join(facts)})"
 
     def _bitfields(self, declaration: Bitset) -> list[str]:
-        """The descriptors of the named fields, inherited ones first."""
+        """Return the descriptors of the named fields, inherited ones first."""
         described: list[str] = []
         position = 0
         if declaration.base is not None:
@@ -200,7 +200,7 @@ class Descriptions:
         return described
 
     def union(self, declaration: Union, representation: int) -> str:
-        """The descriptor of a union."""
+        """Return the descriptor of a union."""
         idl = self._py.idl
         names = self._names.members(declaration)
         facts = [string_literal(declaration.scoped), self.of(declaration.switch)]
@@ -216,14 +216,14 @@ class Descriptions:
         return f"{idl}.union({', '.join(facts)})"
 
     def label(self, declaration: Union, value: ConstantValue) -> str:
-        """The expression for a label."""
+        """Return the expression for a label."""
         if isinstance(value, EnumeratorName):
             enum, member = self._names.enumerator(value.name)
             return f"{self._py.reference(enum)}.{member}"
         return string_literal(value) if isinstance(value, str) else str(value)
 
     def interface(self, declaration: Interface) -> str:
-        """The class variable with the descriptor of an interface, as fitted lines."""
+        """Return the class variable with the descriptor of an interface, as lines."""
         py = self._py
         texts = [attribute_text(attribute) for attribute in declaration.attributes]
         texts += [signature(operation) for operation in declaration.operations]
@@ -243,7 +243,7 @@ class Descriptions:
     def _traits(
         self, declaration: Struct | Union | ExceptionDecl, representation: int
     ) -> list[str]:
-        """The properties that differ from their defaults, as at most one argument."""
+        """Return the properties that differ from their defaults, as at most one argument."""
         facts = self._own_id(declaration)
         if not isinstance(declaration, ExceptionDecl):
             if isinstance(declaration, Struct) and declaration.base is not None:
@@ -257,7 +257,7 @@ class Descriptions:
         return [f"{self._py.idl}.traits({', '.join(facts)})"] if facts else []
 
     def _own_id(self, declaration: Declaration) -> list[str]:
-        """The repository id, if it differs from the one derived from the name."""
+        """Return the repository id, if it differs from the one derived from the name."""
         return [f"repository_id={text}" for text in self._positional_id(declaration)]
 
     def _positional_id(self, declaration: Declaration) -> list[str]:
@@ -274,7 +274,7 @@ def _form(type_: SequenceType | ArrayType) -> str:
 
 
 def attribute_text(attribute: Attribute) -> str:
-    """An attribute as IDL writes it, on one line."""
+    """Return an attribute in IDL syntax, on one line."""
     if attribute.readonly:
         raises = _raises("raises", attribute.get_raises)
         return f"readonly attribute {attribute.type} {attribute.name}{raises}"
@@ -284,7 +284,7 @@ def attribute_text(attribute: Attribute) -> str:
 
 
 def signature(operation: Operation) -> str:
-    """An operation as IDL writes it, on one line."""
+    """Return an operation in IDL syntax, on one line."""
     parameters = [f"{p.direction} {p.type} {p.name}" for p in operation.parameters]
     text = f"{operation.returns} {operation.name}({', '.join(parameters)})"
     text += _raises("raises", operation.raises)
@@ -303,6 +303,6 @@ def _interface_kind(declaration: Interface) -> list[str]:
 
 
 def _differing(entry: Member | Case, attribute: str) -> list[str]:
-    """The Python name and the member id, if they differ from their defaults."""
+    """Return the Python name and the member id, if they differ from their defaults."""
     facts = [] if attribute == entry.name else [f'name="{entry.name}"']
     return facts if entry.id is None else [*facts, f"member_id={entry.id}"]

@@ -1,4 +1,4 @@
-"""Data for the template of a union."""
+"""Variables for the template of a union."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class Unions:
     def values(
         self, union: Union, mapping: PythonMapping, representation: int
     ) -> dict[str, object]:
-        """The variables of the template, except those common to all classes."""
+        """Return the variables of the template, except those common to all classes."""
         labels = [self._labels(union, case) for case in union.cases]
         other = self._other(union)
         types = list(dict.fromkeys(mapping.annotation(c.type) for c in union.cases))
@@ -106,7 +106,7 @@ class Unions:
         return doc or f"The value, if the branch `{case.name}` is selected."
 
     def _other(self, union: Union) -> str | None:
-        """The lowest discriminator without a label, or None if all have one."""
+        """Return the lowest discriminator without a label, or None if all have one."""
         used = {
             self._describe.label(union, label)
             for c in union.cases
@@ -115,7 +115,7 @@ class Unions:
         return next((text for text in self._all(union) if text not in used), None)
 
     def _all(self, union: Union) -> list[str]:
-        """The discriminators in ascending order, at most as many as needed."""
+        """Return the discriminators in ascending order, at most as many as needed."""
         number = sum(len(case.labels) for case in union.cases) + 1
         switch = self._model.unalias(union.switch)
         if isinstance(switch, NamedType):

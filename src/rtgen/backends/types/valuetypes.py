@@ -54,7 +54,7 @@ class Valuetypes:
         self._fields: dict[tuple[Type, bool], str] = {}
 
     def text(self, declaration: Valuetype, nested: list[str]) -> str:
-        """The class of a valuetype: its state as fields, its operations for the user."""
+        """Return the class of a valuetype: its state as fields, its operations for the user."""
         py = self._py
         names = self._names.members(declaration)
         called = self._names.operations(declaration)
@@ -96,7 +96,7 @@ class Valuetypes:
         )
 
     def box(self, declaration: ValueBox) -> str:
-        """The class of a boxed value."""
+        """Return the class of a boxed value."""
         py = self._py
         return render(
             "types/valuetype.py.j2",
@@ -112,7 +112,7 @@ class Valuetypes:
         )
 
     def field(self, type_: Type, dataclass: bool = True) -> str:
-        """Annotation and initial value of a field, of a `dataclass` or a `msgspec.Struct`."""
+        """Return annotation and initial value of a field of a `dataclass` or a `msgspec.Struct`."""
         found = self._fields.get((type_, dataclass))
         if found is None:
             found = self._fields[type_, dataclass] = self._field(type_, dataclass)

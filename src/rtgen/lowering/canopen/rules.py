@@ -1,4 +1,4 @@
-"""The rules of lowering CANopen devices (EDS0800 to EDS0807, but for EDS0805)."""
+"""The rules of lowering CANopen devices (EDS0800 to EDS0807, except EDS0805)."""
 
 from __future__ import annotations
 

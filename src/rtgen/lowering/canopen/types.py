@@ -34,7 +34,7 @@ _RAISED: tuple[ScopedName, ...] = (("CANopen", "SdoAbort"), ("CANopen", "BusGone
 
 
 def declarations(ports: DevicePorts) -> Iterator[Declaration]:
-    """The structs of the ports, and the interface with operations that a bus file lists."""
+    """Yield the structs of the ports, and the interface with the operations of the bus file."""
     if ports.per_object:
         yield from _timed(ports)
     else:
@@ -78,7 +78,7 @@ def _struct(ports: DevicePorts, sample: PdoSample) -> Struct:
 
 
 def _timed(ports: DevicePorts) -> Iterator[Struct]:
-    """The types of ports without a counterpart in the module RTC."""
+    """Yield the types of ports without a counterpart in the module RTC."""
     made: set[ScopedName] = set()
     for port in ports.object_ports:
         name = port.quantity.timed(ports.kind.module)
@@ -139,5 +139,5 @@ def _service(ports: DevicePorts) -> Interface:
 
 
 def _type(type_: Type) -> Type:
-    """The type of a parameter, with a typedef for a sequence."""
+    """Return the type of a parameter, with a typedef for a sequence."""
     return _OCTETS if isinstance(type_, SequenceType) else type_

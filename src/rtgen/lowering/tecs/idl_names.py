@@ -1,4 +1,4 @@
-"""Names in IDL: distinct regardless of case, and typedefs for anonymous types."""
+"""Names in IDL: distinct regardless of case; typedefs for anonymous types."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ from rtgen.model.tecs import TecsDeclaration
 
 
 class IdlNames:
-    """The names of one scope of IDL, where no two may differ in case only."""
+    """The names of one scope of IDL, which must differ in more than case."""
 
     def __init__(self, taken: Iterable[str] = ()) -> None:
         self._taken = {name.lower() for name in taken}
 
     def add(self, name: str) -> str:
-        """A valid and unused IDL identifier for the name."""
+        """Return a valid and unused IDL identifier for the name."""
         chosen = f"x{name}" if name.startswith("_") else name
         while chosen.lower() in self._taken:
             chosen += "_"
@@ -34,7 +34,7 @@ class IdlNames:
 
 
 def common_fields(name: ScopedName, declaration: TecsDeclaration) -> dict[str, Any]:
-    """The common fields of a declaration."""
+    """Return the common fields of a declaration."""
     return {
         "name": name,
         "repository_id": f"IDL:{'/'.join(name)}:1.0",
@@ -58,7 +58,7 @@ class AnonymousTypes:
         self.arrays: dict[Span, ScopedName] = {}
 
     def named(self, type_: Type) -> Type:
-        """The type in a form valid for a parameter or return value."""
+        """Return the type in a form valid for a parameter or return value."""
         if not isinstance(type_, SequenceType | ArrayType):
             return type_
         if type_ not in self._named:
@@ -70,7 +70,7 @@ class AnonymousTypes:
 
 
 def _title(type_: Type) -> str:
-    """`LongSeq` for `sequence<long>`, `OctetArray2x3` for `octet[2][3]`."""
+    """Return a name: `LongSeq` for `sequence<long>`, `OctetArray2x3` for `octet[2][3]`."""
     match type_:
         case SequenceType(element, bound):
             return f"{_title(element)}Seq{'' if bound is None else bound}"

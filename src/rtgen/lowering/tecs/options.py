@@ -103,7 +103,7 @@ def _identifier(text: str) -> str:
 
 
 def _encoding(text: str) -> str:
-    """An encoding whose text has ASCII's letters as single bytes, so that a NUL ends it."""
+    """Return an encoding in which ASCII letters are single bytes, so that a NUL ends a text."""
     try:
         codecs.lookup(text)
         fits = _SAMPLE.encode(text) == _SAMPLE.encode("ascii")
@@ -148,7 +148,7 @@ class RtcOptions:
 
     @property
     def widths(self) -> Widths:
-        """The widths of C's types: those of `tTDR` are those of a 64-bit machine."""
+        """The widths of C's types; by default those of a 64-bit machine for `tTDR`."""
         usual = 32 if self.tdr == "network" else 64
         return Widths(
             self.short_bits,
@@ -158,7 +158,7 @@ class RtcOptions:
         )
 
     def differing(self, other: RtcOptions, *shared: str) -> list[str]:
-        """The options, shared in one of these scopes, that differ from the other's."""
+        """Return the options, shared in one of these scopes, that differ from the other's."""
         if self == other:
             return []
         return [
@@ -172,7 +172,7 @@ class RtcOptions:
 _FIELDS = {each.metadata["name"]: each for each in fields(RtcOptions)}
 
 PC_OPTIONS = tuple(name for name in _FIELDS if name != "PPAllocatorSize")
-"""The options that tecsgen's OpaqueRPCPlugin does not know."""
+"""The options that tecsgen's OpaqueRPCPlugin does not have."""
 
 _NETWORK = RtcOptions().widths
 NETWORK_WIDTHS = {
@@ -181,11 +181,11 @@ NETWORK_WIDTHS = {
     "longBits": _NETWORK.long,
     "intptrBits": _NETWORK.intptr,
 }
-"""The widths of C's types that tecsgen's boards send in the network's order."""
+"""The widths of C's types on tecsgen's boards in the network's order."""
 
 
 def read_options(through: Through) -> tuple[RtcOptions, list[Diagnostic]]:
-    """The options of a plug-in, and diagnostics."""
+    """Return the options of a plug-in, and diagnostics."""
     values: dict[str, object] = {}
     findings = list(_read(through.options, values))
     return RtcOptions(**values), findings  # type: ignore[arg-type]

@@ -24,13 +24,15 @@ PLUGIN = "RTCPlugin"
 FOLDER = "tecs"
 """The package of code generated for CDL files, below the project's own."""
 
-_TAKEN = frozenset({"_corba"})
-"""Modules beside the packages of the CDL files."""
+_RESERVED = frozenset({"_corba"})
+"""Names of modules beside the packages of the CDL files."""
 
 
 class Service(msgspec.Struct, frozen=True):
-    """A signature that RTCs offer: `name` as in `ServerMarshaller`, `module` as in
-    `server_codec`; `options` are those that all its joins share."""
+    """A signature with RTCs: `name` as in `ServerMarshaller`, `module` as in `server_codec`.
+
+    `options` are common to all its joins.
+    """
 
     signature: Signature
     name: str
@@ -50,7 +52,7 @@ class RtcJoin(msgspec.Struct, frozen=True):
 
     @property
     def instance(self) -> str:
-        """The instance name of its communication RTC."""
+        """The instance name of the join's communication RTC."""
         return self.options.name or f"OpaqueRpcCommunication{self.number}"
 
     @property
@@ -93,7 +95,7 @@ class TecsPackage(msgspec.Struct, frozen=True):
 
 
 def packages(model: Model) -> tuple[list[TecsPackage], list[Diagnostic]]:
-    """The packages in the order of the CDL files, and diagnostics."""
+    """Return the packages in the order of the CDL files, and diagnostics."""
     planned: list[TecsPackage] = []
     findings: list[Diagnostic] = []
     mains = {unit.file for unit in model.tecs}
@@ -115,7 +117,10 @@ class _Planner:
         self.findings: list[Diagnostic] = []
 
     def package(self) -> TecsPackage | None:
-        """The package; None without a join. Joins of an imported main file belong to that file."""
+        """Return the package; None without a join of this main file.
+
+        Joins of an imported main file belong to that file.
+        """
         joined = _distinct(
             (cell, join, through)
             for cell, join in self._unit.joins_through(PLUGIN)
@@ -140,7 +145,7 @@ class _Planner:
         stem = PurePosixPath(self._unit.file).stem
         return TecsPackage(
             unit=self._unit,
-            stem=identifier(stem, _TAKEN),
+            stem=identifier(stem, _RESERVED),
             sources=self._sources(joins),
             services=tuple(services.values()),
             joins=tuple(joins),
@@ -152,7 +157,7 @@ class _Planner:
         return found
 
     def _sources(self, joins: Iterable[RtcJoin]) -> tuple[SourceFile, ...]:
-        """The main file, and the files of the signatures and joins."""
+        """Return the main file, and the files of the signatures and joins."""
         names = [self._unit.file]
         for join in joins:
             names += [join.service.signature.file, join.cell.file]
@@ -160,7 +165,7 @@ class _Planner:
         return tuple(known[name] for name in dict.fromkeys(names) if name in known)
 
     def _compare(self, join: RtcJoin, others: Sequence[RtcJoin]) -> None:
-        """Whether a join agrees with earlier ones in the shared options."""
+        """Report options that differ from those of earlier joins."""
         for other in others:
             same = other.service is join.service
             shared = ("file", "signature") if same else ("file",)
@@ -195,7 +200,7 @@ class _Planner:
 def _distinct(
     joined: Iterable[tuple[Cell, Join, Through]],
 ) -> Iterator[tuple[Cell, Join, Through]]:
-    """The joins, one for each channel.
+    """Yield the joins, one for each channel.
 
     A region's plug-in makes one cell for all its callers of one entry port.
     """

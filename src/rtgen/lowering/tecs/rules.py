@@ -1,4 +1,4 @@
-"""The rules of `RTCPlugin`: its options, and what can become an interface (CDL10xx)."""
+"""The rules of `RTCPlugin`: its options, and signatures without an interface (CDL10xx)."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """A thread that waits for the conditions of readers and writers and calls their handlers.
 
-cyclonedds's listeners are not used: they run in the threads that receive, which must not wait for
-Python, and must not write.
+cyclonedds's listeners are not used: they run in the receiving threads, which must neither wait for
+Python, nor write.
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ from cyclonedds.domain import DomainParticipant
 
 from rtgen.runtime.failures import log
 
-_FOREVER = (1 << 63) - 1
-_AT_ONCE = 64
-"""Conditions that one wait reports."""
+_NO_TIMEOUT = (1 << 63) - 1
+_MAX_CONDITIONS = 64
+"""Maximum number of conditions that one wait reports."""
 
 
 class Dispatcher:
@@ -35,7 +35,7 @@ class Dispatcher:
         self._thread = threading.Thread(target=self._run, name=name, daemon=True)
 
     def add(self, condition: Entity, handler: Callable[[], None]) -> Entry:
-        """Call the handler whenever the condition is true. It must make it false."""
+        """Call the handler whenever the condition is true. The handler must make it false."""
         number = next(self._numbers)
         entry = Entry(self, number, condition, handler)
         self._entries[number] = entry
@@ -61,19 +61,19 @@ class Dispatcher:
             self._set._waitset_detach(self._set._ref, entry.condition._ref)
 
     def _run(self) -> None:
-        triggered = (ctypes.c_void_p * _AT_ONCE)()
+        triggered = (ctypes.c_void_p * _MAX_CONDITIONS)()
         while not self._closed:
             number = self._set._waitset_wait(
-                self._set._ref, triggered, _AT_ONCE, _FOREVER
+                self._set._ref, triggered, _MAX_CONDITIONS, _NO_TIMEOUT
             )
-            for place in range(min(number, _AT_ONCE)):
+            for place in range(min(number, _MAX_CONDITIONS)):
                 entry = self._entries.get(triggered[place] or 0)
                 if entry is not None:
                     entry.call()
 
 
 class Entry:
-    """A condition with its handler; after `close` the handler is called no more."""
+    """A condition with its handler, which is not called after `close`."""
 
     def __init__(
         self,
@@ -90,7 +90,7 @@ class Entry:
         self._closed = False
 
     def call(self) -> None:
-        """Call the handler, unless closed. A defect of it is logged: the thread serves others."""
+        """Call the handler, unless closed. An exception is logged: the thread serves others."""
         with self._lock:
             if self._closed:
                 return
@@ -100,7 +100,7 @@ class Entry:
                 log.exception("a message cannot be handled")
 
     def close(self) -> None:
-        """Wait for the call under way; call no more."""
+        """Wait for the running call; call no more."""
         self._dispatcher._remove(self)
         with self._lock:
             self._closed = True

@@ -1,7 +1,7 @@
-"""Numbers of samples in their encapsulation headers, so that lost ones are counted.
+"""Numbers of samples in their encapsulation headers, by which losses are counted.
 
 Cyclone DDS neither shows the sequence numbers of samples nor counts those that a reliable writer
-overwrote. DDS-XTypes 1.3, 7.6.3.1.2, gives the two low bits of the header's options to padding, and
+overwrote. DDS-XTypes 1.3, 7.6.3.1.2, uses the two low bits of the header's options for padding, and
 lets receivers ignore the others: 14 bits, which hold a number from 1 to 16383. 0 is a sample of
 another program.
 """
@@ -14,11 +14,11 @@ from collections.abc import Hashable
 _CYCLE = (1 << 14) - 1
 DOUBLE = -1
 WRITERS = 256
-"""Writers of one topic whose numbers are remembered."""
+"""Maximum number of writers of one topic whose numbers are stored."""
 
 
 def numbered(octets: bytes, sequence: int) -> bytearray:
-    """A payload with its number, in the only copy that is made."""
+    """Return a payload with its number, as the only copy."""
     number = (sequence - 1) % _CYCLE + 1
     marked = bytearray(octets)
     marked[2] = number >> 6
@@ -27,12 +27,12 @@ def numbered(octets: bytes, sequence: int) -> bytearray:
 
 
 def plain(octets: bytes | bytearray) -> bytes:
-    """The payload without its number."""
+    """Return the payload without its number."""
     return b"".join((octets[:2], bytes((0, octets[3] & 3)), memoryview(octets)[4:]))
 
 
 class Numbers:
-    """Counts the numbers of each writer on beyond their 14 bits."""
+    """Extends the numbers of each writer beyond their 14 bits."""
 
     def __init__(self) -> None:
         self._last: OrderedDict[Hashable, tuple[int, int]] = OrderedDict()
@@ -41,10 +41,10 @@ class Numbers:
     def sequence(
         self, source: Hashable, octets: bytes | bytearray, stamp: int
     ) -> int | None:
-        """The sequence number of a payload; None if it has none, DOUBLE if it came before.
+        """Return the sequence number of a payload; None without one, DOUBLE for a duplicate.
 
-        A writer's samples come in order, so each is less than a cycle after the one before. A
-        write that found no room with one reader of its process, and was repeated, comes twice to
+        A writer's samples arrive in order, so each is less than a cycle after the previous one. A
+        write that found no room with one reader of its process, and was repeated, arrives twice at
         the others; a durable writer that was out of reach sends its last samples again, with the
         time stamps [ns] of their writes.
         """

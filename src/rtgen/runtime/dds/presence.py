@@ -24,7 +24,7 @@ _QOS = Qos(depth=1, durable=True)
 
 
 class Presence(Aggregated):
-    """Something that is present, and who says so."""
+    """The key of a presence: the name, and the process that announces it."""
 
     _descriptor_: ClassVar = idl.struct(
         "rtgen::Presence",
@@ -37,7 +37,7 @@ class Presence(Aggregated):
 
 
 class Presences:
-    """What this process announces, and what it sees of all processes."""
+    """Announcements of this process, and presences of all processes."""
 
     def __init__(self, made: Entities, dispatcher: Dispatcher) -> None:
         self._holder = os.urandom(16)
@@ -52,7 +52,7 @@ class Presences:
         self._entry = dispatcher.add(self._condition, self._take)
 
     def announce(self, name: str) -> Callable[[], None]:
-        """Announce a name; the function returned ends it."""
+        """Announce a name; the returned function ends it."""
         with self._lock:
             self._announced[name] += 1
             if self._announced[name] == 1:
@@ -68,7 +68,7 @@ class Presences:
         return end
 
     def watch(self, prefix: str, on_change: OnChange) -> Callable[[], None]:
-        """Notify of names; the function returned ends it."""
+        """Call `on_change` for changes of names; the returned function ends it."""
         entry = prefix, on_change
         with self._lock:
             for name in self._present:
@@ -83,7 +83,7 @@ class Presences:
         return end
 
     def close(self) -> None:
-        """End everything."""
+        """Close the reader and the writer."""
         self._entry.close()
         for entity in (self._condition, self._reader, self._writer):
             entities.delete(entity)
@@ -103,7 +103,7 @@ class Presences:
             try:
                 name = deserialize(Presence, octets).name
             except CdrError:
-                return  # No presence of ours.
+                return  # Not a presence of rtgen.
             self._names[handle] = name
             self._present[name] += 1
             if self._present[name] == 1:

@@ -1,7 +1,7 @@
-"""Types of topics for cyclonedds, made of the descriptors of generated types.
+"""Types of topics for cyclonedds, created from the descriptors of generated types.
 
 They give the topic its type information (DDS-XTypes 1.3, 7.6.3.2) and its key; samples are
-serialized by rtgen's codecs alone.
+serialized by rtgen's codecs only.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from rtgen.runtime.marshalling.descriptors import (
 )
 
 t: Any = types
-"""Its annotations are generic by means that type checkers do not know."""
+"""Its annotations are generic in a way that type checkers do not support."""
 
 _PRIMITIVES: dict[str, Any] = {
     "boolean": bool,
@@ -53,10 +53,10 @@ _MADE: dict[int, tuple[Any, Any]] = {}
 
 
 def idl_class(type_: type[Any]) -> Any:
-    """The class of cyclonedds for a generated struct or union.
+    """Return the class of cyclonedds for a generated struct or union.
 
-    Raises MediumError for a type that cyclonedds does not have, or cannot describe: wstring, long
-    double, fixed, any, maps, valuetypes, objects, bitsets, mutable unions, types in themselves.
+    Raises MediumError for a type that cyclonedds does not support, or cannot describe: wstring,
+    long double, fixed, any, maps, valuetypes, objects, bitsets, mutable unions, recursive types.
     """
     made = _Maker().named(type_._descriptor_)
     try:
@@ -71,7 +71,7 @@ class _Maker:
         self._under_way: list[str] = []
 
     def named(self, descriptor: Any) -> Any:
-        """The class of a named type, made once."""
+        """Return the class of a named type, which is created once."""
         known = _MADE.get(id(descriptor))
         if known is not None:
             return known[1]
@@ -117,7 +117,7 @@ class _Maker:
 
     def _member(self, member: Any) -> Any:
         type_ = self.type(member.type)
-        # cyclonedds knows this form alone.
+        # cyclonedds supports this form only.
         return Optional[type_] if member.optional else type_  # noqa: UP045
 
     def _branch(self, branch: Any, switch: Descriptor) -> Any:
@@ -132,11 +132,11 @@ class _Maker:
             class_ = self.named(switch)
             labels = [class_(int(label)) for label in labels]
         elif switch in _CHARACTERS:
-            labels = [ord(label) for label in labels]  # as type objects have them
+            labels = [ord(label) for label in labels]  # as in type objects
         return t.case[labels, type_]
 
     def type(self, descriptor: Descriptor) -> Any:
-        """The annotation of a type."""
+        """Return the annotation of a type."""
         descriptor = plain(descriptor)
         match descriptor:
             case PrimitiveDescriptor(name) if name in _PRIMITIVES:
@@ -179,7 +179,7 @@ def _annotations(members: Any) -> dict[str, dict[str, Any]]:
 def _bitmask(python_name: str, name: str, members: Any, bound: int) -> Any:
     meta: Any = type(idl.IdlBitmask)
     namespace = meta.__prepare__(python_name, (idl.IdlBitmask,), typename=name)
-    # The bound has to be known when the positions are checked.
+    # The bound must be known when the positions are checked.
     namespace["__idl_annotations__"]["bit_bound"] = bound
     for flag, place in members:
         namespace["__annotations__"][flag] = bool

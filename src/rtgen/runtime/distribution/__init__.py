@@ -1,1 +1,1 @@
-"""Transports between processes: one contract of engines (`medium`), everything else above it."""
+"""Transports between processes: one contract of engines (`medium`), and the layers above it."""

@@ -1,4 +1,4 @@
-"""The control service of an instance: what it is, its state and parameters; from other processes.
+"""The control service of an instance for other processes: description, state and parameters.
 
 Requests and replies are JSON. A request is an object with `do` and further members; a reply has
 `result`, or `error` with the kind of error.
@@ -27,18 +27,18 @@ if TYPE_CHECKING:
 
 _T = TypeVar("_T")
 
-_MOST_SETS = 64
-"""Configuration sets that other processes can make a component have."""
-_LONGEST = 1 << 20
-"""Octets of a request."""
+_MAX_SETS = 64
+"""Maximum number of configuration sets that other processes can create in a component."""
+_MAX_REQUEST = 1 << 20
+"""Maximum length of a request [octets]."""
 
 
 class ControlError(RtcError):
-    """Another process did not answer, or refused; the message says why."""
+    """No answer from another process, or a refusal; the message has the reason."""
 
 
 class RefusedError(ControlError):
-    """The instance refused; the message says why."""
+    """A refusal by the instance; the message has the reason."""
 
 
 class State(msgspec.Struct, frozen=True):
@@ -70,7 +70,7 @@ class _Answer(msgspec.Struct, omit_defaults=True):
 class Served:
     """The control service of a component of this process. Raises MediumError.
 
-    `system` gives the system that the component is part of, None before it is known.
+    `system` returns the system of the component, None before it is known.
     """
 
     def __init__(
@@ -87,7 +87,7 @@ class Served:
         self._token: Token = serve_octets(medium, name, self._on_request)
 
     def close(self) -> None:
-        """Serve no more."""
+        """Stop serving."""
         self._token.close()
 
     def _on_request(self, octets: bytes, reply: Reply) -> None:
@@ -97,7 +97,7 @@ class Served:
     def _answer(self, octets: bytes, reply: Reply) -> None:
         instance = self._component.instance_name
         try:
-            if len(octets) > _LONGEST:
+            if len(octets) > _MAX_REQUEST:
                 raise ValueError(f"a request of {len(octets)} octets")
             request = msgspec.json.decode(octets, type=_Request)
             answer = _Answer(self._result(request))
@@ -132,8 +132,8 @@ def _parameters(system: System, instance: str, _: Mapping[str, str]) -> Paramete
 def _set(system: System, instance: str, arguments: Mapping[str, str]) -> None:
     sets = system.component(instance).configuration_sets
     set_id = arguments.get("set", sets.active)
-    if set_id not in sets.ids and len(sets.ids) >= _MOST_SETS:
-        raise ControlError(f"{instance} has {_MOST_SETS} configuration sets already")
+    if set_id not in sets.ids and len(sets.ids) >= _MAX_SETS:
+        raise ControlError(f"{instance} has {_MAX_SETS} configuration sets already")
     system.configure(instance, arguments["parameter"], arguments["value"], set_id)
 
 
@@ -151,7 +151,7 @@ _ACTIONS: dict[str, Callable[[System, str, Mapping[str, str]], Any]] = {
 
 
 class Asker:
-    """Another process's instance, to be watched and steered. Methods raise ControlError."""
+    """Client to monitor and control an instance of another process. Methods raise ControlError."""
 
     def __init__(self, medium: Medium, instance: str, timeout: float) -> None:
         self.instance = instance
@@ -159,47 +159,47 @@ class Asker:
         self._timeout = timeout
 
     def close(self) -> None:
-        """Ask no more."""
+        """Close the client."""
         self._client.close()
 
     def describe(self) -> Description:
-        """Its ports, types and interfaces."""
+        """Return the ports, types and interfaces of the instance."""
         return self._asked("describe", Description)
 
     def state(self) -> State:
-        """Its state in its own context."""
+        """Return the state of the instance in its own context."""
         return self._asked("state", State)
 
     def parameters(self) -> Parameters:
-        """Its configuration sets."""
+        """Return the configuration sets of the instance."""
         return self._asked("parameters", Parameters)
 
     def activate(self) -> str:
-        """Request ACTIVE; the name of the return code (`System.activate`)."""
+        """Request ACTIVE; return the name of the return code (`System.activate`)."""
         return self._asked("activate", str)
 
     def deactivate(self) -> str:
-        """Request INACTIVE, as `activate`."""
+        """Request INACTIVE; return the name of the return code."""
         return self._asked("deactivate", str)
 
     def reset(self) -> str:
-        """Request INACTIVE after an ERROR, as `activate`."""
+        """Request INACTIVE after an ERROR; return the name of the return code."""
         return self._asked("reset", str)
 
     def set(self, parameter: str, value: str, set_id: str | None = None) -> None:
-        """Set a parameter, in the active configuration set by default."""
+        """Set a parameter, by default in the active configuration set."""
         chosen = {} if set_id is None else {"set": set_id}
         self._asked("set", None, parameter=parameter, value=value, **chosen)
 
     def activate_set(self, set_id: str) -> None:
-        """Make a configuration set the active one."""
+        """Activate a configuration set."""
         self._asked("activate_set", None, set=set_id)
 
     def _asked(self, do: str, type_: type[_T] | None, **arguments: str) -> _T:
         request = msgspec.json.encode(_Request(do, arguments))
         try:
             octets = self._client.call(request, self._timeout)
-            if len(octets) > descriptions.LONGEST:
+            if len(octets) > descriptions.MAX_OCTETS:
                 raise ControlError(
                     f"{self.instance}: an answer of {len(octets)} octets"
                 )

@@ -1,4 +1,4 @@
-"""Deadlines of subscriptions, for engines that do not watch them."""
+"""Deadlines of subscriptions, for engines that do not support them."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from collections.abc import Callable
 
 
 class Deadline:
-    """Counts the periods of `seconds` in which no sample came (DDS 1.4, 2.2.3.7).
+    """Counts the periods of `seconds` without a sample (DDS 1.4, 2.2.3.7).
 
     The first period begins with the first sample, each other one with a sample or with the end of
-    the period before it. None is no deadline. `clock` gives seconds.
+    the previous period. None means no deadline. `clock` returns seconds.
     """
 
     def __init__(
@@ -24,7 +24,7 @@ class Deadline:
         self._lock = threading.Lock()
 
     def met(self) -> None:
-        """A sample came."""
+        """Note the arrival of a sample."""
         if self._seconds is not None:
             with self._lock:
                 now = self._clock()
@@ -32,14 +32,14 @@ class Deadline:
                 self._last = now
 
     def end(self) -> None:
-        """Nothing is awaited any more."""
+        """End the monitoring."""
         with self._lock:
             self._missed += self._since(self._clock())
             self._last = None
 
     @property
     def missed(self) -> int:
-        """How many periods ended without a sample."""
+        """Number of periods that ended without a sample."""
         with self._lock:
             return self._missed + self._since(self._clock())
 

@@ -1,4 +1,4 @@
-"""What a process says of its instances to others: ports, types, interfaces, state; as JSON."""
+"""Descriptions of a process's instances for others: ports, types, interfaces, state; as JSON."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from rtgen.runtime.marshalling.comparison import definition
 from rtgen.runtime.marshalling.descriptors import lineage
 from rtgen.runtime.rtc.component import Component
 
-LONGEST = 4 << 20
-"""Octets of a description."""
+MAX_OCTETS = 4 << 20
+"""Maximum length of a description [octets]."""
 
 
 class DataPort(msgspec.Struct, frozen=True):
@@ -20,9 +20,9 @@ class DataPort(msgspec.Struct, frozen=True):
 
 
 class Interface(msgspec.Struct, frozen=True):
-    """A provided or required interface, with the ids of all that it derives from.
+    """A provided or required interface, with the ids of all its bases.
 
-    `exists`: calls are served now.
+    `exists`: whether calls are served now.
     """
 
     port: str
@@ -34,7 +34,7 @@ class Interface(msgspec.Struct, frozen=True):
 
 
 class Description(msgspec.Struct, frozen=True):
-    """An instance."""
+    """The description of an instance."""
 
     instance: str
     type: str
@@ -45,7 +45,7 @@ class Description(msgspec.Struct, frozen=True):
 
 
 def describe(component: Component) -> Description:
-    """The description of a component of this process."""
+    """Return the description of a component of this process."""
     return Description(
         component.instance_name,
         component.profile.type_name,

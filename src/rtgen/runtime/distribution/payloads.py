@@ -1,4 +1,4 @@
-"""Payloads as they come from programs of all kinds."""
+"""Payloads received from programs of all kinds."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from rtgen.runtime.xcdr import deserialize
 
 _T = TypeVar("_T", bound=DataType)
 _UNIT = 4
-"""Payloads of RTPS are padded to a multiple of so many octets (DDSI-RTPS 2.5, 9.4.5.4)."""
+"""Payloads of RTPS are padded to a multiple of this number of octets (DDSI-RTPS 2.5, 9.4.5.4)."""
 
 
 def received(type_: type[_T], octets: bytes) -> _T:
-    """The value of a payload. Raises CdrError.
+    """Return the value of a payload. Raises CdrError.
 
-    Programs older than DDS-XTypes 1.3 do not say how many octets are padding (7.6.3.1.2).
+    Programs older than DDS-XTypes 1.3 do not send the number of padding octets (7.6.3.1.2).
     """
     try:
         return deserialize(type_, octets)

@@ -1,4 +1,4 @@
-"""The instances of other processes: their presence, and what they say of themselves."""
+"""The instances of other processes: their presence and their descriptions."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from rtgen.runtime.distribution.descriptions import Description
 from rtgen.runtime.distribution.medium import Medium, Token
 from rtgen.runtime.failures import NOTE, log
 
-_PAUSE = 0.2
-"""Seconds between two attempts to ask an instance that did not answer."""
+_RETRY_INTERVAL = 0.2
+"""Interval between attempts to query an instance that did not answer [s]."""
 
 
 class Presence(Enum):
-    """What has become of an instance of another process."""
+    """The presence of an instance of another process."""
 
     LOST = "is lost: its process ended or is out of reach"
     BACK = "is there again"
@@ -35,10 +35,10 @@ def _log(instance: str, presence: Presence) -> None:
 
 
 class Peers:
-    """Follows the presence of all instances of the system, those of this process, too.
+    """Follows the presence of all instances of the system, including those of this process.
 
-    `timeout` [s] of a question to another process. `listeners` are called when an instance of
-    another process is lost or comes back; the first one logs it. Raises MediumError.
+    `timeout` [s] of a query. `listeners` are called when an instance of another process is lost or
+    returns; the first one logs it. Raises MediumError.
     """
 
     def __init__(self, medium: Medium, process: str, timeout: float) -> None:
@@ -55,33 +55,33 @@ class Peers:
         self._watch: Token = medium.watch("", self._on_change)
 
     def close(self) -> None:
-        """Follow no more."""
+        """Stop following."""
         self._watch.close()
         for asker in self._askers.values():
             asker.close()
         self._askers.clear()
 
     def is_present(self, instance: str) -> bool:
-        """Whether a process has the instance."""
+        """Return whether a process has the instance."""
         return instance in self._present
 
     def is_lost(self, instance: str) -> bool:
-        """Whether a process had the instance, and none has it now."""
+        """Return whether a process had the instance, and none has it now."""
         return instance in self._lost
 
     def is_elsewhere(self, instance: str) -> bool:
-        """Whether another process has the instance."""
+        """Return whether another process has the instance."""
         processes = self._present.get(instance, ())
         return any(process != self._process for process in processes)
 
     @property
     def instances(self) -> list[str]:
-        """The names of all instances that are present, sorted."""
+        """The names of all present instances, sorted."""
         with self._changed:
             return sorted(self._present)
 
     def asker(self, instance: str) -> control.Asker:
-        """A client of the instance's control service. Raises MediumError."""
+        """Return a client of the instance's control service. Raises MediumError."""
         with self._changed:
             found = self._askers.get(instance)
             if found is None:
@@ -90,14 +90,14 @@ class Peers:
             return found
 
     def description(self, instance: str) -> Description | None:
-        """What an instance says of itself, asked once; None if it is not there."""
+        """Return the description of an instance, which is queried once; None if it is absent."""
         return self._descriptions.get(instance) or self.fresh(instance)
 
     def fresh(self, instance: str) -> Description | None:
-        """The same, asked again."""
+        """Query the description of an instance again."""
         if not self.is_present(instance):
             return None
-        if time.monotonic() < self._silent.get(instance, 0.0) + _PAUSE:
+        if time.monotonic() < self._silent.get(instance, 0.0) + _RETRY_INTERVAL:
             return None
         processes = self._present.get(instance)
         try:
@@ -112,7 +112,7 @@ class Peers:
         return found
 
     def wait(self, seconds: float) -> None:
-        """Wait for a change of presence, for so many seconds at most."""
+        """Wait for a change of presence, at most this time."""
         with self._changed:
             self._changed.wait(seconds)
 

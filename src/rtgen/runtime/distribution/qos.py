@@ -1,6 +1,6 @@
-"""Quality of service of connections: the one table from connector properties to `Qos`.
+"""Quality of service of connections: maps connector properties to `Qos`.
 
-What OpenRTM's words mean between processes, and the words of DDS, which go first. Buffers and push
+Properties of OpenRTM have a meaning between processes; those of DDS have priority. Buffers and push
 policies of a connection are at its receiving end, as within a process.
 """
 
@@ -17,21 +17,20 @@ from rtgen.facts.connector_properties import (
 from rtgen.runtime.distribution.medium import Qos
 from rtgen.runtime.ports.connector_properties import parse
 
-LEAST_DEPTH = 64
-"""Samples kept on the way for a burst of writes, if the properties ask for fewer."""
+MIN_DEPTH = 64
+"""Minimum number of samples stored in transfer, for a burst of writes."""
 
-DEFAULT = Qos(depth=LEAST_DEPTH)
-"""Of a port without connections."""
+DEFAULT = Qos(depth=MIN_DEPTH)
+"""The QoS of a port without connections."""
 
 
 def qos_of(properties: Mapping[str, str]) -> Qos:
-    """The QoS of a connection. Raises ConnectorPropertyError.
+    """Return the QoS of a connection. Raises ConnectorPropertyError.
 
-    `dataport.qos.*` in the words of DDS, by default:
-    `reliability`: `reliable`; `durability`: `transient_local` for
-    `dataport.dataflow_type = pull`, else `volatile`; `history`: `keep_all` for
-    `buffer.write.full_policy = block`, else `keep_last`; `depth`: `buffer.length`, but at least 64;
-    `deadline` and `lease` [s]: none. `patience` is `buffer.write.timeout`.
+    `dataport.qos.*` use the words of DDS; defaults: `reliability`: `reliable`; `durability`:
+    `transient_local` for `dataport.dataflow_type = pull`, else `volatile`; `history`: `keep_all`
+    for `buffer.write.full_policy = block`, else `keep_last`; `depth`: `buffer.length`, but at least
+    64; `deadline` and `lease` [s]: none. `patience` is `buffer.write.timeout`.
     """
     settings = parse(properties)
     texts = {key: str(value).strip() for key, value in properties.items()}
@@ -48,7 +47,7 @@ def qos_of(properties: Mapping[str, str]) -> Qos:
     durability = word("durability", "transient_local" if pull else "volatile")
     history = word("history", "keep_all" if blocks else "keep_last")
     length = max(settings.inport_buffer.length, settings.outport_buffer.length)
-    depth = int(word("depth", str(max(length, LEAST_DEPTH))))
+    depth = int(word("depth", str(max(length, MIN_DEPTH))))
     return Qos(
         reliable=word("reliability", "reliable") == "reliable",
         depth=None if history == "keep_all" else depth,
@@ -60,7 +59,7 @@ def qos_of(properties: Mapping[str, str]) -> Qos:
 
 
 def shortest_lease(connections: Iterable[Mapping[str, str]]) -> float | None:
-    """The shortest lease that connections with these properties ask for [s].
+    """Return the shortest lease of connections with these properties [s].
 
     Raises ConnectorPropertyError.
     """
@@ -69,16 +68,16 @@ def shortest_lease(connections: Iterable[Mapping[str, str]]) -> float | None:
 
 
 def fails_on_loss(properties: Mapping[str, str]) -> bool:
-    """Whether a component goes to ERROR when the process at the connection's other end is lost.
+    """Return whether the loss of the other process puts the component in ERROR.
 
-    By default it goes on: `write` gives CONNECTION_LOST, calls raise ObjectNotExist.
+    By default it continues: `write` returns CONNECTION_LOST, calls raise ObjectNotExist.
     """
     given = (properties.get(key, "") for key in (DATA_ON_LOSS, ON_LOSS))
     return "error" in [str(text).strip() for text in given]
 
 
 def strongest(one: Qos, other: Qos) -> Qos:
-    """What a publisher offers so that both are served."""
+    """Return the QoS with which a publisher serves both."""
     return Qos(
         reliable=one.reliable or other.reliable,
         depth=(

@@ -47,7 +47,7 @@ _CODES: dict[type[ServiceError], RemoteExceptionCode] = {
 }
 _ERRORS = {code: kind for kind, code in _CODES.items()}
 _NONE = 0
-"""Discriminator of a union whose value says nothing, with the default branch."""
+"""Discriminator of the default branch, for a union without content."""
 
 
 class RpcServer:
@@ -61,7 +61,7 @@ class RpcServer:
     def request(
         self, octets: bytes
     ) -> tuple[SampleIdentity, OperationTypes | None, Any]:
-        """Identity, operation (None: unknown) and value of a request. Raises CdrError."""
+        """Return identity, operation (None: unknown) and value of a request. Raises CdrError."""
         value = received(self._types.request, octets)
         found = self._types.labels.get(value.data.discriminator)
         return value.header.request_id, found, value.data.value
@@ -69,7 +69,7 @@ class RpcServer:
     def answer(
         self, identity: SampleIdentity, operation: OperationTypes | None, value: Any
     ) -> bytes:
-        """Carry out a request; the octets of its reply. Raises what ends the run."""
+        """Execute a request; return the octets of its reply. Raises what ends the run."""
         try:
             if operation is None:
                 raise BadOperation("there is no such operation")
@@ -83,7 +83,7 @@ class RpcServer:
             return self.failure(identity, error)
 
     def failure(self, identity: SampleIdentity, error: ServiceError) -> bytes:
-        """The octets of the reply for an error outside the interface."""
+        """Return the octets of the reply for an error outside the interface."""
         code = _CODES.get(
             kind_of(error), RemoteExceptionCode.REMOTE_EX_OUT_OF_RESOURCES
         )
@@ -91,7 +91,7 @@ class RpcServer:
         return _serialized(self._types.reply(ReplyHeader(identity, code), nothing), "")
 
     def _result(self, operation: OperationTypes, value: Any) -> Any:
-        """The value of the union of results. Raises ServiceError."""
+        """Return the value of the union of results. Raises ServiceError."""
         call = operation.call
         try:
             arguments = _values(operation, value, call.request)
@@ -113,7 +113,7 @@ class RpcClient:
     """An invoker for stubs over a client of a medium; `timeout` [s] of a call.
 
     A call raises CdrError for an argument that cannot be marshalled, the declared exceptions,
-    MediumError, and ServiceError as the server reports it.
+    MediumError, and ServiceError as reported by the server.
     """
 
     def __init__(self, interface: Any, client: Client, timeout: float) -> None:
@@ -124,7 +124,7 @@ class RpcClient:
         self._timeout = timeout
 
     def __call__(self, operation: str, arguments: tuple[object, ...]) -> object:
-        """Carry out a call."""
+        """Call an operation."""
         call = call_of(self._calls, operation)
         types = self._types.operations.get(operation)
         if types is None:
@@ -165,7 +165,7 @@ class RpcClient:
 
 
 def _serialized(reply: Any, what: str) -> bytes:
-    """The octets of a reply. Raises MarshalError."""
+    """Return the octets of a reply. Raises MarshalError."""
     try:
         return serialize(reply, representation(type(reply)))
     except CdrError as error:
@@ -173,7 +173,7 @@ def _serialized(reply: Any, what: str) -> bytes:
 
 
 def _raised(operation: OperationTypes, error: UserException) -> Any:
-    """The value of the union of results for an exception. Raises ServiceError."""
+    """Return the value of the union of results for an exception. Raises ServiceError."""
     for label, (type_, exception) in operation.exceptions.items():
         if not isinstance(error, exception):
             continue
@@ -189,7 +189,7 @@ def _raised(operation: OperationTypes, error: UserException) -> Any:
 def _struct(
     operation: OperationTypes, type_: Any, body: Any, values: tuple[object, ...]
 ) -> Any:
-    """The struct of arguments or results. Raises CdrError, BadOperation."""
+    """Return the struct of arguments or results. Raises CdrError, BadOperation."""
     if operation.octets:
         return type_(encoded(operation.name, body, values, True))
     count = 0 if body is None else len(type_.__struct_fields__)
@@ -201,7 +201,7 @@ def _struct(
 
 
 def _values(operation: OperationTypes, value: Any, body: Any) -> tuple[object, ...]:
-    """The values of the struct of arguments or results. Raises CdrError."""
+    """Return the values of the struct of arguments or results. Raises CdrError."""
     if operation.octets:
         return decoded(body, bytes(value.octets), True)
     if body is None:

@@ -1,7 +1,7 @@
 """Headers of requests and replies, by DDS-RPC 1.0 (7.5.1.1.1), for every engine.
 
-Both begin with the identity of the request, 24 octets behind the encapsulation header; a request
-goes on with the name of the server that it is for, empty for any.
+Both begin with the identity of the request, 24 octets after the encapsulation header; in a request,
+the name of the server follows, empty for any.
 """
 
 from __future__ import annotations
@@ -29,15 +29,15 @@ from rtgen.runtime.distribution.payloads import received
 from rtgen.runtime.failures import log
 from rtgen.runtime.xcdr import serialize
 
-_REMEMBERED = 4096
-"""Requests that are known again if they come twice."""
+_MAX_REMEMBERED = 4096
+"""Number of requests whose duplicates are detected."""
 
 Identity: TypeAlias = tuple[bytes, int]
 """A client, and the number of its request."""
 
 
 class RemoteExceptionCode(IntEnum):
-    """Why a call failed outside of its interface (DDS-RPC 1.0, 7.5.1.1.1)."""
+    """Reasons of failed calls outside of the interface (DDS-RPC 1.0, 7.5.1.1.1)."""
 
     REMOTE_EX_OK = 0
     REMOTE_EX_UNSUPPORTED = 1
@@ -127,7 +127,7 @@ class ReplyHeader(Aggregated):
 
 
 class Identities:
-    """Gives the requests of a client their identities."""
+    """Assigns identities to the requests of a client."""
 
     def __init__(self) -> None:
         client = os.urandom(16)
@@ -135,38 +135,38 @@ class Identities:
         self._numbers = count(1)
 
     def header(self) -> RequestHeader:
-        """The header of the next request."""
+        """Return the header of the next request."""
         number = SequenceNumber(0, 0)
         number.high, number.low = divmod(next(self._numbers), 1 << 32)
         return RequestHeader(SampleIdentity(self._guid, number), "")
 
 
 _PLAIN = (0, 1, 6, 7)
-"""Encapsulations in which a header has this form: CDR and plain XCDR2."""
+"""Encapsulations with this form of header: CDR and plain XCDR2."""
 _NAME = 4 + 24
 _NAMELESS = bytes((1, 0, 0, 0)) + bytes(4)
-_LONGEST_NAME = 256
+_MAX_NAME = 256
 
 
 def identity_of(octets: bytes) -> Identity:
-    """The identity that a request or reply begins with. Raises CdrError."""
+    """Return the identity at the beginning of a request or reply. Raises CdrError."""
     order = _order(octets)
     client, high, low = struct.unpack_from(f"{order}16siI", octets, 4)
     return client, high << 32 | low
 
 
 def server_of(octets: bytes) -> str:
-    """The name of the server that a request is for; empty for any. Raises CdrError."""
+    """Return the name of the server of a request; empty for any. Raises CdrError."""
     order = _order(octets)
     (length,) = struct.unpack_from(f"{order}I", octets, _NAME)
     name = octets[_NAME + 4 : _NAME + 4 + length]
-    if not 0 < length <= _LONGEST_NAME or len(name) != length:
+    if not 0 < length <= _MAX_NAME or len(name) != length:
         raise CdrError("RequestHeader", "the name of the server is cut off or too long")
     return name[:-1].decode(errors="replace")
 
 
 def directed(octets: bytes, server: str) -> bytes:
-    """A request of ours for a server whose name has 32 characters, which keep the alignment."""
+    """Return a request for a server whose name has 32 characters, which keep the alignment."""
     assert len(server) == 32
     assert octets[_NAME : _NAME + 8] == _NAMELESS
     name = struct.pack("<I33s3x", 33, server.encode())
@@ -180,19 +180,19 @@ def _order(octets: bytes) -> str:
 
 
 class Doubles:
-    """Recognizes requests that were received before; the oldest are forgotten."""
+    """Detects duplicate requests; the oldest are forgotten."""
 
     def __init__(self) -> None:
         self._seen: OrderedDict[Identity, None] = OrderedDict()
         self._lock = threading.Lock()
 
     def is_double(self, identity: Identity) -> bool:
-        """Whether the request was seen before."""
+        """Return whether the request was seen before."""
         with self._lock:
             if identity in self._seen:
                 return True
             self._seen[identity] = None
-            if len(self._seen) > _REMEMBERED:
+            if len(self._seen) > _MAX_REMEMBERED:
                 self._seen.popitem(last=False)
             return False
 

@@ -3,7 +3,7 @@
 `<Interface>_Request` is a header and the union `<Interface>_Call` of `<Interface>_<operation>_In`;
 `<Interface>_Reply` a header and the union `<Interface>_Return` of `<Interface>_<operation>_Result`,
 a union itself: `<Interface>_<operation>_Out`, or an exception. Discriminators are hashes of names.
-An operation with types that DDS lacks has a body of CDR instead, as octets.
+An operation with types that DDS does not support has a body of CDR instead, as octets.
 """
 
 from __future__ import annotations
@@ -62,19 +62,19 @@ class InterfaceTypes(ServiceTypes):
 
 
 def name_hash(name: str) -> int:
-    """The hash of an operation's or exception's name: the first octets of its MD5."""
+    """Return the hash of an operation's or exception's name: the first octets of its MD5."""
     digest = hashlib.md5(name.encode(), usedforsecurity=False).digest()
     return int.from_bytes(digest[:4], "little", signed=True)
 
 
 def operation_name(wire_name: str) -> str:
-    """The operation in DDS-RPC; that of an attribute is `get_NAME` or `set_NAME`."""
+    """Return the operation in DDS-RPC; that of an attribute is `get_NAME` or `set_NAME`."""
     return wire_name.removeprefix("_")
 
 
 @cache
 def interface_types(interface: Any) -> InterfaceTypes:
-    """The types for an interface. Raises ServiceError as `calls_of`."""
+    """Return the types for an interface. Raises ServiceError as `calls_of`."""
     name = interface._descriptor_.name
     calls = calls_of(interface)
     operations = {
@@ -103,7 +103,7 @@ def interface_types(interface: Any) -> InterfaceTypes:
 
 
 def lineage_types(interface: Any) -> tuple[InterfaceTypes, ...]:
-    """Those of an interface and of its bases with operations, as which clients may call it."""
+    """Return the types of an interface and of its bases with operations, which clients may use."""
     bases = [c for c in interface.__mro__[1:] if "_descriptor_" in vars(c)]
     return tuple(interface_types(c) for c in (interface, *bases) if calls_of(c))
 
@@ -146,7 +146,7 @@ def _operation(interface: str, wire: str, call: Call) -> OperationTypes:
 
 @cache
 def _exception(exception: Any) -> Any:
-    """The struct of an exception."""
+    """Return the struct of an exception."""
     descriptor = exception._descriptor_
     return _struct(descriptor.name, _all(descriptor.members))
 
@@ -168,10 +168,10 @@ def _all(members: Any) -> dict[str, Any]:
 
 
 def _struct(name: str, members: dict[str, Any]) -> Any:
-    """A struct; an empty one has a member, since DDS knows no empty structs."""
+    """Return a struct; an empty one has a member, since DDS has no empty structs."""
     members = members or {_UNUSED: idl.OCTET}
     fields = [
-        (key, Any, 0 if key == _UNUSED else None)  # ours are always made with values
+        (key, Any, 0 if key == _UNUSED else None)  # values always have arguments
         for key in members
     ]
     return _made(name, fields, Aggregated, idl.struct(name, **members))
@@ -207,7 +207,7 @@ _LACKING = ("long double",)
 
 
 def _has_dds(descriptor: Any, inside: tuple[str, ...]) -> bool:
-    """Whether every DDS has the type: none with wide strings, maps, objects or itself inside."""
+    """Return whether every DDS supports the type: no wide strings, maps, objects, recursion."""
     descriptor = plain(descriptor)
     match descriptor:
         case PrimitiveDescriptor(name):

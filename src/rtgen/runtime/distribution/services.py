@@ -62,7 +62,7 @@ class ServedProvider:
         self._token: Token = medium.serve(name, types, self._on_request)
 
     def close(self) -> None:
-        """Serve no more."""
+        """Stop serving."""
         self._token.close()
 
     def _on_request(self, octets: bytes, reply: Reply) -> None:
@@ -95,7 +95,7 @@ class ServedProvider:
         except BaseException as error:
             if not ends_run(error):
                 raise
-            # This is not a thread of the run; that ends in the main thread.
+            # Not a thread of the run; the run ends in the main thread.
             interrupt_main()
             failure = UnknownException(described(error))
             answer = self._server.failure(identity, failure)
@@ -114,11 +114,11 @@ class RemoteCalls:
         self._call = RpcClient(interface, self._client, timeout)
 
     def close(self) -> None:
-        """Calls under way raise CommunicationFailure."""
+        """Close the client; running calls raise CommunicationFailure."""
         self._client.close()
 
     def invoke(self, operation: str, arguments: tuple[object, ...]) -> object:
-        """Make a call. Raises what the operation declares, CdrError and ServiceError."""
+        """Call an operation. Raises declared exceptions, CdrError and ServiceError."""
         try:
             return self._call(operation, arguments)
         except NotServedError as error:
@@ -132,10 +132,10 @@ class RemoteCalls:
 
 
 class RemoteProvider:
-    """The provider in another process that a consumer is connected to.
+    """The provider in another process that is connected with a consumer.
 
-    It is looked up at the first call, and again after its process was lost: it may have been
-    started again. A call that may have been carried out is not repeated.
+    It is looked up at the first call, and again after its process was lost, since it may have been
+    restarted. A call that may have been executed is not repeated.
     """
 
     def __init__(
@@ -166,7 +166,7 @@ class RemoteProvider:
         return True
 
     def call(self, operation: str, arguments: tuple[object, ...]) -> object:
-        """Make a call. Raises what the operation declares, CdrError and ServiceError."""
+        """Call an operation. Raises declared exceptions, CdrError and ServiceError."""
         try:
             found = self.find()
         except (TransportError, PortTypeError) as error:
@@ -209,7 +209,7 @@ class RemoteProvider:
         self._chosen = None
 
     def _choice(self, description: Description) -> Interface | None:
-        """The provider; None if the port has none at all. Raises PortTypeError."""
+        """Return the matching provider; None if the port has none at all. Raises PortTypeError."""
         found = {
             p.instance: p for p in description.providers if p.port == self.port.port
         }
@@ -231,7 +231,7 @@ class RemoteProvider:
         return chosen
 
     def _fitting(self, found: dict[str, Interface], identity: str) -> Interface | None:
-        """The provider selected by a property, else of equal name and type, else the only one."""
+        """Return the provider selected by a property, by equal type and name, or the only one."""
         name = self.consumer.instance if self._selected is None else self._selected
         if name in found and identity in found[name].lineage:
             return found[name]

@@ -48,12 +48,12 @@ from rtgen.runtime.timing.guards import Guard
 if TYPE_CHECKING:
     from rtgen.runtime.system.system import System
 
-_LOOK_AGAIN = 0.05
+_POLL_INTERVAL = 0.05
 
 
 @dataclass(slots=True)
 class _Published:
-    """What there is of a component of this process; `tokens` are closed in reverse order."""
+    """The publications of a component of this process; `tokens` are closed in reverse order."""
 
     component: Component
     topics: dict[str, OutTopic] = field(default_factory=dict)
@@ -68,7 +68,7 @@ class DistributedTransport:
     """Carries samples and service calls to other processes over a medium, which it owns.
 
     `timeout` [s] of every call. Calls and samples within the process do not leave it; every data
-    port has its topic, all the same. All methods raise TransportError.
+    port has its topic nevertheless. All methods raise TransportError.
     """
 
     def __init__(self, medium: Medium, *, timeout: float = 2.0) -> None:
@@ -80,7 +80,7 @@ class DistributedTransport:
         self._calls: list[RemoteServiceConnector[RemoteProvider]] = []
         self._data: list[SendingConnector | ReceivingConnector] = []
         self._failing: dict[str, tuple[str, str]] = {}
-        """By connection: the component that fails, and the instance without which it does."""
+        """By connection: the component that fails, and the instance whose loss makes it fail."""
         self._system: System | None = None
         self._closing = threading.Lock()
         try:
@@ -116,7 +116,7 @@ class DistributedTransport:
             self._medium.close()
 
     def steered(self, system: System) -> None:
-        """Let other processes watch and steer the components of a system."""
+        """Let other processes watch and control the components of a system."""
         self._system = system
 
     # Interface to the system
@@ -148,13 +148,13 @@ class DistributedTransport:
             raise
 
     def withdraw(self, component: PortOwner) -> None:
-        """Withdraw a component: first its presence."""
+        """Withdraw a component, its presence first."""
         published = self._published.pop(component.instance_name, None)
         if published is not None:
             published.close()
 
     def reach(self, interface: Any, provider: Provider[Any]) -> Carrier:
-        """The provider itself: calls within a process do not leave it."""
+        """Return the provider itself: calls within a process do not leave it."""
         return provider
 
     def connector(
@@ -164,7 +164,7 @@ class DistributedTransport:
         there: RemotePort,
         properties: Mapping[str, str],
     ) -> RemoteServiceConnector[RemoteProvider]:
-        """A connection to a service port of another process. Raises ConnectError."""
+        """Return a connection to a service port of another process. Raises ConnectError."""
 
         def made(
             consumer: Consumer[Any], selected: str | None, alone: bool
@@ -193,7 +193,7 @@ class DistributedTransport:
         there: RemotePort,
         properties: Mapping[str, str],
     ) -> SendingConnector:
-        """A connection to an InPort of another process. Raises ConnectError."""
+        """Return a connection to an InPort of another process. Raises ConnectError."""
         topic = self._published[here.owner].topics[here.name]
 
         def is_lost() -> bool:
@@ -212,7 +212,7 @@ class DistributedTransport:
         properties: Mapping[str, str],
         guard: Callable[[], Guard],
     ) -> ReceivingConnector:
-        """A connection from an OutPort of another process. Raises ConnectError."""
+        """Return a connection from an OutPort of another process. Raises ConnectError."""
         made = ReceivingConnector(name, self._medium, there, here, properties, guard)
         self._data.append(made)
         self._watch_loss(here.owner, there, name, properties)
@@ -225,7 +225,7 @@ class DistributedTransport:
             self._failing[name] = instance, there.instance
 
     def _on_presence(self, lost: str, presence: Presence) -> None:
-        """Request ERROR of the components that cannot work without a lost instance."""
+        """Put the components in ERROR that need a lost instance."""
         if presence is not Presence.LOST:
             return
         standing = {c.name for c in (*self._data, *self._calls) if c.connected}
@@ -266,22 +266,22 @@ class DistributedTransport:
 
     @property
     def missing(self) -> list[str]:
-        """The instances of other processes that connections need and no process has, sorted."""
+        """The missing instances of other processes that connections need, sorted."""
         data = [c.ends[1] for c in self._data if c.connected]
         calls = [c.target for c in self._calls if c.connected]
         needed = {there.instance for there in (*data, *calls)}
         return sorted(each for each in needed if not self.peers.is_present(each))
 
     def await_instance(self, instance: str, seconds: float) -> None:
-        """Wait until a process has an instance. Raises TransportError after so many seconds."""
+        """Wait until a process has an instance. Raises TransportError after the time-out [s]."""
         deadline = time.monotonic() + seconds
         while not self.peers.is_present(instance):
             if time.monotonic() > deadline:
                 raise TransportError(f"no process of this system has {instance}")
-            self.peers.wait(_LOOK_AGAIN)
+            self.peers.wait(_POLL_INTERVAL)
 
     def is_ready(self, instance: str, before: Collection[str]) -> bool:
-        """Whether the providers are ACTIVE that other processes activate before an instance."""
+        """Return whether an instance's providers that other processes activate first are ACTIVE."""
         return all(
             self._exists(provider)
             for connector in self._calls
@@ -309,10 +309,10 @@ class DistributedTransport:
                 raise TransportError(
                     f"{here} waits for {there}, which no process of this system has"
                 )
-            self.peers.wait(_LOOK_AGAIN)
+            self.peers.wait(_POLL_INTERVAL)
 
     def _fits(self, here: InPort[Any] | OutPort[Any], there: RemotePort) -> bool:
-        """Whether the other end is there. Raises PortTypeError if it does not fit."""
+        """Return whether the other end exists. Raises PortTypeError if it is incompatible."""
         description = self.peers.description(there.instance)
         if description is None:
             return False
@@ -337,7 +337,7 @@ def _check_type(
 
 @contextmanager
 def _reported() -> Iterator[None]:
-    """Turn the errors of engines and of codecs of calls into TransportError."""
+    """Convert the errors of engines and of codecs of calls to TransportError."""
     try:
         yield
     except (MediumError, ServiceError) as error:

@@ -11,14 +11,14 @@ from rtgen.runtime.distribution.peers import Peers
 
 
 class Change(msgspec.Struct, frozen=True):
-    """The new state of an instance; None if its process is lost, or left."""
+    """The new state of an instance; None if its process is lost or has ended."""
 
     instance: str
     state: State | None
 
 
 class Watch:
-    """Compares the states of instances, all of them unless some are named, at each `look`."""
+    """Compares the states of all or the named instances at each `look`."""
 
     def __init__(self, peers: Peers, instances: Collection[str] = ()) -> None:
         self._peers = peers
@@ -26,7 +26,7 @@ class Watch:
         self._known: dict[str, tuple[str, str]] = {}
 
     def look(self) -> Iterator[Change]:
-        """The changes of state since the last call, first of all states.
+        """Yield the changes of state since the last call; the first call yields all states.
 
         An instance that does not answer keeps its last state until its process is lost.
         """

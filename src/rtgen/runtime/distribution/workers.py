@@ -1,4 +1,4 @@
-"""Threads that carry out the requests of other processes, a bounded number at a time."""
+"""Threads that execute the requests of other processes, a bounded number at a time."""
 
 from __future__ import annotations
 
@@ -6,20 +6,20 @@ import threading
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
-_THREADS = 32
-_WAITING = 1024
-"""Requests under way or waiting; more are refused."""
+_MAX_THREADS = 32
+_MAX_WAITING = 1024
+"""Maximum number of running and waiting requests; more are refused."""
 
 
 class Workers:
-    """Threads that carry out requests; one thread keeps their order."""
+    """Threads that execute requests; a single thread keeps their order."""
 
-    def __init__(self, threads: int = _THREADS) -> None:
+    def __init__(self, threads: int = _MAX_THREADS) -> None:
         self._pool = ThreadPoolExecutor(threads, "rtgen call")
-        self._room = threading.BoundedSemaphore(_WAITING)
+        self._room = threading.BoundedSemaphore(_MAX_WAITING)
 
     def submit(self, work: Callable[[], None]) -> bool:
-        """Carry out work, soon; False if there is too much already, or after `close`."""
+        """Execute work soon; return False if too much is waiting, or after `close`."""
         if not self._room.acquire(blocking=False):
             return False
         try:
@@ -36,5 +36,5 @@ class Workers:
             self._room.release()
 
     def close(self) -> None:
-        """Begin no further work."""
+        """Start no further work."""
         self._pool.shutdown(wait=False, cancel_futures=True)
