@@ -1,4 +1,4 @@
-"""What a golden case stores of the files written by rtgen (README.md)."""
+"""The part of the output that a golden case stores (README.md)."""
 
 from __future__ import annotations
 

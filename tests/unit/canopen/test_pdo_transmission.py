@@ -1,4 +1,4 @@
-"""Transmission types, inhibit time, event timer; lengths and deadlines of what is received."""
+"""Transmission types, inhibit time, event timer; lengths and deadlines of received PDOs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What passes through a proxy: samples both ways, parameters, objects by SDO."""
+"""Data of a proxy: samples both ways, parameters, objects by SDO."""
 
 from __future__ import annotations
 

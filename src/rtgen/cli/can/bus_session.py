@@ -31,7 +31,7 @@ class Machine(Protocol):
 
     @property
     def deadline(self) -> int | None:
-        """When `poll` has to be called next, in ns."""
+        """Time of the next call of `poll` [ns]."""
 
     def receive(self, frame: Frame, now: int) -> Iterable[Frame]:
         """Process a received frame; return the frames to send."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 _MAX_COMPARED = 500
-"""Of more candidates, only those of similar start and length are compared, since that is slow."""
+"""Number of candidates above which only those of similar start and length are compared."""
 
 _MAX_GUESSES = 200
 """Maximum number of errors of one kind for which suggestions are searched, which is slow."""

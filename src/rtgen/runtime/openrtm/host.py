@@ -31,7 +31,7 @@ from rtgen.runtime.rtc.participant import Participant
 _T = TypeVar("_T")
 
 _TRANSITION_TIMEOUT = 0.3
-"""Seconds that a callback waits for a transition: OpenRTM gives up after 0.5 s."""
+"""Time-out of a callback that waits for a transition [s]; OpenRTM's is 0.5 s."""
 
 FOLDER = "rtgen.folder"
 """Component property: the folder against which relative file names are resolved."""

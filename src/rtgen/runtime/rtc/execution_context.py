@@ -72,7 +72,7 @@ class ExecutionContext:
     """An execution context (OMG RTC 1.0, 5.2.2.6), of PERIODIC kind by default.
 
     Activation, deactivation, reset and rate change are requests: they return immediately and are
-    carried out at the next tick, so that callbacks only run within ticks. Each phase of a tick
+    executed at the next tick, so that callbacks only run within ticks. Each phase of a tick
     runs for all participants before the next: requests, `on_execute` (or `on_error`),
     `on_state_update`, and deferred work at the end of the cycle.
     """

@@ -66,7 +66,7 @@ class Participant:
         self.activating = False
         """Whether ACTIVATE was requested and is still pending."""
         self.provider_awaited: Callable[[], str] = _nobody
-        """The component that has to be activated before this one; empty if none."""
+        """The component that must be activated before this one; empty if none."""
         self._requests: deque[Request] = deque()
         self._failure = ""
         self._chores = component._chores

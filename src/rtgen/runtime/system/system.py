@@ -63,7 +63,7 @@ class System:
     time the timeline comes first, then periodic connections, then components in the order in which
     they were added. In real time each component has a thread from the first `run` on.
 
-    Requests (activation and so on) return immediately and are carried out at the component's next
+    Requests (activation and so on) return immediately and are executed at the component's next
     tick. A system is a context manager, which closes it.
 
     With a transport, service calls use it, and service ports of other processes can be connected.

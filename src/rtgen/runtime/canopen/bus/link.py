@@ -28,7 +28,7 @@ class Station(Protocol):
 
     @property
     def deadline(self) -> int | None:
-        """When `poll` has to be called, in ns of `Link.now`; None for never."""
+        """Time of the next call of `poll` [ns, as `Link.now`]; None for never."""
 
     def receive(self, frame: Frame, now: int) -> Iterable[Frame]:
         """Process a frame sent by another station; return the frames to send."""

@@ -140,7 +140,7 @@ class NodeReport:
 
 
 class ManagedNode:
-    """The boot procedure of one node. `deadline` is when `poll` has to be called.
+    """The boot procedure of one node. `deadline` is the time of the next call of `poll`.
 
     On an error the node is reset up to `restarts` times (of its description); then it is FAILED,
     or MISSING if it has never answered and is not mandatory. A boot-up message or a command
@@ -176,7 +176,7 @@ class ManagedNode:
 
     @property
     def deadline(self) -> int | None:
-        """When `poll` has to be called; None for never."""
+        """Time of the next call of `poll`; None for never."""
         times = (self._consumer.deadline, self._guard.deadline, self._limit)
         return min((time for time in times if time is not None), default=None)
 

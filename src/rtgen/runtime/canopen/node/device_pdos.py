@@ -230,7 +230,7 @@ class DevicePdos:
 
     @property
     def deadline(self) -> int | None:
-        """When `poll` has to be called next."""
+        """Time of the next call of `poll`."""
         deadline = None
         for part in self._timed:
             due = part.deadline

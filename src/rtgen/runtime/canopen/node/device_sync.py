@@ -43,7 +43,7 @@ class DeviceSync:
 
     @property
     def deadline(self) -> int | None:
-        """When the next SYNC has to be sent."""
+        """Time of the next SYNC."""
         return None if self._producer is None else self._producer.deadline
 
     def configure(self) -> None:

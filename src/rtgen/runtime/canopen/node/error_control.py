@@ -33,7 +33,7 @@ class ErrorControl:
 
     @property
     def deadline(self) -> int | None:
-        """When `poll` or `beat` has to be called next."""
+        """Time of the next call of `poll` or `beat`."""
         deadline, due = self._producer.deadline, self._life.deadline
         if deadline is None or (due is not None and due < deadline):
             return due

@@ -47,7 +47,7 @@ class HeartbeatConsumers:
         self._consumers: dict[int, HeartbeatConsumer] = {}
         self._periods: dict[int, int] = {}
         self.deadline: int | None = None
-        """When `poll` has to be called next."""
+        """Time of the next call of `poll`."""
         self._entries = [(CONSUMERS, sub) for sub in dictionary.subindices(CONSUMERS)]
         dictionary.guard((CONSUMERS,), self._check)
 

@@ -205,7 +205,7 @@ def address_text(address: PartialAddress) -> str:
 class LssMaster:
     """Runs procedures one at a time, in the order of submission.
 
-    Frames and the time are passed in; `deadline` is when `poll` has to be called.
+    Frames and the time are passed in; `deadline` is the time of the next call of `poll`.
     """
 
     def __init__(self, timeout: int = TIMEOUT, settle: int = SETTLE) -> None:

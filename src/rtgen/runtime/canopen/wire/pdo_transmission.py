@@ -65,7 +65,7 @@ class TpdoTransmitter:
     """Decides when a TPDO is sent; `update` sets its data.
 
     Nothing is sent before `start` (OPERATIONAL), after `stop`, or without data. `deadline` is when
-    `poll` has to be called. `overwritten` counts events whose data were replaced before they were
+    `poll` must be called. `overwritten` counts events whose data were replaced before they were
     sent.
     """
 
@@ -103,7 +103,7 @@ class TpdoTransmitter:
 
     @property
     def deadline(self) -> int | None:
-        """When `poll` has to be called, None for never."""
+        """Time of the next call of `poll`; None for never."""
         if not self._running or self._type not in _EVENT or self._data is None:
             return None
         if self._pending:

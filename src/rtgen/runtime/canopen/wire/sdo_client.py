@@ -35,7 +35,7 @@ class SdoClient:
 
     `upload` and `download` return the first frames, and raise RuntimeError unless `ready`. The
     transfer has ended when `busy` is False; `result` then returns the value (empty for a
-    download) or raises SdoAbort. `deadline` is when `poll` has to be called. `drain` is the
+    download) or raises SdoAbort. `deadline` is the time of the next call of `poll`. `drain` is the
     silence in ns that ends draining, which takes at most ten times as long.
     """
 

@@ -93,7 +93,7 @@ class ContextService:
         return self.context.remove_component(component)
 
     def activate_component(self, reference: Any) -> ReturnCode_t:
-        """Request ACTIVE; carried out at the next tick."""
+        """Request ACTIVE; executed at the next tick."""
         component = self._component(reference)
         if component is None:
             return BAD_PARAMETER
