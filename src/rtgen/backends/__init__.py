@@ -122,11 +122,34 @@ def parts(model: Model, options: Options) -> Iterator[Part]:
         yield Part(package.model, package.own, inside, origin, package.profiles)
 
 
+class ComponentTypes(msgspec.Struct, frozen=True):
+    """What makes the components of a project, by the names of their types.
+
+    `factories` has `module:name` for each type, `languages` the language of those whose profiles
+    name another one than Python's.
+    """
+
+    factories: Mapping[str, str] = msgspec.field(default_factory=dict)
+    languages: Mapping[str, str] = msgspec.field(default_factory=dict)
+
+    def joined(self, others: ComponentTypes) -> ComponentTypes:
+        """These types and those of `others` whose names are not among them."""
+        new = {
+            name: language
+            for name, language in others.languages.items()
+            if name not in self.factories
+        }
+        return ComponentTypes(
+            {**others.factories, **self.factories}, {**new, **self.languages}
+        )
+
+
 class Emission(msgspec.Struct, frozen=True):
-    """Result of a back end: artifacts and diagnostics."""
+    """Result of a back end: artifacts, diagnostics, and the component types that it knows."""
 
     artifacts: Sequence[Artifact] = ()
     diagnostics: Sequence[Diagnostic] = ()
+    components: ComponentTypes = ComponentTypes()
 
 
 class Backend(Protocol):

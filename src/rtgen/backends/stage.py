@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from typing import TYPE_CHECKING, Final, cast
 
 from rtgen import plugins
-from rtgen.backends import Backend, DeferredBackend, Options
+from rtgen.backends import (
+    Artifact,
+    Backend,
+    ComponentTypes,
+    DeferredBackend,
+    Emission,
+    Options,
+)
+from rtgen.diagnostics import Diagnostic
 from rtgen.facts.ros import INTERFACE_SUFFIXES
 
 if TYPE_CHECKING:
@@ -68,6 +76,18 @@ def backends() -> Iterator[Backend]:
     yield from BUILT_IN
     for _, backend in plugins.loaded(plugins.Group.BACKENDS):
         yield cast("Backend", backend)
+
+
+def together(emissions: Iterable[Emission]) -> Emission:
+    """The results of several back ends as one, in their order."""
+    artifacts: list[Artifact] = []
+    found: list[Diagnostic] = []
+    components = ComponentTypes()
+    for emission in emissions:
+        artifacts += emission.artifacts
+        found += emission.diagnostics
+        components = components.joined(emission.components)
+    return Emission(artifacts, found, components)
 
 
 def printed_idl(model: Model) -> dict[str, Callable[[], str]]:

@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rtgen import stages
-from rtgen.backends import Artifact, Owner
+from rtgen.backends import Artifact, ComponentTypes, Owner
 from rtgen.diagnostics import Diagnostic, Related, Severity, Span
 from rtgen.project.compilation import Compilation
 from rtgen.project.loading import Project
@@ -27,7 +27,7 @@ from rtgen.project.loading import Project
 if TYPE_CHECKING:
     from importlib import metadata
 
-_FORMAT = "rtgen-run/3"
+_FORMAT = "rtgen-run/4"
 _LIBRARIES = {"artifacts": ("jinja2", "lark")}
 """Libraries whose versions affect the output."""
 
@@ -134,6 +134,7 @@ class Cache:
             diagnostics=tuple(map(_diagnostic, entry["diagnostics"])),
             dependencies=dependencies,
             sources=entry["sources"],
+            components=ComponentTypes(*entry["components"]),
         )
 
     def store(self, key: str, run: Compilation) -> None:
@@ -144,6 +145,10 @@ class Cache:
             "diagnostics": [_diagnostic_entry(d) for d in run.diagnostics],
             "dependencies": dict(run.dependencies),
             "sources": {f: t for f, t in run.sources.items() if f in _files_told(run)},
+            "components": [
+                dict(run.components.factories),
+                dict(run.components.languages),
+            ],
         }
         payload = json.dumps(entry).encode()
         file = self._file(key)

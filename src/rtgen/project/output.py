@@ -21,10 +21,11 @@ from pathlib import Path, PurePosixPath
 import msgspec
 
 from rtgen import stages
-from rtgen.backends import Artifact, Owner
+from rtgen.backends import Artifact, ComponentTypes, Owner
 from rtgen.diagnostics import Diagnostic, InputError, Rule, ToolError
 from rtgen.facts.version import __version__
 from rtgen.project import Project, shown
+from rtgen.project.compilation import Compilation
 from rtgen.project.rules import (
     ENCODING,
     FOREIGN_FILE,
@@ -80,20 +81,17 @@ class Plan(msgspec.Struct, frozen=True):
         return not (self.changes or self.skeletons or self.leftovers or self.barren)
 
 
-def plan(
-    project: Project, artifacts: Sequence[Artifact], inputs: Mapping[str, str]
-) -> Plan:
-    """The changes after which the tree holds the artifacts; inputs are given as key to sha256.
+def plan(project: Project, run: Compilation) -> Plan:
+    """The changes after which the tree holds the artifacts of a run.
 
     Raises InputError if a file would leave its folder, ToolError if the disk fails.
     """
     with stages.stage("compare with the tree"):
-        return _plan(project, artifacts, inputs)
+        return _plan(project, run)
 
 
-def _plan(
-    project: Project, artifacts: Sequence[Artifact], inputs: Mapping[str, str]
-) -> Plan:
+def _plan(project: Project, run: Compilation) -> Plan:
+    artifacts = run.artifacts
     _check(project, artifacts)
     own = [a for a in artifacts if a.owner is Owner.RTGEN]
     users = [(_place(project, a), a) for a in artifacts if a.owner is Owner.USER]
@@ -110,7 +108,7 @@ def _plan(
         if findings:
             raise InputError(findings)
         former = [p for p in known if p in there and p not in wanted]
-        manifest = _manifest(own, wanted, inputs)
+        manifest = _manifest(own, wanted, run)
         changes = [
             Change(project.output / p, _read(project.output / p), None) for p in former
         ]
@@ -142,20 +140,18 @@ def _plan(
         )
 
 
-def write(
-    project: Project, artifacts: Sequence[Artifact], inputs: Mapping[str, str]
-) -> Plan:
-    """Makes the tree hold the artifacts and returns what was done.
+def write(project: Project, run: Compilation) -> Plan:
+    """Makes the tree hold the artifacts of a run and returns what was done.
 
     Raises as `plan` does, in which case nothing was written, and ToolError if the disk
     fails on the way.
     """
     with _disk_failures():
         if not project.output.is_dir():
-            _check(project, artifacts)  # before the folder is made
+            _check(project, run.artifacts)  # before the folder is made
             project.output.mkdir(parents=True, exist_ok=True)
         with _lock(project.output):
-            planned = plan(project, artifacts, inputs)
+            planned = plan(project, run)
             with stages.stage("write"):
                 _apply(project, planned)
     return planned
@@ -189,13 +185,18 @@ def _place(project: Project, artifact: Artifact) -> Path:
 
 
 def _manifest(
-    own: Iterable[Artifact], wanted: Mapping[str, bytes], inputs: Mapping[str, str]
+    own: Iterable[Artifact], wanted: Mapping[str, bytes], run: Compilation
 ) -> bytes:
     """The text of the manifest."""
     content: dict[str, object] = {
         "format": _FORMAT,
         "generator": f"rtgen {__version__}",
-        "inputs": dict(sorted(inputs.items())),
+        "inputs": dict(sorted(run.inputs.items())),
+        **{
+            table: dict(sorted(entries.items()))
+            for table, entries in msgspec.structs.asdict(run.components).items()
+            if entries
+        },
         "files": {
             a.path: {
                 "sha256": sha256(wanted[a.path]).hexdigest(),
@@ -205,6 +206,22 @@ def _manifest(
         },
     }
     return (json.dumps(content, indent=2, ensure_ascii=False) + "\n").encode()
+
+
+def component_types(output: Path) -> ComponentTypes:
+    """The component types in the manifest of an output folder; none without a manifest.
+
+    Raises ToolError for a damaged one.
+    """
+    file = output / MANIFEST
+    try:
+        return msgspec.json.decode(file.read_bytes(), type=ComponentTypes)
+    except FileNotFoundError:
+        return ComponentTypes()
+    except (OSError, msgspec.DecodeError, RecursionError) as error:
+        reason = error.strerror if isinstance(error, OSError) else error
+        hint = "run rtgen generate, which writes it anew"
+        raise ToolError(f"cannot read {shown(file)}: {reason}", hint=hint) from error
 
 
 def _former(output: Path) -> list[str]:

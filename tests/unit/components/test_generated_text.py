@@ -53,17 +53,21 @@ def test_files_and_their_owners() -> None:
     found = artifacts(model(component(), component(name="OmniTo2WD")))
     assert {path: artifact.owner for path, artifact in found.items()} == {
         "robots/components/__init__.py": Owner.RTGEN,
-        "robots/components/entry_points.txt": Owner.RTGEN,
         "robots/components/limiter/__init__.py": Owner.RTGEN,
         "robots/components/omni_to2_wd/__init__.py": Owner.RTGEN,
         "limiter.py": Owner.USER,
         "omni_to2_wd.py": Owner.USER,
     }
-    assert found["robots/components/entry_points.txt"].text.endswith(
-        "\n[rtgen.components]\n"
-        "Limiter = behaviours.limiter:Limiter\n"
-        "OmniTo2WD = behaviours.omni_to2_wd:OmniTo2WD\n"
-    )
+
+
+def test_each_type_has_a_factory() -> None:
+    both = model(component(), component(name="OmniTo2WD"))
+    found = BACKEND.emit(both, OPTIONS).components
+    assert found.factories == {
+        "Limiter": "behaviours.limiter:Limiter",
+        "OmniTo2WD": "behaviours.omni_to2_wd:OmniTo2WD",
+    }
+    assert not found.languages
 
 
 def test_headers_say_who_owns_the_file() -> None:

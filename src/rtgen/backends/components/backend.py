@@ -2,9 +2,18 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 
-from rtgen.backends import Artifact, Emission, Options, Owner, Part, parts
+from rtgen.backends import (
+    Artifact,
+    ComponentTypes,
+    Emission,
+    Options,
+    Owner,
+    Part,
+    parts,
+)
 from rtgen.backends.components.base_module import base_module
 from rtgen.backends.components.checks import check, check_modules, components_of
 from rtgen.backends.components.locations import (
@@ -15,16 +24,17 @@ from rtgen.backends.components.locations import (
 )
 from rtgen.backends.components.skeleton import skeleton_module
 from rtgen.backends.kit.python_text import header_comment
-from rtgen.backends.kit.quoting.properties import language_entry
 from rtgen.backends.kit.rendering import render
 from rtgen.diagnostics import Diagnostic, has_errors
 from rtgen.model import Component, Model
 from rtgen.typemap.idl_python_names import PythonNames
 from rtgen.typemap.python_names import module_name
 
+_LANGUAGE = re.compile(r"[A-Za-z0-9][A-Za-z0-9+#.]{0,15}")
+
 
 class ComponentsBackend:
-    """Generates a package for each component, its skeleton, and the entry points."""
+    """Generates a package for each component, its skeleton, and the table of factories."""
 
     name = "components"
 
@@ -42,7 +52,7 @@ class ComponentsBackend:
             for artifact in _of_part(part):
                 # Boards with a signature of one name share the skeleton of its client.
                 artifacts.setdefault(artifact.path, artifact)
-        return Emission([*artifacts.values(), *_entry_points(packages)], found)
+        return Emission(list(artifacts.values()), found, _types(packages))
 
 
 BACKEND = ComponentsBackend()
@@ -74,32 +84,24 @@ def _of_component(
         yield Artifact(f"{module}.py", skeleton, origin, Owner.USER)
 
 
-def _entry_points(packages: Sequence[Part]) -> Iterator[Artifact]:
-    """The factories of all component types, in the project's package.
-
-    Of two types of one name, that of the first part is listed.
-    """
-    entries: dict[str, str] = {}
-    foreign: dict[str, str] = {}
-    origin: dict[str, None] = {}
+def _types(packages: Sequence[Part]) -> ComponentTypes:
+    """All component types. Of two types of one name, that of the first part is listed."""
+    found = ComponentTypes()
     for part in packages:
         components = components_of(part.model)
-        origin |= dict.fromkeys(_header(part, components)[1])
-        for component in components:
-            target = ":".join(factory(component, part.options))
-            entries.setdefault(component.name[-1], target)
-            if component.is_foreign:
-                foreign[component.name[-1]] = language_entry(component.language)
-    options = packages[0].options
-    if entries:
-        text = render(
-            "components/entry_points.txt.j2",
-            header=header_comment(options.version, origin),
-            entries=sorted(entries.items()),
-            foreign=sorted(foreign.items()),
+        found = found.joined(
+            ComponentTypes(
+                {c.name[-1]: ":".join(factory(c, part.options)) for c in components},
+                {c.name[-1]: _language(c) for c in components if c.is_foreign},
+            )
         )
-        path = f"{components_folder(options)}/entry_points.txt"
-        yield Artifact(path, text, tuple(origin))
+    return found
+
+
+def _language(component: Component) -> str:
+    """The language that a profile names, if it is the name of one."""
+    known = _LANGUAGE.fullmatch(component.language)
+    return component.language if known else "another language"
 
 
 def _header(part: Part, components: Sequence[Component]) -> tuple[str, tuple[str, ...]]:
