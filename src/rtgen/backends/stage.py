@@ -79,15 +79,42 @@ def backends() -> Iterator[Backend]:
 
 
 def together(emissions: Iterable[Emission]) -> Emission:
-    """The results of several back ends as one, in their order."""
-    artifacts: list[Artifact] = []
+    """The results of several back ends as one, in their order.
+
+    Of a Python module that several of them make parts of, one file is composed.
+    """
     found: list[Diagnostic] = []
     components = ComponentTypes()
+    files: list[list[Artifact]] = []
+    known: dict[str, list[Artifact]] = {}
     for emission in emissions:
-        artifacts += emission.artifacts
         found += emission.diagnostics
         components = components.joined(emission.components)
-    return Emission(artifacts, found, components)
+        own: dict[str, list[Artifact]] = {}
+        for artifact in emission.artifacts:
+            earlier = known.get(artifact.path)
+            if earlier and _are_parts(*earlier, artifact):
+                earlier.append(artifact)
+                continue
+            files.append([artifact])
+            own.setdefault(artifact.path, files[-1])
+        known = {**own, **known}
+    return Emission(list(map(_composed, files)), found, components)
+
+
+def _are_parts(*artifacts: Artifact) -> bool:
+    """Whether files of one path are parts of a Python module."""
+    from rtgen.backends.kit.python_module import PythonModule
+
+    return all(isinstance(each, PythonModule) for each in artifacts)
+
+
+def _composed(artifacts: list[Artifact]) -> Artifact:
+    if len(artifacts) == 1:
+        return artifacts[0]
+    from rtgen.backends.kit.python_module import PythonModule, composed
+
+    return composed([each for each in artifacts if isinstance(each, PythonModule)])
 
 
 def printed_idl(model: Model) -> dict[str, Callable[[], str]]:

@@ -7,7 +7,6 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import msgspec
-from msgspec.structs import replace
 
 from rtgen.facts.primitives import Primitive
 from rtgen.model.components import (
@@ -134,6 +133,10 @@ class SourceFile(msgspec.Struct, frozen=True, kw_only=True):
     project or to the include folder, never absolute), `sha256` of its content. `includes` are the
     names of directly included files, in order. `main`: the file was given, not only included. A
     file included inside a scope has its includer in `belongs_to`.
+
+    Lowerings set where back ends find what a file declares: `package` is the Python package that
+    has it, if not the generated one, `module` the module there, if not one of the file's own.
+    `exported`: the generated package has it under the names of its IDL modules.
     """
 
     name: str
@@ -142,6 +145,9 @@ class SourceFile(msgspec.Struct, frozen=True, kw_only=True):
     main: bool
     includes: tuple[str, ...] = ()
     belongs_to: str | None = None
+    package: str = ""
+    module: str = ""
+    exported: bool = True
 
 
 class Model(msgspec.Struct, frozen=True, dict=True):
@@ -202,28 +208,15 @@ class Model(msgspec.Struct, frozen=True, dict=True):
 class Package(msgspec.Struct, frozen=True, kw_only=True):
     """Declarations with names of their own, in a package `name` below the project's.
 
-    `types` maps the displayed path of a file to the module that has what it declares, where the
-    package has not; `conversions` to the package below the project's that has its conversions to
-    a middleware. `sources` are the files that decide the package. `any_values`: values of the
-    types travel in an `any`. `profiles` maps names of components to the paths of their profiles in
-    the package's folder; other profiles stand beside their components.
+    `conversions` maps the displayed path of a file to the package below the project's that has its
+    conversions to a middleware. `sources` are the files that decide the package. `any_values`:
+    values of the types travel in an `any`. `profiles` maps names of components to the paths of
+    their profiles in the package's folder; other profiles stand beside their components.
     """
 
     name: str
     model: Model
     sources: tuple[SourceFile, ...]
-    types: Mapping[str, str] = msgspec.field(default_factory=dict)
     conversions: Mapping[str, str] = msgspec.field(default_factory=dict)
     any_values: bool = False
     profiles: Mapping[str, str] = msgspec.field(default_factory=dict)
-
-    @property
-    def own(self) -> Model:
-        """The model without what other modules have."""
-        return replace(
-            self.model,
-            files=tuple(f for f in self.model.files if f.name not in self.types),
-            declarations=tuple(
-                d for d in self.model.declarations if d.file not in self.types
-            ),
-        )

@@ -89,16 +89,18 @@ Fielded: TypeAlias = Struct | ExceptionDecl | Union | Bitset | Valuetype
 
 
 class PythonNames:
-    """The place of each declaration of a model in the generated package.
+    """The place of each declaration of a model in the generated package, or in another one.
 
-    One implementation module for each IDL file, `_idl.<file>`; one package for each IDL module,
-    which re-exports. `support` are the names that generated text uses itself in class scope.
+    One implementation module for each IDL file, `_idl.<file>`, unless the file has a module of
+    its own; one package for each IDL module, which re-exports.
     """
 
     def __init__(self, model: Model, package: str) -> None:
         self.package = package
         self._model = model
         self._modules = implementation_modules(model)
+        self._files = {file.name: file for file in model.files}
+        self._homes = self._chosen_homes()
         self._implementations: dict[ScopedName, tuple[str, str]] = {}
         self._depths: dict[ScopedName, int] = {}
         self._attributes: dict[str, frozenset[str]] = {}
@@ -111,6 +113,33 @@ class PythonNames:
     def module(self, file: str) -> str:
         """The implementation module of a source file, by its displayed path."""
         return self._modules[file]
+
+    def home(self, module: str) -> str:
+        """The absolute name of the Python module with an implementation module."""
+        return self._homes[module]
+
+    def is_own(self, name: ScopedName) -> bool:
+        """Whether the generated package has the declaration, and not another package."""
+        return not self._files[self._model.find(name).file].package
+
+    def _chosen_homes(self) -> dict[str, str]:
+        homes: dict[str, str] = {}
+        for module, names in self._files_of.items():
+            files = [self._files[name] for name in names]
+            chosen = {file.module for file in files}
+            inside = chosen.pop() if len(chosen) == 1 else ""
+            package = files[0].package or self.package
+            homes[module] = f"{package}.{inside or f'_idl.{module}'}"
+        return homes
+
+    @cached_property
+    def _files_of(self) -> dict[str, list[str]]:
+        """The files of each implementation module, without those that belong to others."""
+        found: dict[str, list[str]] = {}
+        for name, module in self._modules.items():
+            if self._files[name].belongs_to is None:
+                found.setdefault(module, []).append(name)
+        return found
 
     def declarations(self, module: str) -> list[Declaration]:
         """The declarations in an implementation module, in order."""
@@ -127,7 +156,7 @@ class PythonNames:
         return [m for m in dict.fromkeys(self._modules.values()) if m in used]
 
     def implementation(self, name: ScopedName) -> tuple[str, str]:
-        """(`_idl.<module>`, class name) of a declaration."""
+        """(absolute name of the module, class name) of a declaration."""
         return self._implementations[name]
 
     def public(self, name: ScopedName) -> tuple[tuple[str, ...], str]:
@@ -141,6 +170,11 @@ class PythonNames:
             self._attribute(name[: i + 1]) for i in range(inner, len(name))
         )
         return package_path(name[:inner]), attribute
+
+    def public_package(self, name: ScopedName) -> str:
+        """The absolute name of the package that `public` leads from."""
+        file = self._files[self._model.find(name).file]
+        return self.package if file.exported or not file.package else file.package
 
     def attribute(self, name: ScopedName) -> str:
         """The name of a declaration or enumerator in its enclosing scope."""
@@ -404,7 +438,7 @@ class PythonNames:
             while chosen in taken or (chosen not in (text, plain) and chosen in free):
                 chosen += "_"
             taken.add(chosen)
-            self._implementations[name] = f"_idl.{module}", chosen
+            self._implementations[name] = self._homes[module], chosen
 
 
 def distinct(names: Iterable[str], reserved: Collection[str]) -> dict[str, str]:
@@ -440,3 +474,10 @@ def package_path(scope: ScopedName) -> tuple[str, ...]:
     """The package path below the root for an IDL module; rtgen's own packages keep theirs."""
     path = scope_modules(scope)
     return (identifier(path[0], _PACKAGES), *path[1:]) if path else path
+
+
+def is_package(module: str, name: ScopedName) -> bool:
+    """Whether a module below the root is the package of a scope that a declaration stands in."""
+    return any(
+        module == ".".join(package_path(name[:depth])) for depth in range(1, len(name))
+    )

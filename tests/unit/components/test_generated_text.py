@@ -153,11 +153,11 @@ def test_ports() -> None:
         'self.status_out = self.add_out_port("status", rtc.TimedLong)',
         'self.positon = self.add_in_port(".positon", rtc.TimedLong)',
         'self.brake = self.add_provider("Safety", "left", safety.Brake)',
-        'self.log = self.add_consumer("log", "Component", Component_)',
+        'self.log = self.add_consumer("log", "Component", robots_Component)',
         'self.config_ = self.add_in_port("config", rtc.TimedLong)',
         'self.profile_ = self.add_in_port("profile", rtc.TimedLong)',
     ]
-    assert "from ... import Component as Component_, rtc, safety\n" in text
+    assert "from ... import Component as robots_Component, rtc, safety\n" in text
 
 
 def test_a_component_without_anything() -> None:
@@ -278,5 +278,5 @@ def test_a_module_called_self_does_not_hide_the_component() -> None:
     )
     found = artifacts(model(component(port("inport", "a", "self::T")), more=(data,)))
     text = found["robots/components/limiter/__init__.py"].text
-    assert "from ... import self as self_\n" in text
-    assert 'self.a = self.add_in_port("a", self_.T)\n' in text
+    assert "from ... import self as robots_self\n" in text
+    assert 'self.a = self.add_in_port("a", robots_self.T)\n' in text

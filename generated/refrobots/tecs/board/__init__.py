@@ -8,11 +8,11 @@ from rtgen.runtime.lazy import lazy_names
 
 if TYPE_CHECKING:
     from ._idl.motor_board import (
+        NAME_SIZE,
+        WHEELS,
         MotorBoard,
         MotorBoardSkeleton,
         MotorBoardStub,
-        NAME_SIZE,
-        WHEELS,
         tagWheelState,
     )
 

@@ -4,8 +4,7 @@
 
 from __future__ import annotations
 
-from . import _types
-from . import tagWheelState
+from . import _types, tagWheelState
 
 
 def codec_tagWheelState(value: tagWheelState) -> _types.tagWheelState:

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from rtgen.runtime import RTC_OK, ReturnCode_t
 from rtgen.runtime.opaque_rpc import Channel, CommunicationChannel, ProxyServant
 
-from . import MotorBoard, tagWheelState as tagWheelState_
+from . import MotorBoard, tagWheelState as board_tagWheelState
 from ._types import tagWheelState
 from ._views import idl_tagWheelState
 from .components.motor_board_marshaller import MotorBoardMarshallerBase
@@ -52,11 +52,11 @@ class _MotorBoardServant(ProxyServant, MotorBoard):
         self,
         speed: MotorBoard.DoubleSeq2,
         count: int,
-    ) -> tuple[int, tagWheelState_]:
+    ) -> tuple[int, board_tagWheelState]:
         returned, state_out = self._proxy.drive(speed, count)
         return returned, idl_tagWheelState(state_out)
 
-    def getState(self) -> tuple[int, tagWheelState_]:
+    def getState(self) -> tuple[int, board_tagWheelState]:
         returned, state_out = self._proxy.getState()
         return returned, idl_tagWheelState(state_out)
 

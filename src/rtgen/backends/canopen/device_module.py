@@ -9,7 +9,9 @@ from rtgen.backends.canopen.component_module import ComponentModule
 from rtgen.backends.canopen.conversions import to_object
 from rtgen.backends.canopen.literals import items, number
 from rtgen.backends.canopen.objects_module import class_name
+from rtgen.backends.kit.python_module import PythonModule, imports_from
 from rtgen.backends.kit.quoting.python import docstring, string_literal
+from rtgen.lowering.canopen.kinds import folder_of
 from rtgen.model import Component, Model
 from rtgen.model.canopen import PdoDirection
 from rtgen.typemap.canopen_ports import DevicePorts, ObjectPort, PdoSample, Quantity
@@ -18,19 +20,16 @@ from rtgen.typemap.idl_python_names import PythonNames
 _HOOKS = "rtgen.runtime.canopen.hooks"
 
 
-def device_text(
+def device_module(
     model: Model,
     names: PythonNames,
     component: Component,
     ports: DevicePorts,
     options: Options,
-    header: str,
     networks: str,
-) -> str:
+) -> PythonModule:
     """The module. `networks` is the package of the networks, empty if there is none."""
-    return _DeviceModule(model, names, component, ports, options).device(
-        header, networks
-    )
+    return _DeviceModule(model, names, component, ports, options).device(networks)
 
 
 class _DeviceModule(ComponentModule):
@@ -45,11 +44,12 @@ class _DeviceModule(ComponentModule):
         self._name = f"{ports.module}Slave"
         self._objects = class_name(ports.module)
         taken = {self._name, self._objects, "CanopenDevice"}
-        super().__init__(model, names, component, ports, options, taken)
+        path = f"{options.folder}/canopen/{folder_of(ports.kind)}/device.py"
+        super().__init__(model, names, component, ports, options, path, taken)
         self._received = ports.of(PdoDirection.RPDO)
         self._sent = ports.of(PdoDirection.TPDO)
 
-    def device(self, header: str, networks: str) -> str:
+    def device(self, networks: str) -> PythonModule:
         """The whole module."""
         self.use("rtgen.runtime.canopen.node.device", "CanopenDevice")
         self.use("collections.abc", "Mapping")
@@ -81,9 +81,11 @@ class _DeviceModule(ComponentModule):
             body += self._incoming(sample)
         for _, _, function in outgoing:
             body += function
-        relative = [f"from . import DESCRIPTION, {self._objects}"]
-        title = f"The device of `{self.ports.device.key}` as a component."
-        return self.text(header, title, "\n".join(body) + "\n", relative)
+        package = f"{self.names.package}.canopen.{folder_of(self.ports.kind)}"
+        own = imports_from(package, ["DESCRIPTION", self._objects])
+        key = self.ports.device.key
+        title = f"The device of `{key}` as a component."
+        return self.module([key], title, "\n".join(body), own)
 
     def _incoming(self, sample: PdoSample) -> Iterator[str]:
         self.use(_HOOKS, "Getter")

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from msgspec.structs import replace
 
+from rtgen.backends import Options
 from rtgen.backends.canopen.literals import (
     call,
     items,
@@ -14,7 +15,12 @@ from rtgen.backends.canopen.literals import (
     number,
     octets_literal,
 )
-from rtgen.backends.components.imports import import_from
+from rtgen.backends.kit.python_module import (
+    Import,
+    PythonModule,
+    imports_from,
+    python_module,
+)
 from rtgen.backends.kit.python_text import fit
 from rtgen.backends.kit.quoting.python import docstring, string_literal
 from rtgen.layouts.can_startup import StartWrite, configuration, configured
@@ -32,6 +38,7 @@ from rtgen.model.canopen import (
 )
 from rtgen.typemap.canopen_labels import line
 from rtgen.typemap.canopen_names import identifier
+from rtgen.typemap.canopen_ports import DevicePorts
 from rtgen.typemap.canopen_values import kind, object_value, python_type
 
 REMAPPED = "REMAPPED"
@@ -57,10 +64,9 @@ def class_name(module: str) -> str:
     return f"{module}Objects"
 
 
-def objects_text(
-    module: str, kind: DeviceKind, names: Mapping[tuple[int, int], str], header: str
-) -> str:
-    """The module. `names` are the fields of the variables by index and sub-index."""
+def objects_module(path: str, ports: DevicePorts, options: Options) -> PythonModule:
+    """The module at the path."""
+    module, kind, names = ports.module, ports.kind, ports.names
     remapped = configured(kind).pdos if is_remapped(kind) else ()
     writes = configuration(kind)
     device = as_delivered(kind.device)
@@ -68,14 +74,6 @@ def objects_text(
     used += ["PdoDescription"] * bool(device.pdos)
     used += ["Write"] * bool(writes)
     lines = [
-        header + docstring(f"The object dictionary of `{device.key}`.", 0).rstrip("\n"),
-        "",
-        "from __future__ import annotations",
-        "",
-        fit(f"from rtgen.runtime.canopen.description import {', '.join(used)}"),
-        fit(import_from("rtgen.runtime.canopen.objects", _imported(device))),
-        "",
-        "",
         fit(f"class {class_name(module)}(Objects):"),
         docstring(
             f"The values of {module}'s object dictionary, as they are on the wire.", 4
@@ -89,7 +87,18 @@ def objects_text(
         *_remapped(remapped, device),
         *_configuration(writes),
     ]
-    return "\n".join(lines).rstrip("\n") + "\n"
+    return python_module(
+        path,
+        options.package,
+        options.version,
+        [device.key],
+        f"The object dictionary of `{device.key}`.",
+        imports=[
+            *imports_from("rtgen.runtime.canopen.description", used),
+            *_of_objects(device),
+        ],
+        body="\n".join(lines),
+    )
 
 
 def _description(module: str, device: Device) -> str:
@@ -271,10 +280,12 @@ def _class(variable: Variable) -> str:
     return _CLASSES[python_type(variable.data_type)]
 
 
-def _imported(device: Device) -> list[str]:
-    """The imports from the runtime; classes get a leading `_`, which no object's name has."""
-    classes = {_class(variable) for variable in device.variables}
-    return ["Objects", "descriptions", *(f"{name} as _{name}" for name in classes)]
+def _of_objects(device: Device) -> Iterator[Import]:
+    """The imports of entries; classes get a leading `_`, which no object's name has."""
+    module = "rtgen.runtime.canopen.objects"
+    yield from imports_from(module, ["Objects", "descriptions"])
+    for name in {_class(variable) for variable in device.variables}:
+        yield Import(module, name, f"_{name}")
 
 
 def _entries(device: Device, names: Mapping[tuple[int, int], str]) -> Iterator[str]:

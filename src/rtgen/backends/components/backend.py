@@ -15,16 +15,19 @@ from rtgen.backends import (
     parts,
 )
 from rtgen.backends.components.base_module import base_module
-from rtgen.backends.components.checks import check, check_modules, components_of
+from rtgen.backends.components.checks import (
+    check,
+    check_modules,
+    components_of,
+    own_components,
+)
 from rtgen.backends.components.locations import (
     components_folder,
     factory,
-    package_folder,
     source_of,
 )
 from rtgen.backends.components.skeleton import skeleton_module
-from rtgen.backends.kit.python_text import header_comment
-from rtgen.backends.kit.rendering import render
+from rtgen.backends.kit.python_module import python_module
 from rtgen.diagnostics import Diagnostic, has_errors
 from rtgen.model import Component, Model
 from rtgen.typemap.idl_python_names import PythonNames
@@ -60,12 +63,18 @@ BACKEND = ComponentsBackend()
 
 def _of_part(part: Part) -> Iterator[Artifact]:
     """The packages of a part's own components, with the folder they are in, and skeletons."""
-    components = components_of(part.own)
+    components = own_components(part.model)
     if not components:
         return
-    header, origin = _header(part, components)
-    package = render("components/components.py.j2", header=header)
-    yield Artifact(f"{components_folder(part.options)}/__init__.py", package, origin)
+    options = part.options
+    yield python_module(
+        f"{components_folder(options)}/__init__.py",
+        options.package,
+        options.version,
+        part.origin or (source_of(part.model, each).key for each in components),
+        "The components, each in a package of its own.",
+        plain=True,
+    )
     names = PythonNames(part.model, part.options.package)
     for component in components:
         yield from _of_component(part, names, component)
@@ -76,8 +85,7 @@ def _of_component(
 ) -> Iterator[Artifact]:
     model, options = part.model, part.options
     origin = part.origin or (source_of(model, component).key,)
-    base = base_module(model, names, component, options)
-    yield Artifact(f"{package_folder(options, component)}/__init__.py", base, origin)
+    yield base_module(model, names, component, options, origin)
     if not component.factory:
         skeleton = skeleton_module(model, names, component, options)
         module = module_name(component.name[-1])
@@ -102,11 +110,3 @@ def _language(component: Component) -> str:
     """The language that a profile names, if it is the name of one."""
     known = _LANGUAGE.fullmatch(component.language)
     return component.language if known else "another language"
-
-
-def _header(part: Part, components: Sequence[Component]) -> tuple[str, tuple[str, ...]]:
-    """The comment above what is made of components, and its origin."""
-    origin = part.origin or tuple(
-        dict.fromkeys(source_of(part.model, component).key for component in components)
-    )
-    return header_comment(part.options.version, origin), origin

@@ -4,10 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from rtgen.backends import Options
 from rtgen.backends.components.base_module import class_names
-from rtgen.backends.components.imports import Imports, import_from
+from rtgen.backends.components.imports import Imports
+from rtgen.backends.components.locations import base_location
 from rtgen.backends.components.members import attributes_of
-from rtgen.backends.kit.python_text import fit_text
+from rtgen.backends.kit.python_module import (
+    PythonModule,
+    imports_from,
+    python_module,
+)
 from rtgen.backends.kit.quoting.python import docstring, string_literal
 from rtgen.backends.kit.rendering import render
 from rtgen.backends.tecs.function_text import LOCALS, tuple_type
@@ -20,7 +26,6 @@ from rtgen.backends.tecs.service_text import (
 )
 from rtgen.backends.tecs.views import to_codec, to_idl, used_structs
 from rtgen.layouts.tdr import FunctionLayout, Item
-from rtgen.lowering.tecs.communication import FILE
 from rtgen.lowering.tecs.communication import RUNTIME as CHANNEL
 from rtgen.lowering.tecs.idl_model import IdlService
 from rtgen.lowering.tecs.rtc_components import MARSHALLER
@@ -34,7 +39,6 @@ from rtgen.model import (
     PrimitiveType,
 )
 from rtgen.typemap.idl_python_names import PythonNames, distinct
-from rtgen.typemap.python_names import module_name
 from rtgen.typemap.tecs_python import struct_class
 
 _ANY = PrimitiveType(Primitive.ANY)
@@ -46,8 +50,13 @@ _LOCALS = LOCALS | {"returned"}
 
 
 def marshaller_module(
-    text: ServiceText, model: Model, names: PythonNames, idl: IdlService
-) -> str:
+    text: ServiceText,
+    model: Model,
+    names: PythonNames,
+    idl: IdlService,
+    options: Options,
+    origin: Sequence[str],
+) -> PythonModule:
     """The module of a service; the model holds the IDL side of its package."""
     name = text.name
     structs = text.structs
@@ -57,7 +66,7 @@ def marshaller_module(
     own = (f"{name}Proxy", servant, f"{name}Marshaller", text.codec)
     target = f"{name}Target"
     taken = {*structs, *_LOCALS, *own, target, *_BOUND, "Sequence", "make_tdr"}
-    imports = Imports(model, names, ".", taken, {FILE: CHANNEL})
+    imports = Imports(model, names, taken)
     interface = imports.type_name(idl.interface.name)
     servants = _Servant(text, names, idl, imports)
     layouts = text.layout.functions
@@ -72,35 +81,13 @@ def marshaller_module(
         and called[operation.name] != text.methods[function.function.name]
     }
     functions = [text.method(function, call=True) for function in layouts]
-    views = _views_used(layouts)
-    package = module_name(component.name[-1])
-    base = imports.spell(f".components.{package}", class_names(component)[0])
+    base = imports.spell(
+        base_location(text.package, component), class_names(component)[0]
+    )
     attributes = attributes_of(component)
-    values = [line for line in imports.lines() if f"from {_VALUES} " in line]
-    lines = [
-        *(line for line in imports.lines() if "from rtgen." not in line),
-        import_from("._types", structs) if structs else "",
-        import_from("._views", views) if views else "",
-        import_from(text.codec_module, [text.codec]),
-        import_from(text.server_module, [target]),
-    ]
-    used = {
-        "Channel",
-        "CommunicationChannel",
-        "ProxyServant",
-        *(["make_tdr"] if text.makes_tdr else []),
-    }
-    rendered = render(
+    used = ["Channel", "CommunicationChannel", "ProxyServant"]
+    body = render(
         "tecs/marshaller.py.j2",
-        header=text.header,
-        docstring=docstring(f"`{text.signature}`: calls of a TECS board.", 0),
-        standard=standard_imports(functions),
-        runtime=[
-            import_from("rtgen.runtime", ["RTC_OK", "ReturnCode_t"]),
-            import_from(CHANNEL, used),
-            *values,
-        ],
-        imports=sorted(filter(None, lines)),
         proxy=f"{name}Proxy",
         proxy_class=proxy_class(text),
         renamed=_keyword("methods", renamed),
@@ -114,7 +101,24 @@ def marshaller_module(
         provider=attributes.ports[0][1],
         consumer=attributes.ports[1][1],
     )
-    return fit_text(rendered)
+    return python_module(
+        f"{text.package.replace('.', '/')}/{idl.service.module}_marshaller.py",
+        options.package,
+        options.version,
+        origin,
+        f"`{text.signature}`: calls of a TECS board.",
+        imports=[
+            *standard_imports(functions),
+            *imports_from("rtgen.runtime", ["RTC_OK", "ReturnCode_t"]),
+            *imports_from(CHANNEL, [*used, *["make_tdr"] * text.makes_tdr]),
+            *imports_from(f"{text.package}._types", structs),
+            *imports_from(f"{text.package}._views", _views_used(layouts)),
+            *imports_from(text.codec_module, [text.codec]),
+            *imports_from(text.server_module, [target]),
+            *imports.imports(),
+        ],
+        body=body,
+    )
 
 
 def _keyword(name: str, values: dict[str, str]) -> str:
@@ -206,9 +210,8 @@ class _Servant:
     def _any(self, item: Item, value: str) -> str:
         """An array in an `any`, with the typedef of the interface for it."""
         name = self._idl.arrays[item.span]
-        module, _ = self._names.implementation(name)
-        class_name = self._names.companion(name, "Codec")
-        codec = self._imports.spell(f".{module}", class_name)
+        home, _ = self._names.implementation(name)
+        codec = self._imports.spell(home, self._names.companion(name, "Codec"))
         any_value = self._imports.spell(_VALUES, "AnyValue")
         return f"{any_value}({codec}._descriptor_, {value})"
 

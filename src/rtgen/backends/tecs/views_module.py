@@ -4,8 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from rtgen.backends import Options
 from rtgen.backends.components.imports import Imports
-from rtgen.backends.kit.python_text import fit_text
+from rtgen.backends.kit.python_module import (
+    PythonModule,
+    imports_from,
+    python_module,
+)
 from rtgen.backends.kit.rendering import render
 from rtgen.backends.tecs.views import struct_views
 from rtgen.layouts.tdr import Record
@@ -18,10 +23,11 @@ def views_module(
     side: IdlSide,
     names: PythonNames,
     records: Sequence[Record],
-    header: str,
-) -> str:
-    """The text of `_views.py`, for all structs of a package."""
-    imports = Imports(side.model, names, ".", {"_types", "value"})
+    options: Options,
+    origin: Sequence[str],
+) -> PythonModule:
+    """The module `_views.py`, for all structs of a package."""
+    imports = Imports(side.model, names, {"_types", "value"})
     structs = []
     for record in records:
         scoped = side.structs[record.struct.name]
@@ -35,8 +41,12 @@ def views_module(
                 tuple(members[member.name] for member in declaration.members),
             )
         )
-    lines = ["from . import _types", *imports.lines()]
-    text = render(
-        "tecs/views.py.j2", header=header, imports=sorted(lines), structs=structs
+    return python_module(
+        f"{options.folder}/_views.py",
+        options.package,
+        options.version,
+        origin,
+        "Structs in the two views: CDL's types, which codecs have, and IDL's.",
+        imports=[*imports_from(options.package, ["_types"]), *imports.imports()],
+        body=render("tecs/views.py.j2", structs=structs),
     )
-    return fit_text(text)

@@ -14,7 +14,7 @@ from rtgen.layouts.tdr import SignatureLayout, TransferError
 from rtgen.layouts.tdr_messages import layout_of, problems
 from rtgen.lowering.settings import Settings
 from rtgen.lowering.stage import Lowered
-from rtgen.lowering.tecs.communication import FILE, RUNTIME, communication_model
+from rtgen.lowering.tecs.communication import FILE, communication_model
 from rtgen.lowering.tecs.idl_model import IdlSide, idl_side
 from rtgen.lowering.tecs.plan import FOLDER, TecsPackage, packages
 from rtgen.lowering.tecs.rtc_components import CLIENT
@@ -37,8 +37,7 @@ def lower(model: Model, settings: Settings) -> Lowered:
         return Lowered(model, tuple(findings))
     sources = tuple(dict.fromkeys(s for p in planned for s in p.sources))
     communication = communication_model(sources)
-    types = {FILE: RUNTIME}
-    made = [Package(name=FOLDER, model=communication, sources=sources, types=types)]
+    made = [Package(name=FOLDER, model=communication, sources=sources)]
     for plan in planned:
         side, found = idl_side(plan, communication)
         layouts, untransferable = _layouts(plan, side)
@@ -48,7 +47,6 @@ def lower(model: Model, settings: Settings) -> Lowered:
                 name=plan.name,
                 model=side.model,
                 sources=plan.sources,
-                types=types,
                 conversions={FILE: FOLDER},
                 any_values=any(s.options.array == "any" for s in plan.services),
                 profiles=_profiles(plan),

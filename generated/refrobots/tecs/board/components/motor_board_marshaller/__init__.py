@@ -7,9 +7,9 @@ from __future__ import annotations
 from typing import ClassVar
 
 from rtgen.runtime import Component, ComponentProfile, service_port
+from rtgen.runtime.opaque_rpc import OpaqueRpc
 
 from ... import MotorBoard
-from rtgen.runtime.opaque_rpc import OpaqueRpc
 
 
 class MotorBoardMarshallerBase(Component):

@@ -4,8 +4,7 @@
 
 from __future__ import annotations
 
-from . import _types
-from . import nboard
+from . import _types, nboard
 
 
 def codec_nBoard_tagPoint(value: nboard.tagPoint) -> _types.nBoard_tagPoint:

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-
 from rtgen.runtime import RTC_OK, ReturnCode_t
 from rtgen.runtime.opaque_rpc import (
     Channel,

@@ -11,8 +11,8 @@ if TYPE_CHECKING:
     from .._idl.motor import (
         GAIN,
         GEARED,
-        Level,
         MARK,
+        Level,
         Motor,
         MotorSkeleton,
         MotorStub,
