@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from functools import cache
 from pathlib import Path
 
@@ -61,6 +62,18 @@ def idl_file(name: str) -> Path:
 def idl_source(name: str) -> str:
     """The text of an IDL file that ships with rtgen; FileNotFoundError."""
     return idl_file(name).read_text("utf-8")
+
+
+def idl_key(name: str) -> str:
+    """The key of an IDL file that ships with rtgen, by which generated text names it."""
+    return f"rtgen/idl/{name}"
+
+
+@cache
+def implemented_idl() -> dict[str, str]:
+    """The keys of the IDL files whose types the runtime has, with digests of what they declare."""
+    digests = json.loads(idl_source("implemented.json"))
+    return {idl_key(name): digest for name, digest in digests.items()}
 
 
 @cache

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from importlib import import_module
 from typing import Final, TypeAlias
 
@@ -12,6 +12,7 @@ from rtgen import plugins, stages
 from rtgen.diagnostics import Diagnostic
 from rtgen.lowering.settings import Settings
 from rtgen.model import Model
+from rtgen.resources import IDL_FILES, idl_key
 
 
 class Lowered(msgspec.Struct, frozen=True):
@@ -93,6 +94,14 @@ LOWERINGS: Final = (
 )
 """The lowerings of rtgen, in order. Those of plug-ins follow them."""
 
+_SHIPPED: Final = frozenset(map(idl_key, IDL_FILES))
+
+LAST: Final = Lowering(
+    "rtgen.lowering.library",
+    lambda model, _: any(file.key in _SHIPPED for file in model.files),
+)
+"""The lowering that follows all others."""
+
 
 def lowerings(*, complete: bool) -> tuple[Lowering, ...]:
     """The lowerings of rtgen; unless `complete`, those whose results count as definitions."""
@@ -111,10 +120,12 @@ def lowered(model: Model, settings: Settings, *, complete: bool = True) -> Lower
     Raises ToolError for a plug-in that cannot be imported.
     """
     found: list[Diagnostic] = []
-    steps: Iterable[tuple[str, Lower]] = (
+    steps: list[tuple[str, Lower]] = [
         (lowering.name, lowering) for lowering in lowerings(complete=complete)
-    )
-    for name, lower in (*steps, *(_of_plugins() if complete else ())):
+    ]
+    if complete:
+        steps += [*_of_plugins(), (LAST.name, LAST)]
+    for name, lower in steps:
         with stages.stage(f"lowering {name}"):
             made = lower(model, settings)
         model = made.model

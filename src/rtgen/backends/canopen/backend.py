@@ -13,7 +13,7 @@ from rtgen.backends.canopen.network_files import network_files
 from rtgen.backends.canopen.objects_module import objects_module
 from rtgen.backends.canopen.proxy_module import proxy_module
 from rtgen.backends.canopen.shared_files import shared_files
-from rtgen.backends.kit.python_module import PythonModule
+from rtgen.backends.kit.python_module import PythonModule, python_module
 from rtgen.backends.kit.python_text import header
 from rtgen.lowering.canopen.kinds import file_name, folder_of, kinds_of
 from rtgen.model import Component, Model
@@ -51,6 +51,14 @@ class _Devices:
 
     def artifacts(self, devices: list[DevicePorts]) -> Iterator[Artifact]:
         """The files of all devices, and their shared files."""
+        yield python_module(
+            f"{self._options.folder}/canopen/__init__.py",
+            self._options.package,
+            self._options.version,
+            sorted(ports.device.key for ports in devices),
+            "CANopen devices and networks.",
+            plain=True,
+        )
         for ports in devices:
             yield from self._device(ports)
         yield from shared_files(self._model, self._names, self._options, self._networks)

@@ -13,8 +13,9 @@ from rtgen.runtime.canopen.hooks import Receiver, Sender
 from rtgen.runtime.canopen.master.sdo_service import SdoService
 from rtgen.runtime.canopen.objects import over_sdo
 from rtgen.runtime.canopen.port_samples import unread
+from rtgen.runtime.library import canopen, rtc
 
-from ... import canopen, rtc, sampler
+from ... import sampler
 from ...components.sampler_proxy import SamplerProxyBase
 from . import DESCRIPTION, SamplerObjects
 

@@ -10,8 +10,9 @@ from typing import Any
 from rtgen.runtime.canopen import pdo as _pdo
 from rtgen.runtime.canopen.hooks import Getter, Incoming, Outgoing, Setter
 from rtgen.runtime.canopen.node.device import CanopenDevice
+from rtgen.runtime.library import rtc
 
-from ... import rtc, samplerpieces
+from ... import samplerpieces
 from . import DESCRIPTION, SamplerPiecesObjects
 
 

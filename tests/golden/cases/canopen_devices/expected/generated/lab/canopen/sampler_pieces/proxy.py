@@ -13,8 +13,9 @@ from rtgen.runtime.canopen.hooks import Receiver, Sender
 from rtgen.runtime.canopen.master.sdo_service import SdoService
 from rtgen.runtime.canopen.objects import over_sdo
 from rtgen.runtime.canopen.port_samples import Gathering, Inlet
+from rtgen.runtime.library import canopen, rtc
 
-from ... import canopen, rtc, samplerpieces
+from ... import samplerpieces
 from ...components.sampler_pieces_proxy import SamplerPiecesProxyBase
 from . import DESCRIPTION, SamplerPiecesObjects
 
