@@ -5,7 +5,7 @@
 #   specs/canopen/ftmd.eds
 #   specs/canopen/motor_core_unit.eds
 # Owned by rtgen: edits are overwritten by the next run.
-"""The IDL module `CANopen`."""
+"""CANopen devices and networks."""
 
 from typing import Final
 

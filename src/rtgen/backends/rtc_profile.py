@@ -125,6 +125,8 @@ BACKEND = RtcProfileBackend()
 
 def _profiles(part: Part) -> Iterator[Artifact]:
     for component in own_components(part.model):
+        if part.origin and component.factory and not part.options.tecs_corba:
+            continue  # nobody but its own process sees it; OpenRTM has its own copy
         place = part.profiles.get(component.name[-1])
         folder = package_folder(part.options, component)
         yield Artifact(

@@ -135,8 +135,9 @@ class SourceFile(msgspec.Struct, frozen=True, kw_only=True):
     file included inside a scope has its includer in `belongs_to`.
 
     Lowerings set where back ends find what a file declares: `package` is the Python package that
-    has it, if not the generated one, `module` the module there, if not one of the file's own.
-    `exported`: the generated package has it under the names of its IDL modules.
+    has it, if not the generated one, `module` the module there, if not one of the file's own, and
+    `taken` the other names that are bound in that module. `exported`: the generated package has it
+    under the names of its IDL modules.
     """
 
     name: str
@@ -147,6 +148,7 @@ class SourceFile(msgspec.Struct, frozen=True, kw_only=True):
     belongs_to: str | None = None
     package: str = ""
     module: str = ""
+    taken: frozenset[str] = frozenset()
     exported: bool = True
 
 

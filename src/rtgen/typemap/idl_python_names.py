@@ -132,6 +132,11 @@ class PythonNames:
             homes[module] = f"{package}.{inside or f'_idl.{module}'}"
         return homes
 
+    def taken_in(self, module: str) -> frozenset[str]:
+        """Names that are bound in an implementation module besides those of declarations."""
+        files = (self._files[name] for name in self._files_of[module])
+        return frozenset().union(*(file.taken for file in files))
+
     @cached_property
     def _files_of(self) -> dict[str, list[str]]:
         """The files of each implementation module, without those that belong to others."""
@@ -183,7 +188,8 @@ class PythonNames:
     def companion(self, name: ScopedName, suffix: str) -> str:
         """The companion of a declaration's class: `RefHardStub`, `RangeListCodec`."""
         module = self._modules[self._model.find(name).file]
-        return _free(self._implementations[name][1] + suffix, self._classes_of[module])
+        taken = self._classes_of[module] | self.taken_in(module)
+        return _free(self._implementations[name][1] + suffix, taken)
 
     def public_companion(self, name: ScopedName, suffix: str) -> str:
         """The name of a companion in the package of the declaration's IDL module."""
@@ -429,7 +435,7 @@ class PythonNames:
             name: text if count[text] == 1 else "_".join(name)
             for name, text in short.items()
         }
-        reserved = attributes.union(HOMES)
+        reserved = attributes.union(HOMES, self.taken_in(module))
         free = {identifier(text, reserved) for text in wanted.values()}
         taken: set[str] = set()
         for name, text in wanted.items():

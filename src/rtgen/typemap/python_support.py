@@ -61,3 +61,11 @@ HOMES = {
 
 Classes of generated modules cannot have these names.
 """
+
+BASE_NAMES = frozenset(
+    {
+        *("ClassVar", "Component", "ComponentProfile", "ParameterProfile"),
+        *("annotations", "data_port", "dataclass", "service_port"),
+    }
+)
+"""Names that modules with bases of components import."""

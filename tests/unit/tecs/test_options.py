@@ -224,7 +224,7 @@ def test_component_types_of_one_name(tmp_path: Path) -> None:
     ):
         assert factories[name] == target
     skeleton = texts(emission.artifacts)["nodes/server_client.py"]
-    assert "from robots.tecs.left.components.server_client import" in skeleton
+    assert "from robots.tecs.left.server_marshaller import" in skeleton
 
 
 def test_callers_through_a_region_share_a_channel(tmp_path: Path) -> None:

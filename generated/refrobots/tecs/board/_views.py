@@ -4,7 +4,34 @@
 
 from __future__ import annotations
 
-from . import _types, tagWheelState
+from typing import ClassVar, Final
+
+from rtgen.runtime import idl
+from rtgen.runtime.cdr import Aggregated, field
+
+from . import _types
+
+WHEELS: Final = 2
+NAME_SIZE: Final = 32
+
+
+class tagWheelState(Aggregated):
+    """Both wheels, the left one first."""
+
+    _descriptor_: ClassVar = idl.struct(
+        "tagWheelState",
+        time=idl.UNSIGNED_LONG,
+        count=idl.array(idl.LONG, 2),
+        speed=idl.array(idl.DOUBLE, 2),
+        stopped=idl.BOOLEAN,
+        watchdog=idl.BOOLEAN,
+    )
+
+    time: int = 0
+    count: list[int] = field(default_factory=lambda: [0] * 2)
+    speed: list[float] = field(default_factory=lambda: [0.0] * 2)
+    stopped: bool = False
+    watchdog: bool = False
 
 
 def codec_tagWheelState(value: tagWheelState) -> _types.tagWheelState:

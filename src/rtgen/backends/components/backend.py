@@ -27,7 +27,7 @@ from rtgen.backends.components.locations import (
     source_of,
 )
 from rtgen.backends.components.skeleton import skeleton_module
-from rtgen.backends.kit.python_module import python_module
+from rtgen.backends.kit.python_module import PythonModule, composed, python_module
 from rtgen.diagnostics import Diagnostic, has_errors
 from rtgen.model import Component, Model
 from rtgen.typemap.idl_python_names import PythonNames
@@ -64,32 +64,34 @@ BACKEND = ComponentsBackend()
 def _of_part(part: Part) -> Iterator[Artifact]:
     """The packages of a part's own components, with the folder they are in, and skeletons."""
     components = own_components(part.model)
-    if not components:
-        return
     options = part.options
-    yield python_module(
-        f"{components_folder(options)}/__init__.py",
-        options.package,
-        options.version,
-        part.origin or (source_of(part.model, each).key for each in components),
-        "The components, each in a package of its own.",
-        plain=True,
-    )
-    names = PythonNames(part.model, part.options.package)
+    if apart := [each for each in components if not each.module]:
+        yield python_module(
+            f"{components_folder(options)}/__init__.py",
+            options.package,
+            options.version,
+            part.origin or (source_of(part.model, each).key for each in apart),
+            "The components, each in a package of its own.",
+            plain=True,
+        )
+    names = PythonNames(part.model, options.package)
+    modules: dict[str, list[PythonModule]] = {}
     for component in components:
-        yield from _of_component(part, names, component)
+        made = base_module(
+            part.model, names, component, options, _origin(part, component)
+        )
+        modules.setdefault(made.path, []).append(made)
+    yield from map(composed, modules.values())
+    for component in components:
+        if not component.factory:
+            skeleton = skeleton_module(part.model, names, component, options)
+            module = module_name(component.name[-1])
+            origin = _origin(part, component)
+            yield Artifact(f"{module}.py", skeleton, origin, Owner.USER)
 
 
-def _of_component(
-    part: Part, names: PythonNames, component: Component
-) -> Iterator[Artifact]:
-    model, options = part.model, part.options
-    origin = part.origin or (source_of(model, component).key,)
-    yield base_module(model, names, component, options, origin)
-    if not component.factory:
-        skeleton = skeleton_module(model, names, component, options)
-        module = module_name(component.name[-1])
-        yield Artifact(f"{module}.py", skeleton, origin, Owner.USER)
+def _origin(part: Part, component: Component) -> tuple[str, ...]:
+    return part.origin or (source_of(part.model, component).key,)
 
 
 def _types(packages: Sequence[Part]) -> ComponentTypes:

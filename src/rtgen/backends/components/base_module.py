@@ -42,12 +42,9 @@ from rtgen.model import (
 from rtgen.typemap.component_names import CONFIGURATION_NAMES
 from rtgen.typemap.idl_python_names import PythonNames
 from rtgen.typemap.parameters import Parameters
+from rtgen.typemap.python_support import BASE_NAMES
 
-_TAKEN = CONFIGURATION_NAMES | {
-    *("Component", "ComponentProfile", "ParameterProfile", "ClassVar"),
-    *("data_port", "service_port"),
-    *("annotations", "dataclass", "super", "self", "instance_name"),
-}
+_TAKEN = CONFIGURATION_NAMES | BASE_NAMES | {"super", "self", "instance_name"}
 _FLOATING = (PrimitiveType(Primitive.FLOAT), PrimitiveType(Primitive.DOUBLE))
 _ADD = {PortKind.INPORT: "add_in_port", PortKind.OUTPORT: "add_out_port"}
 _PROFILES = {

@@ -22,12 +22,14 @@ def components_folder(options: Options) -> str:
 
 def base_location(package: str, component: Component) -> str:
     """The absolute name of the module with a component's base."""
-    return f"{package}.{_COMPONENTS}.{module_name(component.name[-1])}"
+    own = f"{_COMPONENTS}.{module_name(component.name[-1])}"
+    return f"{package}.{component.module or own}"
 
 
 def module_path(package: str, component: Component) -> str:
     """The file of that module, below the output folder."""
-    return f"{base_location(package, component).replace('.', '/')}/__init__.py"
+    path = base_location(package, component).replace(".", "/")
+    return f"{path}.py" if component.module else f"{path}/__init__.py"
 
 
 def imported_from(options: Options, target: str) -> tuple[str, str]:

@@ -38,7 +38,7 @@ class PythonModule(Artifact, frozen=True, kw_only=True):
     """A module, or the part of it that one back end makes; `text` is that of the part alone.
 
     `package` is the generated package, below which imports are relative. `title` is the docstring,
-    empty for a part that leaves it to others. `defines` are names that other parts import.
+    in which a later back end replaces an earlier one. `defines` are names that other parts import.
     `pragmas` are comments for tools below the header. `plain`: the module has no annotations.
     """
 
@@ -98,7 +98,7 @@ def composed(parts: Sequence[PythonModule]) -> PythonModule:
         msgspec.structs.replace(
             first,
             origin=tuple(dict.fromkeys(key for part in parts for key in part.origin)),
-            title=next((part.title for part in parts if part.title), ""),
+            title=next((part.title for part in reversed(parts) if part.title), ""),
             imports=tuple({each: None for part in parts for each in part.imports}),
             body="\n\n\n".join(bodies),
             defines=frozenset().union(*(part.defines for part in parts)),

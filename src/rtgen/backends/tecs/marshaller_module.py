@@ -6,8 +6,7 @@ from collections.abc import Sequence
 
 from rtgen.backends import Options
 from rtgen.backends.components.base_module import class_names
-from rtgen.backends.components.imports import Imports
-from rtgen.backends.components.locations import base_location
+from rtgen.backends.components.locations import module_path
 from rtgen.backends.components.members import attributes_of
 from rtgen.backends.kit.python_module import (
     PythonModule,
@@ -25,6 +24,7 @@ from rtgen.backends.tecs.service_text import (
     standard_imports,
 )
 from rtgen.backends.tecs.views import to_codec, to_idl, used_structs
+from rtgen.backends.types.scope import Scope
 from rtgen.layouts.tdr import FunctionLayout, Item
 from rtgen.lowering.tecs.communication import RUNTIME as CHANNEL
 from rtgen.lowering.tecs.idl_model import IdlService
@@ -38,14 +38,11 @@ from rtgen.model import (
     Primitive,
     PrimitiveType,
 )
+from rtgen.typemap.idl_python import PythonMapping
 from rtgen.typemap.idl_python_names import PythonNames, distinct
 from rtgen.typemap.tecs_python import struct_class
 
 _ANY = PrimitiveType(Primitive.ANY)
-_VALUES = "rtgen.runtime.values"
-_BOUND = (
-    *("RTC_OK", "ReturnCode_t", "CommunicationChannel", "Channel", "ProxyServant"),
-)
 _LOCALS = LOCALS | {"returned"}
 
 
@@ -63,12 +60,9 @@ def marshaller_module(
     component = model.find((f"{idl.service.name}{MARSHALLER}",))
     assert isinstance(component, Component)
     servant = f"_{name}Servant"
-    own = (f"{name}Proxy", servant, f"{name}Marshaller", text.codec)
-    target = f"{name}Target"
-    taken = {*structs, *_LOCALS, *own, target, *_BOUND, "Sequence", "make_tdr"}
-    imports = Imports(model, names, taken)
-    interface = imports.type_name(idl.interface.name)
-    servants = _Servant(text, names, idl, imports)
+    scope = Scope(names, names.module(idl.file))
+    interface = scope.reference(idl.interface.name)
+    servants = _Servant(text, model, names, idl, scope)
     layouts = text.layout.functions
     pairs = list(zip(layouts, idl.interface.operations, strict=True))
     converting = [pair for pair in pairs if servants.converts(*pair)]
@@ -81,9 +75,6 @@ def marshaller_module(
         and called[operation.name] != text.methods[function.function.name]
     }
     functions = [text.method(function, call=True) for function in layouts]
-    base = imports.spell(
-        base_location(text.package, component), class_names(component)[0]
-    )
     attributes = attributes_of(component)
     used = ["Channel", "CommunicationChannel", "ProxyServant"]
     body = render(
@@ -97,12 +88,12 @@ def marshaller_module(
         operations=operations,
         rtc=f"{name}{MARSHALLER}",
         rtc_docstring=docstring(component.doc, 4),
-        base=base,
+        base=class_names(component)[0],
         provider=attributes.ports[0][1],
         consumer=attributes.ports[1][1],
     )
     return python_module(
-        f"{text.package.replace('.', '/')}/{idl.service.module}_marshaller.py",
+        module_path(text.package, component),
         options.package,
         options.version,
         origin,
@@ -114,8 +105,8 @@ def marshaller_module(
             *imports_from(f"{text.package}._types", structs),
             *imports_from(f"{text.package}._views", _views_used(layouts)),
             *imports_from(text.codec_module, [text.codec]),
-            *imports_from(text.server_module, [target]),
-            *imports.imports(),
+            *imports_from(text.server_module, [f"{name}Target"]),
+            *scope.imports(),
         ],
         body=body,
     )
@@ -131,12 +122,20 @@ class _Servant:
     """Writes the operations of the servant behind the service port."""
 
     def __init__(
-        self, text: ServiceText, names: PythonNames, idl: IdlService, imports: Imports
+        self,
+        text: ServiceText,
+        model: Model,
+        names: PythonNames,
+        idl: IdlService,
+        scope: Scope,
     ) -> None:
         self._methods = text.methods
         self._names = names
         self._idl = idl
-        self._imports = imports
+        self._scope = scope
+        self._mapping = PythonMapping(
+            model, scope.reference, scope.spell, servants=True
+        )
 
     def converts(self, layout: FunctionLayout, operation: Operation) -> bool:
         """Whether a value of the function differs between CDL and IDL."""
@@ -153,7 +152,7 @@ class _Servant:
 
     def operation(self, layout: FunctionLayout, operation: Operation) -> Method:
         """Converts the arguments, calls the proxy, and converts the results."""
-        annotate = self._imports.mapping.annotation
+        annotate = self._mapping.annotation
         views = _views_used([layout])
         names = distinct((p.name for p in operation.parameters), _LOCALS.union(views))
         pairs = list(zip(layout.items, operation.parameters, strict=True))
@@ -209,11 +208,8 @@ class _Servant:
 
     def _any(self, item: Item, value: str) -> str:
         """An array in an `any`, with the typedef of the interface for it."""
-        name = self._idl.arrays[item.span]
-        home, _ = self._names.implementation(name)
-        codec = self._imports.spell(home, self._names.companion(name, "Codec"))
-        any_value = self._imports.spell(_VALUES, "AnyValue")
-        return f"{any_value}({codec}._descriptor_, {value})"
+        codec = self._scope.companion(self._idl.arrays[item.span], "Codec")
+        return f"{self._scope.AnyValue}({codec}._descriptor_, {value})"
 
 
 def _local(body: list[str], value: str, name: str, taken: set[str]) -> str:

@@ -1,11 +1,10 @@
-"""The module `_views.py`: the structs of a package in CDL's types and in IDL's."""
+"""The part of the module `_views.py` that converts structs, beside their classes in IDL."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 from rtgen.backends import Options
-from rtgen.backends.components.imports import Imports
 from rtgen.backends.kit.python_module import (
     PythonModule,
     imports_from,
@@ -14,7 +13,7 @@ from rtgen.backends.kit.python_module import (
 from rtgen.backends.kit.rendering import render
 from rtgen.backends.tecs.views import struct_views
 from rtgen.layouts.tdr import Record
-from rtgen.lowering.tecs.idl_model import IdlSide
+from rtgen.lowering.tecs.idl_model import VIEWS, IdlSide
 from rtgen.model import Struct
 from rtgen.typemap.idl_python_names import PythonNames
 
@@ -26,8 +25,7 @@ def views_module(
     options: Options,
     origin: Sequence[str],
 ) -> PythonModule:
-    """The module `_views.py`, for all structs of a package."""
-    imports = Imports(side.model, names, {"_types", "value"})
+    """The conversions of all structs of a package."""
     structs = []
     for record in records:
         scoped = side.structs[record.struct.name]
@@ -37,16 +35,16 @@ def views_module(
         structs.append(
             struct_views(
                 record,
-                imports.type_name(scoped),
+                names.implementation(scoped)[1],
                 tuple(members[member.name] for member in declaration.members),
             )
         )
     return python_module(
-        f"{options.folder}/_views.py",
+        f"{options.folder}/{VIEWS}.py",
         options.package,
         options.version,
         origin,
         "Structs in the two views: CDL's types, which codecs have, and IDL's.",
-        imports=[*imports_from(options.package, ["_types"]), *imports.imports()],
+        imports=imports_from(options.package, ["_types"]),
         body=render("tecs/views.py.j2", structs=structs),
     )

@@ -143,20 +143,16 @@ class _Writer:
                 if isinstance(d, Typedef) and builder.has_codec(d)
             }
         body = builder.body()
-        title = "" if files[0].module else f"Types of `{_keys(files)}`."
-        path = self._path(self._names.home(module))
-        return (
-            self._made(
-                path,
-                files,
-                title,
-                imports=builder.scope.imports(),
-                body=body,
-                defines=builder.scope.defined,
-                pragmas=builder.pragmas,
-            ),
-            builder.codecs,
+        made = self._made(
+            self._path(self._names.home(module)),
+            files,
+            f"Types of `{_keys(files)}`.",
+            imports=builder.scope.imports(),
+            body=body,
+            defines=builder.scope.defined,
+            pragmas=builder.pragmas,
         )
+        return made, builder.codecs
 
     def _calls_module(self, file: str) -> PythonModule | None:
         files = self._sources([self._calls.origins[file]])

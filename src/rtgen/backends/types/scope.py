@@ -21,6 +21,7 @@ class Scope:
         self._names = names
         self._home = names.home(module)
         self._attributes = names.attribute_names(module)
+        self._taken = names.taken_in(module)
         self._imports: dict[tuple[str, str], str] = {}
         self.globals: set[str] = {*HOMES}
         """The names that function bodies must not use for variables."""
@@ -91,7 +92,8 @@ class Scope:
         key = home, class_name
         if key not in self._imports:
             local = class_name
-            while local in self.globals or local in self._attributes:
+            others = (self.globals, self._attributes, self._taken)
+            while any(local in names for names in others):
                 local += "_"
             self._imports[key] = local
             self.globals.add(local)

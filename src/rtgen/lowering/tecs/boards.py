@@ -17,7 +17,7 @@ from rtgen.lowering.stage import Lowered
 from rtgen.lowering.tecs.communication import FILE, communication_model
 from rtgen.lowering.tecs.idl_model import IdlSide, idl_side
 from rtgen.lowering.tecs.plan import FOLDER, TecsPackage, packages
-from rtgen.lowering.tecs.rtc_components import CLIENT
+from rtgen.lowering.tecs.rtc_components import CLIENT, MARSHALLER
 from rtgen.lowering.tecs.rules import NOT_TRANSFERRED
 from rtgen.model import Model, Package
 
@@ -68,8 +68,13 @@ def boards(model: Model) -> Iterator[BoardPackage]:
 def _profiles(plan: TecsPackage) -> dict[str, str]:
     """The first client's profile is the package's `RTC.xml`."""
     first, *others = (service.name for service in plan.services)
-    return {f"{first}{CLIENT}": "RTC.xml"} | {
-        f"{name}{CLIENT}": f"{name}.RTC.xml" for name in others
+    return {
+        f"{first}{CLIENT}": "RTC.xml",
+        **{f"{name}{CLIENT}": f"{name}.RTC.xml" for name in others},
+        **{
+            f"{service.name}{MARSHALLER}": f"{service.name}{MARSHALLER}.RTC.xml"
+            for service in plan.services
+        },
     }
 
 

@@ -10,11 +10,8 @@ from rtgen.runtime import idl
 from rtgen.runtime.cdr import Aggregated, field
 from rtgen.runtime.services.calls import Call
 
-from .motor_board import (
-    MotorBoard_DoubleSeq2,
-    _MotorBoard_DoubleSeq2_alias,
-    tagWheelState,
-)
+from ._views import tagWheelState as tagWheelState_
+from .motor_board_marshaller import MotorBoard_DoubleSeq2, _MotorBoard_DoubleSeq2_alias
 
 
 class MotorBoard_identify_reply(Aggregated):
@@ -78,11 +75,11 @@ class MotorBoard_drive_reply(Aggregated):
         "MotorBoard.drive reply",
         idl.traits(repository_id=""),
         _result=idl.LONG,
-        state=tagWheelState,
+        state=tagWheelState_,
     )
 
     _result: int = 0
-    state: tagWheelState = field(default_factory=tagWheelState)
+    state: tagWheelState_ = field(default_factory=tagWheelState_)
 
 
 class MotorBoard_getState_reply(Aggregated):
@@ -92,11 +89,11 @@ class MotorBoard_getState_reply(Aggregated):
         "MotorBoard.getState reply",
         idl.traits(repository_id=""),
         _result=idl.LONG,
-        state=tagWheelState,
+        state=tagWheelState_,
     )
 
     _result: int = 0
-    state: tagWheelState = field(default_factory=tagWheelState)
+    state: tagWheelState_ = field(default_factory=tagWheelState_)
 
 
 class MotorBoard_release_reply(Aggregated):
