@@ -76,7 +76,7 @@ class Bench:
         """With `own_slave` the test makes the slave."""
         self.channel = channel or f"hand{next(CHANNELS)}"
         self.system = System(RealClock())
-        self.proxy = of("hand.canopen.hand_slave.proxy", "HandSlaveProxy")("Proxy0")
+        self.proxy = of("hand.components.hand_slave_proxy", "HandSlaveProxy")("Proxy0")
         self.manager = of("hand.canopen.manager", "CanopenManager")("Manager0")
         parameters = self.proxy.configuration_sets
         for component in (self.proxy, self.manager):

@@ -111,10 +111,9 @@ def _known_to_user(model: Model) -> set[str]:
 
     They declare something there, include a file that does, or have a component with such a port.
     """
-    others = {*map(idl_key, IDL_FILES), *(device.key for device in model.devices)}
-    others.update(node.device.key for bus in model.buses for node in bus.nodes)
+    shipped = set(map(idl_key, IDL_FILES))
     files = {file.name: file for file in model.files}
-    own = {name for name, file in files.items() if file.key not in others}
+    own = {n for n, f in files.items() if not f.module and f.key not in shipped}
     seen = set(_reached(files, own))
     found: set[str] = set()
     for declaration in model.declarations:

@@ -81,6 +81,9 @@ OWN_NAMES[Bitmask] = OWN_NAMES[Enum]
 OWN_NAMES[Bitset] = CODEC | NUMBER
 OWN_NAMES[Valuetype] = CODEC | {"described"}
 
+COMPANIONS = ("Stub", "Skeleton", "Codec")
+"""The ends of the names of classes beside that of a declaration."""
+
 _PACKAGES = frozenset({"components", "tecs"})
 """Packages that rtgen itself generates below the root."""
 

@@ -69,3 +69,16 @@ BASE_NAMES = frozenset(
     }
 )
 """Names that modules with bases of components import."""
+
+CANOPEN_NAMES = frozenset(
+    {
+        *("Any", "Callable", "Iterator", "Mapping", "cast", "replace"),
+        *("CONFIGURATION", "DESCRIPTION", "REMAPPED"),
+        *("CanopenDevice", "CanopenProxy", "SdoService"),
+        *("Gathering", "Getter", "Incoming", "Inlet", "Outgoing", "Receiver", "Sender"),
+        *("ObjectNumber", "ObjectValue", "Setter", "over_sdo", "unread", "_pdo"),
+        *("bytes", "codecs", "data", "dict", "divmod", "get", "int", "now", "port"),
+        *("sample", "set_", "str", "tuple", "value", "values"),
+    }
+)
+"""Names that modules of CANopen proxies and devices import, or have as variables."""

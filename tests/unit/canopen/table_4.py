@@ -240,7 +240,7 @@ def generate(folder: Path) -> Path:
 
 def proxy(name: str) -> Any:
     """The generated proxy, as a component of that name."""
-    return import_module(f"{PACKAGE}.canopen.table4.proxy").Table4Proxy(name)
+    return import_module(f"{PACKAGE}.components.table4_proxy").Table4Proxy(name)
 
 
 def device(name: str) -> Any:

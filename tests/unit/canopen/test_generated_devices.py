@@ -68,8 +68,8 @@ class Bench:
         self.manager = of("lab.canopen.manager", "CanopenManager")("manager")
         self.first = of("mylab.sampler_device", "SamplerDevice")("first")
         self.second = of("mylab.sampler_pieces_device", "SamplerPiecesDevice")("second")
-        self.proxy = of("lab.canopen.sampler.proxy", "SamplerProxy")("proxy")
-        self.pieces = of("lab.canopen.sampler_pieces.proxy", "SamplerPiecesProxy")(
+        self.proxy = of("lab.components.sampler_proxy", "SamplerProxy")("proxy")
+        self.pieces = of("lab.components.sampler_pieces_proxy", "SamplerPiecesProxy")(
             "pieces"
         )
         self.probe = Probe("probe")
@@ -264,7 +264,7 @@ def test_objects_by_sdo(bench: Bench, name: str, values: tuple[Any, ...]) -> Non
 
 def test_objects_by_name(bench: Bench) -> None:
     """Values as they are on the wire: of the proxy itself, and by its service port."""
-    table = of("lab.canopen.sampler", "SamplerObjects")
+    table = of("lab.sampler", "SamplerObjects")
     consumer = bench.probe.add_consumer("objects", "objects", canopen.ObjectDictionary)
     bench.system.connect(("probe", "objects"), ("proxy", "sdo"))
     remote = over_service(table, consumer)

@@ -13,16 +13,16 @@ from rtgen.backends.canopen.network_files import network_files
 from rtgen.backends.canopen.objects_module import objects_module
 from rtgen.backends.canopen.proxy_module import proxy_module
 from rtgen.backends.canopen.shared_files import shared_files
-from rtgen.backends.kit.python_module import PythonModule, python_module
+from rtgen.backends.kit.python_module import PythonModule
 from rtgen.backends.kit.python_text import header
-from rtgen.lowering.canopen.kinds import file_name, folder_of, kinds_of
+from rtgen.lowering.canopen.kinds import file_name, kinds_of, package_of
 from rtgen.model import Component, Model
 from rtgen.typemap.canopen_ports import DevicePorts
 from rtgen.typemap.idl_python_names import PythonNames
 
 
 class CanopenBackend:
-    """Makes a package for each kind of device, and a module for each network."""
+    """Makes the tables of devices, their proxies and slaves, and a module for each network."""
 
     name = "canopen"
 
@@ -51,21 +51,13 @@ class _Devices:
 
     def artifacts(self, devices: list[DevicePorts]) -> Iterator[Artifact]:
         """The files of all devices, and their shared files."""
-        yield python_module(
-            f"{self._options.folder}/canopen/__init__.py",
-            self._options.package,
-            self._options.version,
-            sorted(ports.device.key for ports in devices),
-            "CANopen devices and networks.",
-            plain=True,
-        )
         for ports in devices:
             yield from self._device(ports)
         yield from shared_files(self._model, self._names, self._options, self._networks)
 
     def _device(self, ports: DevicePorts) -> Iterator[Artifact]:
         device, module = ports.device, ports.module
-        folder = f"{self._options.folder}/canopen/{folder_of(ports.kind)}"
+        folder = f"{self._options.folder}/{package_of(ports.kind)}"
         lines = header(self._options.version, [device.key])
 
         def file(name: str, text: str) -> Artifact:

@@ -1,45 +1,28 @@
-"""Common parts of the modules `proxy` and `device`: names of types, ports, members; imports."""
+"""What proxy and slave of a device have in common: names of types, ports, members; imports."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable
 
 from rtgen.backends import Options
 from rtgen.backends.canopen.conversions import from_codec, from_object, is_plain, stamp
 from rtgen.backends.canopen.literals import call
-from rtgen.backends.components.imports import Imports
+from rtgen.backends.components.base_module import component_imports
+from rtgen.backends.components.locations import module_path
 from rtgen.backends.components.members import attributes_of
-from rtgen.backends.kit.python_module import Import, PythonModule, python_module
+from rtgen.backends.kit.python_module import (
+    Import,
+    PythonModule,
+    imports_from,
+    python_module,
+)
+from rtgen.lowering.canopen.kinds import package_of
 from rtgen.model import Component, Model, NamedType, ScopedName, Struct
 from rtgen.model.canopen import PdoDirection
 from rtgen.typemap.canopen_ports import DevicePorts, ObjectPort, PdoSample, Quantity
 from rtgen.typemap.idl_python_names import PythonNames
 
 TIME = ("RTC", "Time")
-
-_TAKEN = frozenset(
-    {
-        *("annotations", "Any", "Callable", "Iterator", "Mapping", "cast"),
-        *("DESCRIPTION", "Gathering", "Getter", "Incoming", "Inlet", "Outgoing"),
-        *("ObjectNumber", "ObjectValue", "Receiver", "Sender", "Setter", "unread"),
-        *("_pdo", "codecs", "data", "dict", "divmod", "get", "instance_name", "int"),
-        *(
-            "CONFIGURATION",
-            "REMAPPED",
-            "replace",
-            "bytes",
-            "now",
-            "port",
-            "sample",
-            "self",
-            "set_",
-            "str",
-            "super",
-            "tuple",
-        ),
-        *("value", "values"),
-    }
-)
 
 
 class ComponentModule:
@@ -52,15 +35,13 @@ class ComponentModule:
         component: Component,
         ports: DevicePorts,
         options: Options,
-        path: str,
         taken: Collection[str],
     ) -> None:
         self._options = options
-        self._path = path
         self.ports = ports
         self.component = component
         self.names = names
-        self.types = Imports(model, self.names, _TAKEN.union(taken))
+        self.types = component_imports(model, names, component, taken)
         self.attributes = {
             (port.kind.value, port.name): name
             for port, name in attributes_of(component).ports
@@ -140,17 +121,23 @@ class ComponentModule:
     # Text.
 
     def module(
-        self, origin: Sequence[str], title: str, body: str, own: Iterable[Import]
+        self, title: str, body: str, *, tables: Iterable[str], defines: Iterable[str]
     ) -> PythonModule:
-        """The module; `own` are imports of other modules of the project."""
+        """The part of the module; `tables` are names of the device's package."""
+        device = f"{self.names.package}.{package_of(self.ports.kind)}"
         if "_pdo." in body:
             self.use("rtgen.runtime.canopen", "pdo", "_pdo")
         return python_module(
-            self._path,
+            module_path(self.names.package, self.component),
             self._options.package,
             self._options.version,
-            origin,
+            [self.ports.device.key],
             title,
-            imports=[*self._imported, *self.types.imports(), *own],
+            imports=[
+                *self._imported,
+                *self.types.imports(),
+                *imports_from(device, tables),
+            ],
             body=body,
+            defines=defines,
         )

@@ -1,4 +1,4 @@
-"""The module `device` of a device: its component, without ports and configuration."""
+"""The part of a device's component beside its base: its slave, without ports and configuration."""
 
 from __future__ import annotations
 
@@ -8,12 +8,11 @@ from rtgen.backends import Options
 from rtgen.backends.canopen.component_module import ComponentModule
 from rtgen.backends.canopen.conversions import to_object
 from rtgen.backends.canopen.literals import items, number
-from rtgen.backends.canopen.objects_module import class_name
-from rtgen.backends.kit.python_module import PythonModule, imports_from
+from rtgen.backends.kit.python_module import PythonModule
 from rtgen.backends.kit.quoting.python import docstring, string_literal
-from rtgen.lowering.canopen.kinds import folder_of
 from rtgen.model import Component, Model
 from rtgen.model.canopen import PdoDirection
+from rtgen.typemap.canopen_names import table_class
 from rtgen.typemap.canopen_ports import DevicePorts, ObjectPort, PdoSample, Quantity
 from rtgen.typemap.idl_python_names import PythonNames
 
@@ -42,10 +41,8 @@ class _DeviceModule(ComponentModule):
         options: Options,
     ) -> None:
         self._name = f"{ports.module}Slave"
-        self._objects = class_name(ports.module)
-        taken = {self._name, self._objects, "CanopenDevice"}
-        path = f"{options.folder}/canopen/{folder_of(ports.kind)}/device.py"
-        super().__init__(model, names, component, ports, options, path, taken)
+        self._objects = table_class(ports.module)
+        super().__init__(model, names, component, ports, options, {self._objects})
         self._received = ports.of(PdoDirection.RPDO)
         self._sent = ports.of(PdoDirection.TPDO)
 
@@ -81,11 +78,10 @@ class _DeviceModule(ComponentModule):
             body += self._incoming(sample)
         for _, _, function in outgoing:
             body += function
-        package = f"{self.names.package}.canopen.{folder_of(self.ports.kind)}"
-        own = imports_from(package, ["DESCRIPTION", self._objects])
-        key = self.ports.device.key
-        title = f"The device of `{key}` as a component."
-        return self.module([key], title, "\n".join(body), own)
+        title = f"The device of `{self.ports.device.key}` as a component."
+        tables = ["DESCRIPTION", self._objects]
+        text = "\n".join(body)
+        return self.module(title, text, tables=tables, defines=[self._name])
 
     def _incoming(self, sample: PdoSample) -> Iterator[str]:
         self.use(_HOOKS, "Getter")

@@ -1,4 +1,4 @@
-"""The module `proxy` of a device: its complete proxy component."""
+"""The part of a device's proxy beside its base: the complete component, the codecs of PDOs."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from rtgen.backends.canopen.literals import call, items, literal, number
 from rtgen.backends.canopen.objects_module import (
     CONFIGURATION,
     REMAPPED,
-    class_name,
     is_remapped,
 )
 from rtgen.backends.canopen.pdo_codec import IMPORTS, PdoCodec, codecs_text
 from rtgen.backends.components.locations import base_location
-from rtgen.backends.kit.python_module import PythonModule, imports_from
+from rtgen.backends.kit.python_module import PythonModule
 from rtgen.backends.kit.quoting.python import docstring, number_literal, string_literal
 from rtgen.layouts.can_startup import configuration
 from rtgen.lowering.canopen.components import SERVICE_PORT
-from rtgen.lowering.canopen.kinds import folder_of, service_of
+from rtgen.lowering.canopen.kinds import service_of
 from rtgen.model import Component, Interface, Model, PortKind
 from rtgen.model.canopen import NodeRelative, PdoDirection
+from rtgen.typemap.canopen_names import table_class
 from rtgen.typemap.canopen_ports import DevicePorts, ObjectPort, PdoSample, Quantity
 from rtgen.typemap.canopen_values import kind, object_value, python_type
 from rtgen.typemap.idl_python_names import PythonNames
@@ -70,12 +70,10 @@ class _ProxyModule(ComponentModule):
     ) -> None:
         name = component.name[-1]
         codecs = {f"{c}_{s.name}" for c in ("decode", "encode") for s in ports.samples}
-        self._objects = class_name(ports.module)
+        self._objects = table_class(ports.module)
         self._servant_name = f"_{service_of(ports.kind)[-1]}"
-        own = {name, f"{name}Base", self._servant_name, "SdoService", self._objects}
-        taken = {*own, "over_sdo", *codecs}
-        path = f"{options.folder}/canopen/{folder_of(ports.kind)}/proxy.py"
-        super().__init__(model, names, component, ports, options, path, taken)
+        taken = {name, self._servant_name, self._objects, *codecs}
+        super().__init__(model, names, component, ports, options, taken)
         self._name = name
         self._received = ports.of(PdoDirection.TPDO)
         self._sent = ports.of(PdoDirection.RPDO)
@@ -104,16 +102,10 @@ class _ProxyModule(ComponentModule):
             body += self._send(sample)
         body += self._servant()
         tables = ["DESCRIPTION", self._objects, *self._changes.values()]
-        package = self.names.package
-        own = [
-            *imports_from(
-                base_location(package, self.component), [f"{self._name}Base"]
-            ),
-            *imports_from(f"{package}.canopen.{folder_of(self.ports.kind)}", tables),
-        ]
-        key = self.ports.device.key
-        title = f"The proxy of `{key}`, with the codecs of its PDOs."
-        return self.module([key], title, "\n".join([*self._codecs(), *body]), own)
+        self.use(base_location(self.names.package, self.component), f"{self._name}Base")
+        title = f"The proxy of `{self.ports.device.key}`, with the codecs of its PDOs."
+        text = "\n".join([*self._codecs(), *body])
+        return self.module(title, text, tables=tables, defines=[self._name])
 
     def _codecs(self) -> list[str]:
         """The functions from octets to values for TPDOs, from values to octets for RPDOs."""

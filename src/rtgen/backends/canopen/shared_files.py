@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from rtgen.backends import Artifact, Options
 from rtgen.backends.canopen.manager_module import manager_module
+from rtgen.backends.kit.python_module import python_module
 from rtgen.backends.kit.python_text import header
 from rtgen.model import Model
 from rtgen.resources import idl_file
@@ -24,6 +25,14 @@ def shared_files(
         yield from _shared_idl(model, options, folder)
     if networks:
         origin = [bus.key for bus in model.buses]
+        yield python_module(
+            f"{folder}/__init__.py",
+            options.package,
+            options.version,
+            origin,
+            "The CANopen networks and their manager.",
+            plain=True,
+        )
         yield manager_module(model, names, options, origin, networks)
 
 

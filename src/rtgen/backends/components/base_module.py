@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 from rtgen.backends import Options
@@ -42,7 +42,7 @@ from rtgen.model import (
 from rtgen.typemap.component_names import CONFIGURATION_NAMES
 from rtgen.typemap.idl_python_names import PythonNames
 from rtgen.typemap.parameters import Parameters
-from rtgen.typemap.python_support import BASE_NAMES
+from rtgen.typemap.python_support import BASE_NAMES, CANOPEN_NAMES
 
 _TAKEN = CONFIGURATION_NAMES | BASE_NAMES | {"super", "self", "instance_name"}
 _FLOATING = (PrimitiveType(Primitive.FLOAT), PrimitiveType(Primitive.DOUBLE))
@@ -79,11 +79,18 @@ def attribute_names(
 
 
 def component_imports(
-    model: Model, names: PythonNames, component: Component
+    model: Model,
+    names: PythonNames,
+    component: Component,
+    further: Collection[str] = (),
 ) -> Imports:
-    """The imports of the module with the base of a component."""
-    runtime_base = component.runtime_base.partition(":")[2]
-    taken = _TAKEN | {*class_names(component), runtime_base}
+    """The imports of the module with the base of a component.
+
+    `further` are names of definitions that no module can have.
+    """
+    taken = _TAKEN | {*class_names(component), *further}
+    if component.runtime_base:
+        taken |= CANOPEN_NAMES | {component.runtime_base.partition(":")[2]}
     return Imports(model, names, taken, base_location(names.package, component))
 
 

@@ -200,7 +200,7 @@ class Calls:
             home = owner.module
             if home:
                 inner = is_package(home, declaration.name)
-                home = f"{home}.calls" if inner else f"{home}_calls"
+                home = f"{home}._calls" if inner else f"{home}_calls"
             self._files[module] = replace(
                 owner, name=name, key=calls, main=False, belongs_to=None, module=home
             )

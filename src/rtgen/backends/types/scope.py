@@ -56,17 +56,21 @@ class Scope:
 
         msgspec recognizes it by name only, so a class with a member of that name omits it.
         """
-        alone = "ClassVar" not in self._attributes
+        alone = not self._is_bound("ClassVar")
         return f": {self.ClassVar}" if alone else ""
 
     def support(self, name: str, module: str | None = None) -> str:
         """A name of the runtime, the standard library or the builtins."""
         home, _, original = (module or HOMES[name]).partition(":")
-        local = f"_{name}" if name in self._attributes else name
+        local = f"_{name}" if self._is_bound(name) else name
         if home != "builtins" or local != name:
             self._imports[home, original or name] = local
             self.globals.add(local)
         return local
+
+    def _is_bound(self, name: str) -> bool:
+        """Whether a name means something else in a class or in the module."""
+        return name in self._attributes or name in self._taken
 
     def spell(self, module: str, name: str) -> str:
         """A support name in the form of the mapping table."""
@@ -92,8 +96,7 @@ class Scope:
         key = home, class_name
         if key not in self._imports:
             local = class_name
-            others = (self.globals, self._attributes, self._taken)
-            while any(local in names for names in others):
+            while local in self.globals or self._is_bound(local):
                 local += "_"
             self._imports[key] = local
             self.globals.add(local)

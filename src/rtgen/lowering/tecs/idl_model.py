@@ -53,7 +53,7 @@ from rtgen.model.tecs import (
 )
 from rtgen.typemap.implementation_modules import referred
 from rtgen.typemap.python_names import identifier
-from rtgen.typemap.python_support import BASE_NAMES
+from rtgen.typemap.python_support import BASE_NAMES, HOMES
 from rtgen.typemap.tecs_idl import IdlTypes, NotInIdlError
 from rtgen.typemap.tecs_python import MARSHALLER_NAMES, codec_class, struct_class
 
@@ -241,13 +241,14 @@ class _Builder:
         name = identifier(service.name)
         made = ("Proxy", "Target", *RTCS, *(f"{each}Base" for each in RTCS))
         structs = (struct_class(each) for each in self._structs)
-        return self._in_views().union(
+        found = self._in_views().union(
             structs,
             (f"{name}{each}" for each in made),
             (f"_{name}Servant", codec_class(service.signature)),
             MARSHALLER_NAMES,
             BASE_NAMES,
         )
+        return found.difference(HOMES)  # which are imported from the same places
 
     # Types and constants.
 

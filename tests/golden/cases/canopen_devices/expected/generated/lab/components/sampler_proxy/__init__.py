@@ -5,19 +5,251 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from struct import Struct as _Struct, error as _error
+from typing import ClassVar
 
+from rtgen.runtime import ComponentProfile, ParameterProfile, data_port, service_port
 from rtgen.runtime.canopen import pdo as _pdo
 from rtgen.runtime.canopen.description import ObjectNumber, ObjectValue
 from rtgen.runtime.canopen.hooks import Receiver, Sender
+from rtgen.runtime.canopen.master.proxy import CanopenProxy
 from rtgen.runtime.canopen.master.sdo_service import SdoService
 from rtgen.runtime.canopen.objects import over_sdo
 from rtgen.runtime.canopen.port_samples import unread
 from rtgen.runtime.library import canopen, rtc
 
 from ... import sampler
-from ...components.sampler_proxy import SamplerProxyBase
-from . import DESCRIPTION, SamplerObjects
+from ...sampler import DESCRIPTION, SamplerObjects
+
+
+@dataclass(slots=True)
+class SamplerProxyConfiguration:
+    """Configuration of SamplerProxy."""
+
+    interface: str = "virtual"
+    """The kind of bus: an interface of python-can. In simulated time the bus is simulated."""
+    channel: str = "can0"
+    """The channel of the interface."""
+    bitrate: int = 0
+    """Bit rate, 0 for the interface's own [bit/s]."""
+    options: str = ""
+    """Further arguments of the interface: "host=127.0.0.1,port=29536"."""
+    node_id: int = 3
+    """The node-id."""
+    network: str = "bench"
+    """The network: the name of its bus file; empty for none."""
+    master: bool = False
+    """Whether it sends NMT commands itself where the process has no manager on the bus."""
+    heartbeat_timeout: int = 0
+    """How long the device may be silent; 0: as the network says, else three periods [ms]."""
+    boot_timeout: int = 2000
+    """How long a reset may take until the boot-up message [ms]."""
+    emergency_stop: str = ""
+    """Emergency codes that lead to ERROR, such as xxxx,-82xx; others are only reported. Empty: as the network says."""
+    recoveries: int = 0
+    """How often in a row it leaves ERROR by itself; 0: as the network says."""
+    sdo_in_error: bool = False
+    """Whether the device is pre-operational in ERROR, where its objects can be read, and not stopped."""
+    Speed: float = 1.5
+    """Speed (2020h, UNSIGNED32, times 0.001), written by SDO [m/s]."""
+    Label: str = "bench"
+    """Label (2030h, VISIBLE_STRING), written by SDO."""
+    Scale_factor: float = 1.5
+    """Scale factor (2010h:2, REAL32), written by SDO."""
+
+
+class SamplerProxyBase(CanopenProxy):
+    """Stands for a device on a CANopen bus: Sampler.
+
+    What the device transmits comes out of OutPorts, what InPorts get is sent to it.
+    Its life cycle is that of the device (NMT).
+    """
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        type_name="SamplerProxy",
+        kind="DataFlowComponent",
+        category="CANopen",
+        vendor="rtgen",
+        version="1.0.0",
+        description="Proxy of Sampler",
+        rate=100.0,
+        max_instances=0,
+        activity="PERIODIC",
+        execution="PeriodicExecutionContext",
+        ports=(
+            data_port(
+                "outport",
+                "tpdo1",
+                sampler.Tpdo1,
+                "TPDO 1: Switch_2001_00, Gear, Level, Raw_value, Scale_factor.",
+            ),
+            data_port(
+                "outport",
+                "tpdo2",
+                sampler.Tpdo2,
+                "TPDO 2: Counter, Offset, Distance.",
+            ),
+            data_port("outport", "tpdo3", sampler.Tpdo3, "TPDO 3: Position_48, Tag."),
+            data_port(
+                "outport",
+                "tpdo4",
+                sampler.Tpdo4,
+                "TPDO 4: Time_of_day, Error_register.",
+            ),
+            data_port(
+                "inport",
+                "rpdo1",
+                sampler.Rpdo1,
+                "RPDO 1: Switch_2001_00, Gear, Level, Ticks_56.",
+            ),
+            data_port("inport", "rpdo2", sampler.Rpdo2, "RPDO 2: Offset, Distance."),
+            service_port(
+                "provider",
+                "sdo",
+                sampler.ObjectAccess,
+                "The objects of the device, read and written by SDO.",
+            ),
+        ),
+        configuration=(
+            ParameterProfile(
+                name="interface",
+                python_name="interface",
+                type="string",
+                default="virtual",
+                description="The kind of bus: an interface of python-can. In simulated time the bus is simulated.",
+            ),
+            ParameterProfile(
+                name="channel",
+                python_name="channel",
+                type="string",
+                default="can0",
+                description="The channel of the interface.",
+            ),
+            ParameterProfile(
+                name="bitrate",
+                python_name="bitrate",
+                type="long",
+                default="0",
+                minimum=0,
+                unit="bit/s",
+                description="Bit rate, 0 for the interface's own.",
+            ),
+            ParameterProfile(
+                name="options",
+                python_name="options",
+                type="string",
+                default="",
+                description='Further arguments of the interface: "host=127.0.0.1,port=29536".',
+            ),
+            ParameterProfile(
+                name="node_id",
+                python_name="node_id",
+                type="long",
+                default="3",
+                minimum=1,
+                maximum=127,
+                description="The node-id.",
+            ),
+            ParameterProfile(
+                name="network",
+                python_name="network",
+                type="string",
+                default="bench",
+                description="The network: the name of its bus file; empty for none.",
+            ),
+            ParameterProfile(
+                name="master",
+                python_name="master",
+                type="boolean",
+                default="0",
+                description="Whether it sends NMT commands itself where the process has no manager on the bus.",
+            ),
+            ParameterProfile(
+                name="heartbeat_timeout",
+                python_name="heartbeat_timeout",
+                type="long",
+                default="0",
+                minimum=0,
+                unit="ms",
+                description="How long the device may be silent; 0: as the network says, else three periods.",
+            ),
+            ParameterProfile(
+                name="boot_timeout",
+                python_name="boot_timeout",
+                type="long",
+                default="2000",
+                minimum=1,
+                unit="ms",
+                description="How long a reset may take until the boot-up message.",
+            ),
+            ParameterProfile(
+                name="emergency_stop",
+                python_name="emergency_stop",
+                type="string",
+                default="",
+                description="Emergency codes that lead to ERROR, such as xxxx,-82xx; others are only reported. Empty: as the network says.",
+            ),
+            ParameterProfile(
+                name="recoveries",
+                python_name="recoveries",
+                type="long",
+                default="0",
+                minimum=0,
+                description="How often in a row it leaves ERROR by itself; 0: as the network says.",
+            ),
+            ParameterProfile(
+                name="sdo_in_error",
+                python_name="sdo_in_error",
+                type="boolean",
+                default="0",
+                description="Whether the device is pre-operational in ERROR, where its objects can be read, and not stopped.",
+            ),
+            ParameterProfile(
+                name="Speed",
+                python_name="Speed",
+                type="double",
+                default="1.5",
+                minimum=0.0,
+                maximum=100.0,
+                unit="m/s",
+                description="Speed (2020h, UNSIGNED32, times 0.001), written by SDO.",
+            ),
+            ParameterProfile(
+                name="Label",
+                python_name="Label",
+                type="string",
+                default="bench",
+                description="Label (2030h, VISIBLE_STRING), written by SDO.",
+            ),
+            ParameterProfile(
+                name="Scale_factor",
+                python_name="Scale_factor",
+                type="float",
+                default="1.5",
+                description="Scale factor (2010h:2, REAL32), written by SDO.",
+            ),
+        ),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.config = self.add_configuration(SamplerProxyConfiguration())
+        self.tpdo1 = self.add_out_port("tpdo1", sampler.Tpdo1)
+        """TPDO 1: Switch_2001_00, Gear, Level, Raw_value, Scale_factor."""
+        self.tpdo2 = self.add_out_port("tpdo2", sampler.Tpdo2)
+        """TPDO 2: Counter, Offset, Distance."""
+        self.tpdo3 = self.add_out_port("tpdo3", sampler.Tpdo3)
+        """TPDO 3: Position_48, Tag."""
+        self.tpdo4 = self.add_out_port("tpdo4", sampler.Tpdo4)
+        """TPDO 4: Time_of_day, Error_register."""
+        self.rpdo1 = self.add_in_port("rpdo1", sampler.Rpdo1)
+        """RPDO 1: Switch_2001_00, Gear, Level, Ticks_56."""
+        self.rpdo2 = self.add_in_port("rpdo2", sampler.Rpdo2)
+        """RPDO 2: Offset, Distance."""
+        self.sdo = self.add_provider("sdo", "sdo", sampler.ObjectAccess)
+        """The objects of the device, read and written by SDO."""
+
 
 _OverflowError = OverflowError
 _TypeError = TypeError
